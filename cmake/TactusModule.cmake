@@ -1,0 +1,29 @@
+# The flags that every target of the project shares.
+add_library(tactus_flags INTERFACE)
+target_compile_features(tactus_flags INTERFACE cxx_std_20)
+target_include_directories(tactus_flags INTERFACE ${PROJECT_SOURCE_DIR})
+# -ffp-contract=off: a result must not depend on which multiplications the compiler chose to fuse.
+target_compile_options(tactus_flags INTERFACE
+  $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+    -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion -ffp-contract=off -fno-math-errno>
+  $<$<AND:$<BOOL:${TACTUS_WERROR}>,$<CXX_COMPILER_ID:GNU,Clang,AppleClang>>:-Werror>
+  $<$<AND:$<BOOL:${TACTUS_NATIVE}>,$<CXX_COMPILER_ID:GNU,Clang,AppleClang>>:-march=native>)
+if(TACTUS_SANITIZE)
+  target_compile_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE} -fno-omit-frame-pointer -g)
+  target_link_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE})
+endif()
+
+# tactus_module(core engine/core DEPENDS ...): one target for one folder, from every .cpp in it,
+# so that a new file is built without naming it anywhere.
+function(tactus_module name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(sources)
+    add_library(tactus_${name} STATIC ${sources})
+    target_link_libraries(tactus_${name} PUBLIC tactus_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE})
+  else()
+    add_library(tactus_${name} INTERFACE)
+    target_link_libraries(tactus_${name} INTERFACE tactus_flags ${ARG_DEPENDS})
+  endif()
+  add_library(tactus::${name} ALIAS tactus_${name})
+endfunction()

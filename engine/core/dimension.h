@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace tactus {
+
+/// What a number measures, as exponents of the SI base units. Exponents are real because the stiffness of a
+/// power-law contact is in N/m^1.5. Decibels, per cent, radians and full scale are plain numbers: all zero.
+struct Dimension {
+  double metre = 0, kilogram = 0, second = 0, ampere = 0;
+
+  bool operator==(const Dimension& other) const;
+  bool plain() const { return *this == Dimension{}; }
+  Dimension operator*(const Dimension& other) const;
+  Dimension operator/(const Dimension& other) const;
+  Dimension pow(double exponent) const;
+};
+
+/// How people write it: "N/m", "m/s", "kg m^2"; "" for a plain number.
+std::string to_string(const Dimension& dimension);
+
+/// A unit as written in a file: SI value = factor * number, or 10^(number / 20) when `decibel`.
+struct Unit {
+  Dimension dimension;
+  double factor = 1.0;
+  bool decibel = false;
+
+  double to_si(double number) const;
+  double from_si(double si) const;
+};
+
+/// "ms", "N/m^1.5", "T m", "kg/s", "m/s^2", "full scale", "dB", "%", "" (plain). Factors stand apart by a space
+/// or '*'; everything after a '/' up to the next '/' divides once ("N s/m" is N·s per m, "N/m/s" N per m per s).
+/// nullopt: not a unit.
+std::optional<Unit> parse_unit(std::string_view text);
+
+/// True for one unit symbol ("ms", "ohm", "dB").
+bool is_unit_symbol(std::string_view word);
+
+/// "15 ms", "-34 dB", "0.6": number, then unit. nullopt: not a quantity.
+struct ParsedQuantity {
+  double si;
+  Unit unit;
+};
+std::optional<ParsedQuantity> parse_quantity(std::string_view text);
+
+}  // namespace tactus

@@ -1,0 +1,22 @@
+#include "engine/core/error.h"
+
+namespace tactus {
+
+std::string to_string(const Error& error) {
+  std::string text = error.where;
+  if (!text.empty()) text += ": ";
+  text += error.what;
+  if (!error.remedy.empty()) text += "; " + error.remedy;
+  return text;
+}
+
+std::string to_string(const std::vector<Error>& errors) {
+  std::string text;
+  for (const auto& error : errors) {
+    if (!text.empty()) text += '\n';
+    text += to_string(error);
+  }
+  return text;
+}
+
+}  // namespace tactus

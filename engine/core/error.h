@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+namespace tactus {
+
+enum class Errc {
+  BadArgument,
+  BadFile,       ///< cannot be opened, read or written
+  Syntax,        ///< a file or an expression that cannot be parsed
+  UnknownName,   ///< a node, port, key, unit or element that does not exist
+  WrongType,     ///< a number where a string belongs, and the like
+  UnitMismatch,  ///< metres where newtons belong
+  OutOfRange,
+  Duplicate,
+  Missing,
+  Cycle,  ///< a loop without a frame of delay, or a file that uses itself
+  Device,
+};
+
+/// Something the control side was asked to do and could not: where, what is wrong, what to do about it.
+struct Error {
+  Errc code;
+  std::string where;   ///< "file:line:column", or empty
+  std::string what;    ///< one sentence without a full stop
+  std::string remedy;  ///< what to do, or empty
+};
+
+/// "where: what; remedy", leaving out what is empty.
+std::string to_string(const Error& error);
+/// One error a line.
+std::string to_string(const std::vector<Error>& errors);
+
+template <class T>
+using Result = tl::expected<T, Error>;
+using Status = Result<void>;
+
+/// For files: every mistake in one go, in file order.
+template <class T>
+using Checked = tl::expected<T, std::vector<Error>>;
+
+inline tl::unexpected<Error> fail(Errc code, std::string where, std::string what, std::string remedy = {}) {
+  return tl::unexpected<Error>(Error{code, std::move(where), std::move(what), std::move(remedy)});
+}
+
+}  // namespace tactus

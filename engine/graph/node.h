@@ -1,0 +1,80 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "engine/core/units.h"
+
+namespace tactus {
+
+/// One input of a node for one piece of a block. A constant (or a control at rest) is one number with stride 0,
+/// so that a node can see that nothing changes; anything else has one sample a frame.
+struct Signal {
+  const double* data = nullptr;
+  std::ptrdiff_t stride = 0;
+
+  double operator[](int frame) const { return data[frame * stride]; }
+  bool constant() const { return stride == 0; }
+};
+
+/// What a node works on: `frames` frames, the first of which is number `first_frame` since the engine started.
+/// Inputs and outputs stand in the order of the declaration.
+struct NodeBlock {
+  const Signal* in = nullptr;
+  double* const* out = nullptr;
+  int frames = 0;
+  std::int64_t first_frame = 0;
+};
+
+/// Guaranteed delay in frames from an input to an output.
+struct DelayRange {
+  int least = 0;
+  int most = 0;
+};
+
+/// A running node: one lane of one node of a graph, with its state. Made, ready to run, by `NodeType::make`.
+///
+/// The contract, kept by tests/conformance for every registered type:
+///  - The output does not depend on how the frames are cut into blocks. Vectorised recurrences and coefficient
+///    updates therefore lie on the absolute frame grid (`first_frame`), and nothing depends on `frames`.
+///  - `process` never allocates, locks, waits, logs or throws.
+///  - After `reset` the same input gives the same output again.
+///  - Finite inputs within their declared ranges give finite outputs; a parameter outside is clamped.
+///
+/// A node whose declaration marks inputs as `late` may lie on a loop. There the schedule calls, for each
+/// sub-block of at most `delay(late input, output).least` frames, `emit` (which writes every output and must not read
+/// late inputs) and later `absorb` (which reads the late inputs of the same frames). Elsewhere it calls
+/// `process`, which must give the same bits as emit and absorb frame by frame.
+class Node {
+ public:
+  virtual ~Node() = default;
+
+  /// [realtime] Fills every output for the frames of `block`.
+  virtual void process(const NodeBlock& block) noexcept = 0;
+  /// [realtime] Back to the state after `make`, except for what was learnt at load time (tables, designs).
+  virtual void reset() noexcept = 0;
+
+  /// [realtime] First half, for nodes with late inputs: outputs without the late inputs.
+  virtual void emit(const NodeBlock&) noexcept {}
+  /// [realtime] Second half: takes in the late inputs of the frames last emitted.
+  virtual void absorb(const NodeBlock&) noexcept {}
+
+  /// [any] Guaranteed for the ranges that the node was made with. `most` < 0: unbounded (an infinite response
+  /// has the delay of its first answer).
+  virtual DelayRange delay(int /*input*/, int /*output*/) const { return {}; }
+
+  /// [any] H(f) from `input` to `output` of the node, linear or linearised, with every input held at `at`
+  /// (declaration order). nullopt where no such thing exists. Does not touch the state.
+  virtual std::optional<std::complex<double>> response(int /*input*/, int /*output*/, Hertz /*frequency*/,
+                                                       std::span<const double> /*at*/) const {
+    return std::nullopt;
+  }
+
+  /// [any] How often something was asked of the node that it had to refuse (a delay beyond its range, say).
+  virtual std::int64_t clamped() const { return 0; }
+};
+
+}  // namespace tactus

@@ -1,0 +1,32 @@
+#include "engine/graph/node_type.h"
+
+#include <cassert>
+
+namespace tactus {
+namespace {
+
+template <class Items>
+int index_of(const Items& items, std::string_view name) {
+  for (std::size_t i = 0; i < items.size(); ++i)
+    if (items[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+}  // namespace
+
+const InputInfo& NodeSetup::input(std::string_view name) const {
+  const int i = type->input_index(name);
+  assert(i >= 0);
+  return inputs[static_cast<std::size_t>(i)];
+}
+
+const SettingValue& NodeSetup::setting(std::string_view name) const {
+  const int i = index_of(type->settings, name);
+  assert(i >= 0);
+  return settings[static_cast<std::size_t>(i)];
+}
+
+int NodeType::input_index(std::string_view port) const { return index_of(inputs, port); }
+int NodeType::output_index(std::string_view port) const { return index_of(outputs, port); }
+
+}  // namespace tactus

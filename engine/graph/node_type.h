@@ -1,0 +1,123 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/graph/interval.h"
+#include "engine/graph/node.h"
+#include "engine/graph/value.h"
+
+namespace tactus {
+
+inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
+/// A port that takes a signal: an expression, a name, a quantity or a number.
+struct InputPort {
+  std::string name;
+  /// "ms", "N/m", "" (plain), "any" (not checked), or "=in" (the unit of the port `in`, whatever that is).
+  /// Bare numbers count in the SI unit of the dimension.
+  std::string unit;
+  std::string doc;
+  std::optional<double> fallback;  ///< when the file does not name the port; nullopt: the file must
+  double low = -kUnlimited;        ///< valid range, SI; constants and controls outside it are an error in the
+  double high = kUnlimited;        ///< file, signals outside it are clamped by the node
+  bool late = false;               ///< may close a loop: read by `absorb` (see Node)
+  bool fixed = false;              ///< must be constant: it is needed when the node is made
+};
+
+enum class OutputKind { Signal, Trigger };
+
+struct OutputPort {
+  std::string name;
+  /// As InputPort::unit; also "=in/s" and the like: the unit of a port times a unit.
+  std::string unit;
+  std::string doc;
+  OutputKind kind = OutputKind::Signal;
+  Interval range;  ///< guaranteed
+};
+
+/// A value that is read once, when the file is loaded: a word, a table, a file's name.
+struct Setting {
+  enum class Kind {
+    Choice,   ///< a string, one of `choices`
+    Integer,  ///< a whole number in [low, high]
+    Flag,     ///< true or false
+    Text,     ///< any string
+    File,     ///< path of a file, relative to the graph file, never outside the instruments' folder
+    Points,   ///< [[x, y], …], quantities allowed; the units are those named in `choices` (x, then y)
+    Numbers,  ///< [a, b, …], quantities allowed; the unit is `choices[0]` if there
+    Names,    ///< [node, node, …]
+  };
+  std::string name;
+  Kind kind;
+  std::string doc;
+  std::vector<std::string> choices;
+  std::string fallback;   ///< as written in a file; empty: required unless `optional`
+  bool optional = false;  ///< may be left out although it has no fallback
+  double low = -kUnlimited;
+  double high = kUnlimited;
+};
+
+/// What the compiler knows about an input when it makes the node.
+struct InputInfo {
+  Interval range;                   ///< guaranteed by interval arithmetic; unbounded if nothing is known
+  std::optional<double> constant;   ///< the value, if it never changes
+  bool connected = false;           ///< named in the file
+};
+
+/// Settings with their values, as declared: `setup.choice("interpolation")`. Asking for what was not declared is
+/// a mistake of ours (an assertion), since the compiler checked the file against the declaration.
+struct SettingValue {
+  std::string text;                                ///< Choice, Text; File: the resolved path
+  double number = 0;                               ///< Integer, Flag
+  std::vector<std::pair<double, double>> points;   ///< Points, SI
+  std::vector<double> numbers;                     ///< Numbers, SI
+  std::vector<std::string> names;                  ///< Names
+  bool given = false;
+};
+
+struct NodeType;
+
+/// All that a node is made from.
+struct NodeSetup {
+  Hertz sample_rate;
+  const NodeType* type = nullptr;
+  std::vector<InputInfo> inputs;        ///< declaration order
+  std::vector<SettingValue> settings;   ///< declaration order
+  int lane = 0;                         ///< which lane of how many
+  int lanes = 1;
+
+  const InputInfo& input(std::string_view name) const;
+  const SettingValue& setting(std::string_view name) const;
+};
+
+using MakeNode = std::function<Result<std::unique_ptr<Node>>(const NodeSetup&)>;
+
+/// The declaration of a kind of node: validation, `tactus nodes` and docs/nodes.md are all made from it.
+struct NodeType {
+  std::string name;
+  std::string group;     ///< heading in the reference: "filters", "delays", …
+  std::string summary;   ///< one sentence
+  std::string equation;  ///< plain text, symbols as the ports are named
+  std::string source;    ///< where the method comes from
+  std::string example;   ///< one line of a graph file
+  std::vector<InputPort> inputs;
+  std::vector<OutputPort> outputs;  ///< the first is what the node's bare name means
+  std::vector<Setting> settings;
+  MakeNode make;
+  /// A node without memory whose inputs are constant is evaluated once, when the graph is compiled.
+  bool stateless = false;
+
+  /// Index in `inputs` / `outputs`, or -1.
+  int input_index(std::string_view port) const;
+  int output_index(std::string_view port) const;
+};
+
+}  // namespace tactus
