@@ -114,6 +114,8 @@ struct NodeType {
   MakeNode make;
   /// A node without memory whose inputs are constant is evaluated once, when the graph is compiled.
   bool stateless = false;
+  /// What an output can be, given what is known of the inputs; empty: OutputPort::range.
+  std::function<Interval(int output, const NodeSetup&)> range;
 
   /// Index in `inputs` / `outputs`, or -1.
   int input_index(std::string_view port) const;

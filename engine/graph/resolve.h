@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/graph/flat_graph.h"
+#include "engine/graph/node_table.h"
+#include "engine/graph/spec.h"
+
+namespace tactus {
+
+/// Looks every name up: node types, ports, settings, signals; unfolds parts. `taps` names signals of the top file
+/// ("hit", "hit.level") that become outputs of their own. All mistakes in one go, in file order.
+Checked<FlatGraph> resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
+                           const std::vector<std::string>& taps = {});
+
+}  // namespace tactus
