@@ -64,6 +64,7 @@ struct FlatNode {
   std::vector<int> compensate;              ///< nodes whose phase delay is taken off `time`
   int voices = 1;                           ///< lanes asked for with `voices`
   int lanes = 1;                            ///< inferred
+  std::vector<Interval> ranges;             ///< inferred, of the inputs
 };
 
 struct FlatInput {

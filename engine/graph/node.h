@@ -10,6 +10,9 @@
 
 namespace tactus {
 
+/// No node is ever given more frames at once, whatever the block size: the signals of a piece stay in the cache.
+inline constexpr int kMaxPiece = 64;
+
 /// One input of a node for one piece of a block. A constant (or a control at rest) is one number with stride 0,
 /// so that a node can see that nothing changes; anything else has one sample a frame.
 struct Signal {

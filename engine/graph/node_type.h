@@ -114,6 +114,8 @@ struct NodeType {
   MakeNode make;
   /// A node without memory whose inputs are constant is evaluated once, when the graph is compiled.
   bool stateless = false;
+  /// Outputs that nobody reads may be given as nullptr (networks: hundreds of outputs, few of them read).
+  bool skips_unread = false;
   /// What an output can be, given what is known of the inputs; empty: OutputPort::range.
   std::function<Interval(int output, const NodeSetup&)> range;
 

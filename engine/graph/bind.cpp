@@ -1,0 +1,125 @@
+#include "engine/graph/bind.h"
+
+#include <cmath>
+
+#include "engine/graph/nearest.h"
+#include "engine/graph/quantity.h"
+
+namespace tactus {
+namespace {
+
+Term::Op term_op(Expression::Op op) {
+  switch (op) {
+    case Expression::Op::Negate: return Term::Op::Negate;
+    case Expression::Op::Add: return Term::Op::Add;
+    case Expression::Op::Subtract: return Term::Op::Subtract;
+    case Expression::Op::Multiply: return Term::Op::Multiply;
+    case Expression::Op::Divide: return Term::Op::Divide;
+    case Expression::Op::Min: return Term::Op::Min;
+    case Expression::Op::Max: return Term::Op::Max;
+    case Expression::Op::Abs: return Term::Op::Abs;
+    case Expression::Op::Name: return Term::Op::Signal;
+    case Expression::Op::Number: break;
+  }
+  return Term::Op::Number;
+}
+
+Term look_up(const Expression& expression, const Scope& scope, std::vector<Error>& errors) {
+  Term term{.op = term_op(expression.op),
+            .number = expression.number,
+            .dimension = expression.dimension,
+            .bare = expression.bare,
+            .signal = -1,
+            .arguments = {},
+            .at = expression.at};
+  if (expression.op == Expression::Op::Name) {
+    if (const auto signal = scope.find(expression.name, expression.at)) {
+      term.signal = *signal;
+    } else {
+      errors.push_back(signal.error());
+      term.op = Term::Op::Number;  // a bare 0 fits anywhere and raises no second error
+      term.bare = true;
+    }
+  }
+  for (const auto& argument : expression.arguments) term.arguments.push_back(look_up(argument, scope, errors));
+  return term;
+}
+
+Term number_term(double si, Dimension dimension, bool bare, const Source& at) {
+  Term term;
+  term.number = si;
+  term.dimension = dimension;
+  term.bare = bare;
+  term.at = at;
+  return term;
+}
+
+std::optional<Term> bind_spread(const Value& value, std::vector<Error>& errors) {
+  Term term;
+  term.op = Term::Op::Spread;
+  term.at = value.at;
+  for (const auto& field : *value.table()) {
+    if (field.key == "from" || field.key == "to") continue;
+    if (field.key == "curve" && field.value.text() != nullptr &&
+        (*field.value.text() == "linear" || *field.value.text() == "exponential")) {
+      term.bare = *field.value.text() == "linear";
+      continue;
+    }
+    errors.push_back({Errc::UnknownName, field.at.text(), "a spread over lanes has no '" + field.key + "' like this",
+                      "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
+    return std::nullopt;
+  }
+  for (const auto* key : {"from", "to"}) {
+    const auto* end = find(*value.table(), key);
+    if (end == nullptr) {
+      errors.push_back({Errc::Missing, value.at.text(), std::string{"a spread over lanes lacks '"} + key + "'",
+                        "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
+      return std::nullopt;
+    }
+    const auto quantity = read_quantity(*end);
+    if (!quantity) {
+      errors.push_back(quantity.error());
+      return std::nullopt;
+    }
+    term.arguments.push_back(number_term(quantity->si, quantity->unit.dimension, quantity->bare, end->at));
+  }
+  return term;
+}
+
+}  // namespace
+
+std::optional<Term> bind_signal(const Value& value, const Scope& scope, std::vector<Error>& errors) {
+  if (const auto* number = value.number()) return number_term(*number, {}, true, value.at);
+  if (const auto* text = value.text()) {
+    Source at = value.at;
+    at.column += 1;  // behind the quote
+    const auto expression = parse_expression(*text, at);
+    if (!expression) {
+      errors.push_back(expression.error());
+      return std::nullopt;
+    }
+    return look_up(*expression, scope, errors);
+  }
+  if (const auto* list = value.list()) {
+    Term term;
+    term.op = Term::Op::Lanes;
+    term.at = value.at;
+    for (const auto& lane : *list) {
+      if (lane.list() != nullptr || lane.table() != nullptr) {
+        errors.push_back({Errc::WrongType, lane.at.text(), "a lane cannot be " + lane.kind(),
+                          "a list holds one number, quantity or expression for each lane"});
+        return std::nullopt;
+      }
+      auto bound = bind_signal(lane, scope, errors);
+      if (!bound) return std::nullopt;
+      term.arguments.push_back(std::move(*bound));
+    }
+    if (!term.arguments.empty()) return term;
+  }
+  if (value.table() != nullptr) return bind_spread(value, errors);
+  errors.push_back({Errc::WrongType, value.at.text(), "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
+                    "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\""});
+  return std::nullopt;
+}
+
+}  // namespace tactus

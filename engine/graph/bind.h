@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/graph/flat_graph.h"
+#include "engine/graph/node_type.h"
+#include "engine/graph/scope.h"
+#include "engine/graph/value.h"
+
+namespace tactus {
+
+/// A value in a signal port as a Term: a number, a quantity or expression in a string, a list of lanes, or a
+/// spread { from, to, curve } over the lanes. Mistakes are appended to `errors`.
+std::optional<Term> bind_signal(const Value& value, const Scope& scope, std::vector<Error>& errors);
+
+/// A setting read from the file, or its fallback when `value` is nullptr. `folder` is where files start.
+SettingValue bind_setting(const Setting& setting, const Value* value, const std::filesystem::path& folder,
+                          const std::string& owner, const Source& at, std::vector<Error>& errors);
+
+}  // namespace tactus

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <cmath>
+
+#include "engine/graph/bind.h"
+#include "engine/graph/nearest.h"
+#include "engine/graph/quantity.h"
+
+namespace tactus {
+namespace {
+
+/// One setting of one node being read: where to complain and how to call it.
+struct Reader {
+  const Setting& setting;
+  const std::filesystem::path& folder;
+  std::string owner;  ///< "delay 'echo'"
+  std::vector<Error>& errors;
+
+  SettingValue result{};
+
+  void complain(Errc code, const Source& at, const std::string& what, const std::string& remedy) {
+    errors.push_back({code, at.text(), "'" + setting.name + "' of " + owner + " " + what, remedy});
+  }
+
+  std::string choices() const {
+    std::string text;
+    for (const auto& choice : setting.choices) text += (text.empty() ? "\"" : ", \"") + choice + "\"";
+    return text;
+  }
+
+  Unit unit(std::size_t i) const {
+    if (i >= setting.choices.size()) return {};
+    return parse_unit(setting.choices[i]).value_or(Unit{});
+  }
+
+  void read_text(const Value& value) {
+    const auto* text = value.text();
+    if (text == nullptr)
+      return complain(Errc::WrongType, value.at, "must be a string, not " + value.kind(),
+                      setting.choices.empty() ? "write it in quotes" : "one of " + choices());
+    if (setting.kind == Setting::Kind::Choice &&
+        std::find(setting.choices.begin(), setting.choices.end(), *text) == setting.choices.end()) {
+      const auto near = nearest_name(*text, setting.choices);
+      return complain(Errc::UnknownName, value.at, "cannot be \"" + *text + "\"",
+                      near.empty() ? "one of " + choices() : "did you mean \"" + near + "\"?");
+    }
+    result.text = *text;
+    if (setting.kind == Setting::Kind::File) read_path(*text, value.at);
+  }
+
+  void read_path(const std::string& text, const Source& at) {
+    const std::filesystem::path path{text};
+    const auto normal = path.lexically_normal();
+    if (path.is_absolute() || (!normal.empty() && *normal.begin() == ".."))
+      return complain(Errc::OutOfRange, at, "leaves the folder of the graph file: " + text,
+                      "put the file beside the graph file and give a relative path");
+    result.text = (folder / normal).string();
+    if (!std::filesystem::exists(result.text))
+      complain(Errc::BadFile, at, "names a file that does not exist: " + result.text, "check the name");
+  }
+
+  void read_number(const Value& value) {
+    if (setting.kind == Setting::Kind::Flag) {
+      const auto* flag = value.flag();
+      if (flag == nullptr) return complain(Errc::WrongType, value.at, "must be true or false, not " + value.kind(), "");
+      result.number = *flag ? 1 : 0;
+      return;
+    }
+    const auto* number = value.number();
+    if (number == nullptr || std::floor(*number) != *number)
+      return complain(Errc::WrongType, value.at, "must be a whole number", "");
+    result.number = *number;
+    if (*number < setting.low || *number > setting.high)
+      complain(Errc::OutOfRange, value.at, "is out of range",
+               "choose between " + short_number(setting.low) + " and " + short_number(setting.high));
+  }
+
+  std::optional<double> quantity(const Value& value, std::size_t axis) {
+    const auto si = read_quantity(value, unit(axis), setting.name);
+    if (si) return *si;
+    errors.push_back(si.error());
+    return std::nullopt;
+  }
+
+  void read_list(const Value& value) {
+    const auto* list = value.list();
+    if (list == nullptr || list->empty())
+      return complain(Errc::WrongType, value.at, "must be a list that is not empty", "as in " + setting.doc);
+    for (const auto& item : *list) {
+      if (setting.kind == Setting::Kind::Names) {
+        if (item.text() == nullptr) return complain(Errc::WrongType, item.at, "must hold names of nodes", "");
+        result.names.push_back(*item.text());
+      } else if (setting.kind == Setting::Kind::Numbers) {
+        if (const auto number = quantity(item, 0)) result.numbers.push_back(*number);
+      } else {
+        const auto* pair = item.list();
+        if (pair == nullptr || pair->size() != 2)
+          return complain(Errc::WrongType, item.at, "must hold pairs", "write [[x, y], [x, y], …]");
+        const auto x = quantity((*pair)[0], 0);
+        const auto y = quantity((*pair)[1], 1);
+        if (!x || !y) return;
+        if (!result.points.empty() && *x <= result.points.back().first)
+          return complain(Errc::OutOfRange, item.at, "must have rising first numbers", "sort the points");
+        result.points.emplace_back(*x, *y);
+      }
+    }
+  }
+
+  void read(const Value& value) {
+    result.given = true;
+    switch (setting.kind) {
+      case Setting::Kind::Choice:
+      case Setting::Kind::Text:
+      case Setting::Kind::File: return read_text(value);
+      case Setting::Kind::Integer:
+      case Setting::Kind::Flag: return read_number(value);
+      case Setting::Kind::Points:
+      case Setting::Kind::Numbers:
+      case Setting::Kind::Names: return read_list(value);
+    }
+  }
+
+  void read_fallback() {
+    result.text = setting.fallback;
+    if (setting.kind == Setting::Kind::Flag) result.number = setting.fallback == "true" ? 1 : 0;
+    if (setting.kind == Setting::Kind::Integer) result.number = std::stod(setting.fallback);
+  }
+};
+
+}  // namespace
+
+SettingValue bind_setting(const Setting& setting, const Value* value, const std::filesystem::path& folder,
+                          const std::string& owner, const Source& at, std::vector<Error>& errors) {
+  Reader reader{setting, folder, owner, errors};
+  if (value != nullptr) {
+    reader.read(*value);
+  } else if (!setting.fallback.empty()) {
+    reader.read_fallback();
+  } else if (!setting.optional) {
+    errors.push_back({Errc::Missing, at.text(), owner + " lacks '" + setting.name + "'", setting.doc});
+  }
+  return reader.result;
+}
+
+}  // namespace tactus

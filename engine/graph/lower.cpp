@@ -1,0 +1,218 @@
+#include <cmath>
+#include <map>
+
+#include "engine/graph/vertex_graph.h"
+
+namespace tactus {
+namespace {
+
+class Lowering {
+ public:
+  explicit Lowering(const FlatGraph& flat) : flat_(flat) {}
+
+  VertexGraph run() {
+    make_inputs();
+    for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
+      const auto& signal = flat_.signals[i];
+      wires_.emplace_back(static_cast<std::size_t>(signal.lanes));
+      if (signal.kind == FlatSignal::Kind::NodeOutput) continue;
+      for (int lane = 0; lane < signal.lanes; ++lane) wires_[i][static_cast<std::size_t>(lane)] = make_source(signal, lane);
+    }
+    make_nodes();
+    // All names have their vertices now; loops can be closed.
+    for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
+      const auto& signal = flat_.signals[i];
+      if (signal.kind != FlatSignal::Kind::Expression) continue;
+      for (int lane = 0; lane < signal.lanes; ++lane) {
+        const auto wire = lower(signal.term, lane, signal.lanes, signal.path);
+        graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {wire};
+      }
+    }
+    connect_nodes();
+    make_outputs();
+    return std::move(graph_);
+  }
+
+ private:
+  static std::string lane_path(const std::string& path, int lane, int lanes) {
+    return lanes > 1 ? path + "[" + std::to_string(lane) + "]" : path;
+  }
+
+  Wire add(Vertex vertex) {
+    graph_.vertices.push_back(std::move(vertex));
+    return {static_cast<int>(graph_.vertices.size()) - 1, 0};
+  }
+
+  Wire constant(double value, const Source& at = {}) {
+    Vertex vertex;
+    vertex.value = value;
+    vertex.at = at;
+    return add(std::move(vertex));
+  }
+
+  void make_inputs() {
+    for (const auto& input : flat_.inputs) {
+      first_channel_.push_back(static_cast<int>(graph_.inputs.size()));
+      for (int lane = 0; lane < input.lanes; ++lane) graph_.inputs.push_back(lane_path(input.name, lane, input.lanes));
+    }
+  }
+
+  Wire make_source(const FlatSignal& signal, int lane) {
+    Vertex vertex;
+    vertex.path = lane_path(signal.path, lane, signal.lanes);
+    vertex.at = signal.at;
+    vertex.lane = lane;
+    switch (signal.kind) {
+      case FlatSignal::Kind::Input:
+        vertex.kind = Vertex::Kind::Input;
+        vertex.index = first_channel_[static_cast<std::size_t>(signal.index)] + lane;
+        break;
+      case FlatSignal::Kind::Control:
+        vertex.kind = Vertex::Kind::Control;
+        vertex.index = signal.index;
+        break;
+      case FlatSignal::Kind::SystemDelay: vertex.kind = Vertex::Kind::SystemDelay; break;
+      case FlatSignal::Kind::Expression:
+      case FlatSignal::Kind::NodeOutput:
+        vertex.kind = Vertex::Kind::Operation;
+        vertex.op = Term::Op::Signal;
+        break;
+    }
+    return add(std::move(vertex));
+  }
+
+  void make_nodes() {
+    for (std::size_t n = 0; n < flat_.nodes.size(); ++n) {
+      const auto& node = flat_.nodes[n];
+      first_vertex_.push_back(static_cast<int>(graph_.vertices.size()));
+      if (node.type->name == "mix") {  // a sum of lanes: plain additions
+        const int output = node.outputs.front();
+        wires_[static_cast<std::size_t>(output)][0] = make_source(flat_.signals[static_cast<std::size_t>(output)], 0);
+        continue;
+      }
+      for (int lane = 0; lane < node.lanes; ++lane) {
+        Vertex vertex;
+        vertex.kind = Vertex::Kind::Node;
+        vertex.index = static_cast<int>(n);
+        vertex.lane = lane;
+        vertex.outputs = static_cast<int>(node.outputs.size());
+        vertex.path = lane_path(node.path, lane, node.lanes);
+        vertex.at = node.at;
+        const auto wire = add(std::move(vertex));
+        for (std::size_t port = 0; port < node.outputs.size(); ++port)
+          wires_[static_cast<std::size_t>(node.outputs[port])][static_cast<std::size_t>(lane)] = {wire.vertex, static_cast<int>(port)};
+      }
+    }
+  }
+
+  void connect_nodes() {
+    for (std::size_t n = 0; n < flat_.nodes.size(); ++n) {
+      const auto& node = flat_.nodes[n];
+      if (node.type->name == "mix") {
+        connect_mix(node);
+        continue;
+      }
+      for (int lane = 0; lane < node.lanes; ++lane) {
+        std::vector<Wire> in;
+        for (std::size_t i = 0; i < node.inputs.size(); ++i)
+          in.push_back(node.inputs[i] ? lower(*node.inputs[i], lane, node.lanes, node.path)
+                                      : constant(node.type->inputs[i].fallback.value_or(0)));
+        const auto v = first_vertex_[n] + lane;
+        if (!node.compensate.empty()) compensate(node, lane, in);
+        graph_.vertices[static_cast<std::size_t>(v)].in = std::move(in);
+      }
+    }
+  }
+
+  /// `time` less the phase delay, at the frequency 1/time, of other nodes: a vertex of its own that reads all their
+  /// inputs, since those decide what the delay is.
+  void compensate(const FlatNode& node, int lane, std::vector<Wire>& in) {
+    const auto time = static_cast<std::size_t>(node.type->input_index("time"));
+    for (const int other_index : node.compensate) {
+      const auto& other = flat_.nodes[static_cast<std::size_t>(other_index)];
+      Vertex vertex;
+      vertex.kind = Vertex::Kind::PhaseDelay;
+      vertex.index = first_vertex_[static_cast<std::size_t>(other_index)] + (other.lanes > 1 ? lane : 0);
+      vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
+      vertex.at = node.at;
+      // What is left after the compensations before this one, then the uncompensated time, then the parameters.
+      vertex.in = {in[time], lower(*node.inputs[time], lane, node.lanes, node.path)};
+      for (std::size_t i = 0; i < other.inputs.size(); ++i)
+        vertex.in.push_back(other.type->inputs[i].late || i == 0 || !other.inputs[i]
+                                ? constant(other.type->inputs[i].fallback.value_or(0))
+                                : lower(*other.inputs[i], lane, node.lanes, node.path));
+      in[time] = add(std::move(vertex));
+    }
+  }
+
+  void connect_mix(const FlatNode& node) {
+    const auto& term = *node.inputs.front();
+    Wire sum = lower(term, 0, node.lanes, node.path);
+    for (int lane = 1; lane < node.lanes; ++lane) {
+      Vertex add_vertex;
+      add_vertex.kind = Vertex::Kind::Operation;
+      add_vertex.op = Term::Op::Add;
+      add_vertex.in = {sum, lower(term, lane, node.lanes, node.path)};
+      add_vertex.path = node.path;
+      add_vertex.at = node.at;
+      sum = add(std::move(add_vertex));
+    }
+    const auto out = wires_[static_cast<std::size_t>(node.outputs.front())][0];
+    graph_.vertices[static_cast<std::size_t>(out.vertex)].in = {sum};
+  }
+
+  Wire lower(const Term& term, int lane, int lanes, const std::string& path) {
+    switch (term.op) {
+      case Term::Op::Number: return constant(term.number, term.at);
+      case Term::Op::Signal: {
+        const auto& wires = wires_[static_cast<std::size_t>(term.signal)];
+        return wires[wires.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+      }
+      case Term::Op::Lanes: return lower(term.arguments[term.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)], 0, 1, path);
+      case Term::Op::Spread: return constant(spread(term, lane, lanes), term.at);
+      default: break;
+    }
+    Vertex vertex;
+    vertex.kind = Vertex::Kind::Operation;
+    vertex.op = term.op;
+    vertex.path = path;
+    vertex.at = term.at;
+    for (const auto& argument : term.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
+    return add(std::move(vertex));
+  }
+
+  static double spread(const Term& term, int lane, int lanes) {
+    const double from = term.arguments[0].number;
+    const double to = term.arguments[1].number;
+    const double position = lanes > 1 ? static_cast<double>(lane) / (lanes - 1) : 0;
+    return term.bare ? from + (to - from) * position : from * std::pow(to / from, position);
+  }
+
+  void make_outputs() {
+    for (const auto& output : flat_.outputs) {
+      for (int lane = 0; lane < output.lanes; ++lane) {
+        Vertex vertex;
+        vertex.kind = Vertex::Kind::Output;
+        vertex.index = static_cast<int>(graph_.outputs.size());
+        vertex.path = lane_path(output.name, lane, output.lanes);
+        vertex.at = output.at;
+        vertex.outputs = 0;
+        vertex.in = {lower(output.term, lane, output.lanes, output.name)};
+        graph_.outputs.push_back({vertex.path, output.use});
+        add(std::move(vertex));
+      }
+    }
+  }
+
+  const FlatGraph& flat_;
+  VertexGraph graph_;
+  std::vector<std::vector<Wire>> wires_;  ///< [signal][lane]
+  std::vector<int> first_channel_;        ///< [input]
+  std::vector<int> first_vertex_;         ///< [node]
+};
+
+}  // namespace
+
+VertexGraph lower(const FlatGraph& flat) { return Lowering{flat}.run(); }
+
+}  // namespace tactus

@@ -1,0 +1,119 @@
+#include "engine/graph/make_nodes.h"
+
+#include <optional>
+
+#include "engine/graph/operators.h"
+#include "engine/graph/phase_delay.h"
+
+namespace tactus {
+namespace {
+
+class Maker {
+ public:
+  Maker(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
+      : graph_(graph), flat_(flat), options_(options) {
+    made_.nodes.resize(graph.vertices.size());
+    made_.frozen_controls.assign(flat.controls.size(), false);
+  }
+
+  Checked<MadeNodes> run() {
+    // Nodes that others are compensated for come first: their response bounds the delay of those.
+    for (const bool compensated : {false, true})
+      for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+        const auto& vertex = graph_.vertices[v];
+        if (vertex.alive && vertex.kind == Vertex::Kind::Node && flat_node(vertex).compensate.empty() != compensated)
+          make(v, vertex);
+      }
+    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+      const auto& vertex = graph_.vertices[v];
+      if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
+      const auto* other = made_.nodes[static_cast<std::size_t>(vertex.index)].get();
+      if (other != nullptr) made_.nodes[v] = std::make_unique<PhaseDelay>(*other, static_cast<int>(vertex.in.size()) - 2);
+    }
+    if (!errors_.empty()) return tl::unexpected(std::move(errors_));
+    return std::move(made_);
+  }
+
+ private:
+  const FlatNode& flat_node(const Vertex& vertex) const { return flat_.nodes[static_cast<std::size_t>(vertex.index)]; }
+  const Vertex& at(Wire wire) const { return graph_.vertices[static_cast<std::size_t>(wire.vertex)]; }
+
+  void make(std::size_t v, const Vertex& vertex) {
+    const auto& node = flat_node(vertex);
+    NodeSetup setup;
+    setup.sample_rate = options_.sample_rate;
+    setup.type = node.type.get();
+    setup.settings = node.settings;
+    setup.lane = vertex.lane;
+    setup.lanes = node.lanes;
+    for (std::size_t i = 0; i < vertex.in.size(); ++i) {
+      InputInfo info{node.ranges[i], std::nullopt, node.inputs[i].has_value()};
+      const auto& source = at(vertex.in[i]);
+      if (source.kind == Vertex::Kind::Constant) info.constant = source.value;
+      if (node.type->inputs[i].fixed) {
+        info.constant = starting_value(vertex.in[i], 0);
+        if (!info.constant)
+          errors_.push_back({Errc::WrongType, node.inputs[i]->at.text(),
+                             "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" + node.path +
+                                 "' must not change while it runs",
+                             "give a number, a quantity, or an expression of controls"});
+      }
+      if (info.constant) info.range = Interval::exactly(*info.constant);
+      setup.inputs.push_back(info);
+    }
+    if (!node.compensate.empty()) shorten_time(node, vertex, setup);
+    if (!errors_.empty()) return;
+    auto made = node.type->make(setup);
+    if (made) {
+      made_.nodes[v] = std::move(*made);
+      return;
+    }
+    auto error = made.error();
+    if (error.where.empty()) error.where = node.at.text();
+    errors_.push_back(std::move(error));
+  }
+
+  /// What a signal is when the graph starts, if only constants and controls decide it. Such controls freeze.
+  std::optional<double> starting_value(Wire wire, int depth) {
+    const auto& vertex = at(wire);
+    if (vertex.kind == Vertex::Kind::Constant) return vertex.value;
+    if (vertex.kind == Vertex::Kind::SystemDelay) return options_.system_delay.value;
+    if (vertex.kind == Vertex::Kind::Control) {
+      made_.frozen_controls[static_cast<std::size_t>(vertex.index)] = true;
+      return flat_.controls[static_cast<std::size_t>(vertex.index)].value;
+    }
+    if (vertex.kind != Vertex::Kind::Operation || depth > 1000) return std::nullopt;
+    const auto a = starting_value(vertex.in[0], depth + 1);
+    const auto b = vertex.in.size() > 1 ? starting_value(vertex.in[1], depth + 1) : std::optional{0.0};
+    if (!a || !b) return std::nullopt;
+    return apply(vertex.op, *a, *b);
+  }
+
+  void shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
+    const auto time = static_cast<std::size_t>(node.type->input_index("time"));
+    const auto tuned = node.ranges[time];
+    if (!tuned.bounded() || tuned.low <= 0) return;  // the node itself asks for bounds
+    double most = 0;
+    for (Wire wire = vertex.in[time]; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
+      const auto other = static_cast<std::size_t>(at(wire).index);
+      if (made_.nodes[other] == nullptr) continue;
+      most += PhaseDelay::most(*made_.nodes[other], tuned, flat_node(graph_.vertices[other]).ranges);
+    }
+    setup.inputs[time].constant.reset();
+    setup.inputs[time].range = {std::max(0.0, tuned.low - most), tuned.high};
+  }
+
+  const VertexGraph& graph_;
+  const FlatGraph& flat_;
+  const CompileOptions& options_;
+  MadeNodes made_;
+  std::vector<Error> errors_;
+};
+
+}  // namespace
+
+Checked<MadeNodes> make_nodes(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options) {
+  return Maker{graph, flat, options}.run();
+}
+
+}  // namespace tactus

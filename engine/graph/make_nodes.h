@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/graph/compile.h"
+#include "engine/graph/vertex_graph.h"
+
+namespace tactus {
+
+/// The running nodes of the vertices that are left, in the order of the vertices (nullptr where a vertex is no node).
+struct MadeNodes {
+  std::vector<std::unique_ptr<Node>> nodes;
+  std::vector<bool> frozen_controls;  ///< their value was needed to make a node
+};
+
+Checked<MadeNodes> make_nodes(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options);
+
+}  // namespace tactus

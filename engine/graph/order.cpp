@@ -1,0 +1,236 @@
+#include "engine/graph/order.h"
+
+#include <algorithm>
+#include <set>
+
+namespace tactus {
+namespace {
+
+struct Edge {
+  int to;
+  bool late;
+};
+
+class Ordering {
+ public:
+  Ordering(const VertexGraph& graph, const std::vector<std::vector<bool>>& late, const std::vector<int>& least,
+           bool closed_outside)
+      : graph_(graph), least_(least), size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
+    readers_.resize(static_cast<std::size_t>(size_));
+    least_.resize(static_cast<std::size_t>(size_), 0);
+    const int outside = closed_outside ? size_ - 1 : -1;
+    for (int v = 0; v < static_cast<int>(graph.vertices.size()); ++v) {
+      const auto& vertex = vertex_at(v);
+      if (!vertex.alive) continue;
+      for (std::size_t i = 0; i < vertex.in.size(); ++i)
+        readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back({v, late[static_cast<std::size_t>(v)][i]});
+      if (outside < 0) continue;
+      if (vertex.kind == Vertex::Kind::Output) readers_[static_cast<std::size_t>(v)].push_back({outside, false});
+      if (vertex.kind == Vertex::Kind::Input) readers_[static_cast<std::size_t>(outside)].push_back({v, false});
+    }
+  }
+
+  Checked<std::vector<OrderedSection>> run() {
+    find_components();
+    std::vector<OrderedSection> sections;
+    // Tarjan finds components in reverse order: what is read comes last.
+    for (auto it = components_.rbegin(); it != components_.rend(); ++it) {
+      auto& component = *it;
+      if (component.size() == 1 && !reads_itself(component.front())) {
+        if (sections.empty() || sections.back().loop) sections.emplace_back();
+        sections.back().vertices.push_back({half_of_whole(component.front()), component.front()});
+        continue;
+      }
+      auto loop = order_loop(component);
+      if (!loop) return tl::unexpected(std::move(loop.error()));
+      sections.push_back(std::move(*loop));
+    }
+    return sections;
+  }
+
+ private:
+  const Vertex& vertex_at(int v) const { return graph_.vertices[static_cast<std::size_t>(v)]; }
+  bool is_outside(int v) const { return v >= static_cast<int>(graph_.vertices.size()); }
+  bool alive(int v) const { return is_outside(v) || vertex_at(v).alive; }
+  OrderedVertex::Half half_of_whole(int v) const {
+    return is_outside(v) ? OrderedVertex::Half::Outside : OrderedVertex::Half::Whole;
+  }
+  const std::vector<Edge>& readers(int v) const { return readers_[static_cast<std::size_t>(v)]; }
+
+  bool reads_itself(int v) const {
+    return std::any_of(readers(v).begin(), readers(v).end(), [v](const Edge& e) { return e.to == v; });
+  }
+
+  /// Tarjan's strongly connected components, with a stack of our own: graphs may be chains of 100,000 nodes.
+  void find_components() {
+    struct Frame {
+      int v;
+      std::size_t next;
+    };
+    const auto n = static_cast<std::size_t>(size_);
+    std::vector<int> index(n, -1), low(n, 0);
+    std::vector<bool> on_stack(n, false);
+    std::vector<int> stack;
+    int counter = 0;
+    for (int start = size_ - 1; start >= 0; --start) {
+      if (index[static_cast<std::size_t>(start)] >= 0 || !alive(start)) continue;
+      std::vector<Frame> frames{{start, 0}};
+      while (!frames.empty()) {
+        const int v = frames.back().v;
+        const auto vi = static_cast<std::size_t>(v);
+        if (frames.back().next == 0 && index[vi] < 0) {
+          index[vi] = low[vi] = counter++;
+          stack.push_back(v);
+          on_stack[vi] = true;
+        }
+        if (frames.back().next < readers(v).size()) {
+          const int w = readers(v)[frames.back().next++].to;
+          const auto wi = static_cast<std::size_t>(w);
+          if (index[wi] < 0) frames.push_back({w, 0});
+          else if (on_stack[wi]) low[vi] = std::min(low[vi], index[wi]);
+          continue;
+        }
+        if (low[vi] == index[vi]) {
+          std::vector<int> component;
+          int w = -1;
+          do {
+            w = stack.back();
+            stack.pop_back();
+            on_stack[static_cast<std::size_t>(w)] = false;
+            component.push_back(w);
+          } while (w != v);
+          components_.push_back(std::move(component));
+        }
+        frames.pop_back();
+        if (!frames.empty()) {
+          const auto parent = static_cast<std::size_t>(frames.back().v);
+          low[parent] = std::min(low[parent], low[vi]);
+        }
+      }
+    }
+  }
+
+  // ---- loops -----------------------------------------------------------------------------------------------
+
+  Checked<OrderedSection> order_loop(std::vector<int>& component) {
+    std::sort(component.begin(), component.end());
+    const std::set<int> inside(component.begin(), component.end());
+    std::set<int, std::greater<>> delays;  // a longer sub-block first
+    for (const int v : component)
+      for (const auto& edge : readers(v))
+        if (edge.late && inside.contains(edge.to)) delays.insert(std::min(kMaxPiece, least_[static_cast<std::size_t>(edge.to)]));
+    for (const int sub_block : delays) {
+      if (sub_block < 1) break;
+      std::vector<int> left;
+      auto section = try_order(component, inside, sub_block, left);
+      if (left.empty()) return section;
+    }
+    return tl::unexpected(std::vector{cycle_error(component, inside)});
+  }
+
+  bool cuts(const Edge& edge, int sub_block) const {
+    return edge.late && least_[static_cast<std::size_t>(edge.to)] >= sub_block;
+  }
+
+  /// Kahn's algorithm without the edges that `sub_block` cuts; what lies on a remaining cycle ends up in `left`.
+  OrderedSection try_order(const std::vector<int>& component, const std::set<int>& inside, int sub_block,
+                           std::vector<int>& left) const {
+    OrderedSection section;
+    section.loop = true;
+    section.sub_block = sub_block;
+    section.delay_frames = sub_block;
+    std::map<int, int> waiting;
+    std::set<int> split;
+    for (const int v : component)
+      for (const auto& edge : readers(v)) {
+        if (!inside.contains(edge.to)) continue;
+        if (cuts(edge, sub_block)) split.insert(edge.to);
+        else ++waiting[edge.to];
+      }
+    std::vector<int> ready;
+    for (auto it = component.rbegin(); it != component.rend(); ++it)
+      if (waiting[*it] == 0) ready.push_back(*it);
+    std::set<int> done;
+    while (!ready.empty()) {
+      const int v = ready.back();
+      ready.pop_back();
+      done.insert(v);
+      section.vertices.push_back({split.contains(v) ? OrderedVertex::Half::Emit : half_of_whole(v), v});
+      for (const auto& edge : readers(v))
+        if (inside.contains(edge.to) && !cuts(edge, sub_block) && --waiting[edge.to] == 0) ready.push_back(edge.to);
+    }
+    for (const int v : component)
+      if (!done.contains(v)) left.push_back(v);
+    for (const int v : split) section.vertices.push_back({OrderedVertex::Half::Absorb, v});
+    return section;
+  }
+
+  // ---- loops without delay ---------------------------------------------------------------------------------
+
+  Error cycle_error(const std::vector<int>& component, const std::set<int>& inside) const {
+    std::vector<int> left;
+    try_order(component, inside, 1, left);
+    const std::set<int> stuck(left.begin(), left.end());
+    const auto cycle = walk_cycle(stuck);
+    std::string names;
+    Source at;
+    std::string previous;
+    for (const int v : cycle) {
+      if (is_outside(v)) continue;
+      const auto& vertex = vertex_at(v);
+      if (at.line == 0) at = vertex.at;
+      if (vertex.path == previous) continue;  // operators of one expression
+      previous = vertex.path;
+      names += vertex.path + " -> ";
+    }
+    const bool outside = std::any_of(cycle.begin(), cycle.end(), [this](int v) { return is_outside(v); });
+    const auto first = names.substr(0, names.find(" -> "));
+    return {Errc::Cycle, at.text(), names + first + " has no delay in it",
+            outside ? "a sensor answers its drive in the same frame: give the scene at least a frame of delay"
+                    : "put a 'delay' node on one of these edges"};
+  }
+
+  /// Follows edges inside `stuck` until a vertex comes up again.
+  std::vector<int> walk_cycle(const std::set<int>& stuck) const {
+    // Every vertex on a cycle has a stuck reader; walk backwards over readers that lead on.
+    std::vector<int> path;
+    std::set<int> seen;
+    int v = start_on_cycle(stuck);
+    while (seen.insert(v).second) {
+      path.push_back(v);
+      for (const auto& edge : readers(v))
+        if (stuck.contains(edge.to) && !cuts(edge, 1) && leads_on(edge.to, stuck)) {
+          v = edge.to;
+          break;
+        }
+    }
+    path.erase(path.begin(), std::find(path.begin(), path.end(), v));
+    return path;
+  }
+
+  bool leads_on(int v, const std::set<int>& stuck) const {
+    return std::any_of(readers(v).begin(), readers(v).end(),
+                       [&](const Edge& e) { return stuck.contains(e.to) && !cuts(e, 1); });
+  }
+
+  int start_on_cycle(const std::set<int>& stuck) const {
+    for (const int v : stuck)
+      if (leads_on(v, stuck)) return v;
+    return *stuck.begin();
+  }
+
+  const VertexGraph& graph_;
+  std::vector<int> least_;
+  int size_;
+  std::vector<std::vector<Edge>> readers_;
+  std::vector<std::vector<int>> components_;
+};
+
+}  // namespace
+
+Checked<std::vector<OrderedSection>> order(const VertexGraph& graph, const std::vector<std::vector<bool>>& late,
+                                           const std::vector<int>& least, bool closed_outside) {
+  return Ordering{graph, late, least, closed_outside}.run();
+}
+
+}  // namespace tactus

@@ -1,0 +1,52 @@
+#include "engine/graph/phase_delay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tactus {
+
+double PhaseDelay::phase_delay(double tuned) const noexcept {
+  if (!(tuned > 0)) return 0;
+  const double frequency = 1 / tuned;
+  const auto response = other_.response(0, 0, Hertz{frequency}, values_);
+  return response ? -std::arg(*response) / (2 * std::numbers::pi * frequency) : 0;
+}
+
+void PhaseDelay::process(const NodeBlock& block) noexcept {
+  for (int frame = 0; frame < block.frames; ++frame) {
+    bool changed = !known_ || block.in[1][frame] != tuned_;
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const double now = block.in[i + 2][frame];
+      changed |= now != values_[i];
+      values_[i] = now;
+    }
+    if (changed) {
+      tuned_ = block.in[1][frame];
+      result_ = phase_delay(tuned_);
+      known_ = true;
+    }
+    block.out[0][frame] = block.in[0][frame] - result_;
+  }
+}
+
+double PhaseDelay::most(const Node& other, Interval tuned, const std::vector<Interval>& inputs) {
+  PhaseDelay probe{other, static_cast<int>(inputs.size())};
+  double most = 0;
+  constexpr int kSteps = 64;
+  const std::size_t corners = std::size_t{1} << std::min<std::size_t>(inputs.size(), 8);
+  for (std::size_t corner = 0; corner < corners; ++corner) {
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      const auto& range = inputs[i];
+      const double end = (corner >> i & 1) != 0 ? range.high : range.low;
+      probe.values_[i] = std::isfinite(end) ? end : 0;
+    }
+    for (int step = 0; step <= kSteps; ++step) {
+      const double time = tuned.low * std::pow(tuned.high / tuned.low, static_cast<double>(step) / kSteps);
+      most = std::max(most, probe.phase_delay(time));
+    }
+  }
+  return most;
+}
+
+}  // namespace tactus

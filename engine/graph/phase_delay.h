@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/graph/interval.h"
+#include "engine/graph/node.h"
+
+namespace tactus {
+
+/// Takes the phase delay of another node off a delay time, at the frequency that the loop is tuned to:
+///
+///   out = time − φ(f),   f = 1 / tuned,   φ(f) = −arg H(f) / (2π f)
+///
+/// Inputs: time [s], tuned [s], then the inputs of the other node (its parameters decide H). Output [s].
+/// The phase is taken between −π and π, which is right for what sits in a tuned loop: filters that turn less than
+/// half a circle at the fundamental.
+class PhaseDelay : public Node {
+ public:
+  PhaseDelay(const Node& other, int other_inputs) : other_(other), values_(static_cast<std::size_t>(other_inputs), 0.0) {}
+
+  void process(const NodeBlock& block) noexcept override;
+  void reset() noexcept override { known_ = false; }
+
+  /// [control] The most that it can take off over these ranges, by sampling frequencies and corners.
+  static double most(const Node& other, Interval tuned, const std::vector<Interval>& inputs);
+
+ private:
+  double phase_delay(double tuned) const noexcept;
+
+  const Node& other_;
+  std::vector<double> values_;
+  double tuned_ = 0;
+  double result_ = 0;
+  bool known_ = false;
+};
+
+}  // namespace tactus

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "engine/core/dimension.h"
+#include "engine/core/error.h"
+#include "engine/graph/value.h"
+
+namespace tactus {
+
+/// A number (bare) or a quantity in a string, as written in a graph file.
+struct QuantityValue {
+  double si = 0;
+  Unit unit;
+  bool bare = false;  ///< no unit given: counts in SI
+};
+
+Result<QuantityValue> read_quantity(const Value& value);
+/// The same in SI, checked against what is `expected`: "'12 mm' is in m, but 'time' is in s; give a time …".
+Result<double> read_quantity(const Value& value, const Unit& expected, const std::string& what);
+
+/// "1234.5", "1e-09": the shortest text that reads well in a message.
+std::string short_number(double number);
+
+}  // namespace tactus
