@@ -47,7 +47,7 @@ class Builder {
       if (vertex.kind == Vertex::Kind::Control) schedule_->controls[static_cast<std::size_t>(vertex.index)].buffer = buffer(v, 0);
       if (vertex.kind == Vertex::Kind::SystemDelay) schedule_->system_delay = buffer(v, 0);
     }
-    if (schedule_->system_delay != nullptr) *schedule_->system_delay = options_.system_delay.value;
+    schedule_->system_delay_at_start = options_.system_delay;
   }
 
   double* buffer(std::size_t v, int port) const { return schedule_->arena.data() + first_buffer_[v] + static_cast<std::size_t>(port) * kMaxPiece; }
@@ -157,6 +157,7 @@ class Builder {
     MicroOperation operation;
     operation.op = vertex.op;
     operation.first_in = add_inputs(vertex.in);
+    if (vertex.in.size() == 1) add_inputs(vertex.in);  // every operation has two operands to point at
     operation.out = buffer(static_cast<std::size_t>(v), 0);
     schedule_->operations.push_back(operation);
     schedule_->outputs.push_back(operation.out);

@@ -95,7 +95,8 @@ struct Schedule {
   std::vector<std::string> input_names;
   std::vector<double*> input_buffers;  ///< nullptr: nobody reads the channel
   std::vector<ScheduledControl> controls;
-  double* system_delay = nullptr;  ///< one number in seconds
+  double* system_delay = nullptr;  ///< one number in seconds, or nullptr if nobody reads it
+  Seconds system_delay_at_start;
   std::vector<ScheduledChannel> channels;
 
   Arena arena;

@@ -1,0 +1,69 @@
+#include "engine/runtime/operations.h"
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "engine/graph/operators.h"
+
+namespace tactus {
+namespace {
+
+/// One loop for each combination of samples and constants, so that each is a plain vector loop.
+template <class F>
+void binary(const Signal* in, double* out, int frames, F f) noexcept {
+  const double* a = in[0].data;
+  const double* b = in[1].data;
+  if (in[0].constant()) {
+    const double left = *a;
+    for (int n = 0; n < frames; ++n) out[n] = f(left, b[n * in[1].stride]);
+  } else if (in[1].constant()) {
+    const double right = *b;
+    for (int n = 0; n < frames; ++n) out[n] = f(a[n], right);
+  } else {
+    for (int n = 0; n < frames; ++n) out[n] = f(a[n], b[n]);
+  }
+}
+
+template <class F>
+void unary(const Signal* in, double* out, int frames, F f) noexcept {
+  for (int n = 0; n < frames; ++n) out[n] = f(in[0].data[n * in[0].stride]);
+}
+
+template <Term::Op kOp>
+void run(const Signal* in, double* out, int frames) noexcept {
+  if constexpr (kOp == Term::Op::Negate || kOp == Term::Op::Abs || kOp == Term::Op::Signal)
+    unary(in, out, frames, [](double a) { return apply(kOp, a, 0); });
+  else
+    binary(in, out, frames, [](double a, double b) { return apply(kOp, a, b); });
+}
+
+}  // namespace
+
+void run_operation(Term::Op op, const Signal* in, double* out, int frames) noexcept {
+  switch (op) {
+    case Term::Op::Negate: return run<Term::Op::Negate>(in, out, frames);
+    case Term::Op::Add: return run<Term::Op::Add>(in, out, frames);
+    case Term::Op::Subtract: return run<Term::Op::Subtract>(in, out, frames);
+    case Term::Op::Multiply: return run<Term::Op::Multiply>(in, out, frames);
+    case Term::Op::Divide: return run<Term::Op::Divide>(in, out, frames);
+    case Term::Op::Min: return run<Term::Op::Min>(in, out, frames);
+    case Term::Op::Max: return run<Term::Op::Max>(in, out, frames);
+    case Term::Op::Abs: return run<Term::Op::Abs>(in, out, frames);
+    default: return run<Term::Op::Signal>(in, out, frames);
+  }
+}
+
+bool all_finite(const double* samples, int frames) noexcept {
+  // On the bits: unlike a sum, this reduction may be vectorised. A NaN or infinity has every exponent bit set.
+  constexpr std::uint64_t kExponent = 0x7ff0000000000000u;
+  std::uint64_t bad = 0;
+  for (int n = 0; n < frames; ++n) {
+    std::uint64_t bits;
+    std::memcpy(&bits, samples + n, sizeof bits);
+    bad |= static_cast<std::uint64_t>((bits & kExponent) == kExponent);
+  }
+  return bad == 0;
+}
+
+}  // namespace tactus
