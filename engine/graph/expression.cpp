@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/graph/unit_prefix.h"
+
 namespace tactus {
 namespace {
 
@@ -125,11 +127,15 @@ class Parser {
     auto whole = make(Expression::Op::Number, start);
     whole.bare = true;
     whole.number = sign * value;
-    const auto unit_text = unit_behind();
-    if (unit_text.empty()) return letter(peek_behind_space()) ? not_a_unit(digits) : whole;
+    skip_space();
+    const auto unit_start = here_;
+    const auto unit_text = unit_prefix(text_.substr(here_));
+    if (unit_text.empty() && letter(peek())) return not_a_unit(digits);
+    if (unit_text.empty()) return whole;
+    here_ += unit_text.size();
     const auto unit = parse_unit(unit_text);
     if (!unit)
-      return syntax(unit_start_, "'" + std::string{unit_text} + "' is not a unit",
+      return syntax(unit_start, "'" + std::string{unit_text} + "' is not a unit",
                     "units look like ms, mm/s, N/m^1.5 or dB");
     whole.number = unit->to_si(sign * value);
     if (!std::isfinite(whole.number))
@@ -137,45 +143,6 @@ class Parser {
     whole.dimension = unit->dimension;
     whole.bare = false;
     return whole;
-  }
-
-  /// The longest unit at this place, taken. Factors are joined by spaces or by a '/' without spaces: in "1 N
-  /// / s" and in "2 N * s" the letter s is a name.
-  std::string_view unit_behind() {
-    auto end = here_;
-    while (end < text_.size() && space(text_[end])) ++end;
-    unit_start_ = end;
-    if (text_.substr(end).starts_with("full scale") && !letter_at(end + 10)) {
-      here_ = end + 10;
-      return text_.substr(end, 10);
-    }
-    const bool reciprocal = text_.substr(end).starts_with("1/");
-    for (auto next = reciprocal ? end + 2 : end;;) {
-      const auto symbol_end = unit_symbol_end(next);
-      if (symbol_end == next) break;
-      here_ = end = symbol_end;
-      next = end;
-      if (next < text_.size() && text_[next] == '/') {
-        ++next;
-      } else {
-        while (next < text_.size() && space(text_[next])) ++next;
-        if (next < text_.size() && text_[next] == '%') break;
-      }
-    }
-    return here_ > unit_start_ ? text_.substr(unit_start_, here_ - unit_start_) : std::string_view{};
-  }
-
-  /// Behind "m^1.5" at `start`; `start` if there is no unit symbol.
-  std::size_t unit_symbol_end(std::size_t start) const {
-    auto end = start;
-    if (end < text_.size() && text_[end] == '%') return end + 1;
-    while (letter_at(end) || (end > start && end < text_.size() && (digit(text_[end]) || text_[end] == '.')))
-      ++end;
-    if (!is_unit_symbol(text_.substr(start, end - start))) return start;
-    if (end == text_.size() || text_[end] != '^') return end;
-    double exponent = 0;
-    const auto parsed = std::from_chars(text_.data() + end + 1, text_.data() + text_.size(), exponent);
-    return parsed.ec == std::errc{} ? static_cast<std::size_t>(parsed.ptr - text_.data()) : end;
   }
 
   Result<Expression> word() {
@@ -262,11 +229,6 @@ class Parser {
   char peek(std::size_t ahead = 0) const {
     return here_ + ahead < text_.size() ? text_[here_ + ahead] : '\0';
   }
-  char peek_behind_space() const {
-    const auto next = text_.find_first_not_of(" \t\r\n", here_);
-    return next == text_.npos ? '\0' : text_[next];
-  }
-  bool letter_at(std::size_t i) const { return i < text_.size() && letter(text_[i]); }
   void skip_space() {
     while (space(peek())) ++here_;
   }
@@ -280,7 +242,6 @@ class Parser {
   std::string_view text_;
   Source at_;
   std::size_t here_ = 0;
-  std::size_t unit_start_ = 0;
   int depth_ = 0;
   int values_ = 0;
 };
@@ -289,19 +250,6 @@ class Parser {
 
 Result<Expression> parse_expression(std::string_view text, const Source& at) {
   return Parser{text, at}.whole();
-}
-
-Result<Expression> parse_expression(const Value& value) {
-  if (const auto* text = value.text()) return parse_expression(*text, text_start(value));
-  if (const auto* number = value.number()) {
-    Expression whole;
-    whole.number = *number;
-    whole.bare = true;
-    whole.at = value.at;
-    return whole;
-  }
-  return fail(Errc::WrongType, value.at.text(), value.kind() + " stands where a signal should",
-              "write a number or an expression in quotes");
 }
 
 Source text_start(const Value& value) {

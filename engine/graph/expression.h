@@ -37,8 +37,6 @@ struct Expression {
 /// `at` is where the first character of `text` stands in the file. Errors: Syntax, with the column of what
 /// could not be read and what was expected there.
 Result<Expression> parse_expression(std::string_view text, const Source& at);
-/// A string of a graph file, or a bare number. Errors: as above; WrongType for anything else.
-Result<Expression> parse_expression(const Value& value);
 
 /// Where the first letter of a string stands: behind its quote.
 Source text_start(const Value& value);

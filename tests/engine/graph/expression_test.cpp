@@ -129,14 +129,6 @@ TEST_CASE("expression: depth and length are bounded, so that nothing overflows t
         "a.toml:3:2010: the expression has more than 1000 values; split it into nodes");
 }
 
-TEST_CASE("expression: a value of a file is a string or a number", "[graph]") {
-  const Source quote{kAt.file, 2, 5};
-  CHECK(show(*parse_expression(Value{0.5, quote})) == "0.5");
-  const auto text = parse_expression(Value{std::string{"x + y"}, quote});
-  REQUIRE(text);
-  CHECK(text->arguments[0].at.text() == "a.toml:2:6");
-  const auto flag = parse_expression(Value{true, quote});
-  REQUIRE_FALSE(flag);
-  CHECK(to_string(flag.error()) ==
-        "a.toml:2:5: true or false stands where a signal should; write a number or an expression in quotes");
+TEST_CASE("expression: the text of a string begins behind its quote", "[graph]") {
+  CHECK(text_start(Value{std::string{"x + y"}, {kAt.file, 2, 5}}).text() == "a.toml:2:6");
 }
