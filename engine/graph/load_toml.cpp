@@ -2,9 +2,11 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <system_error>
+#include <tuple>
 
 #include "engine/graph/load.h"
 #include "engine/graph/toml_limits.h"

@@ -1,0 +1,96 @@
+#include "engine/graph/load.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "engine/graph/mistakes.h"
+#include "engine/graph/part_path.h"
+#include "engine/graph/read_graph.h"
+
+namespace tactus {
+namespace {
+
+using Spec = std::shared_ptr<const GraphSpec>;
+
+// Nobody nests parts so deep; each level costs stack.
+constexpr std::size_t kMaxDepth = 32;
+
+/// Reads a file and all that it uses, each file once.
+class Loader {
+ public:
+  Loader(const std::filesystem::path& file, const std::filesystem::path& root)
+      : root_(root.empty() ? file.parent_path() : root) {}
+
+  Spec build(const PartPath& path, const Result<Value::Table>& table) {
+    if (mistakes_.keep(table) == nullptr) return nullptr;
+    const Source file{std::make_shared<const std::string>(path.name), 0, 0};
+    auto spec = std::make_shared<GraphSpec>(read_graph(*table, file, mistakes_));
+    open_.push_back(path);
+    for (const auto& node : spec->nodes)
+      if (!node.use.empty())
+        if (auto part = use(node)) spec->parts[node.use] = std::move(part);
+    open_.pop_back();
+    return spec;
+  }
+
+  Checked<Spec> finish(Spec spec) {
+    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    return spec;
+  }
+
+ private:
+  Spec use(const NodeSpec& node) {
+    const auto folder = std::filesystem::path{open_.back().name}.parent_path();
+    const auto found = find_part(node.use, folder, root_, node.type_at);
+    const auto* path = mistakes_.keep(found);
+    if (path == nullptr || runs_in_circle(*path, node) || too_deep(node)) return nullptr;
+    const auto known = done_.find(path->canonical);
+    if (known != done_.end()) return known->second;
+    // A file with mistakes is remembered too, so that it reports them once.
+    return done_[path->canonical] = build(*path, load_toml(path->name));
+  }
+
+  bool runs_in_circle(const PartPath& path, const NodeSpec& node) {
+    const auto first = std::find_if(open_.begin(), open_.end(),
+                                    [&](const PartPath& open) { return open.canonical == path.canonical; });
+    if (first == open_.end()) return false;
+    std::string chain;
+    for (auto file = first; file != open_.end(); ++file) chain += file->name + " -> ";
+    mistakes_.add(Errc::Cycle, node.type_at, "a file uses itself: " + chain + first->name,
+                  "take one of these parts out of its file");
+    return true;
+  }
+
+  bool too_deep(const NodeSpec& node) {
+    if (open_.size() < kMaxDepth) return false;
+    mistakes_.add(Errc::OutOfRange, node.type_at, "parts lie more than 32 files deep", "use fewer levels");
+    return true;
+  }
+
+  std::filesystem::path root_;
+  Mistakes mistakes_;
+  std::vector<PartPath> open_;  ///< from the first file to the one that is being read
+  std::map<std::filesystem::path, Spec> done_;
+};
+
+Checked<Spec> read(const std::filesystem::path& file, const std::filesystem::path& root,
+                   const Result<Value::Table>& table) {
+  Loader loader{file, root};
+  auto spec = loader.build({file.string(), canonical_path(file)}, table);
+  return loader.finish(std::move(spec));
+}
+
+}  // namespace
+
+Checked<Spec> load_graph(const std::filesystem::path& file, const std::filesystem::path& root) {
+  return read(file, root, load_toml(file));
+}
+
+Checked<Spec> parse_graph(std::string_view text, const std::string& file_name,
+                          const std::filesystem::path& root) {
+  return read(file_name, root, parse_toml(text, file_name));
+}
+
+}  // namespace tactus
