@@ -40,7 +40,8 @@ std::size_t first_bad_utf8(std::string_view text) {
   return text.npos;
 }
 
-/// Behind the string whose first quote is at `i`. An unclosed string ends with its line, where the parser stops.
+/// Behind the string whose first quote is at `i`. An unclosed string ends with its line, where the parser
+/// stops.
 std::size_t skip_string(std::string_view text, std::size_t i) {
   const char quote = text[i];
   const std::string triple(3, quote);
@@ -89,9 +90,11 @@ std::size_t first_too_deep(std::string_view text) {
 
 Status check_toml_limits(std::string_view text, const Source& file) {
   if (text.size() > kMaxFileBytes)
-    return fail(Errc::Syntax, file.text(), "the file is larger than 16 MB", "graph files are text of a few pages");
+    return fail(Errc::Syntax, file.text(), "the file is larger than 16 MB",
+                "graph files are text of a few pages");
   if (const auto bad = first_bad_utf8(text); bad != text.npos)
-    return fail(Errc::Syntax, place_of(text, bad, file).text(), "this is not UTF-8 text", "save the file as UTF-8");
+    return fail(Errc::Syntax, place_of(text, bad, file).text(), "this is not UTF-8 text",
+                "save the file as UTF-8");
   if (const auto deep = first_too_deep(text); deep != text.npos)
     return fail(Errc::Syntax, place_of(text, deep, file).text(), "brackets or dots more than 64 deep",
                 "close some of them before");

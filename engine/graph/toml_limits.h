@@ -10,8 +10,8 @@ namespace tactus {
 inline constexpr std::size_t kMaxFileBytes = 16u << 20;
 inline constexpr int kMaxTomlDepth = 64;
 
-/// What a text must satisfy before a recursive TOML parser may see it: at most 16 MB, valid UTF-8, brackets and
-/// dots of keys at most 64 deep. Errors: Syntax, with the place.
+/// What a text must satisfy before a recursive TOML parser may see it: at most 16 MB, valid UTF-8, brackets
+/// and dots of keys at most 64 deep. Errors: Syntax, with the place.
 Status check_toml_limits(std::string_view text, const Source& file);
 
 }  // namespace tactus
