@@ -1,0 +1,10 @@
+#pragma once
+
+#include "engine/graph/node_type.h"
+
+namespace tactus {
+
+/// Reproducible white noise.
+const NodeType& noise_type();
+
+}  // namespace tactus
