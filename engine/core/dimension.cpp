@@ -17,28 +17,49 @@ struct Symbol {
 
 // Dimension order: metre, kilogram, second, ampere.
 constexpr std::array kSymbols = {
-    Symbol{"m", {{1, 0, 0, 0}, 1.0, false}},         Symbol{"cm", {{1, 0, 0, 0}, 1e-2, false}},
-    Symbol{"mm", {{1, 0, 0, 0}, 1e-3, false}},       Symbol{"um", {{1, 0, 0, 0}, 1e-6, false}},
-    Symbol{"kg", {{0, 1, 0, 0}, 1.0, false}},        Symbol{"g", {{0, 1, 0, 0}, 1e-3, false}},
-    Symbol{"mg", {{0, 1, 0, 0}, 1e-6, false}},       Symbol{"s", {{0, 0, 1, 0}, 1.0, false}},
-    Symbol{"ms", {{0, 0, 1, 0}, 1e-3, false}},       Symbol{"us", {{0, 0, 1, 0}, 1e-6, false}},
+    Symbol{"m", {{1, 0, 0, 0}, 1.0, false}},
+    Symbol{"cm", {{1, 0, 0, 0}, 1e-2, false}},
+    Symbol{"mm", {{1, 0, 0, 0}, 1e-3, false}},
+    Symbol{"um", {{1, 0, 0, 0}, 1e-6, false}},
+    Symbol{"kg", {{0, 1, 0, 0}, 1.0, false}},
+    Symbol{"g", {{0, 1, 0, 0}, 1e-3, false}},
+    Symbol{"mg", {{0, 1, 0, 0}, 1e-6, false}},
+    Symbol{"s", {{0, 0, 1, 0}, 1.0, false}},
+    Symbol{"ms", {{0, 0, 1, 0}, 1e-3, false}},
+    Symbol{"us", {{0, 0, 1, 0}, 1e-6, false}},
     Symbol{"Hz", {{0, 0, -1, 0}, 1.0, false}},
-    Symbol{"kHz", {{0, 0, -1, 0}, 1e3, false}},      Symbol{"MHz", {{0, 0, -1, 0}, 1e6, false}},
-    Symbol{"N", {{1, 1, -2, 0}, 1.0, false}},        Symbol{"mN", {{1, 1, -2, 0}, 1e-3, false}},
-    Symbol{"kN", {{1, 1, -2, 0}, 1e3, false}},       Symbol{"J", {{2, 1, -2, 0}, 1.0, false}},
-    Symbol{"mJ", {{2, 1, -2, 0}, 1e-3, false}},      Symbol{"W", {{2, 1, -3, 0}, 1.0, false}},
-    Symbol{"Pa", {{-1, 1, -2, 0}, 1.0, false}},      Symbol{"A", {{0, 0, 0, 1}, 1.0, false}},
-    Symbol{"mA", {{0, 0, 0, 1}, 1e-3, false}},       Symbol{"V", {{2, 1, -3, -1}, 1.0, false}},
-    Symbol{"mV", {{2, 1, -3, -1}, 1e-3, false}},     Symbol{"ohm", {{2, 1, -3, -2}, 1.0, false}},
-    Symbol{"kohm", {{2, 1, -3, -2}, 1e3, false}},    Symbol{"Mohm", {{2, 1, -3, -2}, 1e6, false}},
-    Symbol{"H", {{2, 1, -2, -2}, 1.0, false}},       Symbol{"mH", {{2, 1, -2, -2}, 1e-3, false}},
-    Symbol{"uH", {{2, 1, -2, -2}, 1e-6, false}},     Symbol{"F", {{-2, -1, 4, 2}, 1.0, false}},
-    Symbol{"uF", {{-2, -1, 4, 2}, 1e-6, false}},     Symbol{"nF", {{-2, -1, 4, 2}, 1e-9, false}},
-    Symbol{"C", {{0, 0, 1, 1}, 1.0, false}},         Symbol{"pC", {{0, 0, 1, 1}, 1e-12, false}},
-    Symbol{"T", {{0, 1, -2, -1}, 1.0, false}},       Symbol{"rad", {{}, 1.0, false}},
-    Symbol{"mrad", {{}, 1e-3, false}},               Symbol{"deg", {{}, kPi / 180.0, false}},
-    Symbol{"dB", {{}, 1.0, true}},                   Symbol{"dBFS", {{}, 1.0, true}},
-    Symbol{"%", {{}, 1e-2, false}},                  Symbol{"rpm", {{0, 0, -1, 0}, 1.0 / 60.0, false}},
+    Symbol{"kHz", {{0, 0, -1, 0}, 1e3, false}},
+    Symbol{"MHz", {{0, 0, -1, 0}, 1e6, false}},
+    Symbol{"N", {{1, 1, -2, 0}, 1.0, false}},
+    Symbol{"mN", {{1, 1, -2, 0}, 1e-3, false}},
+    Symbol{"kN", {{1, 1, -2, 0}, 1e3, false}},
+    Symbol{"J", {{2, 1, -2, 0}, 1.0, false}},
+    Symbol{"mJ", {{2, 1, -2, 0}, 1e-3, false}},
+    Symbol{"W", {{2, 1, -3, 0}, 1.0, false}},
+    Symbol{"Pa", {{-1, 1, -2, 0}, 1.0, false}},
+    Symbol{"A", {{0, 0, 0, 1}, 1.0, false}},
+    Symbol{"mA", {{0, 0, 0, 1}, 1e-3, false}},
+    Symbol{"V", {{2, 1, -3, -1}, 1.0, false}},
+    Symbol{"mV", {{2, 1, -3, -1}, 1e-3, false}},
+    Symbol{"ohm", {{2, 1, -3, -2}, 1.0, false}},
+    Symbol{"kohm", {{2, 1, -3, -2}, 1e3, false}},
+    Symbol{"Mohm", {{2, 1, -3, -2}, 1e6, false}},
+    Symbol{"H", {{2, 1, -2, -2}, 1.0, false}},
+    Symbol{"mH", {{2, 1, -2, -2}, 1e-3, false}},
+    Symbol{"uH", {{2, 1, -2, -2}, 1e-6, false}},
+    Symbol{"F", {{-2, -1, 4, 2}, 1.0, false}},
+    Symbol{"uF", {{-2, -1, 4, 2}, 1e-6, false}},
+    Symbol{"nF", {{-2, -1, 4, 2}, 1e-9, false}},
+    Symbol{"C", {{0, 0, 1, 1}, 1.0, false}},
+    Symbol{"pC", {{0, 0, 1, 1}, 1e-12, false}},
+    Symbol{"T", {{0, 1, -2, -1}, 1.0, false}},
+    Symbol{"rad", {{}, 1.0, false}},
+    Symbol{"mrad", {{}, 1e-3, false}},
+    Symbol{"deg", {{}, kPi / 180.0, false}},
+    Symbol{"dB", {{}, 1.0, true}},
+    Symbol{"dBFS", {{}, 1.0, true}},
+    Symbol{"%", {{}, 1e-2, false}},
+    Symbol{"rpm", {{0, 0, -1, 0}, 1.0 / 60.0, false}},
 };
 
 bool same(double a, double b) { return std::abs(a - b) < 1e-9; }
@@ -103,10 +124,12 @@ Dimension Dimension::pow(double e) const { return {metre * e, kilogram * e, seco
 std::string to_string(const Dimension& d) {
   if (d.plain()) return "";
   // Units with a name of their own first; then mechanical ones as newtons over metres and seconds.
-  static constexpr std::string_view kNamed[] = {"m", "kg", "s", "Hz", "N", "J", "W", "A", "V", "ohm", "H", "F", "C", "T"};
+  static constexpr std::string_view kNamed[] = {"m", "kg", "s",   "Hz", "N", "J", "W",
+                                                "A", "V",  "ohm", "H",  "F", "C", "T"};
   for (const auto name : kNamed)
     if (find_symbol(name)->unit.dimension == d) return std::string{name};
-  static constexpr std::string_view kCompound[] = {"m/s", "m/s^2", "N/m", "N s/m", "s/m", "N s", "T m", "V/A", "1/m"};
+  static constexpr std::string_view kCompound[] = {"m/s", "m/s^2", "N/m", "N s/m", "s/m",
+                                                   "N s", "T m",   "V/A", "1/m"};
   for (const auto name : kCompound)
     if (parse_unit(name)->dimension == d) return std::string{name};
   std::string above, below;

@@ -7,8 +7,8 @@
 #include <xmmintrin.h>
 #endif
 
-/// Marks a function that runs on the audio thread: clang's RealtimeSanitizer then refuses every call in it that
-/// may wait. Goes after `noexcept`.
+/// Marks a function that runs on the audio thread: clang's RealtimeSanitizer then refuses every call in it
+/// that may wait. Goes after `noexcept`.
 #if defined(__clang__) && __clang_major__ >= 20
 #define TACTUS_NONBLOCKING [[clang::nonblocking]]
 #else

@@ -10,16 +10,26 @@ namespace {
 
 Term::Op term_op(Expression::Op op) {
   switch (op) {
-    case Expression::Op::Negate: return Term::Op::Negate;
-    case Expression::Op::Add: return Term::Op::Add;
-    case Expression::Op::Subtract: return Term::Op::Subtract;
-    case Expression::Op::Multiply: return Term::Op::Multiply;
-    case Expression::Op::Divide: return Term::Op::Divide;
-    case Expression::Op::Min: return Term::Op::Min;
-    case Expression::Op::Max: return Term::Op::Max;
-    case Expression::Op::Abs: return Term::Op::Abs;
-    case Expression::Op::Name: return Term::Op::Signal;
-    case Expression::Op::Number: break;
+    case Expression::Op::Negate:
+      return Term::Op::Negate;
+    case Expression::Op::Add:
+      return Term::Op::Add;
+    case Expression::Op::Subtract:
+      return Term::Op::Subtract;
+    case Expression::Op::Multiply:
+      return Term::Op::Multiply;
+    case Expression::Op::Divide:
+      return Term::Op::Divide;
+    case Expression::Op::Min:
+      return Term::Op::Min;
+    case Expression::Op::Max:
+      return Term::Op::Max;
+    case Expression::Op::Abs:
+      return Term::Op::Abs;
+    case Expression::Op::Name:
+      return Term::Op::Signal;
+    case Expression::Op::Number:
+      break;
   }
   return Term::Op::Number;
 }
@@ -37,11 +47,11 @@ Term look_up(const Expression& expression, const Scope& scope, std::vector<Error
       term.signal = *signal;
     } else {
       errors.push_back(signal.error());
-      term.op = Term::Op::Number;  // a bare 0 fits anywhere and raises no second error
-      term.bare = true;
+      term.signal = FlatGraph::kMissing;
     }
   }
-  for (const auto& argument : expression.arguments) term.arguments.push_back(look_up(argument, scope, errors));
+  for (const auto& argument : expression.arguments)
+    term.arguments.push_back(look_up(argument, scope, errors));
   return term;
 }
 
@@ -65,14 +75,16 @@ std::optional<Term> bind_spread(const Value& value, std::vector<Error>& errors) 
       term.bare = *field.value.text() == "linear";
       continue;
     }
-    errors.push_back({Errc::UnknownName, field.at.text(), "a spread over lanes has no '" + field.key + "' like this",
+    errors.push_back({Errc::UnknownName, field.at.text(),
+                      "a spread over lanes has no '" + field.key + "' like this",
                       "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
     return std::nullopt;
   }
   for (const auto* key : {"from", "to"}) {
     const auto* end = find(*value.table(), key);
     if (end == nullptr) {
-      errors.push_back({Errc::Missing, value.at.text(), std::string{"a spread over lanes lacks '"} + key + "'",
+      errors.push_back({Errc::Missing, value.at.text(),
+                        std::string{"a spread over lanes lacks '"} + key + "'",
                         "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
       return std::nullopt;
     }
@@ -117,7 +129,8 @@ std::optional<Term> bind_signal(const Value& value, const Scope& scope, std::vec
     if (!term.arguments.empty()) return term;
   }
   if (value.table() != nullptr) return bind_spread(value, errors);
-  errors.push_back({Errc::WrongType, value.at.text(), "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
+  errors.push_back({Errc::WrongType, value.at.text(),
+                    "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
                     "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\""});
   return std::nullopt;
 }

@@ -61,7 +61,8 @@ struct Reader {
   void read_number(const Value& value) {
     if (setting.kind == Setting::Kind::Flag) {
       const auto* flag = value.flag();
-      if (flag == nullptr) return complain(Errc::WrongType, value.at, "must be true or false, not " + value.kind(), "");
+      if (flag == nullptr)
+        return complain(Errc::WrongType, value.at, "must be true or false, not " + value.kind(), "");
       result.number = *flag ? 1 : 0;
       return;
     }
@@ -110,12 +111,15 @@ struct Reader {
     switch (setting.kind) {
       case Setting::Kind::Choice:
       case Setting::Kind::Text:
-      case Setting::Kind::File: return read_text(value);
+      case Setting::Kind::File:
+        return read_text(value);
       case Setting::Kind::Integer:
-      case Setting::Kind::Flag: return read_number(value);
+      case Setting::Kind::Flag:
+        return read_number(value);
       case Setting::Kind::Points:
       case Setting::Kind::Numbers:
-      case Setting::Kind::Names: return read_list(value);
+      case Setting::Kind::Names:
+        return read_list(value);
     }
   }
 

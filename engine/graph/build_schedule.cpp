@@ -8,7 +8,11 @@ namespace {
 class Builder {
  public:
   Builder(const VertexGraph& graph, const FlatGraph& flat, MadeNodes made, const CompileOptions& options)
-      : graph_(graph), flat_(flat), made_(std::move(made)), options_(options), schedule_(std::make_unique<Schedule>()) {}
+      : graph_(graph),
+        flat_(flat),
+        made_(std::move(made)),
+        options_(options),
+        schedule_(std::make_unique<Schedule>()) {}
 
   std::unique_ptr<Schedule> run(const std::vector<OrderedSection>& sections) {
     schedule_->sample_rate = options_.sample_rate;
@@ -32,7 +36,8 @@ class Builder {
     first_buffer_.assign(graph_.vertices.size(), 0);
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       first_buffer_[v] = doubles;
-      if (has_buffer(graph_.vertices[v])) doubles += static_cast<std::size_t>(graph_.vertices[v].outputs) * kMaxPiece;
+      if (has_buffer(graph_.vertices[v]))
+        doubles += static_cast<std::size_t>(graph_.vertices[v].outputs) * kMaxPiece;
     }
     schedule_->arena.resize(doubles);
     schedule_->input_names = graph_.inputs;
@@ -43,14 +48,18 @@ class Builder {
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       const auto& vertex = graph_.vertices[v];
       if (!vertex.alive) continue;
-      if (vertex.kind == Vertex::Kind::Input) schedule_->input_buffers[static_cast<std::size_t>(vertex.index)] = buffer(v, 0);
-      if (vertex.kind == Vertex::Kind::Control) schedule_->controls[static_cast<std::size_t>(vertex.index)].buffer = buffer(v, 0);
+      if (vertex.kind == Vertex::Kind::Input)
+        schedule_->input_buffers[static_cast<std::size_t>(vertex.index)] = buffer(v, 0);
+      if (vertex.kind == Vertex::Kind::Control)
+        schedule_->controls[static_cast<std::size_t>(vertex.index)].buffer = buffer(v, 0);
       if (vertex.kind == Vertex::Kind::SystemDelay) schedule_->system_delay = buffer(v, 0);
     }
     schedule_->system_delay_at_start = options_.system_delay;
   }
 
-  double* buffer(std::size_t v, int port) const { return schedule_->arena.data() + first_buffer_[v] + static_cast<std::size_t>(port) * kMaxPiece; }
+  double* buffer(std::size_t v, int port) const {
+    return schedule_->arena.data() + first_buffer_[v] + static_cast<std::size_t>(port) * kMaxPiece;
+  }
 
   Signal signal(Wire wire) {
     const auto v = static_cast<std::size_t>(wire.vertex);
@@ -73,7 +82,8 @@ class Builder {
     for (const auto& wire : wires) {
       const auto& source = at(wire.vertex);
       if (source.kind == Vertex::Kind::Control)
-        schedule_->controls[static_cast<std::size_t>(source.index)].slots.push_back(static_cast<int>(schedule_->inputs.size()));
+        schedule_->controls[static_cast<std::size_t>(source.index)].slots.push_back(
+            static_cast<int>(schedule_->inputs.size()));
       schedule_->inputs.push_back(signal(wire));
     }
     return first;
@@ -91,7 +101,9 @@ class Builder {
       node_index_[v] = static_cast<int>(schedule_->nodes.size());
       schedule_->nodes.push_back(std::move(made_.nodes[v]));
       const auto& vertex = graph_.vertices[v];
-      schedule_->types.push_back(vertex.kind == Vertex::Kind::Node ? flat_.nodes[static_cast<std::size_t>(vertex.index)].type : nullptr);
+      schedule_->types.push_back(vertex.kind == Vertex::Kind::Node
+                                     ? flat_.nodes[static_cast<std::size_t>(vertex.index)].type
+                                     : nullptr);
     }
   }
 
@@ -111,8 +123,10 @@ class Builder {
     if (section.loop) report_loop(ordered);
     // Straight parts that follow one another (what only names inputs is no step) run as one.
     auto& sections = schedule_->sections;
-    if (!section.loop && !sections.empty() && !sections.back().loop) sections.back().end_step = section.end_step;
-    else sections.push_back(section);
+    if (!section.loop && !sections.empty() && !sections.back().loop)
+      sections.back().end_step = section.end_step;
+    else
+      sections.push_back(section);
   }
 
   void add_step(const OrderedVertex& item, int section_start) {
@@ -127,7 +141,9 @@ class Builder {
     const auto& vertex = at(item.vertex);
     if (vertex.kind == Vertex::Kind::Operation) return add_operation(item.vertex, vertex, section_start);
     if (vertex.kind != Vertex::Kind::Node && vertex.kind != Vertex::Kind::PhaseDelay) return;
-    step.kind = item.half == Half::Emit ? Step::Kind::Emit : item.half == Half::Absorb ? Step::Kind::Absorb : Step::Kind::Process;
+    step.kind = item.half == Half::Emit     ? Step::Kind::Emit
+                : item.half == Half::Absorb ? Step::Kind::Absorb
+                                            : Step::Kind::Process;
     step.node = node_index_[static_cast<std::size_t>(item.vertex)];
     step.first_in = add_inputs(vertex.in);
     step.inputs = static_cast<int>(vertex.in.size());
@@ -181,8 +197,8 @@ class Builder {
     for (const auto& vertex : graph_.vertices) {
       if (vertex.kind != Vertex::Kind::Output) continue;
       auto& channel = schedule_->channels[static_cast<std::size_t>(vertex.index)];
-      channel = {graph_.outputs[static_cast<std::size_t>(vertex.index)].name, graph_.outputs[static_cast<std::size_t>(vertex.index)].use,
-                 signal(vertex.in.front())};
+      channel = {graph_.outputs[static_cast<std::size_t>(vertex.index)].name,
+                 graph_.outputs[static_cast<std::size_t>(vertex.index)].use, signal(vertex.in.front())};
       const auto& source = at(vertex.in.front().vertex);
       if (source.kind == Vertex::Kind::Control)
         schedule_->controls[static_cast<std::size_t>(source.index)].output_slots.push_back(vertex.index);

@@ -5,6 +5,7 @@
 
 #include "engine/graph/build_schedule.h"
 #include "engine/graph/infer.h"
+#include "engine/graph/mistakes.h"
 #include "engine/graph/resolve.h"
 
 namespace tactus {
@@ -34,14 +35,16 @@ void delays_of(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes&
 std::vector<Error> set_controls(FlatGraph& flat, const std::map<std::string, double>& values) {
   std::vector<Error> errors;
   for (const auto& [name, value] : values) {
-    const auto it = std::find_if(flat.controls.begin(), flat.controls.end(), [&](const auto& c) { return c.name == name; });
+    const auto it = std::find_if(flat.controls.begin(), flat.controls.end(),
+                                 [&](const auto& c) { return c.name == name; });
     if (it == flat.controls.end()) {
       std::string known;
       for (const auto& control : flat.controls) known += (known.empty() ? "" : ", ") + control.name;
       errors.push_back({Errc::UnknownName, "", "there is no control '" + name + "'",
                         known.empty() ? "this graph has no controls" : "the controls are " + known});
     } else if (!it->range.contains(value)) {
-      errors.push_back({Errc::OutOfRange, "", "control '" + name + "' cannot be set outside its range", "see its 'range' in the file"});
+      errors.push_back({Errc::OutOfRange, "", "control '" + name + "' cannot be set outside its range",
+                        "see its 'range' in the file"});
     } else {
       it->value = value;
     }
@@ -49,23 +52,31 @@ std::vector<Error> set_controls(FlatGraph& flat, const std::map<std::string, dou
   return errors;
 }
 
+void append(std::vector<Error>& errors, std::vector<Error> more) {
+  errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
 }  // namespace
 
-Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options) {
-  auto flat = resolve(spec, table, options.sample_rate, options.taps);
-  if (!flat) return tl::unexpected(std::move(flat.error()));
-  if (auto errors = set_controls(*flat, options.controls); !errors.empty()) return tl::unexpected(std::move(errors));
-  if (auto errors = infer(*flat); !errors.empty()) return tl::unexpected(std::move(errors));
-  auto graph = lower(*flat);
-  simplify(graph, *flat, options.sample_rate);
-  auto made = make_nodes(graph, *flat, options);
+Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table,
+                                           const CompileOptions& options) {
+  auto [flat, mistakes] = resolve(spec, table, options.sample_rate, options.taps);
+  append(mistakes, set_controls(flat, options.controls));
+  append(mistakes, infer(flat));
+  if (!mistakes.empty()) {
+    sort_by_place(mistakes);
+    return tl::unexpected(std::move(mistakes));
+  }
+  auto graph = lower(flat);
+  simplify(graph, flat, options.sample_rate);
+  auto made = make_nodes(graph, flat, options);
   if (!made) return tl::unexpected(std::move(made.error()));
   std::vector<std::vector<bool>> late;
   std::vector<int> least;
-  delays_of(graph, *flat, *made, late, least);
+  delays_of(graph, flat, *made, late, least);
   const auto sections = order(graph, late, least, options.closed_outside);
   if (!sections) return tl::unexpected(sections.error());
-  auto schedule = build_schedule(graph, *flat, *sections, std::move(*made), options);
+  auto schedule = build_schedule(graph, flat, *sections, std::move(*made), options);
   schedule->name = spec.name;
   return schedule;
 }

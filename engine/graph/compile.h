@@ -19,13 +19,14 @@ struct CompileOptions {
   std::map<std::string, double> controls;
   /// Signals that become outputs of their own ("hit", "hit.level"), for events, scopes and recordings.
   std::vector<std::string> taps;
-  /// What lies outside answers within the same frame: every output must then be ready before any input is read, and
-  /// the schedule has one `Outside` step between the two.
+  /// What lies outside answers within the same frame: every output must then be ready before any input is
+  /// read, and the schedule has one `Outside` step between the two.
   bool closed_outside = false;
 };
 
-/// resolve → unfold lanes → prune and fold → make the nodes → schedule. All mistakes of the file in one go as far as
-/// the stage that found the first.
-Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options);
+/// resolve → unfold lanes → prune and fold → make the nodes → schedule. All mistakes of the file in one go as
+/// far as the stage that found the first.
+Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table,
+                                           const CompileOptions& options);
 
 }  // namespace tactus

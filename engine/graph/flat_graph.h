@@ -20,13 +20,15 @@ struct Term {
   Op op = Op::Number;
   double number = 0;
   Dimension dimension;
-  bool bare = true;  ///< Number without a unit; Spread: from one end to the other along a geometric curve if false
+  bool bare =
+      true;  ///< Number without a unit; Spread: from one end to the other along a geometric curve if false
   int signal = -1;
   std::vector<Term> arguments;
   Source at;
 };
 
-/// What is known about the unit of a signal: nothing yet (a loop), a bare number that fits anywhere, or a unit.
+/// What is known about the unit of a signal: nothing yet (a loop), a bare number that fits anywhere, or a
+/// unit.
 struct UnitFact {
   enum class Kind { Unknown, Bare, Known } kind = Kind::Unknown;
   Dimension dimension;
@@ -39,14 +41,15 @@ struct UnitFact {
 };
 
 struct FlatSignal {
-  enum class Kind { Input, Control, SystemDelay, Expression, NodeOutput };
+  /// Missing stands for whatever a mistake of the file left out, so that it raises no second error.
+  enum class Kind { Missing, Input, Control, SystemDelay, Expression, NodeOutput };
 
   Kind kind = Kind::Expression;
   std::string path;  ///< "bridge.loss.low"
   Source at;
-  int index = -1;  ///< of the input, control or node
-  int port = 0;    ///< of the node's output
-  Term term;       ///< Expression
+  int index = -1;                     ///< of the input, control or node
+  int port = 0;                       ///< of the node's output
+  Term term;                          ///< Expression
   std::optional<Dimension> declared;  ///< what the file says the unit is
   // Inferred:
   UnitFact unit;
@@ -97,6 +100,7 @@ struct FlatOutput {
 
 /// A graph with all its parts unfolded and every name looked up; still with lanes.
 struct FlatGraph {
+  static constexpr int kMissing = 0;  ///< signal 0 is of kind Missing
   std::vector<FlatSignal> signals;
   std::vector<FlatNode> nodes;
   std::vector<FlatInput> inputs;

@@ -21,10 +21,14 @@ struct PortUnit {
 
 PortUnit port_unit(const NodeType& type, const std::string& text) {
   if (text == "any") return {PortUnit::Kind::Any, {}, -1};
-  if (text.empty() || text.front() != '=') return {PortUnit::Kind::Fixed, parse_unit(text).value_or(Unit{}).dimension, -1};
+  if (text.empty() || text.front() != '=')
+    return {PortUnit::Kind::Fixed, parse_unit(text).value_or(Unit{}).dimension, -1};
   const auto end = text.find_first_of(" /");
-  PortUnit unit{PortUnit::Kind::Follows, {}, type.input_index(text.substr(1, end == std::string::npos ? end : end - 1))};
-  if (end != std::string::npos) unit.dimension = parse_unit("1" + text.substr(end)).value_or(Unit{}).dimension;
+  PortUnit unit{PortUnit::Kind::Follows,
+                {},
+                type.input_index(text.substr(1, end == std::string::npos ? end : end - 1))};
+  if (end != std::string::npos)
+    unit.dimension = parse_unit("1" + text.substr(end)).value_or(Unit{}).dimension;
   return unit;
 }
 
@@ -50,7 +54,8 @@ class Inference {
     if (reported_.insert(error.where + error.what).second) errors_.push_back(std::move(error));
   }
 
-  // ---- lanes -----------------------------------------------------------------------------------------------
+  // ---- lanes
+  // -----------------------------------------------------------------------------------------------
 
   /// 0: any number of lanes fits (a spread).
   int lanes(const Term& term) {
@@ -77,7 +82,8 @@ class Inference {
         grow(node.lanes, node.voices);
         for (const auto& input : node.inputs)
           if (input) grow(node.lanes, lanes(*input));
-        for (const int output : node.outputs) grow(signal(output).lanes, node.type->name == "mix" ? 1 : node.lanes);
+        for (const int output : node.outputs)
+          grow(signal(output).lanes, node.type->name == "mix" ? 1 : node.lanes);
       }
       for (auto& s : graph_.signals)
         if (s.kind == FlatSignal::Kind::Expression) grow(s.lanes, lanes(s.term));
@@ -94,18 +100,24 @@ class Inference {
     for (const auto& argument : term.arguments) check_lanes(argument, wanted);
   }
 
-  // ---- units -----------------------------------------------------------------------------------------------
+  // ---- units
+  // -----------------------------------------------------------------------------------------------
 
   UnitFact unit(const Term& term) {
     using Op = Term::Op;
     switch (term.op) {
-      case Op::Number: return term.bare ? UnitFact::bare() : UnitFact::known(term.dimension);
-      case Op::Signal: return signal(term.signal).unit;
+      case Op::Number:
+        return term.bare ? UnitFact::bare() : UnitFact::known(term.dimension);
+      case Op::Signal:
+        return signal(term.signal).unit;
       case Op::Negate:
-      case Op::Abs: return unit(term.arguments[0]);
+      case Op::Abs:
+        return unit(term.arguments[0]);
       case Op::Multiply:
-      case Op::Divide: return product(unit(term.arguments[0]), unit(term.arguments[1]), term.op == Op::Divide);
-      default: break;
+      case Op::Divide:
+        return product(unit(term.arguments[0]), unit(term.arguments[1]), term.op == Op::Divide);
+      default:
+        break;
     }
     UnitFact fact = UnitFact::bare();
     for (const auto& argument : term.arguments) {
@@ -140,7 +152,8 @@ class Inference {
         if (s.unit.kind == UnitFact::Kind::Known) continue;
         UnitFact fact = s.unit;
         if (s.kind == FlatSignal::Kind::Expression) fact = unit(s.term);
-        if (s.kind == FlatSignal::Kind::NodeOutput) fact = output_unit(graph_.nodes[static_cast<std::size_t>(s.index)], s.port);
+        if (s.kind == FlatSignal::Kind::NodeOutput)
+          fact = output_unit(graph_.nodes[static_cast<std::size_t>(s.index)], s.port);
         if (fact == s.unit || fact.kind == UnitFact::Kind::Unknown) continue;
         s.unit = fact;
         changed = true;
@@ -158,8 +171,9 @@ class Inference {
         const auto a = unit(*first).dimension;
         const auto b = unit(argument).dimension;
         if (!(a == b))
-          complain(Errc::UnitMismatch, argument.at, "this is " + spoken(b) + ", but it is added to or compared with what is " +
-                   spoken(a), "multiply one of them by a quantity that turns its unit into the other's");
+          complain(Errc::UnitMismatch, argument.at,
+                   "this is " + spoken(b) + ", but it is added to or compared with what is " + spoken(a),
+                   "multiply one of them by a quantity that turns its unit into the other's");
       }
     }
     for (const auto& argument : term.arguments) check_units(argument);
@@ -168,29 +182,42 @@ class Inference {
   void check_unit_is(const Term& term, const Dimension& wanted, const std::string& owner) {
     const auto fact = unit(term);
     if (fact.kind == UnitFact::Kind::Known && !(fact.dimension == wanted))
-      complain(Errc::UnitMismatch, term.at, owner + " is " + spoken(wanted) + ", but this is " + spoken(fact.dimension),
+      complain(Errc::UnitMismatch, term.at,
+               owner + " is " + spoken(wanted) + ", but this is " + spoken(fact.dimension),
                wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
                               : "give a quantity in " + to_string(wanted));
   }
 
-  // ---- ranges ----------------------------------------------------------------------------------------------
+  // ---- ranges
+  // ----------------------------------------------------------------------------------------------
 
   Interval range(const Term& term) {
     using Op = Term::Op;
     const auto argument = [&](std::size_t i) { return range(term.arguments[i]); };
     switch (term.op) {
-      case Op::Number: return Interval::exactly(term.number);
-      case Op::Signal: return signal(term.signal).range;
-      case Op::Negate: return -argument(0);
-      case Op::Add: return argument(0) + argument(1);
-      case Op::Subtract: return argument(0) - argument(1);
-      case Op::Multiply: return argument(0) * argument(1);
-      case Op::Divide: return argument(0) / argument(1);
-      case Op::Min: return min(argument(0), argument(1));
-      case Op::Max: return max(argument(0), argument(1));
-      case Op::Abs: return abs(argument(0));
+      case Op::Number:
+        return Interval::exactly(term.number);
+      case Op::Signal:
+        return signal(term.signal).range;
+      case Op::Negate:
+        return -argument(0);
+      case Op::Add:
+        return argument(0) + argument(1);
+      case Op::Subtract:
+        return argument(0) - argument(1);
+      case Op::Multiply:
+        return argument(0) * argument(1);
+      case Op::Divide:
+        return argument(0) / argument(1);
+      case Op::Min:
+        return min(argument(0), argument(1));
+      case Op::Max:
+        return max(argument(0), argument(1));
+      case Op::Abs:
+        return abs(argument(0));
       case Op::Lanes:
-      case Op::Spread: break;
+      case Op::Spread:
+        break;
     }
     Interval all = argument(0);
     for (std::size_t i = 1; i < term.arguments.size(); ++i) all = all.joined(argument(i));
@@ -204,7 +231,8 @@ class Inference {
       for (auto& s : graph_.signals) {
         Interval found = s.range;
         if (s.kind == FlatSignal::Kind::Expression) found = range(s.term);
-        if (s.kind == FlatSignal::Kind::NodeOutput) found = output_range(graph_.nodes[static_cast<std::size_t>(s.index)], s.port);
+        if (s.kind == FlatSignal::Kind::NodeOutput)
+          found = output_range(graph_.nodes[static_cast<std::size_t>(s.index)], s.port);
         if (found.low == s.range.low && found.high == s.range.high) continue;
         s.range = found;
         changed = true;
@@ -230,7 +258,8 @@ class Inference {
     return type.range(port, setup);
   }
 
-  // ---- checks ----------------------------------------------------------------------------------------------
+  // ---- checks
+  // ----------------------------------------------------------------------------------------------
 
   void check() {
     for (const auto& node : graph_.nodes) check_node(node);
@@ -246,9 +275,11 @@ class Inference {
       if (!output.declared) continue;
       const auto fact = unit(output.term);
       if (fact.kind == UnitFact::Kind::Known && !(fact.dimension == *output.declared))
-        complain(Errc::UnitMismatch, output.at, "output '" + output.name + "' is " + spoken(*output.declared) +
-                 ", but it is given what is " + spoken(fact.dimension),
-                 output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) + "\", or scale it to full scale"
+        complain(Errc::UnitMismatch, output.at,
+                 "output '" + output.name + "' is " + spoken(*output.declared) +
+                     ", but it is given what is " + spoken(fact.dimension),
+                 output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) +
+                                                "\", or scale it to full scale"
                                           : "mend 'from' or 'unit'");
     }
   }
@@ -264,9 +295,11 @@ class Inference {
       const auto rule = port_unit(type, port.unit);
       const auto owner = "'" + port.name + "' of " + type.name + " '" + node.path + "'";
       if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(term, rule.dimension, owner);
-      if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 && node.inputs[static_cast<std::size_t>(rule.follows)]) {
+      if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 &&
+          node.inputs[static_cast<std::size_t>(rule.follows)]) {
         const auto followed = unit(*node.inputs[static_cast<std::size_t>(rule.follows)]);
-        if (followed.kind == UnitFact::Kind::Known) check_unit_is(term, followed.dimension * rule.dimension, owner);
+        if (followed.kind == UnitFact::Kind::Known)
+          check_unit_is(term, followed.dimension * rule.dimension, owner);
       }
       check_range(term, port, rule, owner);
     }
@@ -279,7 +312,9 @@ class Inference {
     if (found.low >= port.low && found.high <= port.high) return;
     if (!found.single() && found.low <= port.high && found.high >= port.low) return;  // clamped while it runs
     const auto& unit_text = rule.kind == PortUnit::Kind::Fixed ? to_string(rule.dimension) : std::string{};
-    const auto number = [&](double x) { return short_number(x) + (unit_text.empty() ? "" : " " + unit_text); };
+    const auto number = [&](double x) {
+      return short_number(x) + (unit_text.empty() ? "" : " " + unit_text);
+    };
     complain(Errc::OutOfRange, term.at, owner + " cannot be " + number(found.low),
              std::isinf(port.high)  ? "it must be at least " + number(port.low)
              : std::isinf(port.low) ? "it must be at most " + number(port.high)

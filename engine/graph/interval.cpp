@@ -13,8 +13,8 @@ Interval operator-(Interval a, Interval b) { return {a.low - b.high, a.high - b.
 Interval operator-(Interval a) { return {-a.high, -a.low}; }
 
 Interval operator*(Interval a, Interval b) {
-  const auto [low, high] = std::minmax({product(a.low, b.low), product(a.low, b.high), product(a.high, b.low),
-                                        product(a.high, b.high)});
+  const auto [low, high] = std::minmax(
+      {product(a.low, b.low), product(a.low, b.high), product(a.high, b.low), product(a.high, b.high)});
   return {low, high};
 }
 

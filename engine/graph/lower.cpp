@@ -16,7 +16,8 @@ class Lowering {
       const auto& signal = flat_.signals[i];
       wires_.emplace_back(static_cast<std::size_t>(signal.lanes));
       if (signal.kind == FlatSignal::Kind::NodeOutput) continue;
-      for (int lane = 0; lane < signal.lanes; ++lane) wires_[i][static_cast<std::size_t>(lane)] = make_source(signal, lane);
+      for (int lane = 0; lane < signal.lanes; ++lane)
+        wires_[i][static_cast<std::size_t>(lane)] = make_source(signal, lane);
     }
     make_nodes();
     // All names have their vertices now; loops can be closed.
@@ -25,7 +26,8 @@ class Lowering {
       if (signal.kind != FlatSignal::Kind::Expression) continue;
       for (int lane = 0; lane < signal.lanes; ++lane) {
         const auto wire = lower(signal.term, lane, signal.lanes, signal.path);
-        graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {wire};
+        graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {
+            wire};
       }
     }
     connect_nodes();
@@ -53,7 +55,8 @@ class Lowering {
   void make_inputs() {
     for (const auto& input : flat_.inputs) {
       first_channel_.push_back(static_cast<int>(graph_.inputs.size()));
-      for (int lane = 0; lane < input.lanes; ++lane) graph_.inputs.push_back(lane_path(input.name, lane, input.lanes));
+      for (int lane = 0; lane < input.lanes; ++lane)
+        graph_.inputs.push_back(lane_path(input.name, lane, input.lanes));
     }
   }
 
@@ -71,7 +74,11 @@ class Lowering {
         vertex.kind = Vertex::Kind::Control;
         vertex.index = signal.index;
         break;
-      case FlatSignal::Kind::SystemDelay: vertex.kind = Vertex::Kind::SystemDelay; break;
+      case FlatSignal::Kind::SystemDelay:
+        vertex.kind = Vertex::Kind::SystemDelay;
+        break;
+      case FlatSignal::Kind::Missing:
+        break;  // a constant that nobody reads
       case FlatSignal::Kind::Expression:
       case FlatSignal::Kind::NodeOutput:
         vertex.kind = Vertex::Kind::Operation;
@@ -87,7 +94,8 @@ class Lowering {
       first_vertex_.push_back(static_cast<int>(graph_.vertices.size()));
       if (node.type->name == "mix") {  // a sum of lanes: plain additions
         const int output = node.outputs.front();
-        wires_[static_cast<std::size_t>(output)][0] = make_source(flat_.signals[static_cast<std::size_t>(output)], 0);
+        wires_[static_cast<std::size_t>(output)][0] =
+            make_source(flat_.signals[static_cast<std::size_t>(output)], 0);
         continue;
       }
       for (int lane = 0; lane < node.lanes; ++lane) {
@@ -100,7 +108,8 @@ class Lowering {
         vertex.at = node.at;
         const auto wire = add(std::move(vertex));
         for (std::size_t port = 0; port < node.outputs.size(); ++port)
-          wires_[static_cast<std::size_t>(node.outputs[port])][static_cast<std::size_t>(lane)] = {wire.vertex, static_cast<int>(port)};
+          wires_[static_cast<std::size_t>(node.outputs[port])][static_cast<std::size_t>(lane)] = {
+              wire.vertex, static_cast<int>(port)};
       }
     }
   }
@@ -124,8 +133,8 @@ class Lowering {
     }
   }
 
-  /// `time` less the phase delay, at the frequency 1/time, of other nodes: a vertex of its own that reads all their
-  /// inputs, since those decide what the delay is.
+  /// `time` less the phase delay, at the frequency 1/time, of other nodes: a vertex of its own that reads all
+  /// their inputs, since those decide what the delay is.
   void compensate(const FlatNode& node, int lane, std::vector<Wire>& in) {
     const auto time = static_cast<std::size_t>(node.type->input_index("time"));
     for (const int other_index : node.compensate) {
@@ -135,7 +144,8 @@ class Lowering {
       vertex.index = first_vertex_[static_cast<std::size_t>(other_index)] + (other.lanes > 1 ? lane : 0);
       vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
       vertex.at = node.at;
-      // What is left after the compensations before this one, then the uncompensated time, then the parameters.
+      // What is left after the compensations before this one, then the uncompensated time, then the
+      // parameters.
       vertex.in = {in[time], lower(*node.inputs[time], lane, node.lanes, node.path)};
       for (std::size_t i = 0; i < other.inputs.size(); ++i)
         vertex.in.push_back(other.type->inputs[i].late || i == 0 || !other.inputs[i]
@@ -163,14 +173,19 @@ class Lowering {
 
   Wire lower(const Term& term, int lane, int lanes, const std::string& path) {
     switch (term.op) {
-      case Term::Op::Number: return constant(term.number, term.at);
+      case Term::Op::Number:
+        return constant(term.number, term.at);
       case Term::Op::Signal: {
         const auto& wires = wires_[static_cast<std::size_t>(term.signal)];
         return wires[wires.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
       }
-      case Term::Op::Lanes: return lower(term.arguments[term.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)], 0, 1, path);
-      case Term::Op::Spread: return constant(spread(term, lane, lanes), term.at);
-      default: break;
+      case Term::Op::Lanes:
+        return lower(term.arguments[term.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)], 0, 1,
+                     path);
+      case Term::Op::Spread:
+        return constant(spread(term, lane, lanes), term.at);
+      default:
+        break;
     }
     Vertex vertex;
     vertex.kind = Vertex::Kind::Operation;

@@ -21,21 +21,25 @@ class Maker {
     for (const bool compensated : {false, true})
       for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
         const auto& vertex = graph_.vertices[v];
-        if (vertex.alive && vertex.kind == Vertex::Kind::Node && flat_node(vertex).compensate.empty() != compensated)
+        if (vertex.alive && vertex.kind == Vertex::Kind::Node &&
+            flat_node(vertex).compensate.empty() != compensated)
           make(v, vertex);
       }
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       const auto& vertex = graph_.vertices[v];
       if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
       const auto* other = made_.nodes[static_cast<std::size_t>(vertex.index)].get();
-      if (other != nullptr) made_.nodes[v] = std::make_unique<PhaseDelay>(*other, static_cast<int>(vertex.in.size()) - 2);
+      if (other != nullptr)
+        made_.nodes[v] = std::make_unique<PhaseDelay>(*other, static_cast<int>(vertex.in.size()) - 2);
     }
     if (!errors_.empty()) return tl::unexpected(std::move(errors_));
     return std::move(made_);
   }
 
  private:
-  const FlatNode& flat_node(const Vertex& vertex) const { return flat_.nodes[static_cast<std::size_t>(vertex.index)]; }
+  const FlatNode& flat_node(const Vertex& vertex) const {
+    return flat_.nodes[static_cast<std::size_t>(vertex.index)];
+  }
   const Vertex& at(Wire wire) const { return graph_.vertices[static_cast<std::size_t>(wire.vertex)]; }
 
   void make(std::size_t v, const Vertex& vertex) {
@@ -112,7 +116,8 @@ class Maker {
 
 }  // namespace
 
-Checked<MadeNodes> make_nodes(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options) {
+Checked<MadeNodes> make_nodes(const VertexGraph& graph, const FlatGraph& flat,
+                              const CompileOptions& options) {
   return Maker{graph, flat, options}.run();
 }
 

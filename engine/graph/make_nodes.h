@@ -9,7 +9,8 @@
 
 namespace tactus {
 
-/// The running nodes of the vertices that are left, in the order of the vertices (nullptr where a vertex is no node).
+/// The running nodes of the vertices that are left, in the order of the vertices (nullptr where a vertex is
+/// no node).
 struct MadeNodes {
   std::vector<std::unique_ptr<Node>> nodes;
   std::vector<bool> frozen_controls;  ///< their value was needed to make a node

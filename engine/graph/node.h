@@ -10,11 +10,12 @@
 
 namespace tactus {
 
-/// No node is ever given more frames at once, whatever the block size: the signals of a piece stay in the cache.
+/// No node is ever given more frames at once, whatever the block size: the signals of a piece stay in the
+/// cache.
 inline constexpr int kMaxPiece = 64;
 
-/// One input of a node for one piece of a block. A constant (or a control at rest) is one number with stride 0,
-/// so that a node can see that nothing changes; anything else has one sample a frame.
+/// One input of a node for one piece of a block. A constant (or a control at rest) is one number with stride
+/// 0, so that a node can see that nothing changes; anything else has one sample a frame.
 struct Signal {
   const double* data = nullptr;
   std::ptrdiff_t stride = 0;
@@ -23,8 +24,8 @@ struct Signal {
   bool constant() const { return stride == 0; }
 };
 
-/// What a node works on: `frames` frames, the first of which is number `first_frame` since the engine started.
-/// Inputs and outputs stand in the order of the declaration.
+/// What a node works on: `frames` frames, the first of which is number `first_frame` since the engine
+/// started. Inputs and outputs stand in the order of the declaration.
 struct NodeBlock {
   const Signal* in = nullptr;
   double* const* out = nullptr;
@@ -41,16 +42,17 @@ struct DelayRange {
 /// A running node: one lane of one node of a graph, with its state. Made, ready to run, by `NodeType::make`.
 ///
 /// The contract, kept by tests/conformance for every registered type:
-///  - The output does not depend on how the frames are cut into blocks. Vectorised recurrences and coefficient
+///  - The output does not depend on how the frames are cut into blocks. Vectorised recurrences and
+///  coefficient
 ///    updates therefore lie on the absolute frame grid (`first_frame`), and nothing depends on `frames`.
 ///  - `process` never allocates, locks, waits, logs or throws.
 ///  - After `reset` the same input gives the same output again.
 ///  - Finite inputs within their declared ranges give finite outputs; a parameter outside is clamped.
 ///
 /// A node whose declaration marks inputs as `late` may lie on a loop. There the schedule calls, for each
-/// sub-block of at most `delay(late input, output).least` frames, `emit` (which writes every output and must not read
-/// late inputs) and later `absorb` (which reads the late inputs of the same frames). Elsewhere it calls
-/// `process`, which must give the same bits as emit and absorb frame by frame.
+/// sub-block of at most `delay(late input, output).least` frames, `emit` (which writes every output and must
+/// not read late inputs) and later `absorb` (which reads the late inputs of the same frames). Elsewhere it
+/// calls `process`, which must give the same bits as emit and absorb frame by frame.
 class Node {
  public:
   virtual ~Node() = default;

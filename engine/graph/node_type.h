@@ -67,19 +67,19 @@ struct Setting {
 
 /// What the compiler knows about an input when it makes the node.
 struct InputInfo {
-  Interval range;                   ///< guaranteed by interval arithmetic; unbounded if nothing is known
-  std::optional<double> constant;   ///< the value, if it never changes
-  bool connected = false;           ///< named in the file
+  Interval range;                  ///< guaranteed by interval arithmetic; unbounded if nothing is known
+  std::optional<double> constant;  ///< the value, if it never changes
+  bool connected = false;          ///< named in the file
 };
 
-/// Settings with their values, as declared: `setup.choice("interpolation")`. Asking for what was not declared is
-/// a mistake of ours (an assertion), since the compiler checked the file against the declaration.
+/// Settings with their values, as declared: `setup.choice("interpolation")`. Asking for what was not declared
+/// is a mistake of ours (an assertion), since the compiler checked the file against the declaration.
 struct SettingValue {
-  std::string text;                                ///< Choice, Text; File: the resolved path
-  double number = 0;                               ///< Integer, Flag
-  std::vector<std::pair<double, double>> points;   ///< Points, SI
-  std::vector<double> numbers;                     ///< Numbers, SI
-  std::vector<std::string> names;                  ///< Names
+  std::string text;                               ///< Choice, Text; File: the resolved path
+  double number = 0;                              ///< Integer, Flag
+  std::vector<std::pair<double, double>> points;  ///< Points, SI
+  std::vector<double> numbers;                    ///< Numbers, SI
+  std::vector<std::string> names;                 ///< Names
   bool given = false;
 };
 
@@ -89,9 +89,9 @@ struct NodeType;
 struct NodeSetup {
   Hertz sample_rate;
   const NodeType* type = nullptr;
-  std::vector<InputInfo> inputs;        ///< declaration order
-  std::vector<SettingValue> settings;   ///< declaration order
-  int lane = 0;                         ///< which lane of how many
+  std::vector<InputInfo> inputs;       ///< declaration order
+  std::vector<SettingValue> settings;  ///< declaration order
+  int lane = 0;                        ///< which lane of how many
   int lanes = 1;
 
   const InputInfo& input(std::string_view name) const;

@@ -10,15 +10,24 @@ namespace tactus {
 /// loop fault. Minimum and maximum take `b` when `a` is not a number.
 inline double apply(Term::Op op, double a, double b) noexcept {
   switch (op) {
-    case Term::Op::Negate: return -a;
-    case Term::Op::Add: return a + b;
-    case Term::Op::Subtract: return a - b;
-    case Term::Op::Multiply: return a * b;
-    case Term::Op::Divide: return b == 0 ? 0 : a / b;
-    case Term::Op::Min: return a < b ? a : b;
-    case Term::Op::Max: return a > b ? a : b;
-    case Term::Op::Abs: return std::fabs(a);
-    default: return a;
+    case Term::Op::Negate:
+      return -a;
+    case Term::Op::Add:
+      return a + b;
+    case Term::Op::Subtract:
+      return a - b;
+    case Term::Op::Multiply:
+      return a * b;
+    case Term::Op::Divide:
+      return b == 0 ? 0 : a / b;
+    case Term::Op::Min:
+      return a < b ? a : b;
+    case Term::Op::Max:
+      return a > b ? a : b;
+    case Term::Op::Abs:
+      return std::fabs(a);
+    default:
+      return a;
   }
 }
 

@@ -13,9 +13,11 @@ struct Edge {
 
 class Ordering {
  public:
-  Ordering(const VertexGraph& graph, const std::vector<std::vector<bool>>& late, const std::vector<int>& least,
-           bool closed_outside)
-      : graph_(graph), least_(least), size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
+  Ordering(const VertexGraph& graph, const std::vector<std::vector<bool>>& late,
+           const std::vector<int>& least, bool closed_outside)
+      : graph_(graph),
+        least_(least),
+        size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
     readers_.resize(static_cast<std::size_t>(size_));
     least_.resize(static_cast<std::size_t>(size_), 0);
     const int outside = closed_outside ? size_ - 1 : -1;
@@ -23,10 +25,13 @@ class Ordering {
       const auto& vertex = vertex_at(v);
       if (!vertex.alive) continue;
       for (std::size_t i = 0; i < vertex.in.size(); ++i)
-        readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back({v, late[static_cast<std::size_t>(v)][i]});
+        readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back(
+            {v, late[static_cast<std::size_t>(v)][i]});
       if (outside < 0) continue;
-      if (vertex.kind == Vertex::Kind::Output) readers_[static_cast<std::size_t>(v)].push_back({outside, false});
-      if (vertex.kind == Vertex::Kind::Input) readers_[static_cast<std::size_t>(outside)].push_back({v, false});
+      if (vertex.kind == Vertex::Kind::Output)
+        readers_[static_cast<std::size_t>(v)].push_back({outside, false});
+      if (vertex.kind == Vertex::Kind::Input)
+        readers_[static_cast<std::size_t>(outside)].push_back({v, false});
     }
   }
 
@@ -86,8 +91,10 @@ class Ordering {
         if (frames.back().next < readers(v).size()) {
           const int w = readers(v)[frames.back().next++].to;
           const auto wi = static_cast<std::size_t>(w);
-          if (index[wi] < 0) frames.push_back({w, 0});
-          else if (on_stack[wi]) low[vi] = std::min(low[vi], index[wi]);
+          if (index[wi] < 0)
+            frames.push_back({w, 0});
+          else if (on_stack[wi])
+            low[vi] = std::min(low[vi], index[wi]);
           continue;
         }
         if (low[vi] == index[vi]) {
@@ -110,7 +117,8 @@ class Ordering {
     }
   }
 
-  // ---- loops -----------------------------------------------------------------------------------------------
+  // ---- loops
+  // -----------------------------------------------------------------------------------------------
 
   Checked<OrderedSection> order_loop(std::vector<int>& component) {
     std::sort(component.begin(), component.end());
@@ -118,7 +126,8 @@ class Ordering {
     std::set<int, std::greater<>> delays;  // a longer sub-block first
     for (const int v : component)
       for (const auto& edge : readers(v))
-        if (edge.late && inside.contains(edge.to)) delays.insert(std::min(kMaxPiece, least_[static_cast<std::size_t>(edge.to)]));
+        if (edge.late && inside.contains(edge.to))
+          delays.insert(std::min(kMaxPiece, least_[static_cast<std::size_t>(edge.to)]));
     for (const int sub_block : delays) {
       if (sub_block < 1) break;
       std::vector<int> left;
@@ -132,7 +141,8 @@ class Ordering {
     return edge.late && least_[static_cast<std::size_t>(edge.to)] >= sub_block;
   }
 
-  /// Kahn's algorithm without the edges that `sub_block` cuts; what lies on a remaining cycle ends up in `left`.
+  /// Kahn's algorithm without the edges that `sub_block` cuts; what lies on a remaining cycle ends up in
+  /// `left`.
   OrderedSection try_order(const std::vector<int>& component, const std::set<int>& inside, int sub_block,
                            std::vector<int>& left) const {
     OrderedSection section;
@@ -144,8 +154,10 @@ class Ordering {
     for (const int v : component)
       for (const auto& edge : readers(v)) {
         if (!inside.contains(edge.to)) continue;
-        if (cuts(edge, sub_block)) split.insert(edge.to);
-        else ++waiting[edge.to];
+        if (cuts(edge, sub_block))
+          split.insert(edge.to);
+        else
+          ++waiting[edge.to];
       }
     std::vector<int> ready;
     for (auto it = component.rbegin(); it != component.rend(); ++it)
@@ -157,7 +169,8 @@ class Ordering {
       done.insert(v);
       section.vertices.push_back({split.contains(v) ? OrderedVertex::Half::Emit : half_of_whole(v), v});
       for (const auto& edge : readers(v))
-        if (inside.contains(edge.to) && !cuts(edge, sub_block) && --waiting[edge.to] == 0) ready.push_back(edge.to);
+        if (inside.contains(edge.to) && !cuts(edge, sub_block) && --waiting[edge.to] == 0)
+          ready.push_back(edge.to);
     }
     for (const int v : component)
       if (!done.contains(v)) left.push_back(v);
@@ -165,27 +178,28 @@ class Ordering {
     return section;
   }
 
-  // ---- loops without delay ---------------------------------------------------------------------------------
+  // ---- loops without delay
+  // ---------------------------------------------------------------------------------
 
   Error cycle_error(const std::vector<int>& component, const std::set<int>& inside) const {
     std::vector<int> left;
     try_order(component, inside, 1, left);
     const std::set<int> stuck(left.begin(), left.end());
     const auto cycle = walk_cycle(stuck);
-    std::string names;
+    std::vector<std::string> names;
     Source at;
-    std::string previous;
     for (const int v : cycle) {
       if (is_outside(v)) continue;
       const auto& vertex = vertex_at(v);
       if (at.line == 0) at = vertex.at;
-      if (vertex.path == previous) continue;  // operators of one expression
-      previous = vertex.path;
-      names += vertex.path + " -> ";
+      if (names.empty() || names.back() != vertex.path)
+        names.push_back(vertex.path);  // operators of one expression
     }
+    while (names.size() > 1 && names.back() == names.front()) names.pop_back();
+    std::string loop;
+    for (const auto& name : names) loop += name + " -> ";
     const bool outside = std::any_of(cycle.begin(), cycle.end(), [this](int v) { return is_outside(v); });
-    const auto first = names.substr(0, names.find(" -> "));
-    return {Errc::Cycle, at.text(), names + first + " has no delay in it",
+    return {Errc::Cycle, at.text(), loop + names.front() + " has no delay in it",
             outside ? "a sensor answers its drive in the same frame: give the scene at least a frame of delay"
                     : "put a 'delay' node on one of these edges"};
   }
@@ -228,7 +242,8 @@ class Ordering {
 
 }  // namespace
 
-Checked<std::vector<OrderedSection>> order(const VertexGraph& graph, const std::vector<std::vector<bool>>& late,
+Checked<std::vector<OrderedSection>> order(const VertexGraph& graph,
+                                           const std::vector<std::vector<bool>>& late,
                                            const std::vector<int>& least, bool closed_outside) {
   return Ordering{graph, late, least, closed_outside}.run();
 }

@@ -12,11 +12,12 @@ namespace tactus {
 ///   out = time − φ(f),   f = 1 / tuned,   φ(f) = −arg H(f) / (2π f)
 ///
 /// Inputs: time [s], tuned [s], then the inputs of the other node (its parameters decide H). Output [s].
-/// The phase is taken between −π and π, which is right for what sits in a tuned loop: filters that turn less than
-/// half a circle at the fundamental.
+/// The phase is taken between −π and π, which is right for what sits in a tuned loop: filters that turn less
+/// than half a circle at the fundamental.
 class PhaseDelay : public Node {
  public:
-  PhaseDelay(const Node& other, int other_inputs) : other_(other), values_(static_cast<std::size_t>(other_inputs), 0.0) {}
+  PhaseDelay(const Node& other, int other_inputs)
+      : other_(other), values_(static_cast<std::size_t>(other_inputs), 0.0) {}
 
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override { known_ = false; }

@@ -8,8 +8,9 @@ namespace {
 
 /// An example of a quantity of this dimension, to show what was wanted.
 std::string example_of(const Dimension& dimension) {
-  static constexpr std::array kExamples = {"15 ms", "440 Hz", "12 mm", "0.5 m/s", "1.5 N", "1000 N/m",
-                                           "0.1 N s/m", "12 g", "6 ohm", "0.8 mH", "10 V", "6 T m", "0.2 A"};
+  static constexpr std::array kExamples = {"15 ms",    "440 Hz",    "12 mm", "0.5 m/s", "1.5 N",
+                                           "1000 N/m", "0.1 N s/m", "12 g",  "6 ohm",   "0.8 mH",
+                                           "10 V",     "6 T m",     "0.2 A"};
   for (const auto* text : kExamples)
     if (parse_quantity(text)->unit.dimension == dimension) return std::string{"\""} + text + "\"";
   return dimension.plain() ? "a plain number, such as 0.5" : "a quantity in " + to_string(dimension);
@@ -41,7 +42,9 @@ Result<double> read_quantity(const Value& value, const Unit& expected, const std
   const auto quantity = read_quantity(value);
   if (!quantity) return tl::unexpected(quantity.error());
   if (quantity->bare || quantity->unit.dimension == expected.dimension) return quantity->si;
-  const auto in = [](const Dimension& d) { return d.plain() ? std::string{"a plain number"} : "in " + to_string(d); };
+  const auto in = [](const Dimension& d) {
+    return d.plain() ? std::string{"a plain number"} : "in " + to_string(d);
+  };
   return fail(Errc::UnitMismatch, value.at.text(),
               "'" + *value.text() + "' is " + in(quantity->unit.dimension) + ", but '" + what + "' is " +
                   in(expected.dimension),

@@ -16,13 +16,19 @@ std::filesystem::path folder_of(const GraphSpec& spec) {
   return spec.file.file ? std::filesystem::path{*spec.file.file}.parent_path() : std::filesystem::path{};
 }
 
-/// One file at one place in the tree of parts: first all its names become signals (`declare`), parts included;
-/// then what stands in its ports is bound (`connect`). Two passes, because loops name what comes later.
+/// One file at one place in the tree of parts: first all its names become signals (`declare`), parts
+/// included; then what stands in its ports is bound (`connect`). Two passes, because loops name what comes
+/// later.
 class Instance {
  public:
   Instance(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate, std::string prefix, int voices,
            FlatGraph& flat, std::vector<Error>& errors)
-      : spec_(spec), table_(table), sample_rate_(sample_rate), prefix_(std::move(prefix)), voices_(voices), flat_(flat),
+      : spec_(spec),
+        table_(table),
+        sample_rate_(sample_rate),
+        prefix_(std::move(prefix)),
+        voices_(voices),
+        flat_(flat),
         errors_(errors) {}
 
   void declare_top() {
@@ -64,7 +70,8 @@ class Instance {
     return id;
   }
 
-  // ---- inputs and controls ---------------------------------------------------------------------------------
+  // ---- inputs and controls
+  // ---------------------------------------------------------------------------------
 
   Dimension unit_field(const EntrySpec& entry, Unit* unit = nullptr) {
     const auto* value = find(entry.fields, "unit");
@@ -92,9 +99,11 @@ class Instance {
 
   void declare_input(const EntrySpec& entry) {
     check_keys(entry, {"unit", "about", "lanes"}, "input '" + entry.name + "'");
-    FlatInput input{.name = entry.name, .about = text_field(entry, "about"), .lanes = 1, .dimension = unit_field(entry)};
+    FlatInput input{
+        .name = entry.name, .about = text_field(entry, "about"), .lanes = 1, .dimension = unit_field(entry)};
     if (const auto* lanes = find(entry.fields, "lanes")) input.lanes = whole_number(*lanes, "lanes", 1, 1024);
-    const int id = add_signal(entry.name, entry.at, FlatSignal::Kind::Input, static_cast<int>(flat_.inputs.size()));
+    const int id =
+        add_signal(entry.name, entry.at, FlatSignal::Kind::Input, static_cast<int>(flat_.inputs.size()));
     flat_.signals[static_cast<std::size_t>(id)].declared = input.dimension;
     flat_.signals[static_cast<std::size_t>(id)].lanes = input.lanes;
     flat_.inputs.push_back(std::move(input));
@@ -104,7 +113,8 @@ class Instance {
     const auto* value = find(entry.fields, key);
     if (value == nullptr) return {};
     if (value->text() != nullptr) return *value->text();
-    complain(Errc::WrongType, value->at, std::string{"'"} + key + "' must be a string, not " + value->kind(), "");
+    complain(Errc::WrongType, value->at, std::string{"'"} + key + "' must be a string, not " + value->kind(),
+             "");
     return {};
   }
 
@@ -112,18 +122,22 @@ class Instance {
     const auto* number = value.number();
     if (number != nullptr && std::floor(*number) == *number && *number >= low && *number <= high)
       return static_cast<int>(*number);
-    complain(Errc::OutOfRange, value.at, std::string{"'"} + what + "' must be a whole number from " +
-             std::to_string(low) + " to " + std::to_string(high), "");
+    complain(Errc::OutOfRange, value.at,
+             std::string{"'"} + what + "' must be a whole number from " + std::to_string(low) + " to " +
+                 std::to_string(high),
+             "");
     return low;
   }
 
   FlatControl read_control(const EntrySpec& entry) {
     check_keys(entry, {"value", "range", "unit", "smooth", "taper", "about"}, "control '" + entry.name + "'");
-    FlatControl control{.name = entry.name, .about = text_field(entry, "about"), .value = 0, .unit = {}, .range = {}};
+    FlatControl control{
+        .name = entry.name, .about = text_field(entry, "about"), .value = 0, .unit = {}, .range = {}};
     unit_field(entry, &control.unit);
     const auto* value = find(entry.fields, "value");
     if (value == nullptr) {
-      complain(Errc::Missing, entry.at, "control '" + entry.name + "' lacks 'value'", "say where it starts, as in value = 0.5");
+      complain(Errc::Missing, entry.at, "control '" + entry.name + "' lacks 'value'",
+               "say where it starts, as in value = 0.5");
       return control;
     }
     if (const auto quantity = read_quantity(*value)) {
@@ -136,9 +150,13 @@ class Instance {
     if (const auto* range = find(entry.fields, "range")) read_range(entry, *range, control);
     if (const auto* smooth = find(entry.fields, "smooth")) {
       const auto time = read_quantity(*smooth, *parse_unit("s"), "smooth");
-      if (time && *time >= 0) control.smooth_s = *time;
-      else if (!time) errors_.push_back(time.error());
-      else complain(Errc::OutOfRange, smooth->at, "'smooth' cannot be negative", "give a time, such as \"10 ms\"");
+      if (time && *time >= 0)
+        control.smooth_s = *time;
+      else if (!time)
+        errors_.push_back(time.error());
+      else
+        complain(Errc::OutOfRange, smooth->at, "'smooth' cannot be negative",
+                 "give a time, such as \"10 ms\"");
     }
     return control;
   }
@@ -146,7 +164,8 @@ class Instance {
   void read_range(const EntrySpec& entry, const Value& value, FlatControl& control) {
     const auto* list = value.list();
     if (list == nullptr || list->size() != 2)
-      return complain(Errc::WrongType, value.at, "'range' of control '" + entry.name + "' must have two ends", "write range = [low, high]");
+      return complain(Errc::WrongType, value.at, "'range' of control '" + entry.name + "' must have two ends",
+                      "write range = [low, high]");
     double ends[2] = {};
     for (std::size_t i = 0; i < 2; ++i) {
       const auto end = read_quantity((*list)[i], control.unit, "range");
@@ -154,21 +173,25 @@ class Instance {
       ends[i] = *end;
     }
     if (ends[0] > ends[1])
-      return complain(Errc::OutOfRange, value.at, "'range' of control '" + entry.name + "' is upside down", "write the lower end first");
+      return complain(Errc::OutOfRange, value.at, "'range' of control '" + entry.name + "' is upside down",
+                      "write the lower end first");
     control.range = {ends[0], ends[1]};
     if (!control.range.contains(control.value))
-      complain(Errc::OutOfRange, entry.at, "control '" + entry.name + "' starts outside its range", "move 'value' or widen 'range'");
+      complain(Errc::OutOfRange, entry.at, "control '" + entry.name + "' starts outside its range",
+               "move 'value' or widen 'range'");
   }
 
   void declare_control(const EntrySpec& entry) {
     auto control = read_control(entry);
-    const int id = add_signal(entry.name, entry.at, FlatSignal::Kind::Control, static_cast<int>(flat_.controls.size()));
+    const int id =
+        add_signal(entry.name, entry.at, FlatSignal::Kind::Control, static_cast<int>(flat_.controls.size()));
     flat_.signals[static_cast<std::size_t>(id)].declared = control.unit.dimension;
     flat_.signals[static_cast<std::size_t>(id)].range = control.range;
     flat_.controls.push_back(std::move(control));
   }
 
-  // ---- nodes, networks, parts: names first -----------------------------------------------------------------
+  // ---- nodes, networks, parts: names first
+  // -----------------------------------------------------------------
 
   void declare_inside() {
     Term rate;
@@ -181,9 +204,12 @@ class Instance {
     flat_.signals[static_cast<std::size_t>(delay)].declared = parse_unit("s")->dimension;
     flat_.signals[static_cast<std::size_t>(delay)].range = {0, 1};
     for (const auto& node : spec_.nodes) {
-      if (node.value) add_signal(node.name, node.at, FlatSignal::Kind::Expression, -1);
-      else if (!node.use.empty()) declare_part(node);
-      else declare_node(node);
+      if (node.value)
+        add_signal(node.name, node.at, FlatSignal::Kind::Expression, -1);
+      else if (!node.use.empty())
+        declare_part(node);
+      else
+        declare_node(node);
     }
     for (const auto& network : spec_.networks) declare_network(network);
   }
@@ -196,8 +222,7 @@ class Instance {
       const auto near = nearest_name(node.type, names);
       complain(Errc::UnknownName, node.type_at, "there is no node type '" + node.type + "'",
                near.empty() ? "`tactus nodes` lists them all" : "did you mean '" + near + "'?");
-      add_signal(node.name, node.at, FlatSignal::Kind::Expression, -1);  // so that uses of it raise no second error
-      return;
+      return scope_.hide(node.name);
     }
     declare_outputs(node, std::shared_ptr<const NodeType>(std::shared_ptr<void>{}, type));
   }
@@ -206,7 +231,7 @@ class Instance {
     auto type = table_.network ? table_.network(network) : Checked<std::shared_ptr<const NodeType>>{};
     if (!type) {
       errors_.insert(errors_.end(), type.error().begin(), type.error().end());
-      return scope_.explain(network.name, "mend the network first");
+      return scope_.hide(network.name);
     }
     EntrySpec entry{network.name, network.at, {}};
     for (const auto& element : network.elements)
@@ -214,8 +239,10 @@ class Instance {
         if ((*type)->input_index(element.name + "." + field.key) >= 0)
           entry.fields.push_back({element.name + "." + field.key, field.at, field.value});
     network_entries_.push_back(std::make_unique<EntrySpec>(std::move(entry)));
-    scope_.explain(network.name, "name an element of the network, such as '" + network.name + "." +
-                   ((*type)->outputs.empty() ? std::string{"mass.position"} : (*type)->outputs.front().name) + "'");
+    scope_.explain(
+        network.name,
+        "name an element of the network, such as '" + network.name + "." +
+            ((*type)->outputs.empty() ? std::string{"mass.position"} : (*type)->outputs.front().name) + "'");
     declare_outputs(*network_entries_.back(), *type, false);
   }
 
@@ -227,8 +254,8 @@ class Instance {
     node.type = type;
     node.voices = voices_;
     for (std::size_t port = 0; port < type->outputs.size(); ++port) {
-      const int id = add_signal(entry.name + "." + type->outputs[port].name, entry.at, FlatSignal::Kind::NodeOutput,
-                                index, static_cast<int>(port));
+      const int id = add_signal(entry.name + "." + type->outputs[port].name, entry.at,
+                                FlatSignal::Kind::NodeOutput, index, static_cast<int>(port));
       if (port == 0 && bare_name) scope_.add(entry.name, id);
       node.outputs.push_back(id);
     }
@@ -239,24 +266,31 @@ class Instance {
 
   void declare_part(const NodeSpec& node) {
     const auto part = spec_.parts.find(node.use);
-    if (part == spec_.parts.end()) return scope_.explain(node.name, "mend its file first");
+    if (part == spec_.parts.end()) return scope_.hide(node.name);
     int voices = voices_;
     if (const auto* value = find(node.fields, "voices")) voices = whole_number(*value, "voices", 1, 1024);
-    auto instance = std::make_unique<Instance>(*part->second, table_, sample_rate_, prefix_ + node.name + ".", voices, flat_, errors_);
+    auto instance = std::make_unique<Instance>(*part->second, table_, sample_rate_, prefix_ + node.name + ".",
+                                               voices, flat_, errors_);
     instance->declare_as_part();
     for (const auto& output : part->second->outputs)
-      scope_.add(node.name + "." + output.name, add_signal(node.name + "." + output.name, node.at, FlatSignal::Kind::Expression, -1));
+      scope_.add(node.name + "." + output.name,
+                 add_signal(node.name + "." + output.name, node.at, FlatSignal::Kind::Expression, -1));
     if (part->second->outputs.size() == 1)
       scope_.add(node.name, static_cast<int>(flat_.signals.size()) - 1);
     else
       scope_.explain(node.name, "name one of its outputs, such as '" + node.name + "." +
-                     (part->second->outputs.empty() ? std::string{"output"} : part->second->outputs.front().name) + "'");
-    part_outputs_[node.name] = static_cast<int>(flat_.signals.size()) - static_cast<int>(part->second->outputs.size());
+                                    (part->second->outputs.empty() ? std::string{"output"}
+                                                                   : part->second->outputs.front().name) +
+                                    "'");
+    part_outputs_[node.name] =
+        static_cast<int>(flat_.signals.size()) - static_cast<int>(part->second->outputs.size());
     pending_parts_.push_back({&node, std::move(instance)});
   }
 
   void declare_as_part() {
-    for (const auto& input : spec_.inputs) declare_binding(input, find(input.fields, "unit") != nullptr ? std::optional{unit_field(input)} : std::nullopt);
+    for (const auto& input : spec_.inputs)
+      declare_binding(
+          input, find(input.fields, "unit") != nullptr ? std::optional{unit_field(input)} : std::nullopt);
     for (const auto& control : spec_.controls) {
       const auto read = read_control(control);
       Term fallback;
@@ -277,7 +311,8 @@ class Instance {
     return id;
   }
 
-  // ---- then what stands in the ports -----------------------------------------------------------------------
+  // ---- then what stands in the ports
+  // -----------------------------------------------------------------------
 
   void connect_inside() {
     for (const auto& node : spec_.nodes) {
@@ -298,7 +333,8 @@ class Instance {
     for (const auto& port : type.inputs) known.push_back(port.name);
     for (const auto& setting : type.settings) known.push_back(setting.name);
     check_keys(entry, known, owner);
-    if (const auto* value = find(entry.fields, "voices")) node.voices = whole_number(*value, "voices", 1, 1024);
+    if (const auto* value = find(entry.fields, "voices"))
+      node.voices = whole_number(*value, "voices", 1, 1024);
     for (const auto& port : type.inputs) {
       const auto* value = find(entry.fields, port.name);
       if (value != nullptr) {
@@ -306,11 +342,11 @@ class Instance {
         continue;
       }
       node.inputs.emplace_back();
-      if (!port.fallback)
-        complain(Errc::Missing, entry.at, owner + " lacks '" + port.name + "'", port.doc);
+      if (!port.fallback) complain(Errc::Missing, entry.at, owner + " lacks '" + port.name + "'", port.doc);
     }
     for (const auto& setting : type.settings) {
-      node.settings.push_back(bind_setting(setting, find(entry.fields, setting.name), folder_of(spec_), owner, entry.at, errors_));
+      node.settings.push_back(bind_setting(setting, find(entry.fields, setting.name), folder_of(spec_), owner,
+                                           entry.at, errors_));
       if (setting.name == "compensate") connect_compensation(entry, node);
     }
   }
@@ -319,8 +355,11 @@ class Instance {
     const auto* value = find(entry.fields, "compensate");
     for (const auto& name : node.settings.back().names) {
       const auto known = nodes_by_name_.find(name);
-      if (known != nodes_by_name_.end()) node.compensate.push_back(known->second);
-      else complain(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate", "name nodes of this file that have a type");
+      if (known != nodes_by_name_.end())
+        node.compensate.push_back(known->second);
+      else
+        complain(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
+                 "name nodes of this file that have a type");
     }
   }
 
@@ -340,19 +379,22 @@ class Instance {
     }
     part.connect_inside();
     int id = part_outputs_.at(node.name);
-    for (const auto& output : part.spec_.outputs) part.bind_output(output, flat_.signals[static_cast<std::size_t>(id++)]);
+    for (const auto& output : part.spec_.outputs)
+      part.bind_output(output, flat_.signals[static_cast<std::size_t>(id++)]);
   }
 
   void bind_output(const EntrySpec& entry, FlatSignal& signal) {
     check_keys(entry, {"from", "kind", "unit", "about"}, "output '" + entry.name + "'");
     const auto* from = find(entry.fields, "from");
     if (from == nullptr)
-      return complain(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'", "say what it gives out, as in from = \"node\"");
+      return complain(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",
+                      "say what it gives out, as in from = \"node\"");
     if (auto term = bind_signal(*from, scope_, errors_)) signal.term = std::move(*term);
     if (find(entry.fields, "unit") != nullptr) signal.declared = unit_field(entry);
   }
 
-  // ---- outputs of the top file -----------------------------------------------------------------------------
+  // ---- outputs of the top file
+  // -----------------------------------------------------------------------------
 
   void connect_output(const EntrySpec& entry) {
     FlatSignal signal;
@@ -363,9 +405,11 @@ class Instance {
     output.term = std::move(signal.term);
     output.declared = signal.declared ? *signal.declared : Dimension{};
     const auto kind = text_field(entry, "kind");
-    if (kind == "audio") output.use = OutputUse::Audio;
+    if (kind == "audio")
+      output.use = OutputUse::Audio;
     else if (!kind.empty() && kind != "drive")
-      complain(Errc::UnknownName, find(entry.fields, "kind")->at, "an output cannot be of kind '" + kind + "'", "write \"drive\" or \"audio\"");
+      complain(Errc::UnknownName, find(entry.fields, "kind")->at,
+               "an output cannot be of kind '" + kind + "'", "write \"drive\" or \"audio\"");
     flat_.outputs.push_back(std::move(output));
   }
 
@@ -398,15 +442,14 @@ class Instance {
 
 }  // namespace
 
-Checked<FlatGraph> resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
-                           const std::vector<std::string>& taps) {
-  FlatGraph flat;
-  std::vector<Error> errors;
-  Instance top{spec, table, sample_rate, "", 1, flat, errors};
+Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
+                 const std::vector<std::string>& taps) {
+  Resolved resolved;
+  resolved.graph.signals.emplace_back().kind = FlatSignal::Kind::Missing;
+  Instance top{spec, table, sample_rate, "", 1, resolved.graph, resolved.mistakes};
   top.declare_top();
   top.connect_top(taps);
-  if (!errors.empty()) return tl::unexpected(std::move(errors));
-  return flat;
+  return resolved;
 }
 
 }  // namespace tactus

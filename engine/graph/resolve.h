@@ -10,9 +10,15 @@
 
 namespace tactus {
 
-/// Looks every name up: node types, ports, settings, signals; unfolds parts. `taps` names signals of the top file
-/// ("hit", "hit.level") that become outputs of their own. All mistakes in one go, in file order.
-Checked<FlatGraph> resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
-                           const std::vector<std::string>& taps = {});
+struct Resolved {
+  FlatGraph graph;  ///< where something is missing, FlatSignal::Kind::Missing stands for it
+  std::vector<Error> mistakes;
+};
+
+/// Looks every name up: node types, ports, settings, signals; unfolds parts. `taps` names signals of the top
+/// file
+/// ("hit", "hit.level") that become outputs of their own.
+Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
+                 const std::vector<std::string>& taps = {});
 
 }  // namespace tactus

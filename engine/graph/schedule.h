@@ -39,7 +39,7 @@ struct Step {
     Emit,        ///< first half of a node that closes a loop
     Absorb,      ///< its second half
     Operations,  ///< adjacent element-wise operations, one call
-    Outside,     ///< the place where what lies outside answers (a plant whose drive depends on its own sensors)
+    Outside,  ///< the place where what lies outside answers (a plant whose drive depends on its own sensors)
   };
   Kind kind = Kind::Process;
   int node = -1;
@@ -49,8 +49,8 @@ struct Step {
   int path = 0;  ///< in Schedule::paths
 };
 
-/// Steps that run together, `sub_block` frames at a time. A section that is a loop is reset as a whole when one of
-/// its steps gives something that is not finite.
+/// Steps that run together, `sub_block` frames at a time. A section that is a loop is reset as a whole when
+/// one of its steps gives something that is not finite.
 struct Section {
   int first_step = 0;
   int end_step = 0;
@@ -60,10 +60,10 @@ struct Section {
 
 struct ScheduledControl {
   FlatControl control;
-  double* buffer = nullptr;        ///< samples while it ramps; buffer[0] while it rests
-  std::vector<int> slots;          ///< in Schedule::inputs: the places that read it
-  std::vector<int> output_slots;   ///< in Schedule::channels
-  bool frozen = false;             ///< some node needed its value when it was made: it cannot change while running
+  double* buffer = nullptr;       ///< samples while it ramps; buffer[0] while it rests
+  std::vector<int> slots;         ///< in Schedule::inputs: the places that read it
+  std::vector<int> output_slots;  ///< in Schedule::channels
+  bool frozen = false;  ///< some node needed its value when it was made: it cannot change while running
 };
 
 struct ScheduledChannel {

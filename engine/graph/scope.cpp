@@ -6,6 +6,7 @@ namespace tactus {
 
 Result<int> Scope::find(const std::string& name, const Source& at) const {
   if (const auto it = signals_.find(name); it != signals_.end()) return it->second;
+  if (hidden_.contains(name.substr(0, name.find('.')))) return FlatGraph::kMissing;
   if (const auto it = not_signals_.find(name); it != not_signals_.end())
     return fail(Errc::UnknownName, at.text(), "'" + name + "' is not a signal", it->second);
   std::vector<std::string> names;
@@ -14,10 +15,12 @@ Result<int> Scope::find(const std::string& name, const Source& at) const {
   const auto near = nearest_name(name, names);
   const auto dot = name.find('.');
   if (near.empty() && dot != std::string::npos && signals_.contains(name.substr(0, dot)))
-    return fail(Errc::UnknownName, at.text(), "'" + name.substr(0, dot) + "' has no output '" + name.substr(dot + 1) + "'",
+    return fail(Errc::UnknownName, at.text(),
+                "'" + name.substr(0, dot) + "' has no output '" + name.substr(dot + 1) + "'",
                 "`tactus nodes` lists the outputs of every type");
-  return fail(Errc::UnknownName, at.text(), "there is no '" + name + "'",
-              near.empty() ? "name an input, a control or a node of this file" : "did you mean '" + near + "'?");
+  return fail(
+      Errc::UnknownName, at.text(), "there is no '" + name + "'",
+      near.empty() ? "name an input, a control or a node of this file" : "did you mean '" + near + "'?");
 }
 
 }  // namespace tactus

@@ -34,9 +34,12 @@ class Simplifier {
     return std::nullopt;
   }
 
-  // ---- copies ----------------------------------------------------------------------------------------------
+  // ---- copies
+  // ----------------------------------------------------------------------------------------------
 
-  bool is_copy(const Vertex& v) const { return v.kind == Vertex::Kind::Operation && v.op == Term::Op::Signal; }
+  bool is_copy(const Vertex& v) const {
+    return v.kind == Vertex::Kind::Operation && v.op == Term::Op::Signal;
+  }
 
   Wire behind_copies(Wire wire) {
     const Wire first = wire;
@@ -52,12 +55,14 @@ class Simplifier {
       for (auto& wire : vertex.in) wire = behind_copies(wire);
   }
 
-  // ---- folding ---------------------------------------------------------------------------------------------
+  // ---- folding
+  // ---------------------------------------------------------------------------------------------
 
   void fold() {
     consumers_.assign(graph_.vertices.size(), {});
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
-      for (const auto& wire : graph_.vertices[v].in) consumers_[static_cast<std::size_t>(wire.vertex)].push_back(static_cast<int>(v));
+      for (const auto& wire : graph_.vertices[v].in)
+        consumers_[static_cast<std::size_t>(wire.vertex)].push_back(static_cast<int>(v));
     std::vector<int> work;
     for (int v = static_cast<int>(graph_.vertices.size()) - 1; v >= 0; --v) work.push_back(v);
     while (!work.empty()) {
@@ -158,7 +163,8 @@ class Simplifier {
     return true;
   }
 
-  // ---- pruning ---------------------------------------------------------------------------------------------
+  // ---- pruning
+  // ---------------------------------------------------------------------------------------------
 
   void sweep(std::size_t written, const char* reason) {
     std::vector<bool> reached(graph_.vertices.size(), false);
@@ -171,15 +177,18 @@ class Simplifier {
       if (reached[static_cast<std::size_t>(v)]) continue;
       reached[static_cast<std::size_t>(v)] = true;
       for (const auto& wire : at(v).in) work.push_back(wire.vertex);
-      if (at(v).kind == Vertex::Kind::PhaseDelay) work.push_back(at(v).index);  // it asks that node for its phase
+      if (at(v).kind == Vertex::Kind::PhaseDelay)
+        work.push_back(at(v).index);  // it asks that node for its phase
     }
     reason_.resize(written);
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       auto& vertex = graph_.vertices[v];
       const bool folded = v < written && vertex.kind == Vertex::Kind::Constant && named_[v];
       if (v < written && reason_[v].empty()) {
-        if (folded) reason_[v] = "is always " + short_number(vertex.value);
-        else if (!reached[v]) reason_[v] = reason;
+        if (folded)
+          reason_[v] = "is always " + short_number(vertex.value);
+        else if (!reached[v])
+          reason_[v] = reason;
       }
       if (!reached[v]) vertex.alive = false;
     }
@@ -202,11 +211,14 @@ class Simplifier {
       if (v < named_.size() && is_copy(vertex)) {
         // A name for something else: gone without loss when what it names lives on.
         const auto behind = at(behind_copies({static_cast<int>(v), 0}).vertex);
-        if (behind.alive || behind.kind == Vertex::Kind::Node) continue;
-        if (behind.kind == Vertex::Kind::Constant) reason_[v] = "is always " + short_number(behind.value);
+        if (behind.kind == Vertex::Kind::Constant)
+          reason_[v] = "is always " + short_number(behind.value);
+        else if (behind.alive || behind.kind == Vertex::Kind::Node)
+          continue;
       }
       if (vertex.path.find("system.") != std::string::npos) continue;
-      graph_.left_out.push_back({vertex.path, vertex.kind == Vertex::Kind::Control ? "nobody reads it" : reason_[v]});
+      graph_.left_out.push_back(
+          {vertex.path, vertex.kind == Vertex::Kind::Control ? "nobody reads it" : reason_[v]});
     }
   }
 
@@ -221,6 +233,8 @@ class Simplifier {
 
 }  // namespace
 
-void simplify(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate) { Simplifier{graph, flat, sample_rate}.run(); }
+void simplify(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate) {
+  Simplifier{graph, flat, sample_rate}.run();
+}
 
 }  // namespace tactus

@@ -52,7 +52,8 @@ struct VertexGraph {
 /// Unfolds the lanes: one vertex for each lane of each node, one for each operator of each expression.
 VertexGraph lower(const FlatGraph& flat);
 
-/// Takes out what reaches no output and works out what never changes. `flat` tells which nodes may be evaluated.
+/// Takes out what reaches no output and works out what never changes. `flat` tells which nodes may be
+/// evaluated.
 void simplify(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate);
 
 }  // namespace tactus

@@ -23,7 +23,9 @@ struct Engine::ControlState {
 };
 
 Engine::Engine(std::unique_ptr<Schedule> schedule)
-    : schedule_(std::move(schedule)), controls_(schedule_->controls.size()), faults_(schedule_->paths.size()) {
+    : schedule_(std::move(schedule)),
+      controls_(schedule_->controls.size()),
+      faults_(schedule_->paths.size()) {
   for (std::size_t i = 0; i < schedule_->channels.size(); ++i)
     (schedule_->channels[i].use == OutputUse::Tap ? tap_channels_ : outputs_).push_back(static_cast<int>(i));
   std::size_t most_in = 2;
@@ -41,15 +43,19 @@ Engine::~Engine() = default;
 
 Status Engine::prepare(const StreamFormat& format) {
   if (format.sample_rate != schedule_->sample_rate)
-    return fail(Errc::BadArgument, {}, "the graph was compiled for another sample rate", "compile it for the rate of the stream");
+    return fail(Errc::BadArgument, {}, "the graph was compiled for another sample rate",
+                "compile it for the rate of the stream");
   format_ = format;
   taps_.assign(tap_channels_.size(), std::vector<double>(static_cast<std::size_t>(format.max_frames), 0.0));
-  outside_buffers_.assign(outputs_.size() + schedule_->input_names.size(), std::vector<double>(kMaxPiece, 0.0));
+  outside_buffers_.assign(outputs_.size() + schedule_->input_names.size(),
+                          std::vector<double>(kMaxPiece, 0.0));
   outside_in_.clear();
   outside_out_.clear();
   for (std::size_t i = 0; i < outside_buffers_.size(); ++i) {
-    if (i < outputs_.size()) outside_in_.push_back(outside_buffers_[i].data());
-    else outside_out_.push_back(outside_buffers_[i].data());
+    if (i < outputs_.size())
+      outside_in_.push_back(outside_buffers_[i].data());
+    else
+      outside_out_.push_back(outside_buffers_[i].data());
   }
   std::fill_n(schedule_->arena.data(), schedule_->arena.size(), 0.0);
   if (schedule_->system_delay != nullptr) *schedule_->system_delay = schedule_->system_delay_at_start.value;
@@ -99,7 +105,8 @@ void Engine::run_piece(const BlockIo& io, int offset, int frames) noexcept {
   }
 }
 
-// ---- journal and controls ------------------------------------------------------------------------------------
+// ---- journal and controls
+// ------------------------------------------------------------------------------------
 
 int Engine::frames_to_next_entry(int frames) noexcept {
   std::int64_t piece = frames;
@@ -127,7 +134,8 @@ void Engine::apply(const JournalEntry& entry) noexcept {
   state.from = state.at(now_, control.control.decibel);
   state.to = std::clamp(entry.value, control.control.range.low, control.control.range.high);
   state.start = now_;
-  state.length = static_cast<std::int64_t>(std::lround(control.control.smooth_s * schedule_->sample_rate.value));
+  state.length =
+      static_cast<std::int64_t>(std::lround(control.control.smooth_s * schedule_->sample_rate.value));
   rest(i, false);
 }
 
@@ -136,8 +144,10 @@ void Engine::rest(std::size_t control, bool resting) noexcept {
   controls_[control].resting = resting;
   if (scheduled.buffer == nullptr) return;
   if (resting) scheduled.buffer[0] = controls_[control].to;
-  for (const int slot : scheduled.slots) schedule_->inputs[static_cast<std::size_t>(slot)].stride = resting ? 0 : 1;
-  for (const int channel : scheduled.output_slots) schedule_->channels[static_cast<std::size_t>(channel)].signal.stride = resting ? 0 : 1;
+  for (const int slot : scheduled.slots)
+    schedule_->inputs[static_cast<std::size_t>(slot)].stride = resting ? 0 : 1;
+  for (const int channel : scheduled.output_slots)
+    schedule_->channels[static_cast<std::size_t>(channel)].signal.stride = resting ? 0 : 1;
 }
 
 void Engine::advance_controls(int frames) noexcept {
@@ -154,7 +164,8 @@ void Engine::advance_controls(int frames) noexcept {
   }
 }
 
-// ---- samples in and out --------------------------------------------------------------------------------------
+// ---- samples in and out
+// --------------------------------------------------------------------------------------
 
 void Engine::load_inputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept {
   for (std::size_t c = 0; c < schedule_->input_buffers.size(); ++c) {
@@ -195,7 +206,8 @@ void Engine::answer_outside(const BlockIo& io, int block_offset, int offset, int
   store_outputs(io, block_offset, offset, frames);
 }
 
-// ---- steps ---------------------------------------------------------------------------------------------------
+// ---- steps
+// ---------------------------------------------------------------------------------------------------
 
 template <bool kTimed>
 void Engine::run_section(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept {
@@ -206,10 +218,13 @@ void Engine::run_section(const Section& section, const BlockIo& io, int block_of
       [[maybe_unused]] std::chrono::steady_clock::time_point before;
       if constexpr (kTimed) before = std::chrono::steady_clock::now();
       bool sound = true;
-      if (step.kind == Step::Kind::Outside) answer_outside(io, block_offset, offset, part);
-      else sound = run_step(step, offset, part);
+      if (step.kind == Step::Kind::Outside)
+        answer_outside(io, block_offset, offset, part);
+      else
+        sound = run_step(step, offset, part);
       if constexpr (kTimed)
-        step_ns_[static_cast<std::size_t>(s)] += std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - before).count();
+        step_ns_[static_cast<std::size_t>(s)] +=
+            std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - before).count();
       if (sound) continue;
       handle_fault(section, step, offset, part);
       if (section.loop) break;
@@ -246,8 +261,10 @@ bool Engine::run_step(const Step& step, int offset, int frames) noexcept {
     node.absorb(block);
     return true;
   }
-  if (step.kind == Step::Kind::Emit) node.emit(block);
-  else node.process(block);
+  if (step.kind == Step::Kind::Emit)
+    node.emit(block);
+  else
+    node.process(block);
   bool finite = true;
   for (int i = 0; i < step.outputs; ++i)
     if (out[i] != nullptr) finite &= all_finite(out[i], frames);
@@ -259,10 +276,12 @@ void Engine::handle_fault(const Section& section, const Step& faulty, int offset
   const auto silence = [&](const Step& step) {
     if (step.node >= 0) schedule_->nodes[static_cast<std::size_t>(step.node)]->reset();
     for (int i = step.first_out; i < step.first_out + step.outputs; ++i)
-      if (double* out = schedule_->outputs[static_cast<std::size_t>(i)]) std::fill_n(out + offset, frames, 0.0);
+      if (double* out = schedule_->outputs[static_cast<std::size_t>(i)])
+        std::fill_n(out + offset, frames, 0.0);
   };
   if (!section.loop) return silence(faulty);
-  for (int s = section.first_step; s < section.end_step; ++s) silence(schedule_->steps[static_cast<std::size_t>(s)]);
+  for (int s = section.first_step; s < section.end_step; ++s)
+    silence(schedule_->steps[static_cast<std::size_t>(s)]);
 }
 
 std::vector<FaultCount> Engine::faults() const {

@@ -19,32 +19,35 @@ struct FaultCount {
   std::int64_t count = 0;
 };
 
-/// Runs a Schedule on blocks of any size. The output does not depend on the size: a block is worked off in pieces of
-/// at most kMaxPiece frames, cut where a journal entry falls, and every node is exact to the frame.
+/// Runs a Schedule on blocks of any size. The output does not depend on the size: a block is worked off in
+/// pieces of at most kMaxPiece frames, cut where a journal entry falls, and every node is exact to the frame.
 class Engine final : public BlockProcessor {
  public:
   explicit Engine(std::unique_ptr<Schedule> schedule);
   ~Engine() override;
 
-  /// [control & stopped] Starts again at frame 0 with everything reset. Inputs and outputs beyond those of the format
-  /// read zero and are not written. Errors: BadArgument if the sample rate is not the schedule's.
+  /// [control & stopped] Starts again at frame 0 with everything reset. Inputs and outputs beyond those of
+  /// the format read zero and are not written. Errors: BadArgument if the sample rate is not the schedule's.
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
   /// [realtime & prepared]
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
 
-  /// [control & stopped] Entries known beforehand (rendering, replay), sorted by frame. Applies from the next process on.
+  /// [control & stopped] Entries known beforehand (rendering, replay), sorted by frame. Applies from the next
+  /// process on.
   void set_journal(std::vector<JournalEntry> entries);
-  /// [control, one thread] An entry for the running engine. False: the queue is full, try again after a block.
+  /// [control, one thread] An entry for the running engine. False: the queue is full, try again after a
+  /// block.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept { return inbox_.push(entry); }
-  /// [control & stopped] For a schedule with an `Outside` step: who answers there. It reads this engine's outputs and
-  /// fills its inputs, in blocks of the loop's sub-block.
+  /// [control & stopped] For a schedule with an `Outside` step: who answers there. It reads this engine's
+  /// outputs and fills its inputs, in blocks of the loop's sub-block.
   void set_outside(BlockProcessor& outside) { outside_ = &outside; }
 
   const Schedule& schedule() const { return *schedule_; }
   /// Channels of `io.in` and `io.out`; taps are no channels.
   int in_channels() const { return static_cast<int>(schedule_->input_names.size()); }
   int out_channels() const { return static_cast<int>(outputs_.size()); }
-  /// [realtime] Samples of tap `i` (in the order of CompileOptions::taps, lanes one after the other) of the last block.
+  /// [realtime] Samples of tap `i` (in the order of CompileOptions::taps, lanes one after the other) of the
+  /// last block.
   const double* tap(int i) const { return taps_[static_cast<std::size_t>(i)].data(); }
   int tap_count() const { return static_cast<int>(taps_.size()); }
 
@@ -83,7 +86,7 @@ class Engine final : public BlockProcessor {
   std::vector<int> tap_channels_;
   std::vector<std::vector<double>> taps_;
   std::vector<ControlState> controls_;
-  std::vector<Signal> moved_in_;   // a step's operands at an offset into the piece
+  std::vector<Signal> moved_in_;  // a step's operands at an offset into the piece
   std::vector<double*> moved_out_;
   std::vector<const double*> outside_in_;
   std::vector<double*> outside_out_;

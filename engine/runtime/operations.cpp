@@ -42,20 +42,30 @@ void run(const Signal* in, double* out, int frames) noexcept {
 
 void run_operation(Term::Op op, const Signal* in, double* out, int frames) noexcept {
   switch (op) {
-    case Term::Op::Negate: return run<Term::Op::Negate>(in, out, frames);
-    case Term::Op::Add: return run<Term::Op::Add>(in, out, frames);
-    case Term::Op::Subtract: return run<Term::Op::Subtract>(in, out, frames);
-    case Term::Op::Multiply: return run<Term::Op::Multiply>(in, out, frames);
-    case Term::Op::Divide: return run<Term::Op::Divide>(in, out, frames);
-    case Term::Op::Min: return run<Term::Op::Min>(in, out, frames);
-    case Term::Op::Max: return run<Term::Op::Max>(in, out, frames);
-    case Term::Op::Abs: return run<Term::Op::Abs>(in, out, frames);
-    default: return run<Term::Op::Signal>(in, out, frames);
+    case Term::Op::Negate:
+      return run<Term::Op::Negate>(in, out, frames);
+    case Term::Op::Add:
+      return run<Term::Op::Add>(in, out, frames);
+    case Term::Op::Subtract:
+      return run<Term::Op::Subtract>(in, out, frames);
+    case Term::Op::Multiply:
+      return run<Term::Op::Multiply>(in, out, frames);
+    case Term::Op::Divide:
+      return run<Term::Op::Divide>(in, out, frames);
+    case Term::Op::Min:
+      return run<Term::Op::Min>(in, out, frames);
+    case Term::Op::Max:
+      return run<Term::Op::Max>(in, out, frames);
+    case Term::Op::Abs:
+      return run<Term::Op::Abs>(in, out, frames);
+    default:
+      return run<Term::Op::Signal>(in, out, frames);
   }
 }
 
 bool all_finite(const double* samples, int frames) noexcept {
-  // On the bits: unlike a sum, this reduction may be vectorised. A NaN or infinity has every exponent bit set.
+  // On the bits: unlike a sum, this reduction may be vectorised. A NaN or infinity has every exponent bit
+  // set.
   constexpr std::uint64_t kExponent = 0x7ff0000000000000u;
   std::uint64_t bad = 0;
   for (int n = 0; n < frames; ++n) {

@@ -5,7 +5,8 @@
 
 namespace tactus {
 
-/// [realtime] out[n] = op(in[0][n], in[1][n]), as `apply` in engine/graph/operators.h says, for n in [0, frames).
+/// [realtime] out[n] = op(in[0][n], in[1][n]), as `apply` in engine/graph/operators.h says, for n in [0,
+/// frames).
 void run_operation(Term::Op op, const Signal* in, double* out, int frames) noexcept;
 
 /// [realtime] False if one of the samples is a NaN or infinite.

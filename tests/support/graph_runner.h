@@ -1,0 +1,57 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/graph/compile.h"
+#include "engine/graph/load.h"
+#include "engine/nodes/table.h"
+#include "engine/runtime/engine.h"
+
+namespace tactus::test {
+
+using Channels = std::vector<std::vector<double>>;
+
+/// Every mistake of a graph text as one string, one a line; "" if there is none.
+inline std::string mistakes(const std::string& text, CompileOptions options = {}) {
+  const auto spec = parse_graph(text, "test.toml");
+  if (!spec) return to_string(spec.error());
+  const auto schedule = compile(**spec, standard_nodes(), options);
+  return schedule ? "" : to_string(schedule.error());
+}
+
+/// A graph text, compiled and ready to run. Throws what is wrong with the text.
+inline std::unique_ptr<Engine> engine_of(const std::string& text, CompileOptions options = {}) {
+  const auto wrong = mistakes(text, options);
+  if (!wrong.empty()) throw std::runtime_error(wrong);
+  return std::make_unique<Engine>(*compile(**parse_graph(text, "test.toml"), standard_nodes(), options));
+}
+
+/// Runs from frame 0 in blocks of the given lengths, over and over, until the inputs (or `frames`) end.
+/// Returns the outputs, then the taps.
+inline Channels run(Engine& engine, const Channels& inputs, int frames, const std::vector<int>& blocks) {
+  StreamFormat format{engine.schedule().sample_rate, static_cast<int>(inputs.size()), engine.out_channels(),
+                      4096};
+  if (const auto status = engine.prepare(format); !status)
+    throw std::runtime_error(to_string(status.error()));
+  Channels out(static_cast<std::size_t>(engine.out_channels() + engine.tap_count()),
+               std::vector<double>(static_cast<std::size_t>(frames)));
+  std::size_t next = 0;
+  for (int done = 0; done < frames;) {
+    const int block = std::min(blocks[next++ % blocks.size()], frames - done);
+    std::vector<const double*> in;
+    std::vector<double*> to;
+    for (const auto& channel : inputs) in.push_back(channel.data() + done);
+    for (int c = 0; c < engine.out_channels(); ++c)
+      to.push_back(out[static_cast<std::size_t>(c)].data() + done);
+    engine.process({in.data(), to.data(), block});
+    for (int t = 0; t < engine.tap_count(); ++t)
+      std::copy_n(engine.tap(t), block,
+                  out[static_cast<std::size_t>(engine.out_channels() + t)].data() + done);
+    done += block;
+  }
+  return out;
+}
+
+}  // namespace tactus::test
