@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <iterator>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -83,6 +84,9 @@ std::string Mistakes::text(const Value::Table& table, std::string_view key) {
 
 std::vector<Error> Mistakes::take() {
   sort_by_place(list_);
+  // A file that is read along two ways reports its mistakes twice.
+  std::set<std::pair<std::string, std::string>> told;
+  std::erase_if(list_, [&](const Error& error) { return !told.emplace(error.where, error.what).second; });
   return std::exchange(list_, {});
 }
 

@@ -37,7 +37,7 @@ class Mistakes {
   }
 
   bool any() const { return !list_.empty(); }
-  /// All of them, by place.
+  /// All of them, by place, each once.
   std::vector<Error> take();
 
  private:

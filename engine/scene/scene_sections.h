@@ -1,0 +1,19 @@
+#pragma once
+
+#include "engine/graph/mistakes.h"
+#include "engine/scene/scene_spec.h"
+
+namespace tactus {
+
+std::vector<Gesture> read_gestures(const Value::Table& scene, Mistakes& mistakes);
+Converters read_converters(const Value::Table& scene, Mistakes& mistakes);
+std::vector<Expectation> read_expectations(const Value::Table& scene, Seconds duration, Mistakes& mistakes);
+
+/// A quantity called `key` from `low` to `high` (SI); nothing if it is left out or wrong.
+std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
+                                   double low, double high, Mistakes& mistakes);
+/// A whole number, likewise.
+std::optional<double> read_whole(const Value::Table& table, const std::string& key, double low, double high,
+                                 Mistakes& mistakes);
+
+}  // namespace tactus

@@ -1,0 +1,150 @@
+#include "engine/scene/scene_spec.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "engine/graph/expression.h"
+#include "engine/graph/load.h"
+#include "engine/graph/name_space.h"
+#include "engine/graph/part_path.h"
+#include "engine/graph/read_graph.h"
+#include "engine/scene/scene_sections.h"
+
+namespace tactus {
+namespace {
+
+const std::vector<std::string> kSceneKeys = {"format",   "name",  "about",    "source",     "rate",   "delay",
+                                             "duration", "parts", "gestures", "converters", "expect", "seed"};
+const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "networks", "outputs"};
+
+// Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.
+constexpr double kMaxSeed = 9007199254740991.0;
+
+void check_keys(const Value::Table& table, Mistakes& mistakes) {
+  const auto of_graph = [](const Field& field) {
+    return std::find(kGraphKeys.begin(), kGraphKeys.end(), field.key) != kGraphKeys.end();
+  };
+  Value::Table rest = table;
+  std::erase_if(rest, of_graph);
+  mistakes.unknown_keys(rest, kSceneKeys);
+  for (const auto& field : table)
+    if (of_graph(field))
+      mistakes.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a graph, and this is a scene",
+                   "move it to the file of a part");
+}
+
+/// A wire's grammar; what it names is looked up when the scene is put together.
+void check_wire(const Value& value, Mistakes& mistakes) {
+  if (const auto* text = value.text()) mistakes.keep(parse_expression(*text, text_start(value)));
+  if (const auto* lanes = value.list())
+    for (const auto& lane : *lanes) check_wire(lane, mistakes);
+}
+
+class SceneReader {
+ public:
+  SceneReader(const std::filesystem::path& file, const std::filesystem::path& root)
+      : folder_(file.parent_path()), root_(root.empty() ? folder_ : root) {
+    scene_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
+  }
+
+  Checked<SceneSpec> read(const Result<Value::Table>& table) {
+    if (mistakes_.keep(table) != nullptr) read_sections(*table);
+    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    return std::move(scene_);
+  }
+
+ private:
+  void read_sections(const Value::Table& table) {
+    check_format(table, scene_.file, mistakes_);
+    check_keys(table, mistakes_);
+    scene_.name = mistakes_.text(table, "name");
+    scene_.about = mistakes_.text(table, "about");
+    scene_.source = mistakes_.text(table, "source");
+    read_times(table);
+    if (const auto seed = read_whole(table, "seed", 0, kMaxSeed, mistakes_))
+      scene_.seed = static_cast<std::uint64_t>(*seed);
+    read_parts(table);
+    scene_.gestures = read_gestures(table, mistakes_);
+    scene_.converters = read_converters(table, mistakes_);
+    scene_.expect = read_expectations(table, scene_.duration, mistakes_);
+    NameSpace names;
+    for (const auto& part : scene_.parts) names.add(part.name, "a part", part.at, mistakes_);
+    for (const auto& gesture : scene_.gestures) names.add(gesture.name, "a gesture", gesture.at, mistakes_);
+  }
+
+  void read_times(const Value::Table& table) {
+    if (const auto rate = read_bounded(table, "rate", "Hz", 1e3, 768e3, mistakes_))
+      scene_.rate = Hertz{*rate};
+    if (const auto delay = read_bounded(table, "delay", "s", 0, 10, mistakes_))
+      scene_.delay = Seconds{*delay};
+    if (const auto duration = read_bounded(table, "duration", "s", 1e-3, 86400, mistakes_))
+      scene_.duration = Seconds{*duration};
+    if (find(table, "duration") == nullptr)
+      mistakes_.add(Errc::Missing, {scene_.file.file, 1, 1}, "'duration' is missing",
+                    "say how long the scene lasts, as in duration = \"6 s\"");
+  }
+
+  void read_parts(const Value::Table& table) {
+    for (const auto& entry : read_entries(table, "parts", "{ use = \"file.toml\" }", mistakes_))
+      read_part(entry);
+    const auto* section = find(table, "parts");
+    const Source at = section ? section->at : Source{scene_.file.file, 1, 1};
+    for (const auto* name : {"instrument", "plant"})
+      if (scene_.part(name) == nullptr)
+        mistakes_.add(Errc::Missing, at, std::string{"the part '"} + name + "' is missing",
+                      std::string{"under [parts], write "} + name + " = { use = \"" + name + ".toml\", … }");
+  }
+
+  void read_part(const EntrySpec& entry) {
+    ScenePart part{entry.name, entry.at, nullptr, entry.fields};
+    std::erase_if(part.wires, [](const Field& field) { return field.key == "use"; });
+    for (const auto& wire : part.wires) check_wire(wire.value, mistakes_);
+    const auto* use = find(entry.fields, "use");
+    if (use == nullptr)
+      mistakes_.add(Errc::Missing, entry.at, "part '" + entry.name + "' has no 'use'",
+                    "name its file, as in use = \"" + entry.name + ".toml\"");
+    else if (const auto file = mistakes_.text(entry.fields, "use"); use->text() != nullptr)
+      part.graph = load_part(file, use->at);
+    scene_.parts.push_back(std::move(part));
+  }
+
+  std::shared_ptr<const GraphSpec> load_part(const std::string& use, const Source& at) {
+    const auto found = find_part(use, folder_, root_, at);
+    const auto* path = mistakes_.keep(found);
+    if (path == nullptr) return nullptr;
+    auto graph = load_graph(path->name, root_);
+    if (graph) return *graph;
+    mistakes_.add(std::move(graph.error()));
+    return nullptr;
+  }
+
+  std::filesystem::path folder_, root_;
+  SceneSpec scene_;
+  Mistakes mistakes_;
+};
+
+template <class Items>
+auto* find_named(const Items& items, std::string_view name) {
+  const auto found =
+      std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
+  return found == items.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+const ScenePart* SceneSpec::part(std::string_view called) const { return find_named(parts, called); }
+const Gesture* SceneSpec::gesture(std::string_view called) const { return find_named(gestures, called); }
+
+Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root) {
+  std::error_code error;
+  const auto file = std::filesystem::is_directory(path, error) ? path / "scene.toml" : path;
+  return SceneReader{file, root}.read(load_toml(file));
+}
+
+Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
+                               const std::filesystem::path& root) {
+  return SceneReader{file_name, root}.read(parse_toml(text, file_name));
+}
+
+}  // namespace tactus

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/core/units.h"
+#include "engine/graph/quantity.h"
+#include "engine/graph/spec.h"
+
+namespace tactus {
+
+/// A part of a scene and what its inputs are wired to: numbers, quantities and expressions of "part.port" and
+/// gestures, whose grammar was checked but whose names were not looked up.
+struct ScenePart {
+  std::string name;
+  Source at;
+  std::shared_ptr<const GraphSpec> graph;
+  Value::Table wires;
+};
+
+/// A value over time, given by breakpoints. Before the first it has the first value, behind the last the
+/// last.
+struct Gesture {
+  enum class Curve {
+    Linear,  ///< straight from point to point
+    Step,    ///< each value holds until the next
+    Smooth,  ///< cubic from point to point, at rest in each of them
+  };
+  struct Point {
+    double time_s;
+    double value;  ///< SI
+  };
+  std::string name;
+  Source at;
+  Curve curve = Curve::Linear;
+  Unit unit;                  ///< of the values, as the first one with a unit is written
+  bool bare = false;          ///< no value has a unit: they count in the SI unit of the port
+  std::vector<Point> points;  ///< at least one; times increase
+};
+
+/// The converters of the simulated sound card: they quantise to `bits` and clip at full scale.
+struct Converters {
+  bool on = true;
+  int bits = 24;
+};
+
+/// What must hold when the scene was played. Which measures there are is known to those who measure.
+struct Expectation {
+  std::string name;
+  Source at;
+  std::string measure;
+  Source measure_at;
+  std::string of;  ///< "part.port", or empty
+  Source of_at;
+  std::optional<double> from_s, to_s;
+  std::optional<QuantityValue> min, max;  ///< at least one of them
+};
+
+/// A scene file, read once into plain data: an instrument, the world it plays in, and the gestures that play
+/// it.
+struct SceneSpec {
+  Source file;
+  std::string name, about, source;
+  Hertz rate = 48_kHz;
+  Seconds delay;  ///< system delay
+  Seconds duration;
+  std::vector<ScenePart> parts;  ///< in file order; `instrument` and `plant` are among them
+  std::vector<Gesture> gestures;
+  Converters converters;
+  std::vector<Expectation> expect;
+  std::optional<std::uint64_t> seed;  ///< of everything random
+
+  /// nullptr if there is none.
+  const ScenePart* part(std::string_view name) const;
+  const Gesture* gesture(std::string_view name) const;
+};
+
+/// [control] Reads a scene and the files of its parts; a folder means its scene.toml. `root` is the folder
+/// that no path may leave (empty: the scene's own). Errors: every mistake of every file, by file, line and
+/// column.
+Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
+/// [control] The same from text; `file_name` stands in messages, and relative paths start at its folder.
+Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
+                               const std::filesystem::path& root = {});
+
+}  // namespace tactus
