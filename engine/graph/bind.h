@@ -16,8 +16,9 @@ namespace tactus {
 /// spread { from, to, curve } over the lanes. Mistakes are appended to `errors`.
 std::optional<Term> bind_signal(const Value& value, const Scope& scope, std::vector<Error>& errors);
 
-/// A setting read from the file, or its fallback when `value` is nullptr. `folder` is where files start.
-SettingValue bind_setting(const Setting& setting, const Value* value, const std::filesystem::path& folder,
-                          const std::string& owner, const Source& at, std::vector<Error>& errors);
+/// A setting read from the `fields` of its node, or its fallback. `folder` is where files start.
+SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
+                          const std::filesystem::path& folder, const std::string& owner, const Source& at,
+                          std::vector<Error>& errors);
 
 }  // namespace tactus

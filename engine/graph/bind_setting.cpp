@@ -11,6 +11,7 @@ namespace {
 /// One setting of one node being read: where to complain and how to call it.
 struct Reader {
   const Setting& setting;
+  const Value::Table& fields;
   const std::filesystem::path& folder;
   std::string owner;  ///< "delay 'echo'"
   std::vector<Error>& errors;
@@ -27,9 +28,14 @@ struct Reader {
     return text;
   }
 
-  Unit unit(std::size_t i) const {
-    if (i >= setting.choices.size()) return {};
-    return parse_unit(setting.choices[i]).value_or(Unit{});
+  /// Of one axis of a table: fixed, that of another setting ("=unit"), or that of a port, which nobody knows
+  /// here.
+  std::optional<Unit> unit(std::size_t axis) const {
+    const std::string text = axis < setting.choices.size() ? setting.choices[axis] : "";
+    if (text.empty() || text.front() != '=') return parse_unit(text);
+    const auto* named = find(fields, text.substr(1));
+    if (named == nullptr) return text == "=unit" ? std::optional{Unit{}} : std::nullopt;
+    return text == "=unit" && named->text() != nullptr ? parse_unit(*named->text()) : std::nullopt;
   }
 
   void read_text(const Value& value) {
@@ -43,6 +49,9 @@ struct Reader {
       return complain(Errc::UnknownName, value.at, "cannot be \"" + *text + "\"",
                       near.empty() ? "one of " + choices() : "did you mean \"" + near + "\"?");
     }
+    if (setting.name == "unit" && !parse_unit(*text))
+      return complain(Errc::UnknownName, value.at, "is no unit: \"" + *text + "\"",
+                      "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"");
     result.text = *text;
     if (setting.kind == Setting::Kind::File) read_path(*text, value.at);
   }
@@ -76,7 +85,9 @@ struct Reader {
   }
 
   std::optional<double> quantity(const Value& value, std::size_t axis) {
-    const auto si = read_quantity(value, unit(axis), setting.name);
+    const auto expected = unit(axis);
+    const auto si = expected ? read_quantity(value, *expected, setting.name)
+                             : read_quantity(value).map([](const QuantityValue& q) { return q.si; });
     if (si) return *si;
     errors.push_back(si.error());
     return std::nullopt;
@@ -99,8 +110,6 @@ struct Reader {
         const auto x = quantity((*pair)[0], 0);
         const auto y = quantity((*pair)[1], 1);
         if (!x || !y) return;
-        if (!result.points.empty() && *x <= result.points.back().first)
-          return complain(Errc::OutOfRange, item.at, "must have rising first numbers", "sort the points");
         result.points.emplace_back(*x, *y);
       }
     }
@@ -132,9 +141,11 @@ struct Reader {
 
 }  // namespace
 
-SettingValue bind_setting(const Setting& setting, const Value* value, const std::filesystem::path& folder,
-                          const std::string& owner, const Source& at, std::vector<Error>& errors) {
-  Reader reader{setting, folder, owner, errors};
+SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
+                          const std::filesystem::path& folder, const std::string& owner, const Source& at,
+                          std::vector<Error>& errors) {
+  Reader reader{setting, fields, folder, owner, errors};
+  const auto* value = find(fields, setting.name);
   if (value != nullptr) {
     reader.read(*value);
   } else if (!setting.fallback.empty()) {

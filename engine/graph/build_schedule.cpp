@@ -197,8 +197,8 @@ class Builder {
     for (const auto& vertex : graph_.vertices) {
       if (vertex.kind != Vertex::Kind::Output) continue;
       auto& channel = schedule_->channels[static_cast<std::size_t>(vertex.index)];
-      channel = {graph_.outputs[static_cast<std::size_t>(vertex.index)].name,
-                 graph_.outputs[static_cast<std::size_t>(vertex.index)].use, signal(vertex.in.front())};
+      const auto& output = graph_.outputs[static_cast<std::size_t>(vertex.index)];
+      channel = {output.name, output.use, output.dimension, signal(vertex.in.front())};
       const auto& source = at(vertex.in.front().vertex);
       if (source.kind == Vertex::Kind::Control)
         schedule_->controls[static_cast<std::size_t>(source.index)].output_slots.push_back(vertex.index);

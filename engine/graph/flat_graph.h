@@ -95,6 +95,7 @@ struct FlatOutput {
   Term term;
   Source at;
   std::optional<Dimension> declared;
+  Dimension dimension;  ///< inferred
   int lanes = 1;
 };
 

@@ -19,17 +19,18 @@ struct PortUnit {
   int follows = -1;
 };
 
-PortUnit port_unit(const NodeType& type, const std::string& text) {
+Dimension dimension_of(const std::string& unit) { return parse_unit(unit).value_or(Unit{}).dimension; }
+
+PortUnit port_unit(const FlatNode& node, const std::string& text) {
   if (text == "any") return {PortUnit::Kind::Any, {}, -1};
-  if (text.empty() || text.front() != '=')
-    return {PortUnit::Kind::Fixed, parse_unit(text).value_or(Unit{}).dimension, -1};
+  if (text.empty() || text.front() != '=') return {PortUnit::Kind::Fixed, dimension_of(text), -1};
   const auto end = text.find_first_of(" /");
-  PortUnit unit{PortUnit::Kind::Follows,
-                {},
-                type.input_index(text.substr(1, end == std::string::npos ? end : end - 1))};
-  if (end != std::string::npos)
-    unit.dimension = parse_unit("1" + text.substr(end)).value_or(Unit{}).dimension;
-  return unit;
+  const auto name = text.substr(1, end == std::string::npos ? end : end - 1);
+  const auto factor = end == std::string::npos ? Dimension{} : dimension_of("1" + text.substr(end));
+  for (std::size_t i = 0; i < node.type->settings.size(); ++i)  // a word of the file says it: unit = "m/s"
+    if (node.type->settings[i].name == name)
+      return {PortUnit::Kind::Fixed, dimension_of(node.settings[i].text) * factor, -1};
+  return {PortUnit::Kind::Follows, factor, node.type->input_index(name)};
 }
 
 class Inference {
@@ -40,6 +41,8 @@ class Inference {
     infer_lanes();
     infer_units();
     infer_ranges();
+    for (auto& output : graph_.outputs)
+      output.dimension = output.declared.value_or(unit(output.term).dimension);
     for (auto& node : graph_.nodes)
       for (std::size_t i = 0; i < node.inputs.size(); ++i) node.ranges.push_back(input_range(node, i));
     check();
@@ -134,7 +137,7 @@ class Inference {
   }
 
   UnitFact output_unit(const FlatNode& node, int port) {
-    const auto rule = port_unit(*node.type, node.type->outputs[static_cast<std::size_t>(port)].unit);
+    const auto rule = port_unit(node, node.type->outputs[static_cast<std::size_t>(port)].unit);
     if (rule.kind == PortUnit::Kind::Any) return UnitFact::bare();
     if (rule.kind == PortUnit::Kind::Fixed) return UnitFact::known(rule.dimension);
     if (rule.follows < 0) return UnitFact::bare();
@@ -292,7 +295,7 @@ class Inference {
       const auto& port = type.inputs[i];
       check_units(term);
       if (type.name != "mix") check_lanes(term, node.lanes);
-      const auto rule = port_unit(type, port.unit);
+      const auto rule = port_unit(node, port.unit);
       const auto owner = "'" + port.name + "' of " + type.name + " '" + node.path + "'";
       if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(term, rule.dimension, owner);
       if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 &&

@@ -213,7 +213,7 @@ class Lowering {
         vertex.at = output.at;
         vertex.outputs = 0;
         vertex.in = {lower(output.term, lane, output.lanes, output.name)};
-        graph_.outputs.push_back({vertex.path, output.use});
+        graph_.outputs.push_back({vertex.path, output.use, output.dimension});
         add(std::move(vertex));
       }
     }

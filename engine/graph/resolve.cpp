@@ -345,8 +345,8 @@ class Instance {
       if (!port.fallback) complain(Errc::Missing, entry.at, owner + " lacks '" + port.name + "'", port.doc);
     }
     for (const auto& setting : type.settings) {
-      node.settings.push_back(bind_setting(setting, find(entry.fields, setting.name), folder_of(spec_), owner,
-                                           entry.at, errors_));
+      node.settings.push_back(
+          bind_setting(setting, entry.fields, folder_of(spec_), owner, entry.at, errors_));
       if (setting.name == "compensate") connect_compensation(entry, node);
     }
   }

@@ -69,6 +69,7 @@ struct ScheduledControl {
 struct ScheduledChannel {
   std::string name;
   OutputUse use = OutputUse::Drive;
+  Dimension dimension;
   Signal signal;
 };
 

@@ -34,6 +34,7 @@ struct Vertex {
 struct OutputChannel {
   std::string name;
   OutputUse use = OutputUse::Drive;
+  Dimension dimension;
 };
 
 /// Something of the file that does not run, and why.

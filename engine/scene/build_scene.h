@@ -1,0 +1,46 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/graph/node_table.h"
+#include "engine/runtime/engine.h"
+#include "engine/scene/scene_spec.h"
+
+namespace tactus {
+
+struct SceneOptions {
+  std::optional<Seconds> delay;       ///< instead of the scene's
+  std::optional<Hertz> rate;          ///< instead of the scene's
+  std::map<std::string, double> set;  ///< "strength" of the instrument, "plant.gain" of another part; SI
+};
+
+/// A signal that is recorded while a scene plays.
+struct SceneTap {
+  std::string name;  ///< "plant.stick", "instrument.hit"
+  Dimension dimension;
+};
+
+/// A scene turned into two engines: the instrument as it would run on a card, and the world around it: the
+/// plant, every other part, the gestures, and the wires from them to the instrument's inputs.
+struct BuiltScene {
+  std::unique_ptr<Engine> instrument, plant;
+  int delay_frames = 0;
+  std::vector<SceneTap> plant_taps;       ///< every output of every part, in the order of Engine::tap
+  std::vector<SceneTap> instrument_taps;  ///< triggers of the instrument ("instrument.hit") and their levels
+};
+
+/// [control] All mistakes of the wiring and of both graphs, in file order.
+Checked<BuiltScene> build_scene(const SceneSpec& scene, const NodeTable& table,
+                                const SceneOptions& options = {});
+
+/// Names of the triggers of a graph that are events for a person ("hit"), each followed by its level if its
+/// type has one
+/// ("hit.level").
+std::vector<std::string> event_taps(const GraphSpec& graph, const NodeTable& table);
+
+}  // namespace tactus

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "engine/core/block_io.h"
+#include "engine/runtime/engine.h"
+#include "engine/scene/scene_spec.h"
+
+namespace tactus {
+
+/// An instrument playing in a simulated world:
+///
+///     plant ──sensors──► ADC ──► instrument ──drives──► DAC ──► ring of D frames ──► plant
+///
+/// D is exact: what the instrument answers to the sensors of frame n moves the plant from frame n + D on. It
+/// runs in pieces of min(block, max(1, D)) frames; with D = 0 the plant asks for the answer in the middle of
+/// its frame (its schedule must have been compiled with `closed_outside`). The converters quantise to `bits`
+/// and clip at full scale.
+class ClosedLoop {
+ public:
+  /// [control] Both must outlive this; the instrument comes guarded, like on any backend.
+  ClosedLoop(BlockProcessor& instrument, Engine& plant, int instrument_outputs, int delay_frames,
+             Converters converters);
+  ~ClosedLoop();
+  ClosedLoop(const ClosedLoop&) = delete;
+  ClosedLoop& operator=(const ClosedLoop&) = delete;
+
+  /// [control & stopped] Silence in the ring, frame 0.
+  [[nodiscard]] Status prepare(Hertz sample_rate, int max_block);
+
+  /// One piece as it went by: samples behind the converters.
+  struct Piece {
+    int frames;
+    const std::vector<const double*>& sensors;
+    const std::vector<const double*>& drives;  ///< as the instrument gave them, before the delay
+  };
+  using Listener = std::function<void(const Piece&)>;
+
+  /// [control] Runs `frames` frames; `listener` sees every piece.
+  void run(int frames, const Listener& listener = {});
+
+ private:
+  class Answer;
+
+  void convert(double* samples, int frames) const noexcept;
+  void answer(int frames) noexcept;
+  void run_piece(int frames) noexcept;
+
+  BlockProcessor& instrument_;
+  Engine& plant_;
+  int delay_;
+  Converters converters_;
+  double steps_;  ///< quantisation steps from 0 to full scale
+  int block_ = 0;
+  std::vector<std::vector<double>> sensors_, drives_, delayed_;
+  std::vector<const double*> sensor_in_, drive_view_, delayed_in_;
+  std::vector<double*> sensor_out_, drive_out_;
+  std::vector<std::vector<double>> ring_;  ///< [drive][frame mod size]
+  std::size_t written_ = 0;
+  std::unique_ptr<Answer> answer_;
+};
+
+}  // namespace tactus
