@@ -7,7 +7,7 @@
 
 namespace {
 
-// Sums that the compiler may not foresee, since it would then also foresee the test.
+// Reads that the compiler may not foresee: it would then also foresee the test.
 double weighted(const double* values, int count) {
   volatile double sum = 0;
   for (int i = 0; i < count; ++i) {
