@@ -8,6 +8,13 @@ target_compile_options(tactus_flags INTERFACE
     -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion -ffp-contract=off -fno-math-errno>
   $<$<AND:$<BOOL:${TACTUS_WERROR}>,$<CXX_COMPILER_ID:GNU,Clang,AppleClang>>:-Werror>
   $<$<AND:$<BOOL:${TACTUS_NATIVE}>,$<CXX_COMPILER_ID:GNU,Clang,AppleClang>>:-march=native>)
+# g++ 12 loses the zeros of a constant that it copies: with AVX2 or AVX-512 tuning {1, 1, 0, 0} becomes
+# {1, 1, 1, 1}. Where it may not move general registers to vector registers it does not try.
+# tests/compiler_test.cpp watches it.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13
+   AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12 AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(tactus_flags INTERFACE -mtune-ctrl=^inter_unit_moves_to_vec)
+endif()
 if(TACTUS_SANITIZE)
   target_compile_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE} -fno-omit-frame-pointer -g)
   target_link_options(tactus_flags INTERFACE -fsanitize=${TACTUS_SANITIZE})

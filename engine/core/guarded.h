@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engine/core/block_io.h"
+#include "engine/core/drive_guard.h"
+#include "engine/core/journal.h"
+#include "engine/core/spsc_queue.h"
+
+namespace tactus {
+
+/// What stands behind an output channel.
+struct GuardedChannel {
+  DriveGuard::Kind kind = DriveGuard::Kind::Drive;
+  DriveLimits limits;
+};
+
+/// Any BlockProcessor with the drive guard behind every output channel. Backends accept nothing else, so
+/// nothing reaches an actuator unguarded. It also turns denormals off around `process`, and cuts a block that
+/// is longer than promised, so that the processor inside never sees one.
+///
+/// A drive sounds while it is armed and not muted, an audio output while it is not muted.
+class Guarded final : public BlockProcessor {
+ public:
+  /// [control] `inner` must outlive this. Channels beyond the list are drives with the standard limits.
+  Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed = true);
+  ~Guarded() override;
+
+  /// [control & stopped] Prepares `inner` and starts again at frame 0, with every guard closed and its soft
+  /// start ahead of it. Errors: of `inner`; BadArgument for more guards than outputs; OutOfRange for a limit.
+  [[nodiscard]] Status prepare(const StreamFormat& format) override;
+  /// [realtime & prepared]
+  void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
+
+  /// [control, one thread] Kinds Arm and Mute, in frame order; an entry that comes late holds at once.
+  /// False: the queue is full, try again after a block; or it is another kind.
+  [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
+  /// [control, one thread] What was applied, with its true frame, oldest first. False: nothing new.
+  [[nodiscard]] bool take_applied(JournalEntry& entry) noexcept { return applied_.pop(entry); }
+
+  /// [any] As of the last whole block.
+  GuardCounts counts(int channel) const noexcept;
+  /// [any] Frames processed since `prepare`.
+  std::int64_t frame() const noexcept { return frame_.load(std::memory_order_relaxed); }
+
+ private:
+  struct Channel;
+
+  void process_piece(const BlockIo& io, int offset, int frames) noexcept;
+  void guard_frames(int from, int to, std::int64_t first_frame) noexcept;
+  void apply(JournalEntry entry, std::int64_t frame) noexcept;
+
+  BlockProcessor& inner_;
+  std::vector<GuardedChannel> config_;
+  bool armed_at_start_;
+  StreamFormat format_;
+  std::vector<Channel> channels_;
+  std::vector<const double*> in_;  // the piece in hand
+  std::vector<double*> out_;
+  std::atomic<std::int64_t> frame_{0};
+  SpscQueue<JournalEntry> inbox_{256};
+  SpscQueue<JournalEntry> applied_{1024};
+};
+
+}  // namespace tactus

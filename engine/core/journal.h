@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+namespace tactus {
+
+/// One thing besides samples that entered `process`. Samples and journal together decide the output: a take
+/// that keeps both replays bit for bit, whatever the block size.
+struct JournalEntry {
+  enum class Kind : std::uint8_t {
+    ControlChange,  ///< `index`: control; `value`: its new target, SI
+    Arm,            ///< `index`: output channel or kAllChannels; `value`: 1 lets the drive move, 0 does not
+    Mute,           ///< `index`: output channel or kAllChannels; `value`: 1 silences, 0 releases
+    SystemDelay,    ///< `value`: sensor voltage to actuator voltage [frames]; negative: no longer known
+    LostFrames,     ///< `value`: frames that went missing just before `frame`
+  };
+
+  static constexpr int kAllChannels = -1;
+  /// For an entry that is to hold as soon as it arrives. What was applied carries the true frame.
+  static constexpr std::int64_t kNow = -1;
+
+  std::int64_t frame = kNow;  ///< first frame that it holds for, counted since `prepare`
+  Kind kind = Kind::ControlChange;
+  int index = 0;
+  double value = 0.0;
+
+  bool operator==(const JournalEntry&) const = default;
+};
+
+}  // namespace tactus
