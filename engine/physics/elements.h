@@ -1,0 +1,97 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "engine/core/units.h"
+
+namespace tactus {
+
+/// A signal that enters a network, by its place in the inputs of `Network::step`; -1: always 0.
+/// With a bandwidth (-3 dB) it goes through two equal real poles first: what a muscle does to an intention.
+struct Drive {
+  int signal = -1;
+  std::optional<Hertz> bandwidth;
+};
+
+/// A point on the axis of the network; up is positive. [m], [m/s], [kg]
+struct Point {
+  enum class Kind {
+    Mass,    ///< moved by the forces on it
+    Ground,  ///< stays at `position`
+    Motion,  ///< goes where `drive` says: in a straight line from sample to sample, one frame later
+  };
+  Kind kind = Kind::Mass;
+  double mass = 0.0;
+  double position = 0.0;  ///< at the start
+  double velocity = 0.0;  ///< at the start (masses)
+  Drive drive;
+};
+
+/// Tension T = k e + z e',  e = x_upper - x_lower - rest;  pulls `lower` up and `upper` down.
+struct Spring {
+  int lower = 0, upper = 0;
+  double stiffness = 0.0;  ///< k [N/m], >= 0
+  double damping = 0.0;    ///< z [N s/m], >= 0
+  double rest = 0.0;       ///< [m]
+};
+
+/// Push F = K n^a (1 + r n') where n = x_lower - x_upper + offset > 0, never below 0; pushes `lower` down and
+/// `upper` up. Hunt & Crossley, J. Appl. Mech. 42, 1975.
+/// With `restitution` e the loss r is set anew at each touch, so that the ratio of the speeds does not depend
+/// on the speed: r v is then a number that depends on e alone (see `loss_for_restitution`).
+struct Contact {
+  int lower = 0, upper = 0;
+  double stiffness = 0.0;             ///< K [N/m^a], > 0
+  double exponent = 1.5;              ///< a, 1 ... 10
+  double loss = 0.0;                  ///< r [s/m], >= 0
+  std::optional<double> restitution;  ///< e, 0.01 ... 1
+  double offset = 0.0;                ///< [m]
+};
+
+/// A force on a mass [N], held from frame to frame.
+struct AppliedForce {
+  int on = 0;
+  Drive drive;
+};
+
+/// A coil on a point in the field of a magnet on another:  L i' = V - R i - Bl (x_on - x_against)',
+/// F = Bl i on `on`, -F on `against`.
+struct Coil {
+  int on = 0;
+  int against = -1;           ///< -1: fixed
+  double force_factor = 0.0;  ///< Bl [T m]
+  double resistance = 0.0;    ///< R [ohm], > 0
+  double inductance = 0.0;    ///< L [H], >= 0
+  Drive voltage;              ///< V [V], held from frame to frame
+};
+
+/// All that a network is made of. Links name points by their index.
+struct NetworkElements {
+  std::vector<Point> points;
+  std::vector<Spring> springs;
+  std::vector<Contact> contacts;
+  std::vector<AppliedForce> forces;
+  std::vector<Coil> coils;
+};
+
+/// A hand holds a mass by a spring and a damper and pushes. It moves only as fast as `bandwidth` (at most
+/// 10 Hz) lets it, so that any faster roll comes from bouncing.
+struct Hand {
+  int on = 0;
+  double stiffness = 0.0;  ///< [N/m]
+  double damping = 0.0;    ///< [N s/m], against the hand's own velocity
+  Hertz bandwidth{8.0};
+  int position = -1;  ///< input of the place that the spring pulls to
+  int force = -1;     ///< input of the extra push
+};
+
+/// The parts that a hand was made of.
+struct HandParts {
+  int point, spring, force;
+};
+
+/// [control] Adds the hand as a driven point, a spring and a force.
+HandParts attach(NetworkElements& elements, const Hand& hand);
+
+}  // namespace tactus

@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/physics/network.h"
+
+using namespace tactus;
+
+namespace {
+
+Point mass(double kilogram, double position, double velocity) {
+  return {Point::Kind::Mass, kilogram, position, velocity, {}};
+}
+Point ground(double position) { return {Point::Kind::Ground, 0, position, 0, {}}; }
+
+Contact contact(int lower, int upper, double loss = 0.0) {
+  return {.lower = lower, .upper = upper, .stiffness = 5e6, .exponent = 1.5, .loss = loss, .restitution = {}};
+}
+
+}  // namespace
+
+TEST_CASE("energy: a body between two walls keeps its energy over a million steps", "[physics]") {
+  NetworkElements elements;
+  elements.points = {mass(0.0125, 0.0, 1.0), ground(0.002), ground(-0.002)};
+  elements.contacts = {contact(0, 1), contact(2, 0)};
+  const auto network = Network::make(elements, 0, 48_kHz, Solver::Passive, 1).value();
+  auto state = network.initial_state();
+  const double start = network.energy(state);
+  CHECK(start == Approx(0.5 * 0.0125));
+  double worst = 0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    network.step(state, nullptr);
+    worst = std::max(worst, std::abs(network.energy(state) / start - 1.0));
+  }
+  CHECK(worst < 1e-10);
+}
+
+TEST_CASE("energy: what is stored is what was put in less what was lost", "[physics]") {
+  // Every kind of element at once: rounding only, over 200,000 steps.
+  const double stiffness = GENERATE(1000.0, 1e10);  // the second one averages the springs
+  NetworkElements elements;
+  elements.points = {mass(0.0125, 0.02, 0.0),
+                     mass(0.035, 0.0, 0.0),
+                     ground(0.0),
+                     mass(0.02, -0.03, 0.3),
+                     {Point::Kind::Motion, 0, 0, 0, {2, {}}}};
+  elements.springs = {{1, 2, stiffness, 1.2, 0.0}, {3, 1, 2000.0, 0.1, 0.03}, {3, 4, 300.0, 0.5, 0.0}};
+  elements.contacts = {contact(1, 0, 0.15), contact(4, 3, 0.3)};
+  elements.contacts[1].restitution = 0.5;
+  elements.coils = {{1, 3, 6.0, 6.5, 0.8e-3, {0, {}}}};
+  elements.forces = {{0, {1, {}}}};
+  attach(elements, {.on = 0, .stiffness = 10.0, .damping = 0.02, .position = 2, .force = 1});
+  const auto network = Network::make(elements, 3, 48_kHz, Solver::Passive, 2).value();
+  CHECK(network.springs_averaged() == (stiffness > 1e6));
+  auto state = network.initial_state();
+  state.audit = true;
+  double start = 0;
+  for (int n = 0; n < 100'000; ++n) {
+    const double inputs[] = {n % 1500 < 100 ? 10.0 : 0.0, -0.3, 0.02 * std::sin(0.001 * n)};
+    network.step(state, inputs);
+    if (n > 0) continue;
+    start = network.energy(state);  // from here: the first step puts points to their places
+    state.supplied = state.dissipated = 0.0;
+  }
+  CHECK(state.dissipated > 0.1);
+  CHECK(network.energy(state) - start ==
+        Approx(state.supplied - state.dissipated).margin(1e-10 * state.dissipated));
+}
+
+TEST_CASE("energy: nothing but losses never gains", "[physics]") {
+  NetworkElements elements;
+  elements.points = {mass(0.0125, 0.01, -2.0), mass(0.035, 0.0, 0.0), mass(0.1, -0.01, 1.0), ground(-0.02),
+                     ground(0.03)};
+  elements.springs = {{1, 3, 1000.0, 0.1, 0.02}};
+  elements.contacts = {contact(1, 0, 0.1), contact(2, 1, 3.0), contact(3, 2, 0.1), contact(0, 4, 30.0)};
+  // At 4 kHz a contact lasts for 4 steps.
+  const auto network = Network::make(elements, 0, 4_kHz, Solver::Passive, 1).value();
+  auto state = network.initial_state();
+  double before = network.energy(state);
+  const double start = before;
+  for (int n = 0; n < 20'000; ++n) {
+    network.step(state, nullptr);
+    const double now = network.energy(state);
+    REQUIRE(now <= before + 1e-14 * start);
+    before = now;
+  }
+  CHECK(before < 0.5 * start);
+}
