@@ -1,0 +1,136 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <complex>
+#include <numeric>
+
+#include "engine/nodes/table.h"
+#include "tests/conformance/node_cases.h"
+
+// response() against what the node does: the transform of its answer to a small impulse on top of inputs at
+// rest.
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+constexpr int kSettle = 4099;  ///< frames before the impulse; odd, to lie on no grid
+constexpr double kRate = 48000;
+constexpr double kPi = 3.14159265358979323846;
+const Hertz kFrequencies[] = {10_Hz, 50_Hz, 230_Hz, 1_kHz, 5_kHz, 20_kHz};
+
+struct Rest {
+  const NodeType* type;
+  std::map<std::string, std::string> settings;
+  std::vector<double> at;
+};
+
+Samples run(const Rest& rest, std::size_t input, std::size_t output, int frames, double impulse) {
+  std::map<std::string, InputValue> inputs;
+  for (std::size_t i = 0; i < rest.at.size(); ++i) inputs[rest.type->inputs[i].name] = rest.at[i];
+  Samples moving(static_cast<std::size_t>(kSettle + frames), rest.at[input]);
+  moving[kSettle] += impulse;
+  inputs[rest.type->inputs[input].name] = moving;
+  NodeRunner runner(*rest.type, inputs, rest.settings, Hertz{kRate}, typical_ranges(*rest.type));
+  return runner.run(even_cutting(kSettle + frames, kLongestPiece))[output];
+}
+
+/// Central difference, so that the curvature of a nonlinear law drops out.
+Samples impulse_response(const Rest& rest, std::size_t input, std::size_t output, int frames) {
+  const auto range = typical_range(rest.type->inputs[input]);
+  const double step = 1e-5 * std::max(range.high - range.low, 1e-6);
+  const auto above = run(rest, input, output, frames, step);
+  const auto below = run(rest, input, output, frames, -step);
+  Samples response;
+  for (std::size_t n = kSettle; n < above.size(); ++n) response.push_back((above[n] - below[n]) / (2 * step));
+  return response;
+}
+
+double weight(Samples::const_iterator from, Samples::const_iterator to) {
+  return std::accumulate(from, to, 0.0, [](double sum, double x) { return sum + std::abs(x); });
+}
+
+bool settled(const Samples& response) {
+  const auto eighth = static_cast<std::ptrdiff_t>(response.size() / 8);
+  return weight(response.end() - eighth, response.end()) <= 1e-9 * weight(response.begin(), response.end());
+}
+
+std::complex<double> transform(const Samples& samples, Hertz frequency) {
+  std::complex<double> sum = 0;
+  for (std::size_t n = 0; n < samples.size(); ++n)
+    sum += samples[n] * std::polar(1.0, -2 * kPi * frequency.value * static_cast<double>(n) / kRate);
+  return sum;
+}
+
+/// H at kFrequencies. What never settles (an integrator) is differenced first: (1 - z^-1) H settles.
+std::optional<std::vector<std::complex<double>>> measure(const Rest& rest, std::size_t input,
+                                                         std::size_t output) {
+  for (int frames = 4096; frames <= 1 << 18; frames *= 8) {
+    auto response = impulse_response(rest, input, output, frames);
+    const bool whole = settled(response);
+    if (!whole) std::adjacent_difference(response.begin(), response.end(), response.begin());
+    if (!whole && !settled(response)) continue;
+    std::vector<std::complex<double>> measured;
+    for (const auto frequency : kFrequencies) {
+      const auto z = std::polar(1.0, -2 * kPi * frequency.value / kRate);
+      measured.push_back(transform(response, frequency) / (whole ? 1.0 : 1.0 - z));
+    }
+    return measured;
+  }
+  return std::nullopt;
+}
+
+/// Compares one path; the number of paths that have a response.
+int check_path(const Rest& rest, Node& node, std::size_t input, std::size_t output) {
+  const auto expected = [&](Hertz f) {
+    return node.response(static_cast<int>(input), static_cast<int>(output), f, rest.at);
+  };
+  if (!expected(kFrequencies[0])) return 0;
+  INFO(rest.type->inputs[input].name << " to " << rest.type->outputs[output].name);
+  const auto measured = measure(rest, input, output);
+  CHECK(measured);
+  if (!measured) return 1;
+  double largest = 0;
+  for (const auto& h : *measured) largest = std::max(largest, std::abs(h));
+  for (std::size_t k = 0; k < measured->size(); ++k) {
+    INFO(kFrequencies[k].value << " Hz");
+    REQUIRE(expected(kFrequencies[k]));
+    const auto h = *expected(kFrequencies[k]);
+    // A step of 1e-5 of the range bends the laws by 1e-7 at most; rounding leaves 1e-11 of the step.
+    const double tolerance = 1e-6 * std::abs(h) + 1e-8 * largest;
+    CHECK((*measured)[k].real() == Approx(h.real()).margin(tolerance).epsilon(0));
+    CHECK((*measured)[k].imag() == Approx(h.imag()).margin(tolerance).epsilon(0));
+  }
+  return 1;
+}
+
+int check_type(const NodeType& type, double fraction) {
+  int paths = 0;
+  for (const auto& [label, settings] : setting_variants(type)) {
+    INFO(type.name << " " << label << " at " << fraction << " of its ranges");
+    Rest rest{&type, settings, {}};
+    std::map<std::string, InputValue> inputs;
+    for (const auto& port : type.inputs) {
+      const auto range = typical_range(port);
+      rest.at.push_back(port.fallback.value_or(range.low + fraction * (range.high - range.low)));
+      inputs[port.name] = rest.at.back();
+    }
+    NodeRunner runner(type, inputs, settings, Hertz{kRate}, typical_ranges(type));
+    CHECK(runner.error() == "");
+    if (!runner.made()) continue;
+    for (std::size_t i = 0; i < type.inputs.size(); ++i)
+      for (std::size_t o = 0; !type.inputs[i].fixed && o < type.outputs.size(); ++o)
+        paths += check_path(rest, runner.node(), i, o);
+  }
+  return paths;
+}
+
+}  // namespace
+
+TEST_CASE("nodes: response() is the transform of the impulse response", "[conformance]") {
+  // Three places, so that laws with corners are met on either side of them.
+  const double fraction = GENERATE(0.65, 0.4, 0.52);
+  int paths = 0;
+  for (const auto* type : standard_nodes().types) paths += check_type(*type, fraction);
+  CHECK(paths > 0);
+}

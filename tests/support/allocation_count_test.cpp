@@ -1,0 +1,52 @@
+#include "tests/support/allocation_count.h"
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+thread_local std::int64_t allocations = 0;
+
+void* allocate(std::size_t bytes, std::size_t alignment) {
+  ++allocations;
+  // aligned_alloc wants a size that is a multiple of the alignment; malloc knows no size of zero.
+  const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
+  void* const memory = alignment <= alignof(std::max_align_t)
+                           ? std::malloc(bytes > 0 ? bytes : 1)
+                           : std::aligned_alloc(alignment, rounded > 0 ? rounded : alignment);
+  if (memory == nullptr) throw std::bad_alloc{};
+  return memory;
+}
+
+/// Not inlined: gcc would see `free` on what a new-expression returned, and warn.
+[[gnu::noinline]] void release(void* memory) noexcept { std::free(memory); }
+
+}  // namespace
+
+// The array and nothrow forms of the library call these.
+void* operator new(std::size_t bytes) { return allocate(bytes, 1); }
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+  return allocate(bytes, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { release(memory); }
+void operator delete(void* memory, std::size_t) noexcept { release(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { release(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
+
+namespace tactus::test {
+
+std::int64_t allocation_count() noexcept { return allocations; }
+
+}  // namespace tactus::test
+
+TEST_CASE("allocation_count: sees every form of new", "[conformance]") {
+  // Functions, not new-expressions: the compiler may leave those out.
+  const auto before = tactus::test::allocation_count();
+  ::operator delete(::operator new(8));
+  CHECK(tactus::test::allocation_count() == before + 1);
+  ::operator delete[](::operator new[](8, std::nothrow));
+  CHECK(tactus::test::allocation_count() == before + 2);
+  ::operator delete (::operator new (8, std::align_val_t{64}), std::align_val_t{64});
+  CHECK(tactus::test::allocation_count() == before + 3);
+}
