@@ -1,0 +1,90 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "backends/health.h"
+#include "engine/core/block_io.h"
+#include "engine/core/error.h"
+#include "engine/core/guarded.h"
+#include "engine/core/units.h"
+
+namespace tactus {
+
+/// Something with channels that a backend can open.
+struct Device {
+  std::string id;    ///< stays the same when others come and go: "jack:system", never an index
+  std::string name;  ///< for people
+  int in_channels = 0;
+  int out_channels = 0;
+  std::vector<Hertz> sample_rates;  ///< empty: any
+  Hertz default_rate;
+  bool is_default = false;
+};
+
+/// What is asked for. Whatever is left out, the backend chooses.
+struct StreamRequest {
+  std::string device;                ///< Device::id; empty: the default device
+  std::optional<Hertz> sample_rate;  ///< a rate that cannot be had is an error, never another rate
+  int in_channels = 0;
+  int out_channels = 0;
+  std::optional<int> block_frames;  ///< a wish: see StreamGranted
+  std::string client_name = "tactus";
+};
+
+/// What was granted. Only this counts: drivers round block sizes and add buffers of their own.
+struct StreamGranted {
+  std::string device;
+  StreamFormat format;
+  int block_frames = 0;  ///< 0: changes from block to block, within format.max_frames
+  /// What the driver says about its own delay [frames]. It may be wrong: see `tactus latency`.
+  std::optional<double> input_latency_frames;
+  std::optional<double> output_latency_frames;
+};
+
+enum class StreamState {
+  Stopped,
+  Running,
+  Finished,  ///< came to the end of what there was to do
+  Lost,      ///< the device or its server went away; only destroying the stream is left to do
+};
+
+/// An open device. Destroying it stops it and closes the device.
+///
+/// All functions are called from one control thread. While the stream runs, one real-time thread calls
+/// `Guarded::process` and nothing else of the caller's.
+class Stream {
+ public:
+  virtual ~Stream() = default;
+
+  /// [any] What `open` was granted.
+  virtual const StreamGranted& granted() const = 0;
+  /// [control & stopped] Blocks begin to flow. Errors: Device.
+  [[nodiscard]] virtual Status start() = 0;
+  /// [control] When it returns, no block is in `process` and none will follow. Stopping twice is fine.
+  /// Errors: Device, and the stream counts as stopped all the same.
+  [[nodiscard]] virtual Status stop() = 0;
+  /// [any]
+  virtual StreamState state() const = 0;
+  /// [any]
+  virtual Health health() const = 0;
+};
+
+/// A way to reach devices: a sound server, a driver library, a file.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+
+  /// [any] "jack", "rtaudio", "offline": what `--backend` takes and device ids begin with.
+  virtual std::string name() const = 0;
+  /// [control] Everything that `open` could open now. No device is an empty list; Errors: Device, when it is
+  /// not possible to tell, with what to do about it.
+  virtual Result<std::vector<Device>> devices() = 0;
+  /// [control] Opens a device and calls `processor.prepare` with the granted format. `processor` must outlive
+  /// the stream. Errors: UnknownName for the device; Device; BadArgument; those of `prepare`.
+  virtual Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) = 0;
+};
+
+}  // namespace tactus
