@@ -1,0 +1,92 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <complex>
+
+#include "engine/core/units.h"
+#include "engine/dsp/recurrence.h"
+
+namespace tactus {
+
+/// y[n] = b0 x[n] + b1 x[n-1] (+ b2 x[n-2]) + a1 y[n-1] (+ a2 y[n-2]).   Mind the sign of a.
+template <int Order>
+struct FilterCoefficients {
+  std::array<double, Order + 1> b{1.0};
+  std::array<double, Order> a{};
+
+  /// H at `radians` per frame.
+  std::complex<double> response(double radians) const {
+    const auto delay = std::polar(1.0, -radians);
+    std::complex<double> above = b[Order], below = 0;
+    for (std::size_t i = Order; i-- > 0;) {
+      above = above * delay + b[i];
+      below = (below + a[i]) * delay;
+    }
+    return above / (1.0 - below);
+  }
+};
+
+/// A cutoff that any filter can be designed for: (0, 0.49] of the rate, NaN included. As radians per frame.
+inline double clamped_radians(double hertz, Hertz sample_rate) {
+  constexpr double kLowest = 1e-6, kHighest = 0.49, kTurn = 6.283185307179586;
+  const double turns = hertz / sample_rate.value;
+  return kTurn * (turns > kLowest ? std::min(turns, kHighest) : kLowest);
+}
+
+/// A filter of order 1 or 2 in direct form I, vectorised in time. The state is the last inputs and outputs,
+/// so that a change of coefficients never jumps.
+template <int Order>
+class LinearFilter {
+ public:
+  /// [realtime] At the start of a group only (see Recurrence).
+  void design(const FilterCoefficients<Order>& c) noexcept {
+    b_ = c.b;
+    recurrence_.design(c.a);
+  }
+  void reset() noexcept {
+    last_.fill(0.0);
+    recurrence_.reset();
+  }
+  /// [realtime] `position` is the group_position of the first frame; `x` and `y` do not overlap.
+  void run(const double* x, double* y, int frames, int position) noexcept {
+    feed_forward(x, y, frames);
+    recurrence_.run(y, y, frames, position);
+  }
+
+ private:
+  /// Rounded product by product, not fused: equal inputs under b = (1, -1) or (1, -2, 1) then cancel exactly,
+  /// which a high-pass with a low cutoff would otherwise amplify a million times.
+  template <class Number>
+  static Number weighted(Number now, Number before, Number oldest, const std::array<Number, 3>& b) noexcept {
+    if constexpr (Order == 2)
+      return (b[0] * now + b[2] * oldest) + b[1] * before;
+    else
+      return b[0] * now + b[1] * before;
+  }
+
+  void feed_forward(const double* x, double* v, int frames) noexcept {
+    std::array<double, 3> b{};
+    std::copy(b_.begin(), b_.end(), b.begin());
+    std::array<double, 2 * Order> edge{};  // the last inputs, then the first ones
+    const int first = std::min(frames, Order);
+    for (int i = 0; i < Order; ++i) edge[i] = last_[i];
+    for (int i = 0; i < first; ++i) edge[Order + i] = x[i];
+    const auto at = [](const double* now, const auto& weights) {
+      return weighted(now[0], now[-1], now[-Order], weights);
+    };
+    for (int i = 0; i < first; ++i) v[i] = at(edge.data() + Order + i, b);
+    const std::array<Lanes, 3> wide{Lanes::same(b[0]), Lanes::same(b[1]), Lanes::same(b[2])};
+    int i = first;
+    for (; i + Lanes::kCount <= frames; i += Lanes::kCount)
+      weighted(Lanes::load(x + i), Lanes::load(x + i - 1), Lanes::load(x + i - Order), wide).store(v + i);
+    for (; i < frames; ++i) v[i] = at(x + i, b);
+    for (int k = 0; k < Order; ++k) last_[k] = frames >= Order ? x[frames - Order + k] : edge[frames + k];
+  }
+
+  std::array<double, Order + 1> b_{1.0};
+  std::array<double, Order> last_{};  ///< inputs, oldest first
+  Recurrence<Order> recurrence_;
+};
+
+}  // namespace tactus

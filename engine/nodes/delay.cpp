@@ -1,0 +1,231 @@
+#include "engine/nodes/delay.h"
+
+#include <cmath>
+
+#include "engine/core/dimension.h"
+#include "engine/dsp/delay_line.h"
+#include "engine/dsp/lagrange.h"
+#include "engine/dsp/taps.h"
+#include "engine/nodes/group_steps.h"
+
+namespace tactus {
+namespace {
+
+enum Input { kIn, kTime };
+
+constexpr double kMostFrames = 1 << 24;
+
+/// Times that were meant as whole frames ("20 ms") come out a rounding beside them.
+double frames_of(double seconds, Hertz sample_rate) {
+  const double frames = seconds * sample_rate.value;
+  const double whole = std::nearbyint(frames);
+  return std::abs(frames - whole) < 1e-9 ? whole : frames;
+}
+
+/// The times that a delay can be asked for.
+struct TimeRange {
+  double low_s, high_s;
+};
+
+/// Reads `Order` + 1 taps; order 0 is the nearest whole frame.
+template <int Order>
+class DelayNode : public Node {
+ public:
+  DelayNode(TimeRange range, Hertz sample_rate)
+      : range_(range),
+        sample_rate_(sample_rate),
+        // A loop needs a tap in the past; where the delay is never below a frame, no tap is newer.
+        newest_possible_(frames_of(range.low_s, sample_rate) >= 1 ? 1 : 0),
+        least_(aimed(range.low_s).newest),
+        most_(static_cast<int>(std::ceil(frames_of(range.high_s, sample_rate)))),
+        aim_(aimed(range.low_s)),
+        line_(most_ + Order + kMaxPiece, kMaxPiece + Order) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    absorb(block);
+    read(block, block.frames);
+  }
+  void emit(const NodeBlock& block) noexcept override { read(block, 0); }
+  void absorb(const NodeBlock& block) noexcept override {
+    InARow in_a_row;
+    line_.write(in_a_row(block.in[kIn], block.frames), block.frames);
+  }
+  void reset() noexcept override {
+    line_.reset();
+    clamped_ = 0;
+  }
+
+  DelayRange delay(int input, int) const override {
+    return input == kIn ? DelayRange{least_, std::max(least_, most_)} : DelayRange{};
+  }
+
+  std::optional<std::complex<double>> response(int input, int, Hertz frequency,
+                                               std::span<const double> at) const override {
+    if (input != kIn) return std::nullopt;
+    const double radians = radians_at(frequency, sample_rate_);
+    const auto aim = aimed(inside(at[kTime]));
+    if (aim.whole) return std::polar(1.0, -radians * aim.newest);
+    std::complex<double> sum = 0;
+    for (int k = 0; k <= Order; ++k)
+      sum += aim.weights[static_cast<std::size_t>(k)] * std::polar(1.0, -radians * (aim.newest + k));
+    return sum;
+  }
+
+  std::int64_t clamped() const override { return clamped_; }
+
+ private:
+  /// Where the taps of a delay lie: the newest, in frames back, and what each weighs.
+  struct Aim {
+    int newest = 0;
+    bool whole = true;  ///< a copy, bit for bit
+    std::array<double, Order + 1> weights{};
+  };
+
+  double inside(double seconds) const noexcept {
+    return seconds > range_.low_s ? std::min(seconds, range_.high_s) : range_.low_s;
+  }
+
+  Aim aimed(double seconds) const noexcept {
+    const double frames = frames_of(seconds, sample_rate_);
+    if constexpr (Order == 0) {
+      return {.newest = static_cast<int>(frames + 0.5)};
+    } else {
+      const int floor = static_cast<int>(frames);
+      const int newest = std::max(floor - (Order - 1) / 2, newest_possible_);
+      return {.newest = newest, .whole = false, .weights = lagrange_weights<Order>(frames - newest)};
+    }
+  }
+
+  void read(const NodeBlock& block, int written) noexcept {
+    const auto time = block.in[kTime];
+    double* y = block.out[0];
+    if (time.constant()) {
+      aim_at(time[0], block.frames);
+      if (aim_.whole)
+        std::copy_n(line_.behind(aim_.newest + written), block.frames, y);
+      else
+        tap_sums(newest_tap(written), aim_.weights, nullptr, y, block.frames);
+      return;
+    }
+    for (int n = 0; n < block.frames; ++n) {
+      aim_at(time[n], 1);
+      y[n] = aim_.whole ? *line_.behind(aim_.newest + written - n)
+                        : tap_sum(newest_tap(written - n), aim_.weights, 0);
+    }
+  }
+
+  void aim_at(double seconds, int frames) noexcept {
+    const double possible = inside(seconds);
+    if (possible != seconds) clamped_ += frames;
+    if (possible == aimed_at_) return;
+    aimed_at_ = possible;
+    aim_ = aimed(possible);
+  }
+
+  const double* newest_tap(int written) const noexcept {
+    return line_.behind(aim_.newest + Order + written) + Order;
+  }
+
+  TimeRange range_;
+  Hertz sample_rate_;
+  int newest_possible_, least_, most_;
+  double aimed_at_ = range_.low_s;
+  Aim aim_;
+  DelayLine line_;
+  std::int64_t clamped_ = 0;
+};
+
+/// A setting that is a time.
+Result<std::optional<double>> time_of(const NodeSetup& setup, std::string_view name) {
+  const auto& setting = setup.setting(name);
+  if (!setting.given) return std::nullopt;
+  const auto quantity = parse_quantity(setting.text);
+  const bool time = quantity && (quantity->unit.dimension == Dimension{.second = 1} ||
+                                 (quantity->unit.dimension.plain() && !quantity->unit.decibel));
+  if (!time || !std::isfinite(quantity->si) || quantity->si < 0)
+    return fail(Errc::UnitMismatch, {},
+                "'" + std::string(name) + "' of a delay is not a time: \"" + setting.text + '"',
+                "give a quantity such as \"20 ms\"");
+  return quantity->si;
+}
+
+Result<TimeRange> range_of(const NodeSetup& setup) {
+  const auto min = time_of(setup, "min");
+  if (!min) return tl::unexpected(min.error());
+  const auto max = time_of(setup, "max");
+  if (!max) return tl::unexpected(max.error());
+  const double low = min->value_or(0), high = max->value_or(kUnlimited);
+  if (low > high)
+    return fail(Errc::OutOfRange, {}, "'min' of a delay is longer than its 'max'", "exchange them");
+  const auto known = setup.input("time").range;
+  const TimeRange range{std::clamp(known.low, low, high), std::clamp(known.high, low, high)};
+  if (!std::isfinite(range.high_s))
+    return fail(Errc::OutOfRange, {}, "the longest delay is not known", "give max = \"...\" a time");
+  if (range.high_s * setup.sample_rate.value > kMostFrames)
+    return fail(Errc::OutOfRange, {}, "a delay may last at most 16777216 frames",
+                "give a smaller max = \"...\"");
+  return range;
+}
+
+template <int Order>
+Result<std::unique_ptr<Node>> made(TimeRange range, Hertz sample_rate) {
+  return std::make_unique<DelayNode<Order>>(range, sample_rate);
+}
+
+Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+  const auto range = range_of(setup);
+  if (!range) return tl::unexpected(range.error());
+  const auto& word = setup.setting("interpolation").text;
+  if (word == "none") return made<0>(*range, setup.sample_rate);
+  if (word == "linear") return made<1>(*range, setup.sample_rate);
+  if (word == "lagrange5") return made<5>(*range, setup.sample_rate);
+  return made<3>(*range, setup.sample_rate);
+}
+
+}  // namespace
+
+const NodeType& delay_type() {
+  static const NodeType type{
+      .name = "delay",
+      .group = "delays",
+      .summary =
+          "Gives its input back later; it may close a loop, and its time may change from frame to frame.",
+      .equation =
+          "out[n] = in(n - time fs), between frames the polynomial through 2, 4 or 6 of them.\n"
+          "Below 1 frame (linear), 2 (lagrange3) or 3 (lagrange5) the polynomial is taken outside its middle "
+          "interval, since later frames do not exist yet: high frequencies are then passed less exactly and "
+          "up "
+          "to some dB too loud.\n"
+          "Least delay = floor(shortest time fs) less 1 for lagrange3, 2 for lagrange5; at least 1 where the "
+          "time is never below a frame",
+      .source = "Laakso, Valimaki, Karjalainen & Laine, IEEE SP Magazine 13, 1996",
+      .example = "{ type = \"delay\", in = \"string\", time = \"20 ms\" }",
+      .inputs =
+          {{.name = "in", .unit = "any", .doc = "signal to delay", .fallback = std::nullopt, .late = true},
+           {.name = "time", .unit = "s", .doc = "how much later", .fallback = std::nullopt, .low = 0}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in `time` ago", .range = {}}},
+      .settings =
+          {{.name = "interpolation",
+            .kind = Setting::Kind::Choice,
+            .doc = "between frames; none rounds to whole ones. lagrange3 is within 0.1 dB up to fs/8, with a "
+                   "tap that is one frame newer; lagrange5 up to fs/5 with two; linear dulls at fs/20",
+            .choices = {"none", "linear", "lagrange3", "lagrange5"},
+            .fallback = "lagrange3"},
+           {.name = "min",
+            .kind = Setting::Kind::Text,
+            .doc = "shortest time, where the graph does not tell",
+            .choices = {},
+            .fallback = {},
+            .optional = true},
+           {.name = "max",
+            .kind = Setting::Kind::Text,
+            .doc = "longest time, where the graph does not tell",
+            .choices = {},
+            .fallback = {},
+            .optional = true}},
+      .make = make,
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

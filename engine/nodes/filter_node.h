@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "engine/dsp/linear_filter.h"
+#include "engine/graph/node_type.h"
+#include "engine/nodes/group_steps.h"
+
+namespace tactus {
+
+/// A LinearFilter as a node. Inputs: `in`, then the parameters of its design. Outputs: the filtered signal
+/// and, where the type declares a second one, what the filter took away: in - filtered.
+template <int Order, std::size_t ParameterCount>
+class FilterNode : public Node {
+ public:
+  using Parameters = std::array<double, ParameterCount>;
+  using Design = FilterCoefficients<Order> (*)(const Parameters&, Hertz sample_rate);
+
+  FilterNode(const NodeSetup& setup, Design design)
+      : design_(design), sample_rate_(setup.sample_rate), has_rest_(setup.type->outputs.size() > 1) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    InARow in_a_row;
+    const double* x = in_a_row(block.in[0], block.frames);
+    double* y = block.out[0];
+    steps_.go(
+        block, constant(block), [&](int frame) { update(block, frame); },
+        [&](int from, int to, int position) { filter_.run(x + from, y + from, to - from, position); });
+    if (!has_rest_) return;
+    for (int n = 0; n < block.frames; ++n) block.out[1][n] = x[n] - y[n];
+  }
+
+  void reset() noexcept override {
+    filter_.reset();
+    steps_.reset();
+    designed_ = false;
+  }
+
+  std::optional<std::complex<double>> response(int input, int output, Hertz frequency,
+                                               std::span<const double> at) const override {
+    if (input != 0) return std::nullopt;
+    Parameters parameters;
+    std::copy_n(at.begin() + 1, ParameterCount, parameters.begin());
+    const auto filtered = design_(parameters, sample_rate_).response(radians_at(frequency, sample_rate_));
+    return output == 0 ? filtered : 1.0 - filtered;
+  }
+
+  static MakeNode maker(Design design) {
+    return [design](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
+      return std::make_unique<FilterNode>(setup, design);
+    };
+  }
+
+ private:
+  static bool constant(const NodeBlock& block) noexcept {
+    bool all = true;
+    for (std::size_t i = 0; i < ParameterCount; ++i) all = all && block.in[i + 1].constant();
+    return all;
+  }
+
+  void update(const NodeBlock& block, int frame) noexcept {
+    Parameters now;
+    for (std::size_t i = 0; i < ParameterCount; ++i) now[i] = block.in[i + 1][frame];
+    if (designed_ && now == parameters_) return;
+    parameters_ = now;
+    designed_ = true;
+    filter_.design(design_(now, sample_rate_));
+  }
+
+  Design design_;
+  Hertz sample_rate_;
+  bool has_rest_;
+  bool designed_ = false;
+  Parameters parameters_{};
+  GroupSteps steps_;
+  LinearFilter<Order> filter_;
+};
+
+}  // namespace tactus

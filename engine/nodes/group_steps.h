@@ -1,0 +1,53 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "engine/dsp/recurrence.h"
+#include "engine/graph/node.h"
+
+namespace tactus {
+
+/// Cuts a block where parameters may change: `update(frame)` at each group start (and at the very first frame
+/// of a node), `run(from, to, position)` on the frames between. Where the parameters are constant there is
+/// one run for all whole groups.
+class GroupSteps {
+ public:
+  void reset() noexcept { fresh_ = true; }
+
+  template <class Update, class Run>
+  void go(const NodeBlock& block, bool constant, Update update, Run run) noexcept {
+    for (int from = 0; from < block.frames;) {
+      const int position = group_position(block.first_frame + from);
+      if (position == 0 || fresh_) update(from);
+      fresh_ = false;
+      const int to =
+          constant && position == 0 ? block.frames : std::min(block.frames, from + kGroup - position);
+      run(from, to, position);
+      from = to;
+    }
+  }
+
+ private:
+  bool fresh_ = true;
+};
+
+/// The samples of a signal in a row; a constant is written out.
+class InARow {
+ public:
+  const double* operator()(const Signal& signal, int frames) noexcept {
+    if (!signal.constant()) return signal.data;
+    std::fill_n(samples_.begin(), frames, signal[0]);
+    return samples_.data();
+  }
+
+ private:
+  std::array<double, kMaxPiece> samples_;
+};
+
+inline double radians_at(Hertz frequency, Hertz sample_rate) {
+  return 2 * std::numbers::pi * frequency.value / sample_rate.value;
+}
+
+}  // namespace tactus

@@ -1,0 +1,37 @@
+#include "engine/nodes/one_pole.h"
+
+#include "engine/dsp/one_pole_design.h"
+#include "engine/nodes/filter_node.h"
+#include "engine/nodes/filter_ports.h"
+
+namespace tactus {
+namespace {
+
+using OnePoleNode = FilterNode<1, 1>;
+
+FilterCoefficients<1> design(const OnePoleNode::Parameters& p, Hertz sample_rate) {
+  return one_pole_low_pass(clamped_radians(p[0], sample_rate));
+}
+
+}  // namespace
+
+const NodeType& one_pole_type() {
+  static const NodeType type{
+      .name = "one_pole",
+      .group = "filters",
+      .summary = "A low-pass and the high-pass that completes it, 6 dB an octave.",
+      .equation =
+          "low = (1-p)/2 (in + in1) + p low1,  high = in - low,\n"
+          "p = (1 - tan(pi cutoff/fs)) / (1 + tan(pi cutoff/fs)): both are exactly -3.01 dB at the cutoff",
+      .source = "Oppenheim & Schafer, Discrete-Time Signal Processing, 7.1.2 (bilinear transform, prewarped)",
+      .example = "{ type = \"one_pole\", in = \"hand\", cutoff = \"80 Hz\" }",
+      .inputs = {filtered_input(), cutoff_input("-3.01 dB here; at most 0.49 of the sample rate")},
+      .outputs = {filtered_output("low", "what lies below the cutoff"),
+                  filtered_output("high", "the rest: in - low")},
+      .settings = {},
+      .make = OnePoleNode::maker(design),
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

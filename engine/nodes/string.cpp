@@ -1,0 +1,98 @@
+#include "engine/nodes/string.h"
+
+#include "engine/dsp/string_loop.h"
+#include "engine/nodes/filter_ports.h"
+#include "engine/nodes/group_steps.h"
+
+namespace tactus {
+namespace {
+
+enum Input { kIn, kPitch, kGain, kLoss };
+
+class StringNode : public Node {
+ public:
+  explicit StringNode(const NodeSetup& setup)
+      : filter_(setup.setting("loss_filter").text == "one_pole" ? LossFilter::OnePole : LossFilter::OneZero),
+        sample_rate_(setup.sample_rate),
+        string_(filter_, setup.sample_rate) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    InARow in_a_row;
+    const double* x = in_a_row(block.in[kIn], block.frames);
+    double* y = block.out[0];
+    const auto* in = block.in;
+    const bool constant = in[kPitch].constant() && in[kGain].constant() && in[kLoss].constant();
+    steps_.go(
+        block, constant,
+        [&](int n) { string_.tune({.pitch_hz = in[kPitch][n], .gain = in[kGain][n], .loss = in[kLoss][n]}); },
+        [&](int from, int to, int position) { string_.run(x + from, y + from, to - from, position); });
+  }
+
+  void reset() noexcept override {
+    string_.reset();
+    steps_.reset();
+  }
+
+  std::optional<std::complex<double>> response(int input, int, Hertz frequency,
+                                               std::span<const double> at) const override {
+    if (input != kIn) return std::nullopt;
+    const StringDesign design{
+        {.pitch_hz = at[kPitch], .gain = at[kGain], .loss = at[kLoss]}, filter_, sample_rate_};
+    return design.response(radians_at(frequency, sample_rate_));
+  }
+
+ private:
+  LossFilter filter_;
+  Hertz sample_rate_;
+  StringLoop string_;
+  GroupSteps steps_;
+};
+
+}  // namespace
+
+const NodeType& string_type() {
+  static const NodeType type{
+      .name = "string",
+      .group = "delays",
+      .summary = "A lightly damped string: a tuned loop of delay and losses, driven by its input.",
+      .equation =
+          "out[n] = in[n] + gain (h_LP * out)[n - N],  N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs\n"
+          "H_LP = (1 - loss/2) + loss/2 z^-1 (one_zero) or (1 - loss) / (1 - loss z^-1) (one_pole)\n"
+          "T60 of a partial = 3 ln(10) N / (-ln(gain |H_LP|) fs)",
+      .source = "Jaffe & Smith, Computer Music Journal 7(2), 1983; Laakso et al., IEEE SP Magazine 13, 1996",
+      .example = "{ type = \"string\", in = \"bow\", pitch = \"220 Hz\", gain = 0.995 }",
+      .inputs = {filtered_input("what excites the string"),
+                 {.name = "pitch",
+                  .unit = "Hz",
+                  .doc = "of the fundamental; at most 0.3 of the sample rate",
+                  .fallback = std::nullopt,
+                  .low = StringLoop::kLowestPitch,
+                  .high = 20000},
+                 {.name = "gain",
+                  .unit = "",
+                  .doc = "once around the loop",
+                  .fallback = 0.99,
+                  .low = 0,
+                  .high = 0.9999},
+                 {.name = "loss",
+                  .unit = "",
+                  .doc = "how much faster high partials die; 0: not at all (one_pole: at most 0.99)",
+                  .fallback = 0.5,
+                  .low = 0,
+                  .high = 1}},
+      .outputs = {filtered_output("out", "the string where it is driven")},
+      .settings =
+          {{.name = "loss_filter",
+            .kind = Setting::Kind::Choice,
+            .doc =
+                "one_zero takes at most this much away, at half the rate; one_pole darkens from lower down",
+            .choices = {"one_zero", "one_pole"},
+            .fallback = "one_zero"}},
+      .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
+        return std::make_unique<StringNode>(setup);
+      },
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus
