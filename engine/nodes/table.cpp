@@ -10,6 +10,7 @@
 #include "engine/nodes/latch.h"
 #include "engine/nodes/map.h"
 #include "engine/nodes/mix.h"
+#include "engine/nodes/network.h"
 #include "engine/nodes/noise.h"
 #include "engine/nodes/quantiser.h"
 #include "engine/nodes/sample.h"
@@ -32,7 +33,7 @@ const NodeTable& standard_nodes() {
               &threshold_type(), &sample_hold_type(), &latch_type(),    &counter_type(), &quantiser_type(),
               &curve_type(),     &spring_type(),      &damper_type(),   &wall_type(),    &terrain_type(),
           },
-      .network = {},
+      .network = network_type,
   };
   return table;
 }
