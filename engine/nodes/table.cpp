@@ -17,6 +17,7 @@
 #include "engine/nodes/low_pass.h"
 #include "engine/nodes/map.h"
 #include "engine/nodes/mix.h"
+#include "engine/nodes/network.h"
 #include "engine/nodes/noise.h"
 #include "engine/nodes/one_pole.h"
 #include "engine/nodes/quantiser.h"
@@ -77,7 +78,7 @@ const NodeTable& standard_nodes() {
               &wall_type(),
               &terrain_type(),
           },
-      .network = {},
+      .network = network_type,
   };
   // clang-format on
   return table;
