@@ -1,5 +1,22 @@
-#define TOML_EXCEPTIONS 0
+namespace tactus {
+namespace {
+/// A promise that the parser made to itself and that a malformed text broke.
+struct ParserConfused {};
+[[noreturn]] void stop_parsing() { throw ParserConfused{}; }
+}  // namespace
+}  // namespace tactus
+
+// Malformed texts can reach assertions of the parser, which would end the program or, without assertions, be
+// taken for true. Here they stop the parsing instead. This is the only file that may include the parser.
+#pragma push_macro("NDEBUG")
+#undef NDEBUG
+#define TOML_EXCEPTIONS 1
+#define TOML_ASSERT(expression)                  \
+  do {                                           \
+    if (!(expression)) ::tactus::stop_parsing(); \
+  } while (false)
 #include <toml++/toml.h>
+#pragma pop_macro("NDEBUG")
 
 #include <algorithm>
 #include <cctype>
@@ -20,8 +37,7 @@ Source place(const FileName& file, const toml::source_region& region) {
   return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
-// ---- what the parser says, in words
-// ------------------------------------------------------------------------
+// ---- what the parser says, in words ----
 
 std::string_view line_of(std::string_view text, int line) {
   for (; line > 1 && text.find('\n') != text.npos; --line) text.remove_prefix(text.find('\n') + 1);
@@ -65,8 +81,7 @@ tl::unexpected<Error> explain(const toml::parse_error& error, std::string_view t
   return fail(Errc::Syntax, at.text(), what, "mend it to see what else there is");
 }
 
-// ---- the parser's tree as plain data
-// -----------------------------------------------------------------------
+// ---- the parser's tree as plain data ----
 
 bool comes_before(const Field& a, const Field& b) {
   return std::tie(a.at.line, a.at.column) < std::tie(b.at.line, b.at.column);
@@ -114,9 +129,14 @@ Result<Value> convert(const toml::node& node, const FileName& file) {
 
 Result<Value::Table> parse(std::string_view text, const FileName& file) {
   if (const auto fits = check_toml_limits(text, {file, 0, 0}); !fits) return tl::unexpected(fits.error());
-  const auto parsed = toml::parse(text, std::string_view{*file});
-  if (!parsed) return explain(parsed.error(), text, file);
-  return convert_table(parsed.table(), file);
+  try {
+    return convert_table(toml::parse(text, std::string_view{*file}), file);
+  } catch (const toml::parse_error& error) {
+    return explain(error, text, file);
+  } catch (const ParserConfused&) {
+    return fail(Errc::Syntax, *file, "this is not TOML, in a way that confuses the parser",
+                "look for brackets, quotes and commas that are missing");
+  }
 }
 
 Result<std::string> read_text(const std::filesystem::path& file, const std::string& name) {

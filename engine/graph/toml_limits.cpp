@@ -1,6 +1,7 @@
 #include "engine/graph/toml_limits.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 
 namespace tactus {
@@ -64,27 +65,53 @@ std::size_t skip_string(std::string_view text, std::size_t i) {
   return text.size();
 }
 
-/// The first bracket or dot that lies too deep. Dots count since the last '=', comma, bracket or line.
-std::size_t first_too_deep(std::string_view text) {
-  int brackets = 0, dots = 0;
-  for (std::size_t i = 0; i < text.size();) {
-    const char c = text[i];
-    if (c == '"' || c == '\'') {
-      i = skip_string(text, i);
-      continue;
+struct Trouble {
+  std::size_t offset;
+  std::string what, remedy;
+};
+
+/// Follows brackets and the dots of keys, from one '=', comma, bracket or line to the next.
+class BracketScan {
+ public:
+  explicit BracketScan(std::string_view text) : text_(text) {}
+
+  /// The first bracket or dot that lies too deep, or bracket that closes one of the other kind.
+  std::optional<Trouble> first_trouble() {
+    for (std::size_t i = 0; i < text_.size();) {
+      const char c = text_[i];
+      if (c == '"' || c == '\'') {
+        i = skip_string(text_, i);
+      } else if (c == '#') {
+        i = std::min(text_.find('\n', i), text_.size());
+      } else {
+        if (!fits(c)) return Trouble{i, "brackets or dots more than 64 deep", "close some of them before"};
+        if (auto trouble = close(c, i)) return trouble;
+        ++i;
+      }
     }
-    if (c == '#') {
-      i = std::min(text.find('\n', i), text.size());
-      continue;
-    }
-    if (c == '[' || c == '{') ++brackets;
-    if ((c == ']' || c == '}') && brackets > 0) --brackets;
-    dots = c == '.' ? dots + 1 : std::string_view{"=,[]{}\n"}.find(c) != std::string_view::npos ? 0 : dots;
-    if (brackets > kMaxTomlDepth || dots > kMaxTomlDepth) return i;
-    ++i;
+    return std::nullopt;
   }
-  return text.npos;
-}
+
+ private:
+  bool fits(char c) {
+    dots_ = c == '.' ? dots_ + 1 : std::string_view{"=,[]{}\n"}.find(c) != std::string_view::npos ? 0 : dots_;
+    if (c == '[' || c == '{') open_ += c;
+    return open_.size() <= kMaxTomlDepth && dots_ <= kMaxTomlDepth;
+  }
+
+  std::optional<Trouble> close(char c, std::size_t offset) {
+    if ((c != ']' && c != '}') || open_.empty()) return std::nullopt;
+    const char opened = open_.back();
+    open_.pop_back();
+    if ((opened == '[') == (c == ']')) return std::nullopt;
+    return Trouble{offset, std::string{"'"} + c + "' closes a '" + opened + "'",
+                   std::string{"write '"} + (opened == '[' ? ']' : '}') + "'"};
+  }
+
+  std::string_view text_;
+  std::string open_;
+  std::size_t dots_ = 0;
+};
 
 }  // namespace
 
@@ -95,9 +122,8 @@ Status check_toml_limits(std::string_view text, const Source& file) {
   if (const auto bad = first_bad_utf8(text); bad != text.npos)
     return fail(Errc::Syntax, place_of(text, bad, file).text(), "this is not UTF-8 text",
                 "save the file as UTF-8");
-  if (const auto deep = first_too_deep(text); deep != text.npos)
-    return fail(Errc::Syntax, place_of(text, deep, file).text(), "brackets or dots more than 64 deep",
-                "close some of them before");
+  if (auto trouble = BracketScan{text}.first_trouble())
+    return fail(Errc::Syntax, place_of(text, trouble->offset, file).text(), trouble->what, trouble->remedy);
   return {};
 }
 

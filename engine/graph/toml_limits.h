@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 #include "engine/core/error.h"
@@ -8,7 +9,7 @@
 namespace tactus {
 
 inline constexpr std::size_t kMaxFileBytes = 16u << 20;
-inline constexpr int kMaxTomlDepth = 64;
+inline constexpr std::size_t kMaxTomlDepth = 64;
 
 /// What a text must satisfy before a recursive TOML parser may see it: at most 16 MB, valid UTF-8, brackets
 /// and dots of keys at most 64 deep. Errors: Syntax, with the place.

@@ -19,8 +19,7 @@ std::string in_unit(double si, const std::string& unit) {
   return short_number(si) + (unit.empty() ? "" : " " + unit);
 }
 
-// ---- gestures
-// ----------------------------------------------------------------------------------------------
+// ---- gestures ----
 
 Gesture::Curve read_curve(const Value::Table& fields, Mistakes& mistakes) {
   static const std::vector<std::string> kCurves = {"linear", "step", "smooth"};
@@ -101,8 +100,7 @@ Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
   return gesture;
 }
 
-// ---- expectations
-// ------------------------------------------------------------------------------------------
+// ---- expectations ----
 
 std::optional<QuantityValue> read_limit(const Value::Table& fields, std::string_view key,
                                         Mistakes& mistakes) {

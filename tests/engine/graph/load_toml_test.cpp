@@ -63,11 +63,24 @@ TEST_CASE("toml: a syntax error is said in words, with its place", "[graph]") {
       {"a = \"x", "a.toml:1:7: in this string: encountered end-of-file; mend it to see what else there is"},
       {"a = 1\nb = 'caf\xe9'", "a.toml:2:9: this is not UTF-8 text; save the file as UTF-8"},
       {"a = \"\xed\xa0\x80\"", "a.toml:1:6: this is not UTF-8 text; save the file as UTF-8"},
+      {"a = [1, {x = 2]", "a.toml:1:15: ']' closes a '{'; write '}'"},
+      {"a = [ }", "a.toml:1:7: '}' closes a '['; write ']'"},
+      {"a = ]",
+       "a.toml:1:5: in this key-value pair: expected value, saw ']'; mend it to see what else there is"},
       {"a = inf", "a.toml:1:5: inf and nan are not numbers here; give a finite number"},
       {"a = 2007-06-06",
        "a.toml:1:5: dates and times of day mean nothing here; put it in quotes if it is a text"},
   }));
   CHECK(refused(text) == message);
+}
+
+TEST_CASE("toml: texts that run into the parser's own assertions are errors like any other", "[graph]") {
+  // The words differ with the parser's version; that the program lives on does not.
+  const auto text = GENERATE("[[[1]]]", "[[[]]", "[[=", "a = [\r}", "a = {\x7f}", "a = +_", "'");
+  const auto table = parse_toml(text, "a.toml");
+  REQUIRE_FALSE(table);
+  CHECK(table.error().code == Errc::Syntax);
+  CHECK(table.error().where.starts_with("a.toml"));
 }
 
 TEST_CASE("toml: depth and size are bounded before the parser recurses", "[graph]") {
