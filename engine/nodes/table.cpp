@@ -11,6 +11,7 @@
 #include "engine/nodes/map.h"
 #include "engine/nodes/mix.h"
 #include "engine/nodes/noise.h"
+#include "engine/nodes/onset.h"
 #include "engine/nodes/quantiser.h"
 #include "engine/nodes/sample.h"
 #include "engine/nodes/sample_hold.h"
@@ -31,6 +32,7 @@ const NodeTable& standard_nodes() {
               &wavetable_type(), &sample_type(),      &envelope_type(), &decay_type(),   &adsr_type(),
               &threshold_type(), &sample_hold_type(), &latch_type(),    &counter_type(), &quantiser_type(),
               &curve_type(),     &spring_type(),      &damper_type(),   &wall_type(),    &terrain_type(),
+              &onset_type(),
           },
       .network = {},
   };
