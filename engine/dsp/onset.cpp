@@ -13,7 +13,7 @@ constexpr double kGroup_s = 0.001, kMean_s = 0.004;
 constexpr int kWindow = 28;    // what `ring` looks back: less than an interval of 30 hits a second
 constexpr int kNewest = 5;     // what it leaves out
 constexpr int kNewestLow = 2;  // so much more in band 0, where a cycle is long
-constexpr int kMaskHeld = 25;
+constexpr int kMaskStays = 10;
 constexpr int kFloorHeld = 100;
 constexpr int kFloorStart = 10;
 constexpr double kDeaf[4] = {0, 20, 45, 60};
@@ -58,12 +58,19 @@ Four OnsetDetector::ringing(const State& state) const noexcept {
   return ring;
 }
 
+// What began in the hold belongs to the hit, also where the bars are older than that.
+void OnsetDetector::end_hold(State& state, const Sensitivity& sensitivity) const noexcept {
+  state.mask_ = state.last_ = larger(state.last_, state.group_);
+  state.groups_free_ = 0;
+  state.bar_ = larger(state.bar_, state.mask_ * sensitivity.margin);
+}
+
 void OnsetDetector::close_group(State& state, const Sensitivity& sensitivity) const noexcept {
   state.frame_ = 0;
   state.slot_ = (state.slot_ + 1) & (kPast - 1);
   state.past_[static_cast<std::size_t>(state.slot_)] = state.group_;
   if (state.hold_ > 0) state.mask_ = state.last_ = larger(state.last_, state.group_);
-  if (state.groups_since_ >= kMaskHeld) state.mask_ *= mask_fall_;
+  if (state.groups_free_ >= kMaskStays) state.mask_ *= mask_fall_;
   if (state.groups_since_ > kFloorHeld) state.floor_ *= floor_rise_;
   state.floor_ = state.groups_ < kFloorStart ? state.mean_ : smaller(state.mean_, state.floor_);
   const Four ring = ringing(state) * kRingMargin * sensitivity.margin;
@@ -74,6 +81,7 @@ void OnsetDetector::close_group(State& state, const Sensitivity& sensitivity) co
     if (state.groups_since_ < kDeaf[b]) state.bar_[b] = std::numeric_limits<double>::infinity();
   state.group_ = state.fast_;
   state.groups_since_ = std::min(state.groups_since_ + 1, kLongAgo);
+  state.groups_free_ = state.hold_ > 0 ? 0 : std::min(state.groups_free_ + 1, kLongAgo);
   state.groups_ = std::min(state.groups_ + 1, kLongAgo);
 }
 

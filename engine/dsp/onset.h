@@ -18,17 +18,17 @@ namespace tactus {
 /// Four bands, because a drum rings where it is tuned and a new stroke is also heard elsewhere; a weighting
 /// towards high frequencies is the classic way to hear it (Bello et al., IEEE Trans. Speech Audio Process.
 /// 13, 2005, section III). In each band:
-///   mask   the highest envelope while the last hit was held, kept for 25 ms, then falling by 20 dB every
-///          `mask_time`;
-///   ring   the highest envelope of the last 28 ms but the newest 5 (7 in band 0), the oldest counting 3 dB
-///   less:
-///          what rings and beats, which a stroke outdoes at once; 3 dB more for strokes that stay more than 4
-///          dB below the last;
-///   floor  the mean |y_b|: it falls at once, rises by 6 dB a second, and only 0.1 s or more after a hit, so
-///   that
-///          a long roll does not become noise.
-/// The bands above are deaf for 20, 45 and 60 ms after a hit, because the wires of a snare strike again. The
-/// bars change once a millisecond.
+///
+/// - mask: the highest envelope of the last hit until its hold was over. Stays for 10 ms more, then falls by
+///   20 dB every `mask_time`.
+/// - ring: the highest envelope of the last 28 ms but the newest 5 (7 in band 0), the oldest counting 3 dB
+///   less: what rings and beats, which a stroke outdoes at once. It counts 3 dB more for strokes that stay
+///   4 dB or more below the last.
+/// - floor: the mean |y_b|. It falls at once and rises by 6 dB a second, but not in the 0.1 s after a hit, so
+///   that a long roll does not become noise.
+///
+/// The bands above are deaf for 20, 45 and 60 ms after a hit, because the wires of a snare strike again.
+/// The bars change once a millisecond.
 ///
 /// Valid: sample_rate >= 16 kHz, high_pass below a quarter of it.
 class OnsetDetector {
@@ -58,6 +58,7 @@ class OnsetDetector {
   static constexpr int kLongAgo = 1000;
   static constexpr int kLevel = 5;  ///< groups in which `level` still rises: 5 ms
 
+  void end_hold(State& state, const Sensitivity& sensitivity) const noexcept;
   void close_group(State& state, const Sensitivity& sensitivity) const noexcept;
   Four ringing(const State& state) const noexcept;
 
@@ -85,6 +86,7 @@ class OnsetDetector::State {
   int slot_ = 0;                 ///< in `past_`
   int hold_ = 0;                 ///< frames left in which nothing counts as a hit
   int groups_since_ = kLongAgo;  ///< since the last hit
+  int groups_free_ = kLongAgo;   ///< since its hold was over
   int groups_ = 0;               ///< since the first frame
   bool started_ = false;
 };
@@ -103,10 +105,10 @@ inline bool OnsetDetector::step(State& state, double in, const Sensitivity& sens
   state.group_ = larger(state.group_, state.fast_);
   bool hit = false;
   if (state.hold_ > 0) {
-    --state.hold_;
+    if (--state.hold_ == 0) end_hold(state, sensitivity);
   } else if (any_above(state.fast_, state.bar_) && state.fast_[0] > sensitivity.threshold) {
     hit = true;
-    state.hold_ = static_cast<int>(std::max(0.001, sensitivity.hold.value) * sample_rate_ + 0.5);
+    state.hold_ = static_cast<int>(std::max(0.001, sensitivity.hold.value) * sample_rate_ - 0.5);
     state.groups_since_ = 0;
     state.mask_ = state.last_ = state.fast_;
     state.level_ = 0;

@@ -78,7 +78,7 @@ const NodeType& onset_type() {
                   .low = 0},
                  {.name = "mask_time",
                   .unit = "s",
-                  .doc = "time in which the mask of a hit falls by 20 dB, after its first 25 ms",
+                  .doc = "time in which the mask of a hit falls by 20 dB, from 10 ms after its hold",
                   .fallback = 0.020,
                   .low = 0.001,
                   .high = 10,
