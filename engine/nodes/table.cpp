@@ -20,6 +20,7 @@
 #include "engine/nodes/network.h"
 #include "engine/nodes/noise.h"
 #include "engine/nodes/one_pole.h"
+#include "engine/nodes/onset.h"
 #include "engine/nodes/quantiser.h"
 #include "engine/nodes/sample.h"
 #include "engine/nodes/sample_hold.h"
@@ -68,6 +69,7 @@ const NodeTable& standard_nodes() {
               &delay_type(),
               &string_type(),
               // logic
+              &onset_type(),
               &threshold_type(),
               &sample_hold_type(),
               &latch_type(),

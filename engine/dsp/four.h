@@ -1,0 +1,18 @@
+#pragma once
+
+namespace tactus {
+
+/// Four numbers that one instruction works on (a vector type of GCC and Clang; without AVX it becomes two).
+/// Operators work lane by lane, `v[i]` is a lane, a comparison gives a mask for `?:`.
+using Four = double __attribute__((vector_size(32)));
+
+inline Four larger(const Four& a, const Four& b) { return a > b ? a : b; }
+inline Four smaller(const Four& a, const Four& b) { return a < b ? a : b; }
+inline Four size_of(const Four& a) { return larger(a, -a); }
+/// Whether a > b in any lane.
+inline bool any_above(const Four& a, const Four& b) {
+  const auto above = a > b;
+  return (above[0] | above[1] | above[2] | above[3]) != 0;
+}
+
+}  // namespace tactus

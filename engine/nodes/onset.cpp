@@ -1,0 +1,110 @@
+#include "engine/nodes/onset.h"
+
+#include <algorithm>
+
+#include "engine/dsp/onset.h"
+#include "engine/nodes/make.h"
+
+namespace tactus {
+namespace {
+
+enum Input { kIn, kThreshold, kHold, kMargin, kNoiseMargin, kMaskTime, kHighPass };
+
+class Onset final : public Node {
+ public:
+  explicit Onset(const NodeSetup& setup)
+      : detector_({.sample_rate = setup.sample_rate,
+                   .high_pass = Hertz{*setup.inputs[kHighPass].constant},
+                   .mask_time = Seconds{*setup.inputs[kMaskTime].constant}}) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    const Signal* in = block.in;
+    OnsetDetector::Sensitivity sensitivity;
+    for (int i = 0; i < block.frames; ++i) {
+      sensitivity.threshold = in[kThreshold][i];
+      sensitivity.margin = in[kMargin][i];
+      sensitivity.noise_margin = in[kNoiseMargin][i];
+      sensitivity.hold = Seconds{std::clamp(in[kHold][i], 0.001, 10.0)};
+      const bool hit = detector_.step(state_, in[kIn][i], sensitivity);
+      block.out[0][i] = hit ? 1 : 0;
+      block.out[1][i] = state_.level();
+      block.out[2][i] = state_.envelope();
+    }
+  }
+  void reset() noexcept override { state_ = {}; }
+
+ private:
+  OnsetDetector detector_;
+  OnsetDetector::State state_;
+};
+
+}  // namespace
+
+const NodeType& onset_type() {
+  static const NodeType type = {
+      .name = "onset",
+      .group = "envelopes",
+      .summary =
+          "Triggers at each hit that a microphone hears: soft ones after loud ones, ringing ones once.",
+      .equation =
+          "e = fast envelope of in in four bands (above high_pass, 400 Hz, 2 kHz, 7 kHz); hit when e > "
+          "threshold in "
+          "the lowest, and in any band e > margin * mask of the last hit, e > margin * ringing of the last "
+          "28 ms "
+          "and e > noise_margin * mean noise; then not for `hold`",
+      .source = "Bello et al., IEEE Trans. Speech Audio Process. 13, 2005",
+      .example = "hit = { type = \"onset\", in = \"microphone\", threshold = \"-34 dB\", hold = \"15 ms\" }",
+      .inputs = {{.name = "in", .unit = "full scale", .doc = "microphone", .fallback = {}},
+                 {.name = "threshold",
+                  .unit = "",
+                  .doc = "softest hit, its peak",
+                  .fallback = 0.01995262314968880,  // -34 dB
+                  .low = 0},
+                 {.name = "hold",
+                  .unit = "s",
+                  .doc = "time from a hit in which no other counts",
+                  .fallback = 0.015,
+                  .low = 0.001,
+                  .high = 10},
+                 {.name = "margin",
+                  .unit = "",
+                  .doc = "how far a hit must stand out of what rings; larger misses more and doubles less",
+                  .fallback = 1.41253754462275,  // 3 dB
+                  .low = 0},
+                 {.name = "noise_margin",
+                  .unit = "",
+                  .doc = "how far a hit must stand out of the mean noise",
+                  .fallback = 7.0,
+                  .low = 0},
+                 {.name = "mask_time",
+                  .unit = "s",
+                  .doc = "time in which the mask of a hit falls by 20 dB, from 10 ms after its hold",
+                  .fallback = 0.020,
+                  .low = 0.001,
+                  .high = 10,
+                  .fixed = true},
+                 {.name = "high_pass",
+                  .unit = "Hz",
+                  .doc = "only what lies above is heard: raise it where an actuator is louder than the hits",
+                  .fallback = 30,
+                  .low = 1,
+                  .high = 4000,
+                  .fixed = true}},
+      .outputs = {{.name = "hit",
+                   .unit = "",
+                   .doc = "1 in the frame of a hit",
+                   .kind = OutputKind::Trigger,
+                   .range = {0, 1}},
+                  {.name = "level",
+                   .unit = "=in",
+                   .doc = "highest envelope of the last hit: so far in its first 5 ms, then held to the next",
+                   .range = {}},
+                  {.name = "envelope", .unit = "=in", .doc = "fast envelope above high_pass", .range = {}}},
+      .settings = {},
+      .make = make_node<Onset>,
+      .range = {},
+  };
+  return type;
+}
+
+}  // namespace tactus
