@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace tactus::app {
+
+/// What the program's exit status says.
+enum Exit { kDone = 0, kNo = 1, kUsage = 2, kBadFile = 3, kDevice = 4, kInterrupted = 5 };
+
+/// Each command adds itself: its options, its help, and what it does (its result goes into `exit_code`).
+void add_play(CLI::App& app, int& exit_code);
+void add_render(CLI::App& app, int& exit_code);
+void add_explain(CLI::App& app, int& exit_code);
+void add_nodes(CLI::App& app, int& exit_code);
+
+}  // namespace tactus::app

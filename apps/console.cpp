@@ -1,0 +1,84 @@
+#include "apps/console.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "apps/commands.h"
+#include "engine/graph/quantity.h"
+
+#if defined(_WIN32)
+#include <io.h>
+#else
+#include <unistd.h>
+#endif
+
+namespace tactus::app {
+namespace {
+
+bool stderr_is_terminal() {
+#if defined(_WIN32)
+  return _isatty(2) != 0;
+#else
+  return isatty(2) != 0;
+#endif
+}
+
+}  // namespace
+
+int report(const std::vector<Error>& errors) {
+  fmt::print(stderr, "{}\n", to_string(errors));
+  return kBadFile;
+}
+
+int report(const Error& error) { return report(std::vector{error}); }
+
+Progress::Progress(std::string what) : what_(std::move(what)), terminal_(stderr_is_terminal()) {}
+
+Progress::~Progress() {
+  if (shown_) fmt::print(stderr, "\r{:70}\r", "");
+}
+
+void Progress::operator()(double share) {
+  const int percent = static_cast<int>(share * 100);
+  if (!terminal_ || percent == percent_) return;
+  percent_ = percent;
+  shown_ = true;
+  const int full = percent * 30 / 100;
+  fmt::print(stderr, "\r{} [{:=<{}}{: <{}}] {:3} %", what_, "", full, "", 30 - full, percent);
+  std::fflush(stderr);
+}
+
+std::filesystem::path resolve_target(const std::string& target, const char* name) {
+  const std::filesystem::path path{target};
+  return std::filesystem::is_directory(path) ? path / name : path;
+}
+
+std::filesystem::path root_of(const std::filesystem::path& file) {
+  const auto absolute = std::filesystem::absolute(file).lexically_normal();
+  for (auto folder = absolute.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
+    if (folder.filename() == "instruments") return folder;
+  return file.parent_path();
+}
+
+Result<std::map<std::string, double>> parse_settings(const std::vector<std::string>& texts) {
+  std::map<std::string, double> settings;
+  for (const auto& text : texts) {
+    const auto equals = text.find('=');
+    const auto value = equals == std::string::npos ? std::nullopt : parse_quantity(text.substr(equals + 1));
+    if (!value || equals == 0)
+      return fail(Errc::Syntax, "--set " + text, "is not NAME=VALUE", "write for instance --set strength=0.5 or --set \"sensitivity=-40 dB\"");
+    settings[text.substr(0, equals)] = value->si;
+  }
+  return settings;
+}
+
+Result<double> parse_option(const std::string& text, const char* unit, const char* option) {
+  const auto value = read_quantity(Value{text, {}}, *parse_unit(unit), option);
+  if (value) return *value;
+  auto error = value.error();
+  error.where = std::string{"--"} + option;
+  return tl::unexpected(error);
+}
+
+}  // namespace tactus::app

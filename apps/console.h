@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.h"
+
+namespace tactus::app {
+
+/// Prints errors on stderr and gives the exit code for a bad file.
+int report(const std::vector<Error>& errors);
+int report(const Error& error);
+
+/// A bar on stderr for work that takes longer than a moment; draws nothing when stderr is no terminal.
+class Progress {
+ public:
+  explicit Progress(std::string what);
+  ~Progress();
+  void operator()(double share);
+
+ private:
+  std::string what_;
+  bool shown_ = false;
+  bool terminal_;
+  int percent_ = -1;
+};
+
+/// Which file a person means: a file, or the `name` (scene.toml, instrument.toml) of a folder.
+std::filesystem::path resolve_target(const std::string& target, const char* name);
+/// The folder that the parts of a file may not leave: the "instruments" above it, or its own.
+std::filesystem::path root_of(const std::filesystem::path& file);
+
+/// "strength=0.5", "sensitivity=-40 dB" → SI. Errors: Syntax.
+Result<std::map<std::string, double>> parse_settings(const std::vector<std::string>& texts);
+/// "20 ms" or a bare number in the unit's SI. Errors: Syntax, UnitMismatch.
+Result<double> parse_option(const std::string& text, const char* unit, const char* option);
+
+}  // namespace tactus::app

@@ -1,0 +1,26 @@
+#include <cstdio>
+#include <exception>
+
+#include "apps/commands.h"
+
+int main(int argc, char** argv) {
+  using namespace tactus::app;
+  CLI::App app{"Tactus: haptic instruments on ordinary sound cards", "tactus"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "tactus 0.1.0");
+  app.footer("Start with:  tactus play instruments/haptic_drum\nEach command explains itself:  tactus render --help");
+  int exit_code = kDone;
+  add_play(app, exit_code);
+  add_render(app, exit_code);
+  add_explain(app, exit_code);
+  add_nodes(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kUsage;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "tactus: %s\n", error.what());
+    return kNo;
+  }
+  return exit_code;
+}

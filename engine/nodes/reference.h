@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "engine/graph/node_table.h"
+
+namespace tactus {
+
+/// [control] All types by group, a line each.
+std::string reference_overview(const NodeTable& table);
+/// [control] One type in full: equation, ports with units, ranges and defaults, settings, an example, the source.
+std::string reference_text(const NodeType& type);
+/// [control] The elements of networks.
+std::string network_reference();
+/// [control] All of it as docs/nodes.md.
+std::string reference_markdown(const NodeTable& table);
+
+}  // namespace tactus

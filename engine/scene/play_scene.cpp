@@ -1,0 +1,108 @@
+#include "engine/scene/play_scene.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "engine/scene/closed_loop.h"
+
+namespace tactus {
+namespace {
+
+std::vector<GuardedChannel> guarded_channels(const Schedule& schedule) {
+  std::vector<GuardedChannel> channels;
+  for (const auto& channel : schedule.channels)
+    if (channel.use != OutputUse::Tap)
+      channels.push_back({channel.use == OutputUse::Audio ? DriveGuard::Kind::Audio : DriveGuard::Kind::Drive, {}});
+  return channels;
+}
+
+/// Copies what goes by into the recording: sensors, drives, then the taps of both engines.
+class Recorder {
+ public:
+  Recorder(SceneRecording& recording, BuiltScene& built, std::size_t frames) : recording_(recording), built_(built) {
+    for (const auto& name : built.instrument->schedule().input_names) add("instrument." + name, {}, frames);
+    for (const auto& channel : built.instrument->schedule().channels)
+      if (channel.use != OutputUse::Tap) add("instrument." + channel.name, {}, frames);
+    for (const auto& tap : built.plant_taps) add(tap.name, tap.dimension, frames);
+    for (const auto& tap : built.instrument_taps) add(tap.name, tap.dimension, frames);
+  }
+
+  void take(const ClosedLoop::Piece& piece) {
+    std::size_t next = 0;
+    for (const auto* sensor : piece.sensors) append(next++, sensor, piece.frames);
+    for (const auto* drive : piece.drives) append(next++, drive, piece.frames);
+    for (int t = 0; t < built_.plant->tap_count(); ++t) append(next++, built_.plant->tap(t), piece.frames);
+    for (int t = 0; t < built_.instrument->tap_count(); ++t) append(next++, built_.instrument->tap(t), piece.frames);
+  }
+
+ private:
+  void add(std::string name, Dimension dimension, std::size_t frames) {
+    recording_.signals.push_back({std::move(name), dimension, {}});
+    recording_.signals.back().samples.reserve(frames);
+  }
+  void append(std::size_t signal, const double* samples, int frames) {
+    auto& to = recording_.signals[signal].samples;
+    to.insert(to.end(), samples, samples + frames);
+  }
+
+  SceneRecording& recording_;
+  BuiltScene& built_;
+};
+
+void collect_faults(SceneRecording& recording, const Engine& engine, const std::string& prefix) {
+  for (auto fault : engine.faults()) {
+    fault.path = prefix + fault.path;
+    recording.faults.push_back(std::move(fault));
+  }
+  recording.bad_inputs += engine.bad_input_samples();
+}
+
+void collect_guard(SceneRecording& recording, const Guarded& guarded, const Schedule& schedule) {
+  int index = 0;
+  for (const auto& channel : schedule.channels) {
+    if (channel.use == OutputUse::Tap) continue;
+    const auto counts = guarded.counts(index++);
+    const auto tell = [&](std::int64_t frames, const char* what) {
+      if (frames > 0) recording.guarded.push_back(channel.name + ": " + std::to_string(frames) + " frames " + what);
+    };
+    tell(counts.nonfinite, "were not finite");
+    tell(counts.ceiling, "above the ceiling");
+    tell(counts.slew, "too steep");
+  }
+}
+
+}  // namespace
+
+const RecordedSignal* SceneRecording::find(std::string_view name) const {
+  const auto it = std::find_if(signals.begin(), signals.end(), [&](const auto& s) { return s.name == name; });
+  return it == signals.end() ? nullptr : &*it;
+}
+
+double SceneRecording::seconds() const {
+  return signals.empty() ? 0 : static_cast<double>(signals.front().samples.size()) / sample_rate.value;
+}
+
+Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,
+                                  const std::function<void(double)>& progress) {
+  SceneRecording recording;
+  recording.sample_rate = built.instrument->schedule().sample_rate;
+  recording.delay_frames = built.delay_frames;
+  Guarded guarded{*built.instrument, guarded_channels(built.instrument->schedule())};
+  ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames, scene.converters};
+  if (auto status = loop.prepare(recording.sample_rate, block); !status) return tl::unexpected(status.error());
+  const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
+  Recorder recorder{recording, built, static_cast<std::size_t>(frames)};
+  const auto started = std::chrono::steady_clock::now();
+  const int part = std::max(block, frames / 100);
+  for (int done = 0; done < frames; done += part) {
+    loop.run(std::min(part, frames - done), [&](const ClosedLoop::Piece& piece) { recorder.take(piece); });
+    if (progress) progress(std::min(1.0, static_cast<double>(done + part) / frames));
+  }
+  recording.run_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  collect_faults(recording, *built.instrument, "instrument.");
+  collect_faults(recording, *built.plant, "");
+  collect_guard(recording, guarded, built.instrument->schedule());
+  return recording;
+}
+
+}  // namespace tactus

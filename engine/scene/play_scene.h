@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/core/guarded.h"
+#include "engine/scene/build_scene.h"
+#include "engine/scene/scene_spec.h"
+
+namespace tactus {
+
+/// One signal of a scene over its whole duration.
+struct RecordedSignal {
+  std::string name;  ///< "plant.stick", "instrument.microphone", "instrument.woofer", "instrument.hit.hit"
+  Dimension dimension;
+  std::vector<double> samples;
+};
+
+/// All that happened while a scene played.
+struct SceneRecording {
+  Hertz sample_rate;
+  int delay_frames = 0;
+  std::vector<RecordedSignal> signals;
+  std::vector<FaultCount> faults;    ///< of both engines
+  std::vector<std::string> guarded;  ///< what the drive guard had to do, in words
+  std::int64_t bad_inputs = 0;
+  double run_seconds = 0;            ///< wall-clock time
+
+  /// nullptr if nothing of that name was recorded.
+  const RecordedSignal* find(std::string_view name) const;
+  double seconds() const;
+};
+
+/// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` hears the share done.
+Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,
+                                  const std::function<void(double)>& progress = {});
+
+}  // namespace tactus
