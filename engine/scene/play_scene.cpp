@@ -8,14 +8,6 @@
 namespace tactus {
 namespace {
 
-std::vector<GuardedChannel> guarded_channels(const Schedule& schedule) {
-  std::vector<GuardedChannel> channels;
-  for (const auto& channel : schedule.channels)
-    if (channel.use != OutputUse::Tap)
-      channels.push_back({channel.use == OutputUse::Audio ? DriveGuard::Kind::Audio : DriveGuard::Kind::Drive, {}});
-  return channels;
-}
-
 /// Copies what goes by into the recording: sensors, drives, then the taps of both engines.
 class Recorder {
  public:
@@ -73,6 +65,14 @@ void collect_guard(SceneRecording& recording, const Guarded& guarded, const Sche
 
 }  // namespace
 
+std::vector<GuardedChannel> guarded_channels(const Schedule& schedule) {
+  std::vector<GuardedChannel> channels;
+  for (const auto& channel : schedule.channels)
+    if (channel.use != OutputUse::Tap)
+      channels.push_back({channel.use == OutputUse::Audio ? DriveGuard::Kind::Audio : DriveGuard::Kind::Drive, {}});
+  return channels;
+}
+
 const RecordedSignal* SceneRecording::find(std::string_view name) const {
   const auto it = std::find_if(signals.begin(), signals.end(), [&](const auto& s) { return s.name == name; });
   return it == signals.end() ? nullptr : &*it;
@@ -91,6 +91,9 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames, scene.converters};
   if (auto status = loop.prepare(recording.sample_rate, block); !status) return tl::unexpected(status.error());
   const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
+  recording.inputs = built.instrument->schedule().input_names;
+  for (const auto& channel : built.instrument->schedule().channels)
+    if (channel.use != OutputUse::Tap) recording.outputs.push_back(channel.name);
   Recorder recorder{recording, built, static_cast<std::size_t>(frames)};
   const auto started = std::chrono::steady_clock::now();
   const int part = std::max(block, frames / 100);

@@ -22,6 +22,7 @@ struct SceneRecording {
   Hertz sample_rate;
   int delay_frames = 0;
   std::vector<RecordedSignal> signals;
+  std::vector<std::string> inputs, outputs;  ///< of the instrument, in order
   std::vector<FaultCount> faults;    ///< of both engines
   std::vector<std::string> guarded;  ///< what the drive guard had to do, in words
   std::int64_t bad_inputs = 0;
@@ -31,6 +32,9 @@ struct SceneRecording {
   const RecordedSignal* find(std::string_view name) const;
   double seconds() const;
 };
+
+/// The guard of each output that a schedule gives to the outside.
+std::vector<GuardedChannel> guarded_channels(const Schedule& schedule);
 
 /// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` hears the share done.
 Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "backends/wav_file.h"
+#include "engine/core/error.h"
+#include "engine/scene/play_scene.h"
+
+namespace tactus::app {
+
+/// A scene to play: which file, and what is to be different from it.
+struct SceneRun {
+  std::filesystem::path file;
+  int block = 64;
+  std::vector<std::string> set;        ///< NAME=VALUE
+  std::string delay, rate, duration;   ///< empty: as the scene says
+  bool show_progress = true;
+};
+
+struct PlayedScene {
+  SceneSpec scene;
+  SceneRecording recording;
+};
+
+/// Loads, builds and plays. All mistakes of its files in one go.
+Checked<PlayedScene> play_file(const SceneRun& run);
+
+/// {"events": [{"time_s", "node", "level_db"}]} from taps "node.output" and "node.level".
+nlohmann::ordered_json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps, Hertz sample_rate);
+nlohmann::ordered_json events_of(const PlayedScene& played);
+
+/// What the instrument gave out, behind the guard, channel by channel.
+Samples drives_of(const PlayedScene& played);
+
+}  // namespace tactus::app

@@ -1,0 +1,207 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "apps/play_report.h"
+#include "backends/offline/offline.h"
+#include "backends/resample.h"
+#include "engine/graph/load.h"
+#include "engine/nodes/table.h"
+#include "engine/runtime/engine.h"
+#include "engine/scene/build_scene.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RenderOptions {
+  std::string target, in, out, events, rate, delay, duration;
+  int block = 256;
+  std::string format = "float";
+  std::vector<std::string> set;
+  bool json = false;
+};
+
+/// Keeps the instrument's taps while an offline run goes by: each block of the engine is followed by one of the sink.
+class EventRecorder {
+ public:
+  EventRecorder(const Engine& engine, std::vector<std::string> names) : engine_(engine), names_(std::move(names)), taps_(names_.size()) {}
+
+  void take(int frames) {
+    for (std::size_t t = 0; t < taps_.size(); ++t) taps_[t].insert(taps_[t].end(), engine_.tap(static_cast<int>(t)), engine_.tap(static_cast<int>(t)) + frames);
+  }
+  Json events(Hertz sample_rate) const { return events_json(names_, taps_, sample_rate); }
+
+ private:
+  const Engine& engine_;
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> taps_;
+};
+
+Result<Samples> read_input(const RenderOptions& options) {
+  Samples samples;
+  if (!options.in.empty()) {
+    auto read = read_wav(options.in);
+    if (!read) return read;
+    samples = std::move(*read);
+    if (!options.rate.empty()) {
+      const auto rate = parse_option(options.rate, "Hz", "rate");
+      if (!rate) return tl::unexpected(rate.error());
+      samples = resample(samples, Hertz{*rate});
+    }
+  } else {
+    const auto rate = options.rate.empty() ? Result<double>{48000.0} : parse_option(options.rate, "Hz", "rate");
+    if (!rate) return tl::unexpected(rate.error());
+    samples.sample_rate = Hertz{*rate};
+  }
+  if (!options.duration.empty() || options.in.empty()) {
+    const auto duration = options.duration.empty() ? Result<double>{10.0} : parse_option(options.duration, "s", "duration");
+    if (!duration) return tl::unexpected(duration.error());
+    if (!(*duration > 0) || *duration > 86400) return fail(Errc::OutOfRange, "--duration", "must be above 0 s and at most a day", "");
+    if (samples.channels.empty()) samples.channels.emplace_back();
+    for (auto& channel : samples.channels) channel.resize(static_cast<std::size_t>(frames_in(Seconds{*duration}, samples.sample_rate)), 0.0);
+  }
+  return samples;
+}
+
+int write_events(const std::string& path, const Json& events) {
+  std::ofstream file{path};
+  file << events.dump(2) << "\n";
+  if (file) return kDone;
+  return report(Error{Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written"});
+}
+
+int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
+  const auto spec = load_graph(file, root_of(file));
+  if (!spec) return report(spec.error());
+  auto input = read_input(options);
+  if (!input) return report(input.error());
+  const auto settings = parse_settings(options.set);
+  if (!settings) return report(settings.error()), kUsage;
+  const auto delay = options.delay.empty() ? Result<double>{0.0} : parse_option(options.delay, "s", "delay");
+  if (!delay) return report(delay.error()), kUsage;
+
+  CompileOptions compile_options;
+  compile_options.sample_rate = input->sample_rate;
+  compile_options.controls = *settings;
+  compile_options.system_delay = Seconds{*delay};
+  compile_options.taps = event_taps(**spec, standard_nodes());
+  auto schedule = compile(**spec, standard_nodes(), compile_options);
+  if (!schedule) return report(schedule.error());
+  Engine engine{std::move(*schedule)};
+  Guarded guarded{engine, guarded_channels(engine.schedule())};
+  EventRecorder recorder{engine, compile_options.taps};
+
+  const auto frames = input->frames();
+  std::vector<std::string> outputs;
+  for (const auto& channel : engine.schedule().channels)
+    if (channel.use != OutputUse::Tap) outputs.push_back(channel.name);
+  Samples output;
+  output.sample_rate = input->sample_rate;
+  output.channels.resize(outputs.size());
+  auto keep = sink_into(output);
+  Progress progress{"rendering"};
+  std::int64_t done = 0;
+  OfflineJob job;
+  job.sample_rate = input->sample_rate;
+  job.in_channels = static_cast<int>(input->channels.size());
+  job.out_channels = static_cast<int>(outputs.size());
+  job.frames = frames;
+  job.block_frames = {options.block};
+  job.source = source_of(*input);
+  job.sink = {job.out_channels, [&](const double* const* channels, int count) {
+                recorder.take(count);
+                done += count;
+                progress(static_cast<double>(done) / static_cast<double>(std::max<std::int64_t>(1, frames)));
+                return keep.write(channels, count);
+              }};
+  const auto health = run_offline(guarded, job);
+  if (!health) return report(health.error());
+
+  const auto events = recorder.events(input->sample_rate);
+  if (!options.out.empty()) {
+    const auto encoding = options.format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32;
+    if (auto status = write_wav(options.out, output, encoding); !status) return report(status.error());
+  }
+  if (!options.events.empty())
+    if (const int code = write_events(options.events, events); code != kDone) return code;
+
+  Json summary{{"instrument", (*spec)->name}, {"sample_rate_hz", input->sample_rate.value}, {"frames", frames},
+               {"outputs", outputs}, {"events", events["events"].size()}, {"faults", Json::array()}};
+  for (const auto& fault : engine.faults()) summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
+  if (options.json) {
+    fmt::print("{}\n", summary.dump(2));
+    return kDone;
+  }
+  fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", (*spec)->name, static_cast<double>(frames) / input->sample_rate.value, input->sample_rate.value,
+             events["events"].size());
+  if (static_cast<int>(input->channels.size()) != engine.in_channels() && !options.in.empty())
+    fmt::print("the file has {} channels and the instrument {} inputs: {}\n", input->channels.size(), engine.in_channels(),
+               static_cast<int>(input->channels.size()) > engine.in_channels() ? "the first ones were used" : "the others heard silence");
+  if (!options.out.empty()) fmt::print("{}: {}\n", options.out, fmt::join(outputs, ", "));
+  if (!options.events.empty()) fmt::print("{}: the events\n", options.events);
+  for (const auto& fault : engine.faults()) fmt::print("fault: {} gave something that is not a number, {} times\n", fault.path, fault.count);
+  return kDone;
+}
+
+int render_scene(const RenderOptions& options, const std::filesystem::path& file) {
+  SceneRun run;
+  run.file = file;
+  run.block = options.block;
+  run.set = options.set;
+  run.delay = options.delay;
+  run.rate = options.rate;
+  run.duration = options.duration;
+  const auto played = play_file(run);
+  if (!played) return report(played.error());
+  if (!options.out.empty()) {
+    const auto encoding = options.format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32;
+    if (auto status = write_wav(options.out, drives_of(*played), encoding); !status) return report(status.error());
+  }
+  const auto events = events_of(*played);
+  if (!options.events.empty())
+    if (const int code = write_events(options.events, events); code != kDone) return code;
+  if (options.json) fmt::print("{}\n", Json{{"scene", played->scene.name}, {"events", events["events"].size()}, {"run_seconds", played->recording.run_seconds}}.dump(2));
+  else fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", played->scene.name, played->recording.seconds(), events["events"].size(),
+                  played->recording.seconds() / played->recording.run_seconds);
+  return kDone;
+}
+
+int run(const RenderOptions& options) {
+  const auto folder = std::filesystem::is_directory(options.target);
+  const auto scene_file = resolve_target(options.target, "scene.toml");
+  const auto table = load_toml(scene_file);
+  const bool scene = options.in.empty() && table && find(*table, "parts") != nullptr;
+  if (scene) return render_scene(options, scene_file);
+  if (!folder && table && find(*table, "parts") != nullptr)
+    return report(Error{Errc::BadArgument, options.target, "is a scene, which makes its own sensor signals", "leave --in out, or name the instrument"}), kUsage;
+  return render_instrument(options, resolve_target(options.target, "instrument.toml"));
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("render", "Run an instrument on a WAV file, or a scene, without hardware");
+  auto options = std::make_shared<RenderOptions>();
+  command->add_option("FILE", options->target, "instrument or scene; a folder means its scene.toml, with --in its instrument.toml")->required();
+  command->add_option("--in", options->in, "WAV file: channel k goes to the k-th input");
+  command->add_option("--out", options->out, "WAV file for the outputs, in the order of the file");
+  command->add_option("--events", options->events, "JSON file for what was heard: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}");
+  command->add_option("--rate", options->rate, "sample rate; a WAV file is resampled to it");
+  command->add_option("--block", options->block, "frames a block (the result does not depend on it)")->check(CLI::Range(1, 4096))->capture_default_str();
+  command->add_option("--delay", options->delay, "system delay, such as \"20 ms\"");
+  command->add_option("--duration", options->duration, "cut off or continue with silence, such as \"10 s\"");
+  command->add_option("--format", options->format, "of --out")->check(CLI::IsMember({"float", "24"}))->capture_default_str();
+  command->add_option("--set", options->set, "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"");
+  command->add_flag("--json", options->json, "for machines");
+  command->footer("Examples:\n  tactus render instruments/haptic_drum --in hits.wav --out drive.wav --events events.json\n"
+                  "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace tactus::app
