@@ -1,0 +1,232 @@
+#include "engine/analysis/svg.h"
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include "engine/analysis/svg_canvas.h"
+#include "engine/analysis/svg_plan.h"
+
+namespace tactus {
+namespace {
+
+using namespace svg;
+
+PlotColor color_of(const PlotPanel& panel, std::size_t series) {
+  const auto chosen = panel.series[series].color;
+  return chosen != PlotColor::Auto ? chosen : static_cast<PlotColor>(1 + series % 6);
+}
+
+class Drawing {
+ public:
+  explicit Drawing(const Figure& figure) : figure_(figure), plan_(plan_of(figure)) {}
+
+  std::string draw() {
+    canvas_.out(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1:.0f}\" viewBox=\"0 0 {0} "
+        "{1:.0f}\" "
+        "role=\"img\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n<title>{2}</title>\n"
+        "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
+        figure_.width, plan_.height, escape(figure_.title));
+    draw_header();
+    for (std::size_t i = 0; i < plan_.panels.size(); ++i) draw_panel(i);
+    if (!plan_.panels.empty()) draw_x_axis();
+    canvas_.out("</svg>\n");
+    return canvas_.take();
+  }
+
+ private:
+  void draw_header();
+  void draw_panel(std::size_t index);
+  void draw_spans(const PanelPlan& panel, const std::vector<PlotSpan>& spans);
+  void draw_events(const PanelPlan& panel, const std::vector<PlotEvent>& events);
+  void draw_grid(const PanelPlan& panel);
+  void draw_band(const PanelPlan& panel);
+  void draw_data(std::size_t index);
+  void draw_series(const PanelPlan& panel, const PlotSeries& series, PlotColor color);
+  void draw_path(const std::vector<Point>& line, const char* stroke, bool dashed);
+  void draw_end_labels(std::size_t index);
+  void draw_x_axis();
+
+  const Figure& figure_;
+  Plan plan_;
+  Canvas canvas_;
+};
+
+void Drawing::draw_header() {
+  double y = kPad + 14;
+  for (const auto& line : plan_.title) {
+    canvas_.text(kPad, y, line, "start", kInk, kTitleFont, true);
+    y += kTitleRow;
+  }
+  for (const auto& line : plan_.subtitle) {
+    canvas_.text(kPad, y - 2, line, "start", kSoft, kSubtitleFont);
+    y += kSubtitleRow;
+  }
+}
+
+void Drawing::draw_spans(const PanelPlan& panel, const std::vector<PlotSpan>& spans) {
+  for (const auto& span : spans) {
+    const double from = std::clamp(panel.x.pixel(std::max(span.from, panel.x.low)), plan_.left, plan_.right);
+    const double to = std::clamp(panel.x.pixel(std::min(span.to, panel.x.high)), plan_.left, plan_.right);
+    canvas_.out(
+        "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\" opacity=\"0.14\"/>\n",
+        from, panel.top, std::max(0.0, to - from), panel.bottom - panel.top, shade(span.color).line);
+  }
+}
+
+void Drawing::draw_events(const PanelPlan& panel, const std::vector<PlotEvent>& events) {
+  for (const auto& event : events) {
+    if (!panel.x.shows(event.x) || event.x < panel.x.low || event.x > panel.x.high) continue;
+    const double x = panel.x.pixel(event.x);
+    canvas_.line(x, panel.top, x, panel.bottom, shade(event.color).line, 1, " stroke-dasharray=\"3 3\"");
+  }
+}
+
+void Drawing::draw_grid(const PanelPlan& panel) {
+  for (const auto& tick : plan_.x_ticks) {
+    const double x = panel.x.pixel(tick.value);
+    canvas_.line(x, panel.top, x, panel.bottom, "#ededed", 1);
+  }
+  for (const auto& tick : panel.ticks) {
+    const double y = panel.y.pixel(tick.value);
+    const bool zero = tick.value == 0.0 && !panel.y.log;
+    canvas_.line(plan_.left, y, plan_.right, y, zero ? "#bdbdbd" : "#ededed", 1);
+    canvas_.text(plan_.left - 6, y + 4, tick.text, "end", kSoft);
+  }
+}
+
+void Drawing::draw_band(const PanelPlan& panel) {
+  for (std::size_t i = 0; i < panel.band.labels.size(); ++i) {
+    const auto& label = panel.band.labels[i];
+    if (label.row < 0) continue;
+    canvas_.text(label.x, panel.top - 5 - kLabelRow * label.row, panel.band.texts[i], "middle",
+                 shade(panel.band.colors[i]).text);
+  }
+}
+
+void Drawing::draw_panel(std::size_t index) {
+  const auto& panel = figure_.panels[index];
+  const auto& plan = plan_.panels[index];
+  draw_spans(plan, figure_.spans);
+  draw_spans(plan, panel.spans);
+  draw_grid(plan);
+  draw_events(plan, figure_.events);
+  draw_events(plan, panel.events);
+  draw_data(index);
+  canvas_.line(plan_.left, plan.bottom, plan_.right, plan.bottom, "#8a8a8a", 1);
+  canvas_.text(kPad, plan.title_y, axis_title(panel.y, plan.unit), "start", kInk, kSubtitleFont, true);
+  draw_band(plan);
+  draw_end_labels(index);
+}
+
+void Drawing::draw_data(std::size_t index) {
+  const auto& panel = figure_.panels[index];
+  const auto& plan = plan_.panels[index];
+  // A little room for the points that lie on the edge.
+  canvas_.out(
+      "<clipPath id=\"panel{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
+      "height=\"{:.1f}\"/></clipPath>\n",
+      index, plan_.left - 4, plan.top - 4, plan_.right - plan_.left + 8, plan.bottom - plan.top + 8);
+  canvas_.out("<g clip-path=\"url(#panel{})\">\n", index);
+  for (std::size_t i = 0; i < panel.series.size(); ++i)
+    draw_series(plan, panel.series[i], color_of(panel, i));
+  for (const auto& level : panel.levels) {
+    const double y = plan.y.pixel(level.y);
+    canvas_.line(plan_.left, y, plan_.right, y, shade(level.color).text, 1.2, " stroke-dasharray=\"7 4\"");
+  }
+  canvas_.out("</g>\n");
+}
+
+void Drawing::draw_path(const std::vector<Point>& line, const char* stroke, bool dashed) {
+  canvas_.out("<path fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{} d=\"",
+              stroke, dashed ? " stroke-dasharray=\"5 3\"" : "");
+  for (std::size_t i = 0; i < line.size(); ++i)
+    canvas_.out("{}{:.1f} {:.1f}", i == 0 ? "M" : "L", line[i].x, line[i].y);
+  canvas_.out("\"/>\n");
+}
+
+void Drawing::draw_series(const PanelPlan& panel, const PlotSeries& series, PlotColor color) {
+  const auto* stroke = shade(color).line;
+  const double foot = std::clamp(panel.y.log ? panel.bottom : panel.y.pixel(0.0), panel.top, panel.bottom);
+  for (const auto& line : polylines(series, panel.x, panel.y)) {
+    if (series.mark == PlotMark::Line || series.mark == PlotMark::LineAndPoints)
+      draw_path(line, stroke, series.dashed);
+    if (series.mark == PlotMark::Line) continue;
+    for (const auto& point : line) {
+      if (series.mark == PlotMark::Stems) canvas_.line(point.x, foot, point.x, point.y, stroke, 1.4);
+      canvas_.out(
+          "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.2\" fill=\"{}\" stroke=\"#ffffff\" "
+          "stroke-width=\"0.8\"/>\n",
+          point.x, point.y, stroke);
+    }
+  }
+}
+
+void Drawing::draw_end_labels(std::size_t index) {
+  const auto& panel = figure_.panels[index];
+  const auto& layout = plan_.panels[index];
+  struct Label {
+    double x, y;
+    std::string text;
+    PlotColor color;
+  };
+  std::vector<Label> labels;
+  const auto add = [&](double x, double y, const std::string& text, PlotColor color) {
+    if (!text.empty()) labels.push_back({x, std::clamp(y, layout.top, layout.bottom), text, color});
+  };
+  for (const auto& level : panel.levels) add(plan_.right, layout.y.pixel(level.y), level.label, level.color);
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    const auto& series = panel.series[i];
+    for (auto n = std::min(series.x.size(), series.y.size()); n-- > 0;) {
+      if (!layout.x.shows(series.x[n]) || !layout.y.shows(series.y[n]) || series.x[n] > layout.x.high)
+        continue;
+      add(layout.x.pixel(series.x[n]), layout.y.pixel(series.y[n]), series.label, color_of(panel, i));
+      break;
+    }
+  }
+  std::vector<double> wanted;
+  for (const auto& label : labels) wanted.push_back(label.y);
+  const auto placed = spread(wanted, kLabelRow, layout.top + 2, layout.bottom - 2);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const auto& label = labels[i];
+    canvas_.line(std::max(plan_.left, label.x + 3), label.y, plan_.right + 10, placed[i],
+                 shade(label.color).line, 0.8, " opacity=\"0.6\"");
+    canvas_.text(plan_.right + 13, placed[i] + 4, label.text, "start", shade(label.color).text, kFont, true);
+  }
+}
+
+void Drawing::draw_x_axis() {
+  const auto& last = plan_.panels.back();
+  for (const auto& tick : plan_.x_ticks) {
+    const double x = last.x.pixel(tick.value);
+    canvas_.line(x, last.bottom, x, last.bottom + 4, "#8a8a8a", 1);
+    canvas_.text(x, last.bottom + 17, tick.text, "middle", kSoft);
+  }
+  canvas_.text(0.5 * (plan_.left + plan_.right), last.bottom + 36, axis_title(figure_.x, plan_.x_unit),
+               "middle", kInk, 12.5);
+}
+
+}  // namespace
+
+PlotSeries plot_trace(std::string label, double start, double step, std::vector<double> values) {
+  PlotSeries series;
+  series.label = std::move(label);
+  series.x.reserve(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) series.x.push_back(start + step * static_cast<double>(i));
+  series.y = std::move(values);
+  return series;
+}
+
+std::string to_svg(const Figure& figure) { return Drawing{figure}.draw(); }
+
+Status write_svg(const std::filesystem::path& path, const Figure& figure) {
+  std::ofstream file{path, std::ios::binary};
+  file << to_svg(figure);
+  file.close();
+  if (file) return {};
+  return fail(Errc::BadFile, path.string(), "the plot cannot be written",
+              "check that the folder exists and may be written to");
+}
+
+}  // namespace tactus

@@ -1,0 +1,52 @@
+#include "engine/analysis/svg_canvas.h"
+
+#include <array>
+#include <cstddef>
+
+namespace tactus::svg {
+namespace {
+
+constexpr std::array<Shade, 9> kShades = {{{"", ""},
+                                           {"#0072b2", "#00609a"},
+                                           {"#d55e00", "#b34700"},
+                                           {"#009e73", "#007a58"},
+                                           {"#b0609a", "#974a82"},
+                                           {"#e69f00", "#8f6200"},
+                                           {"#56b4e9", "#1f7db5"},
+                                           {"#8a8a8a", "#5f5f5f"},
+                                           {"#222222", "#222222"}}};
+
+}  // namespace
+
+const Shade& shade(PlotColor color) { return kShades[static_cast<std::size_t>(color)]; }
+
+std::string escape(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else if (c == '"')
+      safe += "&quot;";
+    else if (static_cast<unsigned char>(c) >= 0x20)
+      safe += c;
+  }
+  return safe;
+}
+
+void Canvas::line(double x1, double y1, double x2, double y2, const char* stroke, double width,
+                  const char* more) {
+  out("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"{}\"{}/>\n",
+      x1, y1, x2, y2, stroke, width, more);
+}
+
+void Canvas::text(double x, double y, const std::string& text, const char* anchor, const char* fill,
+                  double size, bool bold) {
+  out("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" fill=\"{}\" font-size=\"{}\"{}>{}</text>\n", x, y,
+      anchor, fill, size, bold ? " font-weight=\"bold\"" : "", escape(text));
+}
+
+}  // namespace tactus::svg
