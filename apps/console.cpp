@@ -67,7 +67,8 @@ Result<std::map<std::string, double>> parse_settings(const std::vector<std::stri
     const auto equals = text.find('=');
     const auto value = equals == std::string::npos ? std::nullopt : parse_quantity(text.substr(equals + 1));
     if (!value || equals == 0)
-      return fail(Errc::Syntax, "--set " + text, "is not NAME=VALUE", "write for instance --set strength=0.5 or --set \"sensitivity=-40 dB\"");
+      return fail(Errc::Syntax, "--set " + text, "is not NAME=VALUE",
+                  "write for instance --set strength=0.5 or --set \"sensitivity=-40 dB\"");
     settings[text.substr(0, equals)] = value->si;
   }
   return settings;

@@ -4,6 +4,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "engine/graph/compile.h"
 #include "engine/graph/load.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/engine.h"
@@ -27,8 +28,10 @@ std::vector<double> measure_steps(Engine& engine, int block) {
   constexpr int kBlocks = 400;
   const int ins = engine.in_channels();
   const int outs = engine.out_channels();
-  std::vector<std::vector<double>> in(static_cast<std::size_t>(ins), std::vector<double>(static_cast<std::size_t>(block), 1e-3));
-  std::vector<std::vector<double>> out(static_cast<std::size_t>(outs), std::vector<double>(static_cast<std::size_t>(block)));
+  std::vector<std::vector<double>> in(static_cast<std::size_t>(ins),
+                                      std::vector<double>(static_cast<std::size_t>(block), 1e-3));
+  std::vector<std::vector<double>> out(static_cast<std::size_t>(outs),
+                                       std::vector<double>(static_cast<std::size_t>(block)));
   std::vector<const double*> in_ptr;
   std::vector<double*> out_ptr;
   for (auto& channel : in) in_ptr.push_back(channel.data());
@@ -50,7 +53,8 @@ const char* kind_of(const Step& step) {
 }
 
 std::string what_runs(const Schedule& schedule, const Step& step) {
-  if (step.kind == Step::Kind::Operations) return fmt::format("{} operation{}", step.operations, step.operations == 1 ? "" : "s");
+  if (step.kind == Step::Kind::Operations)
+    return fmt::format("{} operation{}", step.operations, step.operations == 1 ? "" : "s");
   if (step.node < 0) return "the instrument answers";
   const auto& type = schedule.types[static_cast<std::size_t>(step.node)];
   return type ? type->name : "phase delay";
@@ -65,7 +69,9 @@ std::size_t memory_of(const Schedule& schedule) {
 Json explain_engine(Engine& engine, const std::string& title, int block) {
   const auto& schedule = engine.schedule();
   const auto costs = measure_steps(engine, block);
-  Json json{{"graph", title}, {"sample_rate_hz", schedule.sample_rate.value}, {"signal_memory_bytes", memory_of(schedule)}};
+  Json json{{"graph", title},
+            {"sample_rate_hz", schedule.sample_rate.value},
+            {"signal_memory_bytes", memory_of(schedule)}};
   json["sections"] = Json::array();
   for (const auto& section : schedule.sections) {
     Json part{{"loop", section.loop}, {"sub_block_frames", section.sub_block}, {"steps", Json::array()}};
@@ -80,43 +86,53 @@ Json explain_engine(Engine& engine, const std::string& title, int block) {
   }
   json["loops"] = Json::array();
   for (const auto& loop : schedule.loops)
-    json["loops"].push_back({{"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}});
+    json["loops"].push_back(
+        {{"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}});
   json["left_out"] = Json::array();
-  for (const auto& left : schedule.left_out) json["left_out"].push_back({{"name", left.path}, {"why", left.reason}});
+  for (const auto& left : schedule.left_out)
+    json["left_out"].push_back({{"name", left.path}, {"why", left.reason}});
   return json;
 }
 
 void print(const Json& json) {
-  fmt::print("{} at {:g} Hz, {} bytes of signals and steps\n\n", json["graph"].get<std::string>(), json["sample_rate_hz"].get<double>(),
-             json["signal_memory_bytes"].get<std::size_t>());
+  fmt::print("{} at {:g} Hz, {} bytes of signals and steps\n\n", json["graph"].get<std::string>(),
+             json["sample_rate_hz"].get<double>(), json["signal_memory_bytes"].get<std::size_t>());
   fmt::print("  {:28} {:18} {:11} {:>12}\n", "step", "what", "how", "ns a frame");
   double total = 0;
   for (const auto& section : json["sections"]) {
-    if (section["loop"].get<bool>()) fmt::print("  loop, {} frames at a time:\n", section["sub_block_frames"].get<int>());
+    if (section["loop"].get<bool>())
+      fmt::print("  loop, {} frames at a time:\n", section["sub_block_frames"].get<int>());
     for (const auto& step : section["steps"]) {
       total += step["ns_per_frame"].get<double>();
-      fmt::print("  {}{:28} {:18} {:11} {:12.2f}\n", section["loop"].get<bool>() ? "  " : "", step["name"].get<std::string>(),
-                 step["what"].get<std::string>(), step["how"].get<std::string>(), step["ns_per_frame"].get<double>());
+      fmt::print("  {}{:28} {:18} {:11} {:12.2f}\n", section["loop"].get<bool>() ? "  " : "",
+                 step["name"].get<std::string>(), step["what"].get<std::string>(),
+                 step["how"].get<std::string>(), step["ns_per_frame"].get<double>());
     }
   }
   fmt::print("  {:59} {:12.2f}   (the clock's own time included)\n\n", "all", total);
   for (const auto& loop : json["loops"]) {
     std::string through;
-    for (const auto& name : loop["through"]) through += (through.empty() ? "" : " -> ") + name.get<std::string>();
-    fmt::print("loop {}: at least {} frames of delay, runs {} at a time\n", through, loop["delay_frames"].get<int>(), loop["sub_block_frames"].get<int>());
+    for (const auto& name : loop["through"])
+      through += (through.empty() ? "" : " -> ") + name.get<std::string>();
+    fmt::print("loop {}: at least {} frames of delay, runs {} at a time\n", through,
+               loop["delay_frames"].get<int>(), loop["sub_block_frames"].get<int>());
   }
-  for (const auto& left : json["left_out"]) fmt::print("left out: {} {}\n", left["name"].get<std::string>(), left["why"].get<std::string>());
+  for (const auto& left : json["left_out"])
+    fmt::print("left out: {} {}\n", left["name"].get<std::string>(), left["why"].get<std::string>());
   if (json["left_out"].empty()) fmt::print("left out: nothing\n");
 }
 
 int finish(const ExplainOptions& options, std::vector<std::pair<std::string, Engine*>> engines) {
   Json all = Json::array();
   for (const auto& [title, engine] : engines) {
-    if (auto status = engine->prepare({engine->schedule().sample_rate, engine->in_channels(), engine->out_channels(), options.block}); !status)
+    if (auto status = engine->prepare(
+            {engine->schedule().sample_rate, engine->in_channels(), engine->out_channels(), options.block});
+        !status)
       return report(status.error());
     all.push_back(explain_engine(*engine, title, options.block));
   }
-  if (options.json) fmt::print("{}\n", all.size() == 1 ? all[0].dump(2) : Json{{"graphs", all}}.dump(2));
+  if (options.json)
+    fmt::print("{}\n", all.size() == 1 ? all[0].dump(2) : Json{{"graphs", all}}.dump(2));
   else
     for (const auto& json : all) print(json);
   return kDone;
@@ -138,7 +154,8 @@ int run(const ExplainOptions& options) {
     with.rate = Hertz{*rate};
     auto built = build_scene(*scene, standard_nodes(), with);
     if (!built) return report(built.error());
-    return finish(options, {{"instrument of " + scene->name, built->instrument.get()}, {"world of " + scene->name, built->plant.get()}});
+    return finish(options, {{"instrument of " + scene->name, built->instrument.get()},
+                            {"world of " + scene->name, built->plant.get()}});
   }
   const auto spec = load_graph(file, root_of(file));
   if (!spec) return report(spec.error());
@@ -155,11 +172,17 @@ int run(const ExplainOptions& options) {
 void add_explain(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("explain", "What of a graph runs, in which order, and what it costs");
   auto options = std::make_shared<ExplainOptions>();
-  command->add_option("FILE", options->target, "instrument, plant or scene; a folder means its instrument.toml")->required();
+  command
+      ->add_option("FILE", options->target, "instrument, plant or scene; a folder means its instrument.toml")
+      ->required();
   command->add_option("--rate", options->rate, "sample rate")->capture_default_str();
-  command->add_option("--block", options->block, "frames a block while measuring")->check(CLI::Range(1, 4096))->capture_default_str();
+  command->add_option("--block", options->block, "frames a block while measuring")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
   command->add_flag("--json", options->json, "for machines");
-  command->footer("Examples:\n  tactus explain instruments/haptic_drum\n  tactus explain instruments/haptic_drum/scene.toml --json");
+  command->footer(
+      "Examples:\n  tactus explain instruments/haptic_drum\n  tactus explain "
+      "instruments/haptic_drum/scene.toml --json");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

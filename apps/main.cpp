@@ -8,7 +8,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Tactus: haptic instruments on ordinary sound cards", "tactus"};
   app.require_subcommand(1);
   app.set_version_flag("--version", "tactus 0.1.0");
-  app.footer("Start with:  tactus play instruments/haptic_drum\nEach command explains itself:  tactus render --help");
+  app.footer(
+      "Start with:  tactus play instruments/haptic_drum\nEach command explains itself:  tactus render "
+      "--help");
   int exit_code = kDone;
   add_play(app, exit_code);
   add_render(app, exit_code);

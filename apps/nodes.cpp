@@ -28,13 +28,22 @@ int run(const NodesOptions& options) {
     for (const auto* type : table.types)
       if (options.name.empty() || type->name == options.name) {
         auto ports = nlohmann::ordered_json::array();
-        for (const auto& port : type->inputs) ports.push_back({{"name", port.name}, {"unit", port.unit}, {"doc", port.doc}});
+        for (const auto& port : type->inputs)
+          ports.push_back({{"name", port.name}, {"unit", port.unit}, {"doc", port.doc}});
         auto outputs = nlohmann::ordered_json::array();
-        for (const auto& port : type->outputs) outputs.push_back({{"name", port.name}, {"unit", port.unit}, {"doc", port.doc}});
+        for (const auto& port : type->outputs)
+          outputs.push_back({{"name", port.name}, {"unit", port.unit}, {"doc", port.doc}});
         auto settings = nlohmann::ordered_json::array();
-        for (const auto& setting : type->settings) settings.push_back({{"name", setting.name}, {"doc", setting.doc}});
-        all.push_back({{"name", type->name}, {"group", type->group}, {"summary", type->summary}, {"equation", type->equation},
-                       {"example", type->example}, {"inputs", ports}, {"outputs", outputs}, {"settings", settings}});
+        for (const auto& setting : type->settings)
+          settings.push_back({{"name", setting.name}, {"doc", setting.doc}});
+        all.push_back({{"name", type->name},
+                       {"group", type->group},
+                       {"summary", type->summary},
+                       {"equation", type->equation},
+                       {"example", type->example},
+                       {"inputs", ports},
+                       {"outputs", outputs},
+                       {"settings", settings}});
       }
     fmt::print("{}\n", all.dump(2));
     return kDone;
@@ -54,7 +63,8 @@ int run(const NodesOptions& options) {
   std::vector<std::string> names;
   for (const auto* type : table.types) names.push_back(type->name);
   const auto near = nearest_name(options.name, names);
-  fmt::print(stderr, "there is no node type '{}'; {}\n", options.name, near.empty() ? "`tactus nodes` lists them all" : "did you mean '" + near + "'?");
+  fmt::print(stderr, "there is no node type '{}'; {}\n", options.name,
+             near.empty() ? "`tactus nodes` lists them all" : "did you mean '" + near + "'?");
   return kUsage;
 }
 

@@ -20,16 +20,19 @@ Result<SceneOptions> scene_options(const SceneRun& run) {
   auto set = parse_settings(run.set);
   if (!set) return tl::unexpected(set.error());
   options.set = std::move(*set);
+  for (const auto& [name, value] : run.overrides) options.set[name] = value;
   if (!run.delay.empty()) {
     const auto delay = parse_option(run.delay, "s", "delay");
     if (!delay) return tl::unexpected(delay.error());
-    if (*delay < 0 || *delay > 10) return fail(Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", "");
+    if (*delay < 0 || *delay > 10)
+      return fail(Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", "");
     options.delay = Seconds{*delay};
   }
   if (!run.rate.empty()) {
     const auto rate = parse_option(run.rate, "Hz", "rate");
     if (!rate) return tl::unexpected(rate.error());
-    if (*rate < 1000 || *rate > 768000) return fail(Errc::OutOfRange, "--rate", "must be between 1 kHz and 768 kHz", "");
+    if (*rate < 1000 || *rate > 768000)
+      return fail(Errc::OutOfRange, "--rate", "must be between 1 kHz and 768 kHz", "");
     options.rate = Hertz{*rate};
   }
   return options;
@@ -44,7 +47,8 @@ Checked<PlayedScene> play_file(const SceneRun& run) {
     const auto duration = parse_option(run.duration, "s", "duration");
     if (!duration) return tl::unexpected(std::vector{duration.error()});
     if (!(*duration > 0) || *duration > 3600)
-      return tl::unexpected(std::vector{Error{Errc::OutOfRange, "--duration", "must be above 0 s and at most an hour", ""}});
+      return tl::unexpected(
+          std::vector{Error{Errc::OutOfRange, "--duration", "must be above 0 s and at most an hour", ""}});
     scene->duration = Seconds{*duration};
   }
   const auto options = scene_options(run);
@@ -52,12 +56,15 @@ Checked<PlayedScene> play_file(const SceneRun& run) {
   auto built = build_scene(*scene, standard_nodes(), *options);
   if (!built) return tl::unexpected(built.error());
   Progress progress{"playing " + scene->name};
-  auto recording = play_scene(*scene, *built, run.block, [&](double share) { if (run.show_progress) progress(share); });
+  auto recording = play_scene(*scene, *built, run.block, [&](double share) {
+    if (run.show_progress) progress(share);
+  });
   if (!recording) return tl::unexpected(std::vector{recording.error()});
   return PlayedScene{std::move(*scene), std::move(*recording)};
 }
 
-Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps, Hertz sample_rate) {
+Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps,
+                 Hertz sample_rate) {
   struct Event {
     double time_s;
     std::string node;
@@ -73,13 +80,15 @@ Json events_json(const std::vector<std::string>& names, const std::vector<std::v
       double value = std::nan("");
       if (level < static_cast<std::ptrdiff_t>(names.size())) {
         const auto& levels = taps[static_cast<std::size_t>(level)];
-        const double until = i + 1 < times.size() ? std::min(times[i] + kLevelAfter_s, times[i + 1]) : times[i] + kLevelAfter_s;
+        const double until = i + 1 < times.size() ? std::min(times[i] + kLevelAfter_s, times[i + 1])
+                                                  : times[i] + kLevelAfter_s;
         value = levels[std::min(levels.size() - 1, static_cast<std::size_t>(until * sample_rate.value))];
       }
       events.push_back({times[i], node, value});
     }
   }
-  std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.time_s < b.time_s; });
+  std::stable_sort(events.begin(), events.end(),
+                   [](const Event& a, const Event& b) { return a.time_s < b.time_s; });
   Json json{{"events", Json::array()}};
   for (const auto& event : events) {
     Json entry{{"time_s", event.time_s}, {"node", event.node}};
@@ -94,7 +103,8 @@ Json events_of(const PlayedScene& played) {
   std::vector<std::vector<double>> taps;
   const std::string prefix = "instrument.";
   for (const auto& signal : played.recording.signals) {
-    if (!signal.name.starts_with(prefix) || signal.name.find('.', prefix.size()) == std::string::npos) continue;
+    if (!signal.name.starts_with(prefix) || signal.name.find('.', prefix.size()) == std::string::npos)
+      continue;
     names.push_back(signal.name.substr(prefix.size()));
     taps.push_back(signal.samples);
   }
@@ -104,7 +114,8 @@ Json events_of(const PlayedScene& played) {
 Samples drives_of(const PlayedScene& played) {
   Samples samples;
   samples.sample_rate = played.recording.sample_rate;
-  for (const auto& name : played.recording.outputs) samples.channels.push_back(played.recording.find("instrument." + name)->samples);
+  for (const auto& name : played.recording.outputs)
+    samples.channels.push_back(played.recording.find("instrument." + name)->samples);
   return samples;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -15,8 +16,9 @@ namespace tactus::app {
 struct SceneRun {
   std::filesystem::path file;
   int block = 64;
-  std::vector<std::string> set;        ///< NAME=VALUE
-  std::string delay, rate, duration;   ///< empty: as the scene says
+  std::vector<std::string> set;             ///< NAME=VALUE
+  std::map<std::string, double> overrides;  ///< on top of `set`, SI
+  std::string delay, rate, duration;        ///< empty: as the scene says
   bool show_progress = true;
 };
 
@@ -29,7 +31,8 @@ struct PlayedScene {
 Checked<PlayedScene> play_file(const SceneRun& run);
 
 /// {"events": [{"time_s", "node", "level_db"}]} from taps "node.output" and "node.level".
-nlohmann::ordered_json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps, Hertz sample_rate);
+nlohmann::ordered_json events_json(const std::vector<std::string>& names,
+                                   const std::vector<std::vector<double>>& taps, Hertz sample_rate);
 nlohmann::ordered_json events_of(const PlayedScene& played);
 
 /// What the instrument gave out, behind the guard, channel by channel.

@@ -9,6 +9,7 @@
 #include "apps/play_report.h"
 #include "backends/offline/offline.h"
 #include "backends/resample.h"
+#include "engine/graph/compile.h"
 #include "engine/graph/load.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/engine.h"
@@ -27,13 +28,17 @@ struct RenderOptions {
   bool json = false;
 };
 
-/// Keeps the instrument's taps while an offline run goes by: each block of the engine is followed by one of the sink.
+/// Keeps the instrument's taps while an offline run goes by: each block of the engine is followed by one of
+/// the sink.
 class EventRecorder {
  public:
-  EventRecorder(const Engine& engine, std::vector<std::string> names) : engine_(engine), names_(std::move(names)), taps_(names_.size()) {}
+  EventRecorder(const Engine& engine, std::vector<std::string> names)
+      : engine_(engine), names_(std::move(names)), taps_(names_.size()) {}
 
   void take(int frames) {
-    for (std::size_t t = 0; t < taps_.size(); ++t) taps_[t].insert(taps_[t].end(), engine_.tap(static_cast<int>(t)), engine_.tap(static_cast<int>(t)) + frames);
+    for (std::size_t t = 0; t < taps_.size(); ++t)
+      taps_[t].insert(taps_[t].end(), engine_.tap(static_cast<int>(t)),
+                      engine_.tap(static_cast<int>(t)) + frames);
   }
   Json events(Hertz sample_rate) const { return events_json(names_, taps_, sample_rate); }
 
@@ -55,16 +60,20 @@ Result<Samples> read_input(const RenderOptions& options) {
       samples = resample(samples, Hertz{*rate});
     }
   } else {
-    const auto rate = options.rate.empty() ? Result<double>{48000.0} : parse_option(options.rate, "Hz", "rate");
+    const auto rate =
+        options.rate.empty() ? Result<double>{48000.0} : parse_option(options.rate, "Hz", "rate");
     if (!rate) return tl::unexpected(rate.error());
     samples.sample_rate = Hertz{*rate};
   }
   if (!options.duration.empty() || options.in.empty()) {
-    const auto duration = options.duration.empty() ? Result<double>{10.0} : parse_option(options.duration, "s", "duration");
+    const auto duration =
+        options.duration.empty() ? Result<double>{10.0} : parse_option(options.duration, "s", "duration");
     if (!duration) return tl::unexpected(duration.error());
-    if (!(*duration > 0) || *duration > 86400) return fail(Errc::OutOfRange, "--duration", "must be above 0 s and at most a day", "");
+    if (!(*duration > 0) || *duration > 86400)
+      return fail(Errc::OutOfRange, "--duration", "must be above 0 s and at most a day", "");
     if (samples.channels.empty()) samples.channels.emplace_back();
-    for (auto& channel : samples.channels) channel.resize(static_cast<std::size_t>(frames_in(Seconds{*duration}, samples.sample_rate)), 0.0);
+    for (auto& channel : samples.channels)
+      channel.resize(static_cast<std::size_t>(frames_in(Seconds{*duration}, samples.sample_rate)), 0.0);
   }
   return samples;
 }
@@ -73,7 +82,8 @@ int write_events(const std::string& path, const Json& events) {
   std::ofstream file{path};
   file << events.dump(2) << "\n";
   if (file) return kDone;
-  return report(Error{Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written"});
+  return report(
+      Error{Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written"});
 }
 
 int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
@@ -131,21 +141,27 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   if (!options.events.empty())
     if (const int code = write_events(options.events, events); code != kDone) return code;
 
-  Json summary{{"instrument", (*spec)->name}, {"sample_rate_hz", input->sample_rate.value}, {"frames", frames},
-               {"outputs", outputs}, {"events", events["events"].size()}, {"faults", Json::array()}};
-  for (const auto& fault : engine.faults()) summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
+  Json summary{
+      {"instrument", (*spec)->name}, {"sample_rate_hz", input->sample_rate.value}, {"frames", frames},
+      {"outputs", outputs},          {"events", events["events"].size()},          {"faults", Json::array()}};
+  for (const auto& fault : engine.faults())
+    summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
   if (options.json) {
     fmt::print("{}\n", summary.dump(2));
     return kDone;
   }
-  fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", (*spec)->name, static_cast<double>(frames) / input->sample_rate.value, input->sample_rate.value,
+  fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", (*spec)->name,
+             static_cast<double>(frames) / input->sample_rate.value, input->sample_rate.value,
              events["events"].size());
   if (static_cast<int>(input->channels.size()) != engine.in_channels() && !options.in.empty())
-    fmt::print("the file has {} channels and the instrument {} inputs: {}\n", input->channels.size(), engine.in_channels(),
-               static_cast<int>(input->channels.size()) > engine.in_channels() ? "the first ones were used" : "the others heard silence");
+    fmt::print("the file has {} channels and the instrument {} inputs: {}\n", input->channels.size(),
+               engine.in_channels(),
+               static_cast<int>(input->channels.size()) > engine.in_channels() ? "the first ones were used"
+                                                                               : "the others heard silence");
   if (!options.out.empty()) fmt::print("{}: {}\n", options.out, fmt::join(outputs, ", "));
   if (!options.events.empty()) fmt::print("{}: the events\n", options.events);
-  for (const auto& fault : engine.faults()) fmt::print("fault: {} gave something that is not a number, {} times\n", fault.path, fault.count);
+  for (const auto& fault : engine.faults())
+    fmt::print("fault: {} gave something that is not a number, {} times\n", fault.path, fault.count);
   return kDone;
 }
 
@@ -161,14 +177,21 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   if (!played) return report(played.error());
   if (!options.out.empty()) {
     const auto encoding = options.format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32;
-    if (auto status = write_wav(options.out, drives_of(*played), encoding); !status) return report(status.error());
+    if (auto status = write_wav(options.out, drives_of(*played), encoding); !status)
+      return report(status.error());
   }
   const auto events = events_of(*played);
   if (!options.events.empty())
     if (const int code = write_events(options.events, events); code != kDone) return code;
-  if (options.json) fmt::print("{}\n", Json{{"scene", played->scene.name}, {"events", events["events"].size()}, {"run_seconds", played->recording.run_seconds}}.dump(2));
-  else fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", played->scene.name, played->recording.seconds(), events["events"].size(),
-                  played->recording.seconds() / played->recording.run_seconds);
+  if (options.json)
+    fmt::print("{}\n", Json{{"scene", played->scene.name},
+                            {"events", events["events"].size()},
+                            {"run_seconds", played->recording.run_seconds}}
+                           .dump(2));
+  else
+    fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", played->scene.name,
+               played->recording.seconds(), events["events"].size(),
+               played->recording.seconds() / played->recording.run_seconds);
   return kDone;
 }
 
@@ -179,28 +202,43 @@ int run(const RenderOptions& options) {
   const bool scene = options.in.empty() && table && find(*table, "parts") != nullptr;
   if (scene) return render_scene(options, scene_file);
   if (!folder && table && find(*table, "parts") != nullptr)
-    return report(Error{Errc::BadArgument, options.target, "is a scene, which makes its own sensor signals", "leave --in out, or name the instrument"}), kUsage;
+    return report(Error{Errc::BadArgument, options.target, "is a scene, which makes its own sensor signals",
+                        "leave --in out, or name the instrument"}),
+           kUsage;
   return render_instrument(options, resolve_target(options.target, "instrument.toml"));
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("render", "Run an instrument on a WAV file, or a scene, without hardware");
+  auto* command =
+      app.add_subcommand("render", "Run an instrument on a WAV file, or a scene, without hardware");
   auto options = std::make_shared<RenderOptions>();
-  command->add_option("FILE", options->target, "instrument or scene; a folder means its scene.toml, with --in its instrument.toml")->required();
+  command
+      ->add_option("FILE", options->target,
+                   "instrument or scene; a folder means its scene.toml, with --in its instrument.toml")
+      ->required();
   command->add_option("--in", options->in, "WAV file: channel k goes to the k-th input");
   command->add_option("--out", options->out, "WAV file for the outputs, in the order of the file");
-  command->add_option("--events", options->events, "JSON file for what was heard: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}");
+  command->add_option(
+      "--events", options->events,
+      "JSON file for what was heard: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}");
   command->add_option("--rate", options->rate, "sample rate; a WAV file is resampled to it");
-  command->add_option("--block", options->block, "frames a block (the result does not depend on it)")->check(CLI::Range(1, 4096))->capture_default_str();
+  command->add_option("--block", options->block, "frames a block (the result does not depend on it)")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
   command->add_option("--delay", options->delay, "system delay, such as \"20 ms\"");
   command->add_option("--duration", options->duration, "cut off or continue with silence, such as \"10 s\"");
-  command->add_option("--format", options->format, "of --out")->check(CLI::IsMember({"float", "24"}))->capture_default_str();
-  command->add_option("--set", options->set, "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"");
+  command->add_option("--format", options->format, "of --out")
+      ->check(CLI::IsMember({"float", "24"}))
+      ->capture_default_str();
+  command->add_option("--set", options->set,
+                      "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"");
   command->add_flag("--json", options->json, "for machines");
-  command->footer("Examples:\n  tactus render instruments/haptic_drum --in hits.wav --out drive.wav --events events.json\n"
-                  "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav");
+  command->footer(
+      "Examples:\n  tactus render instruments/haptic_drum --in hits.wav --out drive.wav --events "
+      "events.json\n"
+      "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

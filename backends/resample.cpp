@@ -6,7 +6,7 @@
 namespace tactus {
 namespace {
 
-constexpr int kZeros = 48;      // zero crossings of the sinc on each side
+constexpr int kZeros = 48;       // zero crossings of the sinc on each side
 constexpr double kBeta = 10.06;  // Kaiser window: side lobes at -100 dB
 constexpr double kRolloff = 0.95;
 constexpr int kTableSteps = 1024;  // per zero crossing, interpolated linearly
@@ -46,8 +46,8 @@ double at(const std::vector<double>& table, double u) {
 Samples resample(const Samples& samples, Hertz to) {
   if (to == samples.sample_rate) return samples;
   static const auto table = kernel();
-  const double step = samples.sample_rate / to;      // input frames an output frame
-  const double scale = std::min(1.0, 1.0 / step);    // the kernel widens when the rate falls
+  const double step = samples.sample_rate / to;    // input frames an output frame
+  const double scale = std::min(1.0, 1.0 / step);  // the kernel widens when the rate falls
   const auto reach = static_cast<std::int64_t>(std::ceil(kZeros / scale));
   const auto frames = samples.frames();
   const auto wanted = static_cast<std::int64_t>(std::llround(static_cast<double>(frames) / step));
@@ -59,8 +59,10 @@ Samples resample(const Samples& samples, Hertz to) {
       const double centre = static_cast<double>(n) * step;
       const auto middle = static_cast<std::int64_t>(centre);
       double sum = 0;
-      for (std::int64_t k = std::max<std::int64_t>(0, middle - reach); k <= std::min(frames - 1, middle + reach); ++k)
-        sum += channel[static_cast<std::size_t>(k)] * at(table, std::abs(static_cast<double>(k) - centre) * scale);
+      for (std::int64_t k = std::max<std::int64_t>(0, middle - reach);
+           k <= std::min(frames - 1, middle + reach); ++k)
+        sum += channel[static_cast<std::size_t>(k)] *
+               at(table, std::abs(static_cast<double>(k) - centre) * scale);
       out[static_cast<std::size_t>(n)] = sum * scale;
     }
     result.channels.push_back(std::move(out));

@@ -42,23 +42,31 @@ Row row_of(const OutputPort& port) {
 }
 
 Row row_of(const Setting& setting) {
-  static constexpr const char* kKinds[] = {"choice", "whole number", "true or false", "text", "file", "points", "numbers", "names"};
+  static constexpr const char* kKinds[] = {"choice", "whole number", "true or false", "text",
+                                           "file",   "points",       "numbers",       "names"};
   std::string kind = kKinds[static_cast<int>(setting.kind)];
   if (setting.kind == Setting::Kind::Choice) {
     kind.clear();
     for (const auto& choice : setting.choices) kind += (kind.empty() ? "" : ", ") + choice;
   }
   return {setting.name, kind, range_text(setting.low, setting.high),
-          !setting.fallback.empty() ? setting.fallback : setting.optional ? "may be left out" : "required", setting.doc};
+          !setting.fallback.empty() ? setting.fallback
+          : setting.optional        ? "may be left out"
+                                    : "required",
+          setting.doc};
 }
 
 Row row_of(const ElementField& field) {
   return {field.name, unit_text(field.unit), range_text(field.low, field.high),
-          field.fallback ? short_number(*field.fallback) : field.optional ? "may be left out" : "required",
+          field.fallback   ? short_number(*field.fallback)
+          : field.optional ? "may be left out"
+                           : "required",
           field.doc + (field.signal ? " (signal)" : "")};
 }
 
-Row row_of(const ElementQuantity& quantity) { return {quantity.name, unit_text(quantity.unit), "", "", quantity.doc}; }
+Row row_of(const ElementQuantity& quantity) {
+  return {quantity.name, unit_text(quantity.unit), "", "", quantity.doc};
+}
 
 /// Headings, paragraphs and tables, as plain text or as Markdown.
 class Page {
@@ -66,21 +74,33 @@ class Page {
   explicit Page(bool markdown) : markdown_(markdown) {}
 
   void title(const std::string& text, int level) {
-    text_ += markdown_ ? fmt::format("{} {}\n\n", std::string(static_cast<std::size_t>(level), '#'), text) : text + "\n";
+    text_ += markdown_ ? fmt::format("{} {}\n\n", std::string(static_cast<std::size_t>(level), '#'), text)
+                       : text + "\n";
   }
   void paragraph(const std::string& text) { text_ += text + (markdown_ ? "\n\n" : "\n"); }
-  void code(const std::string& text) { text_ += markdown_ ? "```toml\n" + text + "\n```\n\n" : "  " + text + "\n"; }
-  void equation(const std::string& text) { text_ += markdown_ ? "```\n" + text + "\n```\n\n" : "  " + text + "\n"; }
+  void code(const std::string& text) {
+    text_ += markdown_ ? "```toml\n" + text + "\n```\n\n" : "  " + text + "\n";
+  }
+  void equation(const std::string& text) {
+    text_ += markdown_ ? "```\n" + text + "\n```\n\n" : "  " + text + "\n";
+  }
 
   template <class Items>
   void table(const char* heading, const Items& items) {
     if (items.empty()) return;
-    if (markdown_) text_ += fmt::format("| {} | unit or kind | range | default | meaning |\n|---|---|---|---|---|\n", heading);
-    else text_ += std::string{"\n"} + heading + "\n";
+    if (markdown_)
+      text_ +=
+          fmt::format("| {} | unit or kind | range | default | meaning |\n|---|---|---|---|---|\n", heading);
+    else
+      text_ += std::string{"\n"} + heading + "\n";
     for (const auto& item : items) {
       const Row row = row_of(item);
-      if (markdown_) text_ += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.name, row.kind, row.range, row.fallback, row.doc);
-      else text_ += fmt::format("  {:14} {:16} {:18} {:12} {}\n", row.name, row.kind, row.range, row.fallback, row.doc);
+      if (markdown_)
+        text_ += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.name, row.kind, row.range, row.fallback,
+                             row.doc);
+      else
+        text_ += fmt::format("  {:14} {:16} {:18} {:12} {}\n", row.name, row.kind, row.range, row.fallback,
+                             row.doc);
     }
     if (markdown_) text_ += "\n";
   }
@@ -105,8 +125,10 @@ void write_type(Page& page, const NodeType& type) {
 
 void write_networks(Page& page) {
   page.title("Networks", 2);
-  page.paragraph("Elements of `[networks.<name>]`. Up is positive; outputs at a frame are the state at that frame, inputs act on the "
-                 "step to the next one. An output is named `network.element.quantity`.");
+  page.paragraph(
+      "Elements of `[networks.<name>]`. Up is positive; outputs at a frame are the state at that frame, "
+      "inputs act on the "
+      "step to the next one. An output is named `network.element.quantity`.");
   for (const auto& element : network_elements()) {
     page.title(element.name, 3);
     page.paragraph(element.doc);
@@ -134,8 +156,11 @@ std::string reference_overview(const NodeTable& table) {
       if (type->group == group) text += fmt::format("  {:14} {}\n", type->name, type->summary);
   }
   text += "networks\n";
-  for (const auto& element : network_elements()) text += fmt::format("  {:14} {}\n", element.name, element.doc);
-  return text + "\n`tactus nodes NAME` tells all about one type, `tactus nodes network` about the elements of networks.\n";
+  for (const auto& element : network_elements())
+    text += fmt::format("  {:14} {}\n", element.name, element.doc);
+  return text +
+         "\n`tactus nodes NAME` tells all about one type, `tactus nodes network` about the elements of "
+         "networks.\n";
 }
 
 std::string reference_text(const NodeType& type) {
@@ -153,7 +178,9 @@ std::string network_reference() {
 std::string reference_markdown(const NodeTable& table) {
   Page page{true};
   page.title("Nodes", 1);
-  page.paragraph("Made by `tactus nodes --markdown` from the declarations of the node types; a test keeps it up to date.");
+  page.paragraph(
+      "Made by `tactus nodes --markdown` from the declarations of the node types; a test keeps it up to "
+      "date.");
   for (const auto& group : groups_of(table)) {
     std::string heading = group;
     heading[0] = static_cast<char>(std::toupper(heading[0]));

@@ -8,7 +8,8 @@ namespace tactus {
 
 /// [control] All types by group, a line each.
 std::string reference_overview(const NodeTable& table);
-/// [control] One type in full: equation, ports with units, ranges and defaults, settings, an example, the source.
+/// [control] One type in full: equation, ports with units, ranges and defaults, settings, an example, the
+/// source.
 std::string reference_text(const NodeType& type);
 /// [control] The elements of networks.
 std::string network_reference();

@@ -47,7 +47,8 @@ std::vector<double> trigger_times(const std::vector<double>& samples, Hertz samp
   return times;
 }
 
-std::vector<Strike> find_strikes(const std::vector<double>& force, Hertz sample_rate, Seconds gap, double least) {
+std::vector<Strike> find_strikes(const std::vector<double>& force, Hertz sample_rate, Seconds gap,
+                                 double least) {
   std::vector<Strike> strikes;
   for (std::size_t n = 0; n < force.size(); ++n) {
     if (force[n] <= 0) continue;
@@ -85,7 +86,8 @@ Rhythm rhythm_of(const std::vector<double>& times_s, double from_s, double to_s)
   return rhythm;
 }
 
-double restitution(const std::vector<double>& position, Hertz sample_rate, const std::vector<Strike>& strikes) {
+double restitution(const std::vector<double>& position, Hertz sample_rate,
+                   const std::vector<Strike>& strikes) {
   std::vector<double> ratios;
   const auto span = static_cast<std::ptrdiff_t>(1e-3 * sample_rate.value);
   for (const auto& strike : strikes) {

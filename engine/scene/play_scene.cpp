@@ -11,7 +11,8 @@ namespace {
 /// Copies what goes by into the recording: sensors, drives, then the taps of both engines.
 class Recorder {
  public:
-  Recorder(SceneRecording& recording, BuiltScene& built, std::size_t frames) : recording_(recording), built_(built) {
+  Recorder(SceneRecording& recording, BuiltScene& built, std::size_t frames)
+      : recording_(recording), built_(built) {
     for (const auto& name : built.instrument->schedule().input_names) add("instrument." + name, {}, frames);
     for (const auto& channel : built.instrument->schedule().channels)
       if (channel.use != OutputUse::Tap) add("instrument." + channel.name, {}, frames);
@@ -24,7 +25,8 @@ class Recorder {
     for (const auto* sensor : piece.sensors) append(next++, sensor, piece.frames);
     for (const auto* drive : piece.drives) append(next++, drive, piece.frames);
     for (int t = 0; t < built_.plant->tap_count(); ++t) append(next++, built_.plant->tap(t), piece.frames);
-    for (int t = 0; t < built_.instrument->tap_count(); ++t) append(next++, built_.instrument->tap(t), piece.frames);
+    for (int t = 0; t < built_.instrument->tap_count(); ++t)
+      append(next++, built_.instrument->tap(t), piece.frames);
   }
 
  private:
@@ -55,7 +57,8 @@ void collect_guard(SceneRecording& recording, const Guarded& guarded, const Sche
     if (channel.use == OutputUse::Tap) continue;
     const auto counts = guarded.counts(index++);
     const auto tell = [&](std::int64_t frames, const char* what) {
-      if (frames > 0) recording.guarded.push_back(channel.name + ": " + std::to_string(frames) + " frames " + what);
+      if (frames > 0)
+        recording.guarded.push_back(channel.name + ": " + std::to_string(frames) + " frames " + what);
     };
     tell(counts.nonfinite, "were not finite");
     tell(counts.ceiling, "above the ceiling");
@@ -69,7 +72,8 @@ std::vector<GuardedChannel> guarded_channels(const Schedule& schedule) {
   std::vector<GuardedChannel> channels;
   for (const auto& channel : schedule.channels)
     if (channel.use != OutputUse::Tap)
-      channels.push_back({channel.use == OutputUse::Audio ? DriveGuard::Kind::Audio : DriveGuard::Kind::Drive, {}});
+      channels.push_back(
+          {channel.use == OutputUse::Audio ? DriveGuard::Kind::Audio : DriveGuard::Kind::Drive, {}});
   return channels;
 }
 
@@ -88,8 +92,10 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   recording.sample_rate = built.instrument->schedule().sample_rate;
   recording.delay_frames = built.delay_frames;
   Guarded guarded{*built.instrument, guarded_channels(built.instrument->schedule())};
-  ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames, scene.converters};
-  if (auto status = loop.prepare(recording.sample_rate, block); !status) return tl::unexpected(status.error());
+  ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames,
+                  scene.converters};
+  if (auto status = loop.prepare(recording.sample_rate, block); !status)
+    return tl::unexpected(status.error());
   const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
   recording.inputs = built.instrument->schedule().input_names;
   for (const auto& channel : built.instrument->schedule().channels)

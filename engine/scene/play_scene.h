@@ -23,10 +23,10 @@ struct SceneRecording {
   int delay_frames = 0;
   std::vector<RecordedSignal> signals;
   std::vector<std::string> inputs, outputs;  ///< of the instrument, in order
-  std::vector<FaultCount> faults;    ///< of both engines
-  std::vector<std::string> guarded;  ///< what the drive guard had to do, in words
+  std::vector<FaultCount> faults;            ///< of both engines
+  std::vector<std::string> guarded;          ///< what the drive guard had to do, in words
   std::int64_t bad_inputs = 0;
-  double run_seconds = 0;            ///< wall-clock time
+  double run_seconds = 0;  ///< wall-clock time
 
   /// nullptr if nothing of that name was recorded.
   const RecordedSignal* find(std::string_view name) const;
@@ -36,7 +36,8 @@ struct SceneRecording {
 /// The guard of each output that a schedule gives to the outside.
 std::vector<GuardedChannel> guarded_channels(const Schedule& schedule);
 
-/// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` hears the share done.
+/// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` hears the share
+/// done.
 Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,
                                   const std::function<void(double)>& progress = {});
 

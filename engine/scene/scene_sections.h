@@ -8,6 +8,7 @@ namespace tactus {
 std::vector<Gesture> read_gestures(const Value::Table& scene, Mistakes& mistakes);
 Converters read_converters(const Value::Table& scene, Mistakes& mistakes);
 std::vector<Expectation> read_expectations(const Value::Table& scene, Seconds duration, Mistakes& mistakes);
+std::optional<Comparison> read_comparison(const Value::Table& scene, Mistakes& mistakes);
 
 /// A quantity called `key` from `low` to `high` (SI); nothing if it is left out or wrong.
 std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,

@@ -14,8 +14,9 @@
 namespace tactus {
 namespace {
 
-const std::vector<std::string> kSceneKeys = {"format",   "name",  "about",    "source",     "rate",   "delay",
-                                             "duration", "parts", "gestures", "converters", "expect", "seed"};
+const std::vector<std::string> kSceneKeys = {"format", "name",     "about", "source",   "rate",
+                                             "delay",  "duration", "parts", "gestures", "converters",
+                                             "expect", "compare",  "seed"};
 const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "networks", "outputs"};
 
 // Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.
@@ -68,6 +69,7 @@ class SceneReader {
     scene_.gestures = read_gestures(table, mistakes_);
     scene_.converters = read_converters(table, mistakes_);
     scene_.expect = read_expectations(table, scene_.duration, mistakes_);
+    scene_.compare = read_comparison(table, mistakes_);
     NameSpace names;
     for (const auto& part : scene_.parts) names.add(part.name, "a part", part.at, mistakes_);
     for (const auto& gesture : scene_.gestures) names.add(gesture.name, "a gesture", gesture.at, mistakes_);

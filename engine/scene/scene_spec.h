@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,6 +63,13 @@ struct Expectation {
   std::optional<QuantityValue> min, max;  ///< at least one of them
 };
 
+/// The same scene once more with some controls elsewhere, to show beside it what they do.
+struct Comparison {
+  std::string name;  ///< "without the pulse"
+  Source at;
+  std::map<std::string, double> set;  ///< SI, named as `--set` names them
+};
+
 /// A scene file, read once into plain data: an instrument, the world it plays in, and the gestures that play
 /// it.
 struct SceneSpec {
@@ -74,6 +82,7 @@ struct SceneSpec {
   std::vector<Gesture> gestures;
   Converters converters;
   std::vector<Expectation> expect;
+  std::optional<Comparison> compare;
   std::optional<std::uint64_t> seed;  ///< of everything random
 
   /// nullptr if there is none.

@@ -1,0 +1,203 @@
+#include "engine/scene/measure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/graph/mistakes.h"
+#include "engine/graph/nearest.h"
+#include "engine/graph/quantity.h"
+
+namespace tactus {
+namespace {
+
+constexpr Seconds kStrikeGap = 5_ms;
+constexpr double kLeastStrike_N = 1.0;
+// From the first push: path of the sound, the detector, half a block of converters.
+constexpr Seconds kLatestDetection = 6_ms;
+
+const RecordedSignal* trigger_signal(const SceneRecording& recording, const std::string& name) {
+  if (const auto* exact = recording.find(name)) return exact;
+  for (const auto& signal : recording.signals)
+    if (signal.name.starts_with(name + ".") && !signal.name.ends_with(".level")) return &signal;
+  return nullptr;
+}
+
+bool is_force(const RecordedSignal& signal) { return signal.dimension == parse_unit("N")->dimension; }
+
+/// The samples between two times.
+std::vector<double> part_of(const RecordedSignal& signal, Hertz rate, double from, double to) {
+  const auto size = static_cast<double>(signal.samples.size());
+  const auto first = static_cast<std::ptrdiff_t>(std::clamp(from * rate.value, 0.0, size));
+  const auto last = static_cast<std::ptrdiff_t>(std::clamp(to * rate.value, 0.0, size));
+  return {signal.samples.begin() + first, signal.samples.begin() + std::max(first, last)};
+}
+
+double rms(const std::vector<double>& samples) {
+  double squares = 0;
+  for (const double x : samples) squares += x * x;
+  return samples.empty() ? 0 : std::sqrt(squares / static_cast<double>(samples.size()));
+}
+
+double peak(const std::vector<double>& samples) {
+  double most = 0;
+  for (const double x : samples) most = std::max(most, std::abs(x));
+  return most;
+}
+
+class Measurement {
+ public:
+  Measurement(const SceneRecording& recording, const Expectation& expectation)
+      : recording_(recording),
+        expectation_(expectation),
+        from_(expectation.from_s.value_or(0)),
+        to_(expectation.to_s.value_or(recording.seconds())) {}
+
+  Result<double> run() {
+    const auto& what = expectation_.measure;
+    if (what == "faults") return faults();
+    if (what == "missed" || what == "doubled" || what == "detection_time") return detection(what);
+    if (what == "restitution") return bounce();
+    const auto* signal = trigger_signal(recording_, expectation_.of);
+    if (signal == nullptr) return unknown_signal();
+    if (what == "peak") return peak(part_of(*signal, recording_.sample_rate, from_, to_));
+    if (what == "rms") return rms(part_of(*signal, recording_.sample_rate, from_, to_));
+    return rhythm(*signal, what);
+  }
+
+ private:
+  Result<double> unknown_signal() const {
+    std::vector<std::string> names;
+    for (const auto& signal : recording_.signals) names.push_back(signal.name);
+    const auto near = nearest_name(expectation_.of, names);
+    return fail(Errc::UnknownName, (expectation_.of.empty() ? expectation_.at : expectation_.of_at).text(),
+                expectation_.of.empty() ? "'" + expectation_.measure + "' needs an 'of'"
+                                        : "nothing called '" + expectation_.of + "' was recorded",
+                near.empty() ? "recorded were " + listed(names) : "did you mean '" + near + "'?");
+  }
+
+  Result<double> faults() const {
+    double sum = static_cast<double>(recording_.bad_inputs);
+    for (const auto& fault : recording_.faults) sum += static_cast<double>(fault.count);
+    return sum;
+  }
+
+  Result<double> rhythm(const RecordedSignal& signal, const std::string& what) const {
+    std::vector<double> times;
+    if (is_force(signal))
+      for (const auto& strike : strikes_of(recording_, signal.name)) times.push_back(strike.start_s);
+    else
+      times = trigger_times(signal.samples, recording_.sample_rate);
+    const auto found = rhythm_of(times, from_, to_);
+    if (what == "count") return found.count;
+    if (what == "rate") return found.rate_hz;
+    if (what == "fewest_per_second") return found.fewest_in_a_second;
+    if (what == "spread") return found.spread;
+    if (what == "long_short") return found.long_short;
+    if (what == "growing") return found.growing;
+    return found.last_s;
+  }
+
+  Result<double> detection(const std::string& what) const {
+    const auto triggers =
+        triggers_of(recording_, expectation_.of.empty() ? "instrument.hit" : expectation_.of);
+    std::vector<double> heard;
+    for (const double time : triggers)
+      if (time >= from_ && time <= to_) heard.push_back(time);
+    std::vector<Strike> strikes;
+    for (const auto& strike : strikes_of(recording_))
+      if (strike.start_s >= from_ && strike.start_s <= to_ - kLatestDetection.value)
+        strikes.push_back(strike);
+    const auto found = match(strikes, heard, kLatestDetection);
+    return what == "missed" ? found.missed : what == "doubled" ? found.doubled : found.latest_s;
+  }
+
+  Result<double> bounce() const {
+    const auto* position = recording_.find(expectation_.of.empty() ? "plant.stick" : expectation_.of);
+    if (position == nullptr) return unknown_signal();
+    std::vector<Strike> strikes;
+    for (const auto& strike : strikes_of(recording_))
+      if (strike.start_s >= from_ && strike.end_s <= to_) strikes.push_back(strike);
+    return restitution(position->samples, recording_.sample_rate, strikes);
+  }
+
+  const SceneRecording& recording_;
+  const Expectation& expectation_;
+  double from_, to_;
+};
+
+std::string wanted_text(const Expectation& expectation, const std::string& unit) {
+  const auto number = [&](const QuantityValue& q) {
+    return short_number(q.si) + (unit.empty() ? "" : " " + unit);
+  };
+  if (expectation.min && expectation.max) return number(*expectation.min) + " to " + number(*expectation.max);
+  return expectation.min ? "at least " + number(*expectation.min) : "at most " + number(*expectation.max);
+}
+
+}  // namespace
+
+const std::vector<MeasureType>& measure_types() {
+  static const std::vector<MeasureType> types = {
+      {"count", "", "number of events"},
+      {"rate", "Hz", "events a second, from the first to the last"},
+      {"fewest_per_second", "", "fewest events in any second"},
+      {"spread", "", "standard deviation of the intervals over their mean"},
+      {"long_short", "", "longer of two neighbouring intervals over the shorter, median"},
+      {"growing", "", "longest run of intervals that each grow by 3 % or more"},
+      {"last", "s", "time of the last event"},
+      {"restitution", "", "speed after a strike over the speed before, median"},
+      {"missed", "", "strikes that were not heard"},
+      {"doubled", "", "hits heard without a strike of their own"},
+      {"detection_time", "s", "longest time from the start of a strike to the hit"},
+      {"peak", "", "largest absolute value"},
+      {"rms", "", "root mean square"},
+      {"faults", "", "values that were not numbers, at inputs and in nodes"},
+  };
+  return types;
+}
+
+Result<double> measure(const SceneRecording& recording, const Expectation& expectation) {
+  return Measurement{recording, expectation}.run();
+}
+
+std::vector<Strike> strikes_of(const SceneRecording& recording, const std::string& contact) {
+  const auto* force = recording.find(contact);
+  if (force == nullptr) return {};
+  return find_strikes(force->samples, recording.sample_rate, kStrikeGap, kLeastStrike_N);
+}
+
+std::vector<double> triggers_of(const SceneRecording& recording, const std::string& name) {
+  const auto* signal = trigger_signal(recording, name);
+  return signal == nullptr ? std::vector<double>{} : trigger_times(signal->samples, recording.sample_rate);
+}
+
+Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const SceneRecording& recording) {
+  std::vector<Outcome> outcomes;
+  std::vector<Error> mistakes;
+  for (const auto& expectation : scene.expect) {
+    const auto& types = measure_types();
+    const auto type = std::find_if(types.begin(), types.end(),
+                                   [&](const auto& t) { return t.name == expectation.measure; });
+    if (type == types.end()) {
+      std::vector<std::string> names;
+      for (const auto& known : types) names.push_back(known.name);
+      const auto near = nearest_name(expectation.measure, names);
+      mistakes.push_back({Errc::UnknownName, expectation.measure_at.text(),
+                          "there is no measure '" + expectation.measure + "'",
+                          near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?"});
+      continue;
+    }
+    const auto value = measure(recording, expectation);
+    if (!value) {
+      mistakes.push_back(value.error());
+      continue;
+    }
+    const bool holds = (!expectation.min || *value >= expectation.min->si) &&
+                       (!expectation.max || *value <= expectation.max->si);
+    outcomes.push_back({expectation.name, expectation.measure, *value, type->unit, holds,
+                        wanted_text(expectation, type->unit)});
+  }
+  if (!mistakes.empty()) return tl::unexpected(std::move(mistakes));
+  return outcomes;
+}
+
+}  // namespace tactus
