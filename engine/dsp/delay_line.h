@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "engine/dsp/lanes.h"
+
 namespace tactus {
 
 /// The last samples of a signal, readable in a row: the first ones of the ring stand behind its end once
@@ -24,7 +26,7 @@ class DelayLine {
   void write(const double* x, int count) noexcept {
     const auto n = static_cast<std::size_t>(count);
     if (next_ >= mirrored_ && next_ + n <= capacity_) {
-      std::copy_n(x, n, samples_.begin() + static_cast<std::ptrdiff_t>(next_));
+      copy_samples(x, count, samples_.data() + next_);
       next_ = (next_ + n) & (capacity_ - 1);
       return;
     }

@@ -15,9 +15,12 @@ class Fir {
  public:
   /// [control] At least one tap.
   explicit Fir(std::vector<double> taps)
-      : taps_(std::move(taps)), history_(taps_.size() - 1), inputs_(history_ + kChunk, 0.0) {}
+      : taps_(std::move(taps)), history_(taps_.size() - 1), inputs_(history_ + kRoom, 0.0), next_(history_) {}
 
-  void reset() noexcept { std::fill(inputs_.begin(), inputs_.end(), 0.0); }
+  void reset() noexcept {
+    std::fill(inputs_.begin(), inputs_.end(), 0.0);
+    next_ = history_;
+  }
 
   /// [realtime]
   void run(const double* x, double* y, int frames) noexcept {
@@ -34,10 +37,16 @@ class Fir {
 
  private:
   static constexpr int kChunk = 64;
+  static constexpr std::size_t kRoom = 512;  ///< new samples before the history moves back to the front
 
   void chunk(const double* x, double* y, int frames) noexcept {
-    double* const now = inputs_.data() + history_;
-    std::copy_n(x, frames, now);
+    if (next_ + static_cast<std::size_t>(frames) > inputs_.size()) {
+      std::copy_n(inputs_.data() + (next_ - history_), history_, inputs_.data());
+      next_ = history_;
+    }
+    double* const now = inputs_.data() + next_;
+    next_ += static_cast<std::size_t>(frames);
+    copy_samples(x, frames, now);
     int n = 0;
     for (; n + Lanes::kCount <= frames; n += Lanes::kCount) {
       auto sum = Lanes::same(0);
@@ -50,12 +59,12 @@ class Fir {
       for (std::size_t k = 0; k < taps_.size(); ++k) sum = fused_multiply_add(taps_[k], *(now + n - k), sum);
       y[n] = sum;
     }
-    std::copy_n(inputs_.data() + frames, history_, inputs_.data());
   }
 
   std::vector<double> taps_;
   std::size_t history_;
-  std::vector<double> inputs_;  ///< the history, then the frames of this chunk
+  std::vector<double> inputs_;
+  std::size_t next_;  ///< where the next input goes; `history_` older ones stand before it
 };
 
 }  // namespace tactus

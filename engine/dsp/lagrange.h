@@ -5,6 +5,18 @@
 
 namespace tactus {
 
+/// product over j != k of (k - j)
+template <std::size_t Taps>
+constexpr std::array<double, Taps> lagrange_divisors() {
+  std::array<double, Taps> divisors{};
+  for (std::size_t k = 0; k < Taps; ++k) {
+    divisors[k] = 1;
+    for (std::size_t j = 0; j < Taps; ++j)
+      if (j != k) divisors[k] *= static_cast<double>(k) - static_cast<double>(j);
+  }
+  return divisors;
+}
+
 /// Weights that read between samples: the polynomial through Order + 1 taps at 0, 1 … Order frames, taken at
 /// `t` frames from the newest:
 ///
@@ -24,12 +36,10 @@ std::array<double, Order + 1> lagrange_weights(double t) noexcept {
     w[k] = product;
     product *= t - static_cast<double>(k);
   }
+  constexpr auto divisors = lagrange_divisors<kTaps>();
   product = 1;
   for (std::size_t k = kTaps; k-- > 0;) {
-    double divisor = 1;
-    for (std::size_t j = 0; j < kTaps; ++j)
-      if (j != k) divisor *= static_cast<double>(k) - static_cast<double>(j);
-    w[k] *= product / divisor;
+    w[k] *= product / divisors[k];
     product *= t - static_cast<double>(k);
   }
   return w;

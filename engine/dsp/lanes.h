@@ -87,4 +87,11 @@ struct Lanes {
 #endif
 };
 
+/// For the short runs of signals, which would wait longer for the library's copy than for their samples.
+inline void copy_samples(const double* from, int count, double* to) noexcept {
+  int n = 0;
+  for (; n + Lanes::kCount <= count; n += Lanes::kCount) Lanes::load(from + n).store(to + n);
+  for (; n < count; ++n) to[n] = from[n];
+}
+
 }  // namespace tactus

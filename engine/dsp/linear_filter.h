@@ -48,7 +48,8 @@ class LinearFilter {
     last_.fill(0.0);
     recurrence_.reset();
   }
-  /// [realtime] `position` is the group_position of the first frame; `x` and `y` do not overlap.
+  /// [realtime] At least one frame. `position` is the group_position of the first; `x` and `y` do not
+  /// overlap.
   void run(const double* x, double* y, int frames, int position) noexcept {
     feed_forward(x, y, frames);
     recurrence_.run(y, y, frames, position);
@@ -66,26 +67,24 @@ class LinearFilter {
   }
 
   void feed_forward(const double* x, double* v, int frames) noexcept {
-    std::array<double, 3> b{};
-    std::copy(b_.begin(), b_.end(), b.begin());
-    std::array<double, 2 * Order> edge{};  // the last inputs, then the first ones
-    const int first = std::min(frames, Order);
-    for (int i = 0; i < Order; ++i) edge[i] = last_[i];
-    for (int i = 0; i < first; ++i) edge[Order + i] = x[i];
-    const auto at = [](const double* now, const auto& weights) {
-      return weighted(now[0], now[-1], now[-Order], weights);
-    };
-    for (int i = 0; i < first; ++i) v[i] = at(edge.data() + Order + i, b);
+    const std::array<double, 3> b{b_[0], b_[1], Order == 2 ? b_[Order] : 0.0};
+    double before = last_[0], oldest = last_[Order - 1];
+    int i = 0;
+    for (; i < std::min(frames, Lanes::kCount); ++i) {
+      v[i] = weighted(x[i], before, oldest, b);
+      oldest = Order == 2 ? before : x[i];
+      before = x[i];
+    }
     const std::array<Lanes, 3> wide{Lanes::same(b[0]), Lanes::same(b[1]), Lanes::same(b[2])};
-    int i = first;
     for (; i + Lanes::kCount <= frames; i += Lanes::kCount)
       weighted(Lanes::load(x + i), Lanes::load(x + i - 1), Lanes::load(x + i - Order), wide).store(v + i);
-    for (; i < frames; ++i) v[i] = at(x + i, b);
-    for (int k = 0; k < Order; ++k) last_[k] = frames >= Order ? x[frames - Order + k] : edge[frames + k];
+    for (; i < frames; ++i) v[i] = weighted(x[i], x[i - 1], x[i - Order], b);
+    last_[Order - 1] = frames >= Order ? x[frames - Order] : oldest;
+    last_[0] = x[frames - 1];
   }
 
   std::array<double, Order + 1> b_{1.0};
-  std::array<double, Order> last_{};  ///< inputs, oldest first
+  std::array<double, Order> last_{};  ///< inputs, newest first
   Recurrence<Order> recurrence_;
 };
 

@@ -52,11 +52,12 @@ class Recurrence {
 
   void reset() noexcept {
     last_.fill(0.0);
-    sums_.fill(0.0);
+    sums_.fill(0.0);  // the first group may start in its middle
   }
 
   /// [realtime] `position` is the group_position of the first frame. `v` and `y` may be the same.
   void run(const double* v, double* y, int frames, int position) noexcept {
+    if (frames == 1 && position < kGroup - 1) return single(*v, *y, position);
     if (position != 0) {
       const int rest = std::min(frames, kGroup - position);
       part(v, y, rest, position);
@@ -64,10 +65,7 @@ class Recurrence {
     }
     const int groups = frames / kGroup;
     if (groups > 0) whole(v, y, groups);
-    if (const int left = frames % kGroup; left > 0) {
-      sums_.fill(0.0);
-      part(v + groups * kGroup, y + groups * kGroup, left, 0);
-    }
+    if (const int left = frames % kGroup; left > 0) part(v + groups * kGroup, y + groups * kGroup, left, 0);
   }
 
  private:
@@ -113,15 +111,30 @@ class Recurrence {
     remember(outputs);
   }
 
+  Lanes sums_before(int position) const noexcept {
+    return position == 0 ? Lanes::same(0.0) : Lanes::load(sums_.data());
+  }
+
   void part(const double* v, double* y, int frames, int position) noexcept {
-    auto sums = Lanes::load(sums_.data());
+    auto sums = sums_before(position);
     for (int j = 0; j < frames; ++j) sums = fused_multiply_add(column(position + j), Lanes::same(v[j]), sums);
     sums.store(sums_.data());
     const auto outputs = with_free_response(sums, remembered());
     Group ready;
     (outputs + Lanes::same(0.0)).store(ready.data());
-    std::copy_n(ready.data() + position, frames, y);
+    copy_samples(ready.data() + position, frames, y);
     if (position + frames == kGroup) remember(outputs);
+  }
+
+  /// `part` for one frame inside a group: the output does not wait for the lanes.
+  void single(double v, double& y, int position) noexcept {
+    const auto k = static_cast<std::size_t>(position);
+    double output = position == 0 ? 0.0 : sums_[k];
+    const auto sums = fused_multiply_add(column(position), Lanes::same(v), sums_before(position));
+    output = fused_multiply_add(columns_[k][k], v, output);
+    if constexpr (Order == 2) output = fused_multiply_add(free_[1][k], last_[1], output);
+    y = fused_multiply_add(free_[0][k], last_[0], output) + 0.0;
+    sums.store(sums_.data());
   }
 
   alignas(64) std::array<Group, kGroup> columns_{};  ///< [j][k] = h[k - j], 0 above the diagonal

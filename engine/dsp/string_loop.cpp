@@ -85,7 +85,10 @@ void StringLoop::run(const double* x, double* y, int frames, int position) noexc
     const int count = sub_block(frames, position);
     const double* newest = line_.behind(design_.newest + StringDesign::kTaps - 1) + StringDesign::kTaps - 1;
     if (filter_ == LossFilter::OneZero) {
-      tap_sums(newest, design_.taps, x, y, count);
+      if (count == 1)
+        *y = tap_sum(newest, design_.taps, *x);
+      else
+        tap_sums(newest, design_.taps, x, y, count);
     } else {
       std::array<double, kLongest> around;
       tap_sums(newest, design_.taps, nullptr, around.data(), count);

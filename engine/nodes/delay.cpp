@@ -18,7 +18,7 @@ constexpr double kMostFrames = 1 << 24;
 /// Times that were meant as whole frames ("20 ms") come out a rounding beside them.
 double frames_of(double seconds, Hertz sample_rate) {
   const double frames = seconds * sample_rate.value;
-  const double whole = std::nearbyint(frames);
+  const double whole = std::rint(frames);
   return std::abs(frames - whole) < 1e-9 ? whole : frames;
 }
 
@@ -100,30 +100,30 @@ class DelayNode : public Node {
     const auto time = block.in[kTime];
     double* y = block.out[0];
     if (time.constant()) {
-      aim_at(time[0], block.frames);
+      const double seconds = counted(time[0], block.frames);
+      if (seconds != aimed_at_) aim_ = aimed(aimed_at_ = seconds);
+      const double* newest = newest_tap(aim_, written);
       if (aim_.whole)
-        std::copy_n(line_.behind(aim_.newest + written), block.frames, y);
+        copy_samples(newest, block.frames, y);
       else
-        tap_sums(newest_tap(written), aim_.weights, nullptr, y, block.frames);
+        tap_sums(newest, aim_.weights, nullptr, y, block.frames);
       return;
     }
     for (int n = 0; n < block.frames; ++n) {
-      aim_at(time[n], 1);
-      y[n] = aim_.whole ? *line_.behind(aim_.newest + written - n)
-                        : tap_sum(newest_tap(written - n), aim_.weights, 0);
+      const Aim aim = aimed(counted(time[n], 1));
+      const double* newest = newest_tap(aim, written - n);
+      y[n] = aim.whole ? *newest : tap_sum(newest, aim.weights, 0);
     }
   }
 
-  void aim_at(double seconds, int frames) noexcept {
+  double counted(double seconds, int frames) noexcept {
     const double possible = inside(seconds);
     if (possible != seconds) clamped_ += frames;
-    if (possible == aimed_at_) return;
-    aimed_at_ = possible;
-    aim_ = aimed(possible);
+    return possible;
   }
 
-  const double* newest_tap(int written) const noexcept {
-    return line_.behind(aim_.newest + Order + written) + Order;
+  const double* newest_tap(const Aim& aim, int written) const noexcept {
+    return line_.behind(aim.newest + Order + written) + Order;
   }
 
   TimeRange range_;

@@ -1,0 +1,143 @@
+#include "tests/studies/onset/samples.h"
+
+#include <sndfile.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <regex>
+
+namespace tactus::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Rule {
+  const char* kind;
+  const char* path;  ///< regular expression on the path below /usr/share
+};
+
+// Drums that one stroke of a stick, beater or hand makes sound, from kits that say they are recordings. Left
+// out as kinds: electronic and beat-box kits, cymbals and open hats, and what is many strokes by nature
+// (claps, shakers, tambourines, snare rolls, hats closed by foot).
+const Rule kRules[] = {
+    {"snare",
+     R"(BJA_Pacific/SN4?_|Colombo.*/snare|Forzee.*/Snare(Off)?-|Millo-.*/snare|MultiLayered2/[jr]snare|MultiLayered3/(sd|sr)_|Black Pearl.*/PearlSnare|samples/drum_snare)"},
+    {"tom",
+     R"(BJA_Pacific/TM2?_|Colombo.*/tom|Forzee.*/Tom|Millo-.*/tom|MultiLayered2/(floor)?tom|MultiLayered3/(ft|t1|t2)_|Black Pearl.*/PearlTom|samples/drum_tom)"},
+    {"kick",
+     R"(BJA_Pacific/BD_|Colombo.*/bassdrum|Forzee.*/Kick|Millo-.*/bd|MultiLayered[23]/bd|Black Pearl.*/PearlKick|samples/drum_(heavy_kick|bass))"},
+    {"rim, stick",
+     R"(Colombo.*/stick|Forzee.*/(RimClick|Stick|Snare(Off)?Rim)|Millo-.*/stick|MultiLayered2/rim|MultiLayered3/rs_|Black Pearl.*/PearlSideStick)"},
+    {"closed hat",
+     R"(BJA_Pacific/HH_|Colombo.*/hihat-closed|Forzee.*/HiHatClosed|Millo-.*/closehihat|MultiLayered2/hhclosed|MultiLayered3/hh_0|Black Pearl.*/SabianHatClosed|samples/drum_cymbal_closed)"},
+    {"hand drum",
+     R"(Gimme.*/(Bongo|Cajon)|circAfrique.*/(Djembe|Kenkeni1_Head|Sangban1_Head|Dununba1_Head)|samples/tabla_)"},
+    {"wood, bell",
+     R"(Gimme.*/(WoodBlock|Clave|Cowbell)|Forzee.*/Agogo|Black Pearl.*/Cowbell|circAfrique.*Bell|samples/drum_cowbell)"},
+};
+
+struct Recording {
+  std::vector<float> mono;
+  double rate = 0;
+};
+
+Recording read(const fs::path& file) {
+  SF_INFO info{};
+  SNDFILE* sound = sf_open(file.c_str(), SFM_READ, &info);
+  if (!sound) return {};
+  std::vector<float> all(static_cast<std::size_t>(info.frames * info.channels));
+  sf_readf_float(sound, all.data(), info.frames);
+  sf_close(sound);
+  Recording result{std::vector<float>(static_cast<std::size_t>(info.frames)),
+                   static_cast<double>(info.samplerate)};
+  const auto channels = static_cast<std::size_t>(info.channels);
+  for (std::size_t n = 0; n < all.size(); ++n)
+    result.mono[n / channels] += all[n] / static_cast<float>(channels);
+  return result;
+}
+
+/// Band-limited interpolation: sinc under a Hann window of 16 zero crossings on each side.
+std::vector<float> resampled(const std::vector<float>& in, double rate, double shift_frames) {
+  constexpr int kHalf = 16, kSteps = 256;
+  static const std::vector<float> kernel = [] {
+    std::vector<float> table(static_cast<std::size_t>(kHalf * kSteps + 2), 0.0f);
+    for (int i = 0; i < kHalf * kSteps; ++i) {
+      const double t = static_cast<double>(i) / kSteps, angle = std::numbers::pi * t;
+      const double window = 0.5 + 0.5 * std::cos(angle / kHalf);
+      table[static_cast<std::size_t>(i)] = static_cast<float>((i ? std::sin(angle) / angle : 1.0) * window);
+    }
+    return table;
+  }();
+  const double step = rate / kRate, band = std::min(1.0, 1.0 / step);
+  const auto length = static_cast<std::size_t>(std::min(static_cast<double>(in.size()) / step, 0.7 * kRate));
+  std::vector<float> out(length);
+  for (std::size_t n = 0; n < length; ++n) {
+    const double centre = (static_cast<double>(n) - shift_frames) * step;
+    const auto first = static_cast<long>(std::ceil(centre - kHalf / band));
+    const auto last = static_cast<long>(std::floor(centre + kHalf / band));
+    double sum = 0;
+    for (long k = std::max(0L, first); k <= std::min(last, static_cast<long>(in.size()) - 1); ++k) {
+      const double place = std::abs(static_cast<double>(k) - centre) * band * kSteps;
+      const auto i = static_cast<std::size_t>(place);
+      const double part = place - static_cast<double>(i);
+      sum += static_cast<double>(in[static_cast<std::size_t>(k)]) *
+             ((1 - part) * static_cast<double>(kernel[i]) + part * static_cast<double>(kernel[i + 1]));
+    }
+    out[n] = static_cast<float>(sum * band);
+  }
+  return out;
+}
+
+void finish(std::vector<float>& hit) {
+  float highest = 0;
+  for (float x : hit) highest = std::max(highest, std::abs(x));
+  const auto fade = std::min<std::size_t>(hit.size(), 960);  // 20 ms: a cut tail would click
+  for (std::size_t n = 0; n < hit.size(); ++n) {
+    const std::size_t left = hit.size() - n;
+    hit[n] *= (left < fade ? static_cast<float>(left) / static_cast<float>(fade) : 1.0f) / highest;
+  }
+}
+
+}  // namespace
+
+SampleSet load_samples() {
+  SampleSet set;
+  std::vector<fs::path> files;
+  for (const char* folder : {"/usr/share/hydrogen/data/drumkits", "/usr/share/sonic-pi/samples"}) {
+    std::error_code none;
+    for (const auto& entry : fs::recursive_directory_iterator(folder, none)) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const Rule& rule : kRules) {
+    const std::regex pattern(rule.path);
+    bool training = false;
+    for (const fs::path& file : files) {
+      if (!std::regex_search(file.string(), pattern)) continue;
+      const std::string name = file.parent_path().filename().string() + "/" + file.stem().string();
+      const Recording recording = read(file);
+      if (static_cast<double>(recording.mono.size()) < 0.03 * recording.rate) {
+        set.excluded.push_back(name + ": shorter than 30 ms");
+        continue;
+      }
+      Sample sample{name, rule.kind, training, {}, {}};
+      const std::vector<float> hit = trimmed(recording.mono);
+      for (int shift = 0; shift < kShifts; ++shift) {
+        auto& shifted = sample.shifted[static_cast<std::size_t>(shift)];
+        shifted = resampled(hit, recording.rate, static_cast<double>(shift) / kShifts);
+        finish(shifted);
+        sample.clean[static_cast<std::size_t>(shift)] = measure(shifted, kRate);
+      }
+      if (sample.clean[0].several_strokes) {
+        set.excluded.push_back(name + ": several strokes, or still rising after 20 ms");
+        continue;
+      }
+      set.samples.push_back(std::move(sample));
+      training = !training;
+    }
+  }
+  return set;
+}
+
+}  // namespace tactus::study
