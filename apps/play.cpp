@@ -71,9 +71,10 @@ Json report_of(const PlayedScene& played, const PlayedScene* compared) {
 }
 
 void print_roll(const Json& json) {
-  fmt::print("  hits heard          {} of {} strikes: {} missed, {} doubled, heard within {:.2f} ms\n",
-             json["hits"].get<int>(), json["strikes"].get<int>(), json["missed"].get<double>(),
-             json["doubled"].get<double>(), json["longest_detection_ms"].get<double>());
+  fmt::print(
+      "  hits heard          {}, of {} strikes above 5 N {} missed; {} doubled; heard within {:.2f} ms\n",
+      json["hits"].get<int>(), json["strikes"].get<int>(), json["missed"].get<double>(),
+      json["doubled"].get<double>(), json["longest_detection_ms"].get<double>());
   fmt::print("  roll                {:.1f} hits a second, at least {} in any second, spread {:.0f} %\n",
              json["roll_rate_hz"].get<double>(), json["fewest_in_a_second"].get<int>(),
              100 * json["spread"].get<double>());

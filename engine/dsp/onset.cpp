@@ -1,5 +1,6 @@
 #include "engine/dsp/onset.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,15 +11,15 @@ namespace {
 // Found on the training half of the recordings of docs/onset_study.md. Times in groups, which are
 // milliseconds.
 constexpr double kGroup_s = 0.001, kMean_s = 0.004;
-constexpr int kWindow = 28;    // what `ring` looks back: less than an interval of 30 hits a second
+constexpr double kRinging = 28;  // for which the times below were found; less than an interval of 30 hits a second
 constexpr int kNewest = 5;     // what it leaves out
 constexpr int kNewestLow = 2;  // so much more in band 0, where a cycle is long
-constexpr int kMaskStays = 10;
+constexpr double kMaskStays = 10;
 constexpr int kFloorHeld = 100;
 constexpr int kFloorStart = 10;
 constexpr double kDeaf[4] = {0, 20, 45, 60};
 constexpr double kCutoff_hz[4] = {0, 400, 2000, 7000};
-constexpr double kFall_s[4] = {0.020, 0.001, 0.001, 0.001};
+constexpr double kShortFall_s = 0.001, kLongFall_s = 0.020, kFallCycles = 0.6;
 constexpr Four kThreshold = {0.89, 0.22, 0.089, 0.071};  // -1, -13, -21, -23 dB
 constexpr Four kRingMargin = {1.06, 1.06, 1, 1};         // the fundamentals of a drum beat most
 constexpr double kSoftMargin = 1.41;                     // +3 dB
@@ -32,12 +33,17 @@ double decibels(double db) { return std::pow(10.0, db / 20); }
 
 OnsetDetector::OnsetDetector(const Settings& settings) : sample_rate_(settings.sample_rate.value) {
   const double rate = sample_rate_;
+  const double ringing = std::clamp(settings.ringing.value / kGroup_s, 8.0, kPast - 1.0);
+  window_ = static_cast<int>(std::lround(ringing));
+  mask_stays_ = static_cast<int>(std::lround(kMaskStays * ringing / kRinging));
+  for (int b = 0; b < 4; ++b) deaf_[b] = kDeaf[b] * ringing / kRinging;
   group_frames_ = std::max(1, static_cast<int>(std::lround(kGroup_s * rate)));
   const double group_s = group_frames_ / rate;
   for (int b = 0; b < 4; ++b) {
     const double cutoff = std::max(kCutoff_hz[b], settings.high_pass.value);
     feedback_[b] = 1 / (1 + 2 * std::numbers::pi * cutoff / rate);
-    fast_fall_[b] = std::exp(-1 / (rate * kFall_s[b]));
+    const double fall_s = b == 0 ? std::clamp(kFallCycles / cutoff, kShortFall_s, kLongFall_s) : kShortFall_s;
+    fast_fall_[b] = std::exp(-1 / (rate * fall_s));
   }
   mean_rise_ = 1 - std::exp(-1 / (rate * kMean_s));
   mask_fall_ = decibels(-20 * group_s / settings.mask_time.value);
@@ -49,7 +55,7 @@ Four OnsetDetector::ringing(const State& state) const noexcept {
     return state.past_[static_cast<std::size_t>((state.slot_ - groups) & (kPast - 1))];
   };
   Four ring{}, ring_low{};
-  for (int k = kWindow - 1; k >= kNewest; --k) {
+  for (int k = window_ - 1; k >= kNewest; --k) {
     ring = larger(ring * kRingFall, past(k));
     if (k == kNewest + kNewestLow) ring_low = ring;
   }
@@ -70,7 +76,7 @@ void OnsetDetector::close_group(State& state, const Sensitivity& sensitivity) co
   state.slot_ = (state.slot_ + 1) & (kPast - 1);
   state.past_[static_cast<std::size_t>(state.slot_)] = state.group_;
   if (state.hold_ > 0) state.mask_ = state.last_ = larger(state.last_, state.group_);
-  if (state.groups_free_ >= kMaskStays) state.mask_ *= mask_fall_;
+  if (state.groups_free_ >= mask_stays_) state.mask_ *= mask_fall_;
   if (state.groups_since_ > kFloorHeld) state.floor_ *= floor_rise_;
   state.floor_ = state.groups_ < kFloorStart ? state.mean_ : smaller(state.mean_, state.floor_);
   const Four ring = ringing(state) * kRingMargin * sensitivity.margin;
@@ -78,7 +84,7 @@ void OnsetDetector::close_group(State& state, const Sensitivity& sensitivity) co
   state.bar_ = larger(larger(stroke, state.mask_ * sensitivity.margin),
                       larger(state.floor_ * sensitivity.noise_margin, kThreshold * sensitivity.threshold));
   for (int b = 0; b < 4; ++b)
-    if (state.groups_since_ < kDeaf[b]) state.bar_[b] = std::numeric_limits<double>::infinity();
+    if (state.groups_since_ < deaf_[b]) state.bar_[b] = std::numeric_limits<double>::infinity();
   state.group_ = state.fast_;
   state.groups_since_ = std::min(state.groups_since_ + 1, kLongAgo);
   state.groups_free_ = state.hold_ > 0 ? 0 : std::min(state.groups_free_ + 1, kLongAgo);

@@ -11,7 +11,7 @@ namespace tactus {
 /// Hears hits in a microphone signal: soft ones after loud ones, and ringing ones only once.
 ///
 ///     y_b   = in, twice through a one-pole high-pass at f_b       f = high_pass, 400 Hz, 2 kHz, 7 kHz
-///     e_b   = max(|y_b|, e_b exp(-T / tau_b))                     fast envelope, tau = 20, 1, 1, 1 ms
+///     e_b   = max(|y_b|, e_b exp(-T / tau_b))                     fast envelope, tau_0 = 0.6 / high_pass, 1 to 20 ms; others 1 ms
 ///     bar_b = max(q_b threshold, margin mask_b, margin ring_b, noise_margin floor_b)
 ///     hit when e_0 > threshold and e_b > bar_b in any band, `hold` or more after the last hit
 ///
@@ -19,15 +19,15 @@ namespace tactus {
 /// towards high frequencies is the classic way to hear it (Bello et al., IEEE Trans. Speech Audio Process.
 /// 13, 2005, section III). In each band:
 ///
-/// - mask: the highest envelope of the last hit until its hold was over. Stays for 10 ms more, then falls by
+/// - mask: the highest envelope of the last hit until its hold was over. Stays for 10 ms more (at 28 ms of ringing), then falls by
 ///   20 dB every `mask_time`.
-/// - ring: the highest envelope of the last 28 ms but the newest 5 (7 in band 0), the oldest counting 3 dB
+/// - ring: the highest envelope of the last `ringing` but the newest 5 (7 in band 0), the oldest counting 3 dB
 ///   less: what rings and beats, which a stroke outdoes at once. It counts 3 dB more for strokes that stay
 ///   4 dB or more below the last.
 /// - floor: the mean |y_b|. It falls at once and rises by 6 dB a second, but not in the 0.1 s after a hit, so
 ///   that a long roll does not become noise.
 ///
-/// The bands above are deaf for 20, 45 and 60 ms after a hit, because the wires of a snare strike again.
+/// The bands above are deaf for 20, 45 and 60 ms after a hit (likewise), because the wires of a snare strike again.
 /// The bars change once a millisecond.
 ///
 /// Valid: sample_rate >= 16 kHz, high_pass below a quarter of it.
@@ -37,6 +37,10 @@ class OnsetDetector {
     Hertz sample_rate = 48_kHz;
     Hertz high_pass = 30_Hz;  ///< cutoff of the lowest band; a higher band is never below it
     Seconds mask_time = 20_ms;
+    /// How long what is struck rings and rattles, 8 to 31 ms: the window of `ring`, and in proportion the time for
+    /// which the mask stays and the upper bands are deaf. Two strokes closer than this count as two only if the
+    /// second is the louder.
+    Seconds ringing = 28_ms;
   };
   /// Amplitude ratios; threshold in full scales.
   struct Sensitivity {
@@ -64,7 +68,8 @@ class OnsetDetector {
 
   double sample_rate_;
   int group_frames_;
-  Four feedback_, fast_fall_;
+  int window_, mask_stays_;  ///< groups
+  Four feedback_, fast_fall_, deaf_;
   double mean_rise_, mask_fall_, floor_rise_;
 };
 

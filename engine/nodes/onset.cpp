@@ -8,14 +8,15 @@
 namespace tactus {
 namespace {
 
-enum Input { kIn, kThreshold, kHold, kMargin, kNoiseMargin, kMaskTime, kHighPass };
+enum Input { kIn, kThreshold, kHold, kMargin, kNoiseMargin, kMaskTime, kHighPass, kRinging };
 
 class Onset final : public Node {
  public:
   explicit Onset(const NodeSetup& setup)
       : detector_({.sample_rate = setup.sample_rate,
                    .high_pass = Hertz{*setup.inputs[kHighPass].constant},
-                   .mask_time = Seconds{*setup.inputs[kMaskTime].constant}}) {}
+                   .mask_time = Seconds{*setup.inputs[kMaskTime].constant},
+                   .ringing = Seconds{*setup.inputs[kRinging].constant}}) {}
 
   void process(const NodeBlock& block) noexcept override {
     const Signal* in = block.in;
@@ -50,7 +51,7 @@ const NodeType& onset_type() {
           "e = fast envelope of in in four bands (above high_pass, 400 Hz, 2 kHz, 7 kHz); hit when e > "
           "threshold in "
           "the lowest, and in any band e > margin * mask of the last hit, e > margin * ringing of the last "
-          "28 ms "
+          "`ringing` "
           "and e > noise_margin * mean noise; then not for `hold`",
       .source = "Bello et al., IEEE Trans. Speech Audio Process. 13, 2005",
       .example = "hit = { type = \"onset\", in = \"microphone\", threshold = \"-34 dB\", hold = \"15 ms\" }",
@@ -89,6 +90,13 @@ const NodeType& onset_type() {
                   .fallback = 30,
                   .low = 1,
                   .high = 4000,
+                  .fixed = true},
+                 {.name = "ringing",
+                  .unit = "s",
+                  .doc = "how long what is struck rings: shorter hears denser strokes, longer doubles less",
+                  .fallback = 0.028,
+                  .low = 0.008,
+                  .high = 0.031,
                   .fixed = true}},
       .outputs = {{.name = "hit",
                    .unit = "",

@@ -101,24 +101,30 @@ double restitution(const std::vector<double>& position, Hertz sample_rate,
   return median(ratios);
 }
 
-Detection match(const std::vector<Strike>& strikes, const std::vector<double>& triggers_s, Seconds late) {
+Detection match(const std::vector<Strike>& touches, const std::vector<double>& triggers_s,
+                const DetectionRules& rules) {
   Detection detection;
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < strikes.size(); ++i) {
-    const double until = i + 1 < strikes.size() ? strikes[i + 1].start_s : 1e300;
-    bool found = false;
-    for (; next < triggers_s.size() && triggers_s[next] < until; ++next) {
-      const double wait = triggers_s[next] - strikes[i].start_s;
-      if (!found && wait >= 0 && wait <= late.value) {
-        found = true;
-        detection.latest_s = std::max(detection.latest_s, wait);
-      } else {
-        ++detection.doubled;
-      }
+  std::vector<bool> heard(touches.size(), false);
+  for (const double time : triggers_s) {
+    const auto after = std::upper_bound(touches.begin(), touches.end(), time,
+                                        [](double t, const Strike& s) { return t < s.start_s; });
+    const auto touch = after - touches.begin() - 1;
+    if (touch < 0 || time - touches[static_cast<std::size_t>(touch)].start_s > rules.late.value ||
+        heard[static_cast<std::size_t>(touch)]) {
+      ++detection.doubled;
+      continue;
     }
-    ++(found ? detection.found : detection.missed);
+    heard[static_cast<std::size_t>(touch)] = true;
+    ++detection.found;
+    detection.latest_s =
+        std::max(detection.latest_s, time - touches[static_cast<std::size_t>(touch)].start_s);
   }
-  detection.doubled += static_cast<int>(triggers_s.size() - next);
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    if (heard[i] || touches[i].peak < rules.strike) continue;
+    const double start = touches[i].start_s;
+    const auto next = std::upper_bound(triggers_s.begin(), triggers_s.end(), start);
+    if (next == triggers_s.begin() || start - *(next - 1) >= rules.apart.value) ++detection.missed;
+  }
   return detection;
 }
 

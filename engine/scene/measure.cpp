@@ -11,9 +11,10 @@ namespace tactus {
 namespace {
 
 constexpr Seconds kStrikeGap = 5_ms;
-constexpr double kLeastStrike_N = 1.0;
-// From the first push: path of the sound, the detector, half a block of converters.
-constexpr Seconds kLatestDetection = 6_ms;
+constexpr double kLeastStrike_N = 5.0;
+// Any push that the ear could follow, where it begins and ends.
+constexpr Seconds kTouchGap = 1_ms;
+constexpr double kLeastTouch_N = 0.1;
 
 const RecordedSignal* trigger_signal(const SceneRecording& recording, const std::string& name) {
   if (const auto* exact = recording.find(name)) return exact;
@@ -103,11 +104,13 @@ class Measurement {
     std::vector<double> heard;
     for (const double time : triggers)
       if (time >= from_ && time <= to_) heard.push_back(time);
-    std::vector<Strike> strikes;
-    for (const auto& strike : strikes_of(recording_))
-      if (strike.start_s >= from_ && strike.start_s <= to_ - kLatestDetection.value)
-        strikes.push_back(strike);
-    const auto found = match(strikes, heard, kLatestDetection);
+    const auto* force = recording_.find("plant.contact");
+    if (force == nullptr) return unknown_signal();
+    const DetectionRules rules;
+    auto touches = find_strikes(force->samples, recording_.sample_rate, kTouchGap, kLeastTouch_N);
+    std::erase_if(touches,
+                  [&](const Strike& s) { return s.start_s < from_ || s.start_s > to_ - rules.late.value; });
+    const auto found = match(touches, heard, rules);
     return what == "missed" ? found.missed : what == "doubled" ? found.doubled : found.latest_s;
   }
 

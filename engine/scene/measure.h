@@ -34,7 +34,7 @@ struct Outcome {
 /// [control] All mistakes of [expect] in one go.
 Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const SceneRecording& recording);
 
-/// The instrument's strikes on what it plays: pushes of a contact force above 1 N; less than 5 ms apart they
+/// The instrument's strikes on what it plays: pushes of a contact force above 5 N; less than 5 ms apart they
 /// are one.
 std::vector<Strike> strikes_of(const SceneRecording& recording, const std::string& contact = "plant.contact");
 /// Times of the first trigger called `name` ("instrument.hit", with or without its output); empty if there is
