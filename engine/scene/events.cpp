@@ -6,7 +6,8 @@
 namespace tactus {
 namespace {
 
-double median(std::vector<double> values) {
+/// Reorders its argument.
+double median(std::vector<double>& values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -88,17 +89,21 @@ Rhythm rhythm_of(const std::vector<double>& times_s, double from_s, double to_s)
 
 double restitution(const std::vector<double>& position, Hertz sample_rate,
                    const std::vector<Strike>& strikes) {
-  std::vector<double> ratios;
   const auto span = static_cast<std::ptrdiff_t>(1e-3 * sample_rate.value);
+  const auto at = [&](std::ptrdiff_t n) { return position[static_cast<std::size_t>(n)]; };
+  double sum = 0;
+  int count = 0;
   for (const auto& strike : strikes) {
     const auto start = static_cast<std::ptrdiff_t>(strike.start_s * sample_rate.value);
     const auto end = static_cast<std::ptrdiff_t>(strike.end_s * sample_rate.value) + 1;
     if (start < span || end + span >= static_cast<std::ptrdiff_t>(position.size())) continue;
-    const auto at = [&](std::ptrdiff_t n) { return position[static_cast<std::size_t>(n)]; };
     const double before = at(start) - at(start - span);
-    if (before < 0) ratios.push_back((at(end + span) - at(end)) / -before);
+    const double after = at(end + span) - at(end);
+    if (before >= 0 || after <= 0) continue;
+    sum += std::log(after / -before);
+    ++count;
   }
-  return median(ratios);
+  return count == 0 ? 0 : std::exp(sum / count);
 }
 
 Detection match(const std::vector<Strike>& touches, const std::vector<double>& triggers_s,

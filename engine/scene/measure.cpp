@@ -147,7 +147,7 @@ const std::vector<MeasureType>& measure_types() {
       {"long_short", "", "longer of two neighbouring intervals over the shorter, median"},
       {"growing", "", "longest run of intervals that each grow by 3 % or more"},
       {"last", "s", "time of the last event"},
-      {"restitution", "", "speed after a strike over the speed before, median"},
+      {"restitution", "", "speed after a strike over the speed before, geometric mean"},
       {"missed", "", "strikes that were not heard"},
       {"doubled", "", "hits heard without a strike of their own"},
       {"detection_time", "s", "longest time from the start of a strike to the hit"},
