@@ -17,6 +17,7 @@ constexpr int kMaskStays = 10;
 constexpr int kFloorHeld = 100;
 constexpr int kFloorStart = 10;
 constexpr double kDeaf[4] = {0, 20, 45, 60};
+constexpr double kLowest_hz = 30;
 constexpr double kCutoff_hz[4] = {0, 400, 2000, 7000};
 constexpr double kFall_s[4] = {0.020, 0.001, 0.001, 0.001};
 constexpr Four kThreshold = {0.89, 0.22, 0.089, 0.071};  // -1, -13, -21, -23 dB
@@ -35,7 +36,9 @@ OnsetDetector::OnsetDetector(const Settings& settings) : sample_rate_(settings.s
   group_frames_ = std::max(1, static_cast<int>(std::lround(kGroup_s * rate)));
   const double group_s = group_frames_ / rate;
   for (int b = 0; b < 4; ++b) {
-    const double cutoff = std::max(kCutoff_hz[b], settings.high_pass.value);
+    const double cutoff = b > 0 ? std::max(kCutoff_hz[b], settings.high_pass.value) : kLowest_hz;
+    deaf_[b] =
+        b > 0 || settings.high_pass.value <= kLowest_hz ? kDeaf[b] : std::numeric_limits<double>::infinity();
     feedback_[b] = 1 / (1 + 2 * std::numbers::pi * cutoff / rate);
     fast_fall_[b] = std::exp(-1 / (rate * kFall_s[b]));
   }
@@ -78,7 +81,7 @@ void OnsetDetector::close_group(State& state, const Sensitivity& sensitivity) co
   state.bar_ = larger(larger(stroke, state.mask_ * sensitivity.margin),
                       larger(state.floor_ * sensitivity.noise_margin, kThreshold * sensitivity.threshold));
   for (int b = 0; b < 4; ++b)
-    if (state.groups_since_ < kDeaf[b]) state.bar_[b] = std::numeric_limits<double>::infinity();
+    if (state.groups_since_ < deaf_[b]) state.bar_[b] = std::numeric_limits<double>::infinity();
   state.group_ = state.fast_;
   state.groups_since_ = std::min(state.groups_since_ + 1, kLongAgo);
   state.groups_free_ = state.hold_ > 0 ? 0 : std::min(state.groups_free_ + 1, kLongAgo);

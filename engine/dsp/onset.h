@@ -10,7 +10,7 @@ namespace tactus {
 
 /// Hears hits in a microphone signal: soft ones after loud ones, and ringing ones only once.
 ///
-///     y_b   = in, twice through a one-pole high-pass at f_b       f = high_pass, 400 Hz, 2 kHz, 7 kHz
+///     y_b   = in, twice through a one-pole high-pass at f_b       f = 30 Hz, 400 Hz, 2 kHz, 7 kHz
 ///     e_b   = max(|y_b|, e_b exp(-T / tau_b))                     fast envelope, tau = 20, 1, 1, 1 ms
 ///     bar_b = max(q_b threshold, margin mask_b, margin ring_b, noise_margin floor_b)
 ///     hit when e_0 > threshold and e_b > bar_b in any band, `hold` or more after the last hit
@@ -30,12 +30,15 @@ namespace tactus {
 /// The bands above are deaf for 20, 45 and 60 ms after a hit, because the wires of a snare strike again.
 /// The bars change once a millisecond.
 ///
+/// `high_pass` above 30 Hz is for a microphone that also hears an actuator: hits are then told only from what
+/// lies above it, while their strength is still that of the whole signal.
+///
 /// Valid: sample_rate >= 16 kHz, high_pass below a quarter of it.
 class OnsetDetector {
  public:
   struct Settings {
     Hertz sample_rate = 48_kHz;
-    Hertz high_pass = 30_Hz;  ///< cutoff of the lowest band; a higher band is never below it
+    Hertz high_pass = 30_Hz;  ///< above 30 Hz: band 0 is not asked for hits, and no other listens below
     Seconds mask_time = 20_ms;
   };
   /// Amplitude ratios; threshold in full scales.
@@ -64,7 +67,7 @@ class OnsetDetector {
 
   double sample_rate_;
   int group_frames_;
-  Four feedback_, fast_fall_;
+  Four feedback_, fast_fall_, deaf_;
   double mean_rise_, mask_fall_, floor_rise_;
 };
 
@@ -72,7 +75,7 @@ class OnsetDetector {
 /// it stands on.
 class OnsetDetector::State {
  public:
-  /// Envelope above `high_pass`, full scales: time constant 20 ms.
+  /// Envelope above 30 Hz, full scales: time constant 20 ms.
   double envelope() const noexcept { return fast_[0]; }
   /// Highest envelope of the last hit: so far for its first 5 ms, then held until the next.
   double level() const noexcept { return level_; }
