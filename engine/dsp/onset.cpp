@@ -11,15 +11,17 @@ namespace {
 // Found on the training half of the recordings of docs/onset_study.md. Times in groups, which are
 // milliseconds.
 constexpr double kGroup_s = 0.001, kMean_s = 0.004;
-constexpr double kRinging = 28;  // for which the times below were found; less than an interval of 30 hits a second
-constexpr int kNewest = 5;     // what it leaves out
+constexpr double kRinging =
+    28;                     // for which the times below were found; less than an interval of 30 hits a second
+constexpr int kNewest = 5;  // what it leaves out
 constexpr int kNewestLow = 2;  // so much more in band 0, where a cycle is long
 constexpr double kMaskStays = 10;
 constexpr int kFloorHeld = 100;
 constexpr int kFloorStart = 10;
 constexpr double kDeaf[4] = {0, 20, 45, 60};
+constexpr double kLowest_hz = 30;
 constexpr double kCutoff_hz[4] = {0, 400, 2000, 7000};
-constexpr double kShortFall_s = 0.001, kLongFall_s = 0.020, kFallCycles = 0.6;
+constexpr double kFall_s[4] = {0.020, 0.001, 0.001, 0.001};
 constexpr Four kThreshold = {0.89, 0.22, 0.089, 0.071};  // -1, -13, -21, -23 dB
 constexpr Four kRingMargin = {1.06, 1.06, 1, 1};         // the fundamentals of a drum beat most
 constexpr double kSoftMargin = 1.41;                     // +3 dB
@@ -36,14 +38,14 @@ OnsetDetector::OnsetDetector(const Settings& settings) : sample_rate_(settings.s
   const double ringing = std::clamp(settings.ringing.value / kGroup_s, 8.0, kPast - 1.0);
   window_ = static_cast<int>(std::lround(ringing));
   mask_stays_ = static_cast<int>(std::lround(kMaskStays * ringing / kRinging));
-  for (int b = 0; b < 4; ++b) deaf_[b] = kDeaf[b] * ringing / kRinging;
   group_frames_ = std::max(1, static_cast<int>(std::lround(kGroup_s * rate)));
   const double group_s = group_frames_ / rate;
   for (int b = 0; b < 4; ++b) {
-    const double cutoff = std::max(kCutoff_hz[b], settings.high_pass.value);
+    const double cutoff = b > 0 ? std::max(kCutoff_hz[b], settings.high_pass.value) : kLowest_hz;
+    deaf_[b] = b > 0 || settings.high_pass.value <= kLowest_hz ? kDeaf[b] * ringing / kRinging
+                                                               : std::numeric_limits<double>::infinity();
     feedback_[b] = 1 / (1 + 2 * std::numbers::pi * cutoff / rate);
-    const double fall_s = b == 0 ? std::clamp(kFallCycles / cutoff, kShortFall_s, kLongFall_s) : kShortFall_s;
-    fast_fall_[b] = std::exp(-1 / (rate * fall_s));
+    fast_fall_[b] = std::exp(-1 / (rate * kFall_s[b]));
   }
   mean_rise_ = 1 - std::exp(-1 / (rate * kMean_s));
   mask_fall_ = decibels(-20 * group_s / settings.mask_time.value);

@@ -10,8 +10,8 @@ namespace tactus {
 
 /// Hears hits in a microphone signal: soft ones after loud ones, and ringing ones only once.
 ///
-///     y_b   = in, twice through a one-pole high-pass at f_b       f = high_pass, 400 Hz, 2 kHz, 7 kHz
-///     e_b   = max(|y_b|, e_b exp(-T / tau_b))                     fast envelope, tau_0 = 0.6 / high_pass, 1 to 20 ms; others 1 ms
+///     y_b   = in, twice through a one-pole high-pass at f_b       f = 30 Hz, 400 Hz, 2 kHz, 7 kHz
+///     e_b   = max(|y_b|, e_b exp(-T / tau_b))                     fast envelope, tau = 20, 1, 1, 1 ms
 ///     bar_b = max(q_b threshold, margin mask_b, margin ring_b, noise_margin floor_b)
 ///     hit when e_0 > threshold and e_b > bar_b in any band, `hold` or more after the last hit
 ///
@@ -19,27 +19,32 @@ namespace tactus {
 /// towards high frequencies is the classic way to hear it (Bello et al., IEEE Trans. Speech Audio Process.
 /// 13, 2005, section III). In each band:
 ///
-/// - mask: the highest envelope of the last hit until its hold was over. Stays for 10 ms more (at 28 ms of ringing), then falls by
+/// - mask: the highest envelope of the last hit until its hold was over. Stays for 10 ms more (at 28 ms of
+/// ringing), then falls by
 ///   20 dB every `mask_time`.
-/// - ring: the highest envelope of the last `ringing` but the newest 5 (7 in band 0), the oldest counting 3 dB
+/// - ring: the highest envelope of the last `ringing` but the newest 5 (7 in band 0), the oldest counting 3
+/// dB
 ///   less: what rings and beats, which a stroke outdoes at once. It counts 3 dB more for strokes that stay
 ///   4 dB or more below the last.
 /// - floor: the mean |y_b|. It falls at once and rises by 6 dB a second, but not in the 0.1 s after a hit, so
 ///   that a long roll does not become noise.
 ///
-/// The bands above are deaf for 20, 45 and 60 ms after a hit (likewise), because the wires of a snare strike again.
-/// The bars change once a millisecond.
+/// The bands above are deaf for 20, 45 and 60 ms after a hit (likewise), because the wires of a snare strike
+/// again. The bars change once a millisecond.
+///
+/// `high_pass` above 30 Hz is for a microphone that also hears an actuator: hits are then told only from what
+/// lies above it, while their strength is still that of the whole signal.
 ///
 /// Valid: sample_rate >= 16 kHz, high_pass below a quarter of it.
 class OnsetDetector {
  public:
   struct Settings {
     Hertz sample_rate = 48_kHz;
-    Hertz high_pass = 30_Hz;  ///< cutoff of the lowest band; a higher band is never below it
+    Hertz high_pass = 30_Hz;  ///< above 30 Hz: band 0 is not asked for hits, and no other listens below
     Seconds mask_time = 20_ms;
-    /// How long what is struck rings and rattles, 8 to 31 ms: the window of `ring`, and in proportion the time for
-    /// which the mask stays and the upper bands are deaf. Two strokes closer than this count as two only if the
-    /// second is the louder.
+    /// How long what is struck rings and rattles, 8 to 31 ms: the window of `ring`, and in proportion the
+    /// time for which the mask stays and the upper bands are deaf. Two strokes closer than this count as two
+    /// only if the second is the louder.
     Seconds ringing = 28_ms;
   };
   /// Amplitude ratios; threshold in full scales.
@@ -77,7 +82,7 @@ class OnsetDetector {
 /// it stands on.
 class OnsetDetector::State {
  public:
-  /// Envelope above `high_pass`, full scales: time constant 20 ms.
+  /// Envelope above 30 Hz, full scales: time constant 20 ms.
   double envelope() const noexcept { return fast_[0]; }
   /// Highest envelope of the last hit: so far for its first 5 ms, then held until the next.
   double level() const noexcept { return level_; }

@@ -48,11 +48,10 @@ const NodeType& onset_type() {
       .summary =
           "Triggers at each hit that a microphone hears: soft ones after loud ones, ringing ones once.",
       .equation =
-          "e = fast envelope of in in four bands (above high_pass, 400 Hz, 2 kHz, 7 kHz); hit when e > "
-          "threshold in "
-          "the lowest, and in any band e > margin * mask of the last hit, e > margin * ringing of the last "
-          "`ringing` "
-          "and e > noise_margin * mean noise; then not for `hold`",
+          "e = fast envelope of in above 30 Hz, 400 Hz, 2 kHz and 7 kHz; a hit when e > threshold in the "
+          "first, and in any e > margin * last hit's mask, e > margin * ringing of the last `ringing` and e "
+          "> "
+          "noise_margin * mean noise; then none for hold",
       .source = "Bello et al., IEEE Trans. Speech Audio Process. 13, 2005",
       .example = "hit = { type = \"onset\", in = \"microphone\", threshold = \"-34 dB\", hold = \"15 ms\" }",
       .inputs = {{.name = "in", .unit = "full scale", .doc = "microphone", .fallback = {}},
@@ -86,7 +85,7 @@ const NodeType& onset_type() {
                   .fixed = true},
                  {.name = "high_pass",
                   .unit = "Hz",
-                  .doc = "only what lies above is heard: raise it where an actuator is louder than the hits",
+                  .doc = "hits are told only from what lies above: raise it where an actuator is heard too",
                   .fallback = 30,
                   .low = 1,
                   .high = 4000,
@@ -107,7 +106,7 @@ const NodeType& onset_type() {
                    .unit = "=in",
                    .doc = "highest envelope of the last hit: so far in its first 5 ms, then held to the next",
                    .range = {}},
-                  {.name = "envelope", .unit = "=in", .doc = "fast envelope above high_pass", .range = {}}},
+                  {.name = "envelope", .unit = "=in", .doc = "fast envelope above 30 Hz", .range = {}}},
       .settings = {},
       .make = make_node<Onset>,
       .range = {},
