@@ -34,9 +34,10 @@ void delays_of(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes&
 
 std::vector<Error> set_controls(FlatGraph& flat, const std::map<std::string, double>& values) {
   std::vector<Error> errors;
-  for (const auto& [name, value] : values) {
+  for (const auto& setting : values) {
+    const auto& [name, value] = setting;
     const auto it = std::find_if(flat.controls.begin(), flat.controls.end(),
-                                 [&](const auto& c) { return c.name == name; });
+                                 [&](const auto& c) { return c.name == setting.first; });
     if (it == flat.controls.end()) {
       std::string known;
       for (const auto& control : flat.controls) known += (known.empty() ? "" : ", ") + control.name;

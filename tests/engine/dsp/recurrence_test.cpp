@@ -52,7 +52,7 @@ std::vector<long double> direct(const Samples& v, std::int64_t first_frame, bool
   std::vector<long double> y(v.size());
   for (std::size_t n = 0; n < v.size(); ++n) {
     const auto a = coefficients<Order>((first_frame + static_cast<std::int64_t>(n)) / kGroup, modulated);
-    y[n] = v[n];
+    y[n] = static_cast<long double>(v[n]);
     for (std::size_t i = 0; i < Order && i < n; ++i) y[n] += static_cast<long double>(a[i]) * y[n - 1 - i];
   }
   return y;
