@@ -5,7 +5,8 @@
 
 namespace tactus {
 
-/// The linear forces in a network: y = c - K q - B u, where row i belongs to mass i, and the columns are the
+/// The linear forces in a network: y = c - K q - B u, where row i belongs to mass i,
+/// K and B are symmetric between masses, and the columns are the
 /// masses and after them the driven points. Entries that lie along diagonals (chains, grids) are stored by
 /// diagonals and run at the speed of the memory; the rest one by one, sorted by mass.
 class LinkOperator {
@@ -31,10 +32,14 @@ class LinkOperator {
     std::vector<double> k, b;
   };
   void split();
+  bool is_chain() const;
+  void apply_chain(const double* q, const double* u, double* y) const noexcept;
+  void apply_diagonals(const double* q, const double* u, double* y) const noexcept;
 
   std::vector<Entry> entries_, scattered_;
   std::vector<Diagonal> diagonals_;
   std::vector<double> constant_;
+  bool chain_ = false;  ///< diagonals -1, 0 and 1, all complete
 };
 
 }  // namespace tactus

@@ -152,6 +152,7 @@ class Network {
   void add_forces(NetworkState& state, const double* inputs, int part) const noexcept;
   void add_coils(NetworkState& state, const double* inputs, int part) const noexcept;
   void step_currents(NetworkState& state) const noexcept;
+  void advance(NetworkState& state) const noexcept;
   void push(NetworkState& state, const ContactModel& contact, double force) const noexcept;
   void watch_touch(NetworkState& state, std::size_t contact, double n, double motion) const noexcept;
   void push_contacts(NetworkState& state) const noexcept;
