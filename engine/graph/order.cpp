@@ -1,7 +1,11 @@
 #include "engine/graph/order.h"
 
 #include <algorithm>
+#include <limits>
+#include <map>
 #include <set>
+
+#include "engine/graph/mistakes.h"
 
 namespace tactus {
 namespace {
@@ -28,7 +32,9 @@ class Ordering {
         readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back(
             {v, late[static_cast<std::size_t>(v)][i]});
       if (outside < 0) continue;
-      if (vertex.kind == Vertex::Kind::Output)
+      // A tap only listens: nothing outside answers it.
+      if (vertex.kind == Vertex::Kind::Output &&
+          graph.outputs[static_cast<std::size_t>(vertex.index)].use != OutputUse::Tap)
         readers_[static_cast<std::size_t>(v)].push_back({outside, false});
       if (vertex.kind == Vertex::Kind::Input)
         readers_[static_cast<std::size_t>(outside)].push_back({v, false});
@@ -38,6 +44,7 @@ class Ordering {
   Checked<std::vector<OrderedSection>> run() {
     find_components();
     std::vector<OrderedSection> sections;
+    std::vector<Error> errors;
     // Tarjan finds components in reverse order: what is read comes last.
     for (auto it = components_.rbegin(); it != components_.rend(); ++it) {
       auto& component = *it;
@@ -47,10 +54,14 @@ class Ordering {
         continue;
       }
       auto loop = order_loop(component);
-      if (!loop) return tl::unexpected(std::move(loop.error()));
-      sections.push_back(std::move(*loop));
+      if (loop)
+        sections.push_back(std::move(*loop));
+      else
+        errors.push_back(std::move(loop.error()));
     }
-    return sections;
+    if (errors.empty()) return sections;
+    sort_by_place(errors);
+    return tl::unexpected(std::move(errors));
   }
 
  private:
@@ -120,7 +131,7 @@ class Ordering {
   // ---- loops
   // -----------------------------------------------------------------------------------------------
 
-  Checked<OrderedSection> order_loop(std::vector<int>& component) {
+  Result<OrderedSection> order_loop(std::vector<int>& component) {
     std::sort(component.begin(), component.end());
     const std::set<int> inside(component.begin(), component.end());
     std::set<int, std::greater<>> delays;  // a longer sub-block first
@@ -134,7 +145,7 @@ class Ordering {
       auto section = try_order(component, inside, sub_block, left);
       if (left.empty()) return section;
     }
-    return tl::unexpected(std::vector{cycle_error(component, inside)});
+    return tl::unexpected(cycle_error(component, inside));
   }
 
   bool cuts(const Edge& edge, int sub_block) const {
@@ -148,15 +159,16 @@ class Ordering {
     OrderedSection section;
     section.loop = true;
     section.sub_block = sub_block;
-    section.delay_frames = sub_block;
+    section.delay_frames = std::numeric_limits<int>::max();
     std::map<int, int> waiting;
     std::set<int> split;
     for (const int v : component)
       for (const auto& edge : readers(v)) {
         if (!inside.contains(edge.to)) continue;
-        if (cuts(edge, sub_block))
+        if (cuts(edge, sub_block)) {
           split.insert(edge.to);
-        else
+          section.delay_frames = std::min(section.delay_frames, least_[static_cast<std::size_t>(edge.to)]);
+        } else
           ++waiting[edge.to];
       }
     std::vector<int> ready;
@@ -198,39 +210,37 @@ class Ordering {
     while (names.size() > 1 && names.back() == names.front()) names.pop_back();
     std::string loop;
     for (const auto& name : names) loop += name + " -> ";
-    const bool outside = std::any_of(cycle.begin(), cycle.end(), [this](int v) { return is_outside(v); });
-    return {Errc::Cycle, at.text(), loop + names.front() + " has no delay in it",
-            outside ? "a sensor answers its drive in the same frame: give the scene at least a frame of delay"
-                    : "put a 'delay' node on one of these edges"};
+    return {Errc::Cycle, at.text(), loop + names.front() + " has no delay in it", remedy(cycle)};
   }
 
-  /// Follows edges inside `stuck` until a vertex comes up again.
+  std::string remedy(const std::vector<int>& cycle) const {
+    if (std::any_of(cycle.begin(), cycle.end(), [this](int v) { return is_outside(v); }))
+      return "a sensor answers its drive in the same frame: give the scene at least a frame of delay";
+    for (std::size_t i = 0; i < cycle.size(); ++i) {
+      const int next = cycle[(i + 1) % cycle.size()];
+      for (const auto& edge : readers(cycle[i]))
+        if (edge.to == next && edge.late)
+          return "'" + vertex_at(next).path +
+                 "' can be shorter than a frame: keep its time at one or more, with 'min' if need be";
+    }
+    return "put a 'delay' node on one of these edges";
+  }
+
+  /// A cycle in `stuck`, from its first vertex on. Everything stuck waits for something stuck, so that
+  /// walking backwards always goes on, until a vertex comes up again.
   std::vector<int> walk_cycle(const std::set<int>& stuck) const {
-    // Every vertex on a cycle has a stuck reader; walk backwards over readers that lead on.
+    std::map<int, int> waits_for;
+    for (const int v : stuck)
+      for (const auto& edge : readers(v))
+        if (stuck.contains(edge.to) && !cuts(edge, 1)) waits_for.emplace(edge.to, v);
     std::vector<int> path;
     std::set<int> seen;
-    int v = start_on_cycle(stuck);
-    while (seen.insert(v).second) {
-      path.push_back(v);
-      for (const auto& edge : readers(v))
-        if (stuck.contains(edge.to) && !cuts(edge, 1) && leads_on(edge.to, stuck)) {
-          v = edge.to;
-          break;
-        }
-    }
+    int v = *stuck.begin();
+    for (; seen.insert(v).second; v = waits_for.at(v)) path.push_back(v);
     path.erase(path.begin(), std::find(path.begin(), path.end(), v));
+    std::reverse(path.begin(), path.end());
+    std::rotate(path.begin(), std::min_element(path.begin(), path.end()), path.end());
     return path;
-  }
-
-  bool leads_on(int v, const std::set<int>& stuck) const {
-    return std::any_of(readers(v).begin(), readers(v).end(),
-                       [&](const Edge& e) { return stuck.contains(e.to) && !cuts(e, 1); });
-  }
-
-  int start_on_cycle(const std::set<int>& stuck) const {
-    for (const int v : stuck)
-      if (leads_on(v, stuck)) return v;
-    return *stuck.begin();
   }
 
   const VertexGraph& graph_;

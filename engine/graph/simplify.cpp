@@ -43,9 +43,9 @@ class Simplifier {
 
   Wire behind_copies(Wire wire) {
     const Wire first = wire;
-    while (is_copy(at(wire.vertex))) {
+    for (auto left = graph_.vertices.size(); is_copy(at(wire.vertex)); --left) {
+      if (left == 0) return first;  // names that only name each other: the scheduler reports the loop
       wire = at(wire.vertex).in.front();
-      if (wire == first) break;  // names that only name each other: the scheduler reports the loop
     }
     return wire;
   }
@@ -110,6 +110,7 @@ class Simplifier {
   }
 
   bool replace(int v, Wire with) {
+    if (with.vertex == v) return false;  // it reads itself: the scheduler reports the loop
     for (const int consumer : consumers_[static_cast<std::size_t>(v)])
       for (auto& wire : at(consumer).in)
         if (wire.vertex == v) {
