@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -141,7 +142,7 @@ class Lowering {
       const auto& other = flat_.nodes[static_cast<std::size_t>(other_index)];
       Vertex vertex;
       vertex.kind = Vertex::Kind::PhaseDelay;
-      vertex.index = first_vertex_[static_cast<std::size_t>(other_index)] + (other.lanes > 1 ? lane : 0);
+      vertex.index = first_vertex_[static_cast<std::size_t>(other_index)] + std::min(lane, other.lanes - 1);
       vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
       vertex.at = node.at;
       // What is left after the compensations before this one, then the uncompensated time, then the

@@ -1,5 +1,6 @@
 #include "engine/graph/make_nodes.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "engine/graph/operators.h"
@@ -31,6 +32,8 @@ class Maker {
       const auto* other = made_.nodes[static_cast<std::size_t>(vertex.index)].get();
       if (other != nullptr)
         made_.nodes[v] = std::make_unique<PhaseDelay>(*other, static_cast<int>(vertex.in.size()) - 2);
+      else if (errors_.empty())
+        complain_phase(vertex);
     }
     if (!errors_.empty()) return tl::unexpected(std::move(errors_));
     return std::move(made_);
@@ -43,6 +46,7 @@ class Maker {
   const Vertex& at(Wire wire) const { return graph_.vertices[static_cast<std::size_t>(wire.vertex)]; }
 
   void make(std::size_t v, const Vertex& vertex) {
+    const auto errors_before = errors_.size();
     const auto& node = flat_node(vertex);
     NodeSetup setup;
     setup.sample_rate = options_.sample_rate;
@@ -66,7 +70,7 @@ class Maker {
       setup.inputs.push_back(info);
     }
     if (!node.compensate.empty()) shorten_time(node, vertex, setup);
-    if (!errors_.empty()) return;
+    if (errors_.size() > errors_before) return;
     auto made = node.type->make(setup);
     if (made) {
       made_.nodes[v] = std::move(*made);
@@ -95,16 +99,30 @@ class Maker {
 
   void shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
     const auto time = static_cast<std::size_t>(node.type->input_index("time"));
-    const auto tuned = node.ranges[time];
-    if (!tuned.bounded() || tuned.low <= 0) return;  // the node itself asks for bounds
-    double most = 0;
+    auto tuned = node.ranges[time];
+    if (!tuned.bounded()) return;  // the node itself asks for bounds
+    // No period is shorter than two frames.
+    const double shortest = 2 / options_.sample_rate.value;
+    tuned = {std::max(tuned.low, shortest), std::max(tuned.high, shortest)};
+    Interval left = node.ranges[time];
     for (Wire wire = vertex.in[time]; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
       const auto other = static_cast<std::size_t>(at(wire).index);
       if (made_.nodes[other] == nullptr) continue;
-      most += PhaseDelay::most(*made_.nodes[other], tuned, flat_node(graph_.vertices[other]).ranges);
+      const auto taken =
+          PhaseDelay::range(*made_.nodes[other], tuned, flat_node(graph_.vertices[other]).ranges);
+      if (!taken) return complain_phase(at(wire));
+      left = {left.low - taken->high, left.high - taken->low};
     }
     setup.inputs[time].constant.reset();
-    setup.inputs[time].range = {std::max(0.0, tuned.low - most), tuned.high};
+    setup.inputs[time].range = {std::max(0.0, left.low), std::max(0.0, left.high)};
+  }
+
+  void complain_phase(const Vertex& phase_delay) {
+    errors_.push_back({Errc::BadArgument, phase_delay.at.text(),
+                       "the phase delay of '" +
+                           graph_.vertices[static_cast<std::size_t>(phase_delay.index)].path +
+                           "' cannot be compensated: it is not known",
+                       "name filters that lie in the same loop"});
   }
 
   const VertexGraph& graph_;

@@ -6,11 +6,12 @@
 
 namespace tactus {
 
-double PhaseDelay::phase_delay(double tuned) const noexcept {
-  if (!(tuned > 0)) return 0;
+std::optional<double> PhaseDelay::phase_delay(double tuned) const noexcept {
+  if (!(tuned > 0)) return std::nullopt;
   const double frequency = 1 / tuned;
   const auto response = other_.response(0, 0, Hertz{frequency}, values_);
-  return response ? -std::arg(*response) / (2 * std::numbers::pi * frequency) : 0;
+  if (!response) return std::nullopt;
+  return -std::arg(*response) / (2 * std::numbers::pi * frequency);
 }
 
 void PhaseDelay::process(const NodeBlock& block) noexcept {
@@ -23,16 +24,17 @@ void PhaseDelay::process(const NodeBlock& block) noexcept {
     }
     if (changed) {
       tuned_ = block.in[1][frame];
-      result_ = phase_delay(tuned_);
+      result_ = phase_delay(tuned_).value_or(0);
       known_ = true;
     }
     block.out[0][frame] = block.in[0][frame] - result_;
   }
 }
 
-double PhaseDelay::most(const Node& other, Interval tuned, const std::vector<Interval>& inputs) {
+std::optional<Interval> PhaseDelay::range(const Node& other, Interval tuned,
+                                          const std::vector<Interval>& inputs) {
   PhaseDelay probe{other, static_cast<int>(inputs.size())};
-  double most = 0;
+  std::optional<Interval> found;
   constexpr int kSteps = 64;
   const std::size_t corners = std::size_t{1} << std::min<std::size_t>(inputs.size(), 8);
   for (std::size_t corner = 0; corner < corners; ++corner) {
@@ -43,10 +45,13 @@ double PhaseDelay::most(const Node& other, Interval tuned, const std::vector<Int
     }
     for (int step = 0; step <= kSteps; ++step) {
       const double time = tuned.low * std::pow(tuned.high / tuned.low, static_cast<double>(step) / kSteps);
-      most = std::max(most, probe.phase_delay(time));
+      const auto delay = probe.phase_delay(time);
+      if (!delay) continue;
+      if (!found) found = Interval::exactly(*delay);
+      found = Interval{std::min(found->low, *delay), std::max(found->high, *delay)};
     }
   }
-  return most;
+  return found;
 }
 
 }  // namespace tactus

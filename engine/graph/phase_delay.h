@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/graph/interval.h"
@@ -22,11 +23,13 @@ class PhaseDelay : public Node {
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override { known_ = false; }
 
-  /// [control] The most that it can take off over these ranges, by sampling frequencies and corners.
-  static double most(const Node& other, Interval tuned, const std::vector<Interval>& inputs);
+  /// [control] All that it can take off over these ranges, by sampling frequencies and corners; negative for
+  /// a phase that leads. nullopt: the other node has no response.
+  static std::optional<Interval> range(const Node& other, Interval tuned,
+                                       const std::vector<Interval>& inputs);
 
  private:
-  double phase_delay(double tuned) const noexcept;
+  std::optional<double> phase_delay(double tuned) const noexcept;
 
   const Node& other_;
   std::vector<double> values_;

@@ -222,6 +222,13 @@ const NodeType& delay_type() {
             .doc = "longest time, where the graph does not tell",
             .choices = {},
             .fallback = {},
+            .optional = true},
+           {.name = "compensate",
+            .kind = Setting::Kind::Names,
+            .doc = "filters in the same loop; their phase delays at the frequency 1/time are taken off the "
+                   "time, so that the loop is in tune",
+            .choices = {},
+            .fallback = {},
             .optional = true}},
       .make = make,
       .range = {}};
