@@ -108,8 +108,9 @@ class Builder {
   }
 
   int path(const std::string& text) {
-    schedule_->paths.push_back(text);
-    return static_cast<int>(schedule_->paths.size()) - 1;
+    const auto [it, added] = path_index_.emplace(text, static_cast<int>(schedule_->paths.size()));
+    if (added) schedule_->paths.push_back(text);
+    return it->second;
   }
 
   void add_section(const OrderedSection& ordered) {
@@ -175,6 +176,7 @@ class Builder {
     operation.first_in = add_inputs(vertex.in);
     if (vertex.in.size() == 1) add_inputs(vertex.in);  // every operation has two operands to point at
     operation.out = buffer(static_cast<std::size_t>(v), 0);
+    operation.path = path(vertex.path);
     schedule_->operations.push_back(operation);
     schedule_->outputs.push_back(operation.out);
     ++steps.back().operations;
@@ -214,6 +216,7 @@ class Builder {
   std::vector<std::vector<int>> read_;  ///< [vertex]: ports that somebody reads
   std::vector<int> node_index_;
   std::map<std::size_t, double*> constant_cells_;
+  std::map<std::string, int> path_index_;
 };
 
 }  // namespace

@@ -30,6 +30,7 @@ struct MicroOperation {
   Term::Op op;
   int first_in = 0;  ///< in Schedule::inputs
   double* out = nullptr;
+  int path = 0;  ///< in Schedule::paths
 };
 
 /// One entry of the flat list that a block runs through.

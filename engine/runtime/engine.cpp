@@ -177,13 +177,13 @@ void Engine::load_inputs(const BlockIo& io, int block_offset, int piece_offset, 
       continue;
     }
     std::copy_n(io.in[c] + block_offset + piece_offset, frames, buffer);
-    if (all_finite(buffer, frames)) continue;
-    for (int n = 0; n < frames; ++n) {
-      if (std::isfinite(buffer[n])) continue;
-      buffer[n] = 0;
-      bad_inputs_.fetch_add(1, std::memory_order_relaxed);
-    }
+    make_finite(buffer, frames);
   }
+}
+
+void Engine::make_finite(double* samples, int frames) noexcept {
+  if (!all_finite(samples, frames))
+    bad_inputs_.fetch_add(clear_nonfinite(samples, frames), std::memory_order_relaxed);
 }
 
 void Engine::store_outputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept {
@@ -196,13 +196,18 @@ void Engine::store_outputs(const BlockIo& io, int block_offset, int piece_offset
 }
 
 void Engine::answer_outside(const BlockIo& io, int block_offset, int offset, int frames) noexcept {
+  if (outside_ == nullptr) return;  // nobody there: the channels were loaded like any others
   for (std::size_t c = 0; c < outputs_.size(); ++c) {
     const auto& signal = schedule_->channels[static_cast<std::size_t>(outputs_[c])].signal;
     for (int n = 0; n < frames; ++n) outside_buffers_[c][static_cast<std::size_t>(n)] = signal[offset + n];
   }
-  if (outside_ != nullptr) outside_->process({outside_in_.data(), outside_out_.data(), frames});
-  for (std::size_t c = 0; c < schedule_->input_buffers.size(); ++c)
-    if (double* buffer = schedule_->input_buffers[c]) std::copy_n(outside_out_[c], frames, buffer + offset);
+  outside_->process({outside_in_.data(), outside_out_.data(), frames});
+  for (std::size_t c = 0; c < schedule_->input_buffers.size(); ++c) {
+    double* buffer = schedule_->input_buffers[c];
+    if (buffer == nullptr) continue;
+    std::copy_n(outside_out_[c], frames, buffer + offset);
+    make_finite(buffer + offset, frames);
+  }
   store_outputs(io, block_offset, offset, frames);
 }
 
@@ -217,36 +222,51 @@ void Engine::run_section(const Section& section, const BlockIo& io, int block_of
       const auto& step = schedule_->steps[static_cast<std::size_t>(s)];
       [[maybe_unused]] std::chrono::steady_clock::time_point before;
       if constexpr (kTimed) before = std::chrono::steady_clock::now();
-      bool sound = true;
+      int faulty_path = kSound;
       if (step.kind == Step::Kind::Outside)
         answer_outside(io, block_offset, offset, part);
       else
-        sound = run_step(step, offset, part);
+        faulty_path = run_step(section, step, offset, part);
       if constexpr (kTimed)
         step_ns_[static_cast<std::size_t>(s)] +=
             std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - before).count();
-      if (sound) continue;
-      handle_fault(section, step, offset, part);
-      if (section.loop) break;
+      if (faulty_path == kSound) continue;
+      count_fault(faulty_path);
+      if (!section.loop) {
+        silence(step, offset, part);
+        continue;
+      }
+      for (int t = section.first_step; t < section.end_step; ++t)
+        silence(schedule_->steps[static_cast<std::size_t>(t)], offset, part);
+      // The world outside misses no frame, or it would be late from here on.
+      for (int t = s + 1; t < section.end_step; ++t)
+        if (schedule_->steps[static_cast<std::size_t>(t)].kind == Step::Kind::Outside)
+          answer_outside(io, block_offset, offset, part);
+      break;
     }
   }
 }
 
-bool Engine::run_step(const Step& step, int offset, int frames) noexcept {
+int Engine::run_operations(const Section& section, const Step& step, int offset, int frames) noexcept {
+  for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
+    const auto& operation = schedule_->operations[static_cast<std::size_t>(i)];
+    const Signal* operands = schedule_->inputs.data() + operation.first_in;
+    const Signal moved[2] = {{operands[0].data + offset * operands[0].stride, operands[0].stride},
+                             {operands[1].data + offset * operands[1].stride, operands[1].stride}};
+    run_operation(operation.op, moved, operation.out + offset, frames);
+    if (all_finite(operation.out + offset, frames)) continue;
+    if (section.loop) return operation.path;
+    // It remembers nothing, so that only the bad frames themselves are lost.
+    clear_nonfinite(operation.out + offset, frames);
+    count_fault(operation.path);
+  }
+  return kSound;
+}
+
+int Engine::run_step(const Section& section, const Step& step, int offset, int frames) noexcept {
+  if (step.kind == Step::Kind::Operations) return run_operations(section, step, offset, frames);
   const Signal* in = schedule_->inputs.data() + step.first_in;
   double* const* out = schedule_->outputs.data() + step.first_out;
-  if (step.kind == Step::Kind::Operations) {
-    bool finite = true;
-    for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
-      const auto& operation = schedule_->operations[static_cast<std::size_t>(i)];
-      const Signal* operands = schedule_->inputs.data() + operation.first_in;
-      const Signal moved[2] = {{operands[0].data + offset * operands[0].stride, operands[0].stride},
-                               {operands[1].data + offset * operands[1].stride, operands[1].stride}};
-      run_operation(operation.op, moved, operation.out + offset, frames);
-      finite &= all_finite(operation.out + offset, frames);
-    }
-    return finite;
-  }
   if (offset > 0) {
     for (int i = 0; i < step.inputs; ++i)
       moved_in_[static_cast<std::size_t>(i)] = {in[i].data + offset * in[i].stride, in[i].stride};
@@ -259,7 +279,7 @@ bool Engine::run_step(const Step& step, int offset, int frames) noexcept {
   Node& node = *schedule_->nodes[static_cast<std::size_t>(step.node)];
   if (step.kind == Step::Kind::Absorb) {
     node.absorb(block);
-    return true;
+    return kSound;
   }
   if (step.kind == Step::Kind::Emit)
     node.emit(block);
@@ -268,20 +288,17 @@ bool Engine::run_step(const Step& step, int offset, int frames) noexcept {
   bool finite = true;
   for (int i = 0; i < step.outputs; ++i)
     if (out[i] != nullptr) finite &= all_finite(out[i], frames);
-  return finite;
+  return finite ? kSound : step.path;
 }
 
-void Engine::handle_fault(const Section& section, const Step& faulty, int offset, int frames) noexcept {
-  faults_[static_cast<std::size_t>(faulty.path)].fetch_add(1, std::memory_order_relaxed);
-  const auto silence = [&](const Step& step) {
-    if (step.node >= 0) schedule_->nodes[static_cast<std::size_t>(step.node)]->reset();
-    for (int i = step.first_out; i < step.first_out + step.outputs; ++i)
-      if (double* out = schedule_->outputs[static_cast<std::size_t>(i)])
-        std::fill_n(out + offset, frames, 0.0);
-  };
-  if (!section.loop) return silence(faulty);
-  for (int s = section.first_step; s < section.end_step; ++s)
-    silence(schedule_->steps[static_cast<std::size_t>(s)]);
+void Engine::count_fault(int path) noexcept {
+  faults_[static_cast<std::size_t>(path)].fetch_add(1, std::memory_order_relaxed);
+}
+
+void Engine::silence(const Step& step, int offset, int frames) noexcept {
+  if (step.node >= 0) schedule_->nodes[static_cast<std::size_t>(step.node)]->reset();
+  for (int i = step.first_out; i < step.first_out + step.outputs; ++i)
+    if (double* out = schedule_->outputs[static_cast<std::size_t>(i)]) std::fill_n(out + offset, frames, 0.0);
 }
 
 std::vector<FaultCount> Engine::faults() const {

@@ -69,14 +69,18 @@ class Engine final : public BlockProcessor {
   void run_piece(const BlockIo& io, int offset, int frames) noexcept;
   template <bool kTimed>
   void run_section(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept;
-  bool run_step(const Step& step, int offset, int frames) noexcept;
+  static constexpr int kSound = -1;  ///< nothing went wrong; else the path of what did
+  int run_step(const Section& section, const Step& step, int offset, int frames) noexcept;
+  int run_operations(const Section& section, const Step& step, int offset, int frames) noexcept;
   void answer_outside(const BlockIo& io, int block_offset, int offset, int frames) noexcept;
-  void handle_fault(const Section& section, const Step& step, int offset, int frames) noexcept;
+  void count_fault(int path) noexcept;
+  void silence(const Step& step, int offset, int frames) noexcept;
 
   int frames_to_next_entry(int frames) noexcept;
   void apply(const JournalEntry& entry) noexcept;
   void advance_controls(int frames) noexcept;
   void rest(std::size_t control, bool resting) noexcept;
+  void make_finite(double* samples, int frames) noexcept;
   void load_inputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept;
   void store_outputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept;
 

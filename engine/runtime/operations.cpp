@@ -76,4 +76,14 @@ bool all_finite(const double* samples, int frames) noexcept {
   return bad == 0;
 }
 
+int clear_nonfinite(double* samples, int frames) noexcept {
+  int cleared = 0;
+  for (int n = 0; n < frames; ++n) {
+    if (std::isfinite(samples[n])) continue;
+    samples[n] = 0;
+    ++cleared;
+  }
+  return cleared;
+}
+
 }  // namespace tactus

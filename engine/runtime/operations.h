@@ -12,4 +12,7 @@ void run_operation(Term::Op op, const Signal* in, double* out, int frames) noexc
 /// [realtime] False if one of the samples is a NaN or infinite.
 bool all_finite(const double* samples, int frames) noexcept;
 
+/// [realtime] Makes NaN and infinity 0. Returns how many there were.
+int clear_nonfinite(double* samples, int frames) noexcept;
+
 }  // namespace tactus
