@@ -48,11 +48,14 @@ Status ClosedLoop::prepare(Hertz sample_rate, int max_block) {
   drive_view_.clear();
   drive_out_.clear();
   delayed_in_.clear();
+  spare_out_.clear();
   for (auto& channel : sensors_) {
     channel.assign(size, 0.0);
     sensor_in_.push_back(channel.data());
     sensor_out_.push_back(channel.data());
   }
+  spare_.assign(sensors_.size(), std::vector<double>(size, 0.0));
+  for (auto& channel : spare_) spare_out_.push_back(channel.data());
   for (std::size_t c = 0; c < drives_.size(); ++c) {
     drives_[c].assign(size, 0.0);
     delayed_[c].assign(size, 0.0);
@@ -78,7 +81,8 @@ void ClosedLoop::run(int frames, const Listener& listener) {
 }
 
 void ClosedLoop::run_piece(int frames) noexcept {
-  if (delay_ == 0) return plant_.process({delayed_in_.data(), sensor_out_.data(), frames});
+  // With no delay `sensors_` is filled on the way, and holds what the converters made of it.
+  if (delay_ == 0) return plant_.process({delayed_in_.data(), spare_out_.data(), frames});
   for (std::size_t c = 0; c < ring_.size(); ++c) {
     const auto& ring = ring_[c];
     const std::size_t first = written_ + ring.size() - static_cast<std::size_t>(delay_);

@@ -55,7 +55,8 @@ class ClosedLoop {
   int block_ = 0;
   std::vector<std::vector<double>> sensors_, drives_, delayed_;
   std::vector<const double*> sensor_in_, drive_view_, delayed_in_;
-  std::vector<double*> sensor_out_, drive_out_;
+  std::vector<double*> sensor_out_, drive_out_, spare_out_;
+  std::vector<std::vector<double>> spare_;
   std::vector<std::vector<double>> ring_;  ///< [drive][frame mod size]
   std::size_t written_ = 0;
   std::unique_ptr<Answer> answer_;
