@@ -1,0 +1,101 @@
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "tests/support/allocation_count.h"
+#include "tests/support/graph_runner.h"
+#include "tests/support/node_runner.h"
+
+using namespace tactus;
+
+namespace {
+
+/// Loops, lanes, a network, expressions, ramps and events.
+const std::string kBig = R"(format = 1
+name = "test"
+[inputs]
+x = {}
+go = {}
+[controls]
+gain  = { value = 0.4, range = [-0.5, 0.5] }
+pitch = { value = "300 Hz", range = ["100 Hz", "1 kHz"] }
+[networks.drum]
+frame = { type = "ground" }
+cone  = { type = "mass", mass = "35 g" }
+stick = { type = "mass", mass = "12 g", at = "1 mm" }
+hold  = { type = "spring", between = ["frame", "cone"], stiffness = "1000 N/m", damping = "1.2 kg/s" }
+lens  = { type = "contact", between = ["cone", "stick"], stiffness = "5e6 N/m^1.5", loss = "0.15 s/m" }
+coil  = { type = "coil", on = "cone", voltage = "10 V * back", force_factor = "6 T m", resistance = "6 ohm" }
+fall  = { type = "force", on = "stick", force = "-1 N" }
+[nodes]
+heard  = { type = "band_pass", in = "drum.lens.force / 1 N", frequency = "3 kHz", q = 0.7 }
+hit    = { type = "onset", in = "heard", threshold = "-34 dB", hold = "15 ms" }
+back   = { type = "decay", trigger = "hit + go", time = "12 ms" }
+combs  = { type = "delay", voices = 8, in = "x + gain * loss", time = { from = "1 ms", to = "9 ms" } }
+loss   = { type = "low_pass", in = "combs", cutoff = "pitch * 4", q = 0.7 }
+tuned  = { type = "delay", in = "heard + 0.9 * damped", time = "1 / pitch", compensate = ["damped"] }
+damped = { type = "one_pole", in = "tuned", cutoff = "4 kHz" }
+all    = { type = "mix", in = "loss" }
+[outputs]
+y = { from = "all + tuned" }
+z = { from = "back" }
+)";
+
+}  // namespace
+
+TEST_CASE("Engine: process allocates nothing", "[runtime]") {
+  CompileOptions options;
+  options.taps = {"hit", "hit.level"};
+  const auto engine = test::engine_of(kBig, options);
+  REQUIRE(engine->prepare({48_kHz, 2, 2, 1000}));
+  const auto x = test::noise(1000, 1);
+  test::Samples go(1000), y(1000), z(1000);
+  go[77] = 1;
+  const double* in[] = {x.data(), go.data()};
+  double* out[] = {y.data(), z.data()};
+  engine->set_journal(
+      {{3, JournalEntry::Kind::ControlChange, 0, 0.1}, {1501, JournalEntry::Kind::ControlChange, 1, 900}});
+  const auto before = test::allocation_count();
+  bool posted = true;
+  for (int block = 0; block < 50; ++block) {
+    posted = posted && engine->post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, 0, 0.01 * block});
+    engine->process({in, out, 1000});
+  }
+  CHECK(test::allocation_count() == before);
+  CHECK(posted);
+  CHECK(engine->faults().empty());
+}
+
+TEST_CASE("Engine: entries posted from another thread hold from their frame, none is lost", "[runtime]") {
+  const auto engine = test::engine_of(R"(format = 1
+name = "test"
+[controls]
+c = { value = 0, range = [0, 1e6], smooth = "0 ms" }
+[outputs]
+c = { from = "c" }
+)");
+  REQUIRE(engine->prepare({48_kHz, 0, 1, 64}));
+  constexpr int kEntries = 5000;
+  // Entry k says k at frame 10 k; the queue holds 256, so that both threads run into its ends.
+  std::thread poster{[&] {
+    for (int k = 1; k <= kEntries; ++k)
+      while (!engine->post({10 * k, JournalEntry::Kind::ControlChange, 0, static_cast<double>(k)}))
+        std::this_thread::yield();
+  }};
+  double last = 0;
+  bool ordered = true, early = false;
+  test::Samples y(64);
+  double* out[] = {y.data()};
+  while (last < kEntries) {
+    const auto first = engine->frame();
+    engine->process({nullptr, out, 64});
+    for (int n = 0; n < 64; ++n) {
+      const double now = y[static_cast<std::size_t>(n)];
+      ordered = ordered && now >= last;
+      early = early || now * 10 > static_cast<double>(first + n);
+      last = now;
+    }
+  }
+  poster.join();
+  CHECK(ordered);
+  CHECK_FALSE(early);
+}
