@@ -25,8 +25,9 @@ const std::map<std::string, std::vector<std::string>> kArrows = {
     {"engine/scene", {"engine/runtime"}},
     {"engine/analysis", {"engine/scene"}},
     {"backends", {"engine/core"}},
+    {"backends/simulated", {"backends", "engine/scene"}},
     {"latency", {"backends"}},
-    {"apps", {"latency", "engine/analysis"}},
+    {"apps", {"latency", "engine/analysis", "backends/simulated"}},
 };
 
 /// Where the headers that begin like this may be included, as beginnings of paths.
@@ -71,9 +72,10 @@ bool begins(const std::string& text, const std::string& beginning) { return text
 
 /// "engine/graph/load.h" -> "engine/graph"; "backends/jack/stream.cpp" -> "backends"; "" if it is no layer.
 std::string layer_of(const std::string& path) {
+  std::string longest;  // "backends/simulated" and not "backends"
   for (const auto& [layer, arrows] : kArrows)
-    if (begins(path, layer + "/")) return layer;
-  return "";
+    if (begins(path, layer + "/") && layer.size() > longest.size()) longest = layer;
+  return longest;
 }
 
 /// "backends/jack" for what lies below a backend's own folder, otherwise "".
@@ -96,7 +98,7 @@ std::string judge_own(const std::string& file, const std::string& include) {
   if (!reaches(from, to)) return from + " must not include " + to;
   // Apps choose a backend by name; below them, each backend stands alone.
   const auto backend = backend_of(include);
-  if (from == "backends" && !backend.empty() && backend != backend_of(file))
+  if (begins(from, "backends") && !backend.empty() && backend != backend_of(file))
     return "a backend must not include another";
   return "";
 }
@@ -216,6 +218,12 @@ TEST_CASE("layers: an include against an arrow is refused, with the reason", "[l
   CHECK(judge("latency/a.cpp", {"engine/analysis/svg.h", true}) ==
         "latency must not include engine/analysis");
   CHECK(judge("backends/jack/a.cpp", {"backends/rtaudio/b.h", true}) == "a backend must not include another");
+  CHECK(judge("backends/simulated/a.cpp", {"backends/offline/b.h", true}) ==
+        "a backend must not include another");
+  CHECK(judge("backends/simulated/a.cpp", {"engine/analysis/svg.h", true}) ==
+        "backends/simulated must not include engine/analysis");
+  CHECK(judge("latency/a.cpp", {"backends/simulated/b.h", true}) ==
+        "latency must not include backends/simulated");
   CHECK(judge("engine/core/a.cpp", {"error.h", true}) == "not a path from the repository's root");
   CHECK(judge("engine/core/a.cpp", {"tests/helper.h", true}) == "not a path from the repository's root");
 }
@@ -236,6 +244,9 @@ TEST_CASE("layers: an include along the arrows is allowed", "[layers]") {
   CHECK(judge("apps/main.cpp", {"engine/physics/b.h", true}).empty());
   CHECK(judge("apps/main.cpp", {"backends/offline/b.h", true}).empty());
   CHECK(judge("backends/jack/a.cpp", {"backends/jack/a.h", true}).empty());
+  CHECK(judge("backends/simulated/a.cpp", {"engine/scene/closed_loop.h", true}).empty());
+  CHECK(judge("backends/simulated/a.cpp", {"backends/backend.h", true}).empty());
+  CHECK(judge("apps/play.cpp", {"backends/simulated/a.h", true}).empty());
   CHECK(judge("backends/jack/a.cpp", {"backends/backend.h", true}).empty());
   CHECK(judge("backends/jack/a.cpp", {"jack/jack.h", false}).empty());
   CHECK(judge("engine/physics/a.h", {"Eigen/Dense", false}).empty());

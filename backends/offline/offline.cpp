@@ -13,12 +13,15 @@ namespace {
 
 constexpr const char* kDeviceId = "offline:files";
 constexpr int kLongestBlock = 1 << 20;
+constexpr int kMostChannels = 1024;
 
 Status check(const OfflineJob& job) {
   if (!(job.sample_rate.value > 0.0 && std::isfinite(job.sample_rate.value)))
     return fail(Errc::BadArgument, "", fmt::format("{} Hz is no sample rate", job.sample_rate.value), "");
   if (job.in_channels < 0 || job.out_channels < 0 || job.frames < 0)
     return fail(Errc::BadArgument, "", "channels and frames cannot be negative", "");
+  if (job.in_channels > kMostChannels || job.out_channels > kMostChannels)
+    return fail(Errc::BadArgument, "", fmt::format("there are at most {} channels", kMostChannels), "");
   if (job.source.read && job.source.channels != job.in_channels)
     return fail(
         Errc::BadArgument, "",
@@ -182,7 +185,7 @@ Result<std::vector<Device>> OfflineBackend::devices() {
   Device device;
   device.id = kDeviceId;
   device.name = "files and silence";
-  device.in_channels = device.out_channels = 1024;
+  device.in_channels = device.out_channels = kMostChannels;
   device.default_rate = job_.sample_rate;
   device.is_default = true;
   return std::vector<Device>{device};

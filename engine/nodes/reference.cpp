@@ -15,8 +15,7 @@ namespace {
 
 std::string unit_text(const std::string& unit) {
   if (unit.empty()) return "plain";
-  if (unit.front() == '=') return "that of `" + unit.substr(1) + "`";
-  return unit == "any" ? "any" : unit;
+  return unit.front() == '=' ? "as " + unit.substr(1) : unit;
 }
 
 std::string range_text(double low, double high) {
@@ -41,25 +40,30 @@ Row row_of(const OutputPort& port) {
   return {port.name, port.kind == OutputKind::Trigger ? "trigger" : unit_text(port.unit), "", "", port.doc};
 }
 
+/// "points, of s and as unit": what stands in the brackets.
+std::string units_text(const std::vector<std::string>& units) {
+  std::string text;
+  for (const auto& unit : units) text += (text.empty() ? " of " : " and ") + unit_text(unit);
+  return text;
+}
+
 Row row_of(const Setting& setting) {
-  static constexpr const char* kKinds[] = {"choice", "whole number", "true or false", "text",
-                                           "file",   "points",       "numbers",       "names"};
-  std::string kind = kKinds[static_cast<int>(setting.kind)];
-  if (setting.kind == Setting::Kind::Choice) {
-    kind.clear();
-    for (const auto& choice : setting.choices) kind += (kind.empty() ? "" : ", ") + choice;
-  }
+  using Kind = Setting::Kind;
+  std::string kind = setting_kind_name(setting.kind);
+  std::string doc = setting.doc;
+  if (setting.kind == Kind::Choice) doc = fmt::format("{}: {}", fmt::join(setting.choices, ", "), doc);
+  if (setting.kind == Kind::Points || setting.kind == Kind::Numbers) kind += units_text(setting.choices);
   return {setting.name, kind, range_text(setting.low, setting.high),
           !setting.fallback.empty() ? setting.fallback
-          : setting.optional        ? "may be left out"
+          : setting.optional        ? "optional"
                                     : "required",
-          setting.doc};
+          doc};
 }
 
 Row row_of(const ElementField& field) {
   return {field.name, unit_text(field.unit), range_text(field.low, field.high),
           field.fallback   ? short_number(*field.fallback)
-          : field.optional ? "may be left out"
+          : field.optional ? "optional"
                            : "required",
           field.doc + (field.signal ? " (signal)" : "")};
 }
@@ -68,46 +72,125 @@ Row row_of(const ElementQuantity& quantity) {
   return {quantity.name, unit_text(quantity.unit), "", "", quantity.doc};
 }
 
+constexpr std::size_t kWidth = 100;
+
+/// Characters as a person counts them: UTF-8 goes on with 10xxxxxx.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::string padded(const std::string& text, std::size_t width) {
+  return text + std::string(width - std::min(width, width_of(text)), ' ');
+}
+
+/// `text` broken at spaces to lines of kWidth, the first one behind `start`, the others behind as much space.
+/// Line breaks of its own stay.
+std::string wrapped(const std::string& start, const std::string& text) {
+  std::string result, line = start;
+  const std::string indent(width_of(start), ' ');
+  bool fresh = true;
+  const auto end_line = [&] {
+    line.erase(line.find_last_not_of(' ') + 1);
+    result += line + "\n";
+    line = indent;
+    fresh = true;
+  };
+  for (std::size_t at = 0; at <= text.size();) {
+    const auto end = std::min(text.find_first_of(" \n", at), text.size());
+    const auto word = text.substr(at, end - at);
+    if (!fresh && width_of(line) + 1 + width_of(word) > kWidth) end_line();
+    line += (fresh ? "" : " ") + word;
+    fresh = false;
+    if (end < text.size() && text[end] == '\n') end_line();
+    at = end + 1;
+  }
+  end_line();
+  return result;
+}
+
+/// In Markdown a bar would end the cell.
+std::string cell(const std::string& text) {
+  std::string safe;
+  for (const char c : text) safe += c == '|' ? std::string{"\\|"} : std::string{c};
+  return safe;
+}
+
 /// Headings, paragraphs and tables, as plain text or as Markdown.
 class Page {
  public:
   explicit Page(bool markdown) : markdown_(markdown) {}
 
   void title(const std::string& text, int level) {
-    text_ += markdown_ ? fmt::format("{} {}\n\n", std::string(static_cast<std::size_t>(level), '#'), text)
-                       : text + "\n";
+    if (markdown_)
+      text_ += fmt::format("{} {}\n\n", std::string(static_cast<std::size_t>(level), '#'), text);
+    else
+      text_ += (text_.empty() || text_.ends_with("\n\n") ? "" : "\n") + text + "\n";
   }
-  void paragraph(const std::string& text) { text_ += text + (markdown_ ? "\n\n" : "\n"); }
-  void code(const std::string& text) {
-    text_ += markdown_ ? "```toml\n" + text + "\n```\n\n" : "  " + text + "\n";
+  void paragraph(const std::string& text) {
+    text_ += markdown_ ? text + "\n\n" : wrapped(kIndent, text) + "\n";
   }
   void equation(const std::string& text) {
-    text_ += markdown_ ? "```\n" + text + "\n```\n\n" : "  " + text + "\n";
+    text_ += markdown_ ? "```\n" + text + "\n```\n\n" : wrapped("    ", text) + "\n";
+  }
+  /// One line whatever its length: it is there to be copied.
+  void example(const std::string& text) {
+    text_ += markdown_ ? "```toml\n" + text + "\n```\n\n" : "    " + text + "\n\n";
   }
 
   template <class Items>
   void table(const char* heading, const Items& items) {
-    if (items.empty()) return;
-    if (markdown_)
-      text_ +=
-          fmt::format("| {} | unit or kind | range | default | meaning |\n|---|---|---|---|---|\n", heading);
-    else
-      text_ += std::string{"\n"} + heading + "\n";
-    for (const auto& item : items) {
-      const Row row = row_of(item);
-      if (markdown_)
-        text_ += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.name, row.kind, row.range, row.fallback,
-                             row.doc);
-      else
-        text_ += fmt::format("  {:14} {:16} {:18} {:12} {}\n", row.name, row.kind, row.range, row.fallback,
-                             row.doc);
-    }
-    if (markdown_) text_ += "\n";
+    std::vector<Row> rows;
+    for (const auto& item : items) rows.push_back(row_of(item));
+    if (!rows.empty()) markdown_ ? markdown_table(heading, rows) : text_table(heading, rows);
   }
 
   std::string take() { return std::move(text_); }
 
  private:
+  static constexpr const char* kIndent = "  ";
+
+  /// Columns that say nothing in any row are left out.
+  static std::vector<std::string Row::*> columns_of(const std::vector<Row>& rows) {
+    std::vector<std::string Row::*> columns;
+    for (const auto column : {&Row::name, &Row::kind, &Row::range, &Row::fallback})
+      if (std::any_of(rows.begin(), rows.end(), [&](const Row& row) { return !(row.*column).empty(); }))
+        columns.push_back(column);
+    return columns;
+  }
+
+  void markdown_table(const std::string& heading, const std::vector<Row>& rows) {
+    const Row head{heading, heading == "setting" ? "kind" : "unit", "range", "default", "meaning"};
+    std::string line;
+    for (const auto column : columns_of(rows)) {
+      text_ += "| " + head.*column + " ";
+      line += "|---";
+    }
+    text_ += "| " + head.doc + " |\n" + line + "|---|\n";
+    for (const auto& row : rows) {
+      for (const auto column : columns_of(rows))
+        text_ += column == &Row::name ? "| `" + row.name + "` " : "| " + cell(row.*column) + " ";
+      text_ += "| " + cell(row.doc) + " |\n";
+    }
+    text_ += "\n";
+  }
+
+  void text_table(const std::string& heading, const std::vector<Row>& rows) {
+    text_ += kIndent + heading + "s\n";
+    const auto columns = columns_of(rows);
+    std::vector<std::size_t> widths;
+    for (const auto column : columns) {
+      widths.push_back(0);
+      for (const auto& row : rows) widths.back() = std::max(widths.back(), width_of(row.*column));
+    }
+    for (const auto& row : rows) {
+      std::string start = std::string{kIndent} + kIndent;
+      for (std::size_t c = 0; c < columns.size(); ++c) start += padded(row.*columns[c], widths[c] + 2);
+      text_ += wrapped(start, row.doc);
+    }
+    text_ += "\n";
+  }
+
   bool markdown_;
   std::string text_;
 };
@@ -119,23 +202,40 @@ void write_type(Page& page, const NodeType& type) {
   page.table("input", type.inputs);
   page.table("output", type.outputs);
   page.table("setting", type.settings);
-  page.code(type.example);
+  page.example(type.example);
   page.paragraph("Source: " + type.source + ".");
+}
+
+/// The fields that name other elements.
+std::string ends_text(ElementType::Ends ends) {
+  using Ends = ElementType::Ends;
+  switch (ends) {
+    case Ends::On:
+      return " `on` names the mass.";
+    case Ends::Against:
+      return " `on` names the point that it acts on.";
+    case Ends::Between:
+      return " `between` names its two points, the lower one first.";
+    case Ends::None:
+      break;
+  }
+  return "";
 }
 
 void write_networks(Page& page) {
   page.title("Networks", 2);
   page.paragraph(
-      "Elements of `[networks.<name>]`. Up is positive; outputs at a frame are the state at that frame, "
-      "inputs act on the "
-      "step to the next one. An output is named `network.element.quantity`.");
+      "Elements of `[networks.<name>]`. Up is positive. Outputs at a frame are the state at that frame; "
+      "inputs "
+      "act on the step to the next one. An output is named `network.element.output`; `network.element` alone "
+      "is its first one.");
   for (const auto& element : network_elements()) {
     page.title(element.name, 3);
-    page.paragraph(element.doc);
+    page.paragraph(element.doc + ends_text(element.ends));
     page.equation(element.equation);
     page.table("field", element.fields);
-    page.table("quantity", element.quantities);
-    page.code(element.example);
+    page.table("output", element.quantities);
+    page.example(element.example);
   }
 }
 
@@ -148,19 +248,27 @@ std::vector<std::string> groups_of(const NodeTable& table) {
 
 }  // namespace
 
+const char* setting_kind_name(Setting::Kind kind) {
+  static constexpr const char* kNames[] = {"choice", "whole number", "true or false", "text",
+                                           "file",   "points",       "numbers",       "names"};
+  return kNames[static_cast<int>(kind)];
+}
+
 std::string reference_overview(const NodeTable& table) {
+  constexpr std::size_t kNameWidth = 14;
   std::string text;
   for (const auto& group : groups_of(table)) {
     text += group + "\n";
     for (const auto* type : table.types)
-      if (type->group == group) text += fmt::format("  {:14} {}\n", type->name, type->summary);
+      if (type->group == group) text += wrapped("  " + padded(type->name, kNameWidth), type->summary);
   }
   text += "networks\n";
   for (const auto& element : network_elements())
-    text += fmt::format("  {:14} {}\n", element.name, element.doc);
-  return text +
-         "\n`tactus nodes NAME` tells all about one type, `tactus nodes network` about the elements of "
-         "networks.\n";
+    text += wrapped("  " + padded(element.name, kNameWidth), element.doc);
+  return text + "\n" +
+         wrapped("",
+                 "`tactus nodes NAME` tells all about one type, `tactus nodes network` about the elements of "
+                 "networks.");
 }
 
 std::string reference_text(const NodeType& type) {
@@ -179,8 +287,9 @@ std::string reference_markdown(const NodeTable& table) {
   Page page{true};
   page.title("Nodes", 1);
   page.paragraph(
-      "Made by `tactus nodes --markdown` from the declarations of the node types; a test keeps it up to "
-      "date.");
+      "Everything that a graph file can name behind `type`. Made from the declarations in `engine/nodes` by "
+      "`scripts/renew_docs`; a test keeps it up to date. Numbers are in SI units unless a unit is given; how "
+      "graph files are written is told in [graph_files.md](graph_files.md).");
   for (const auto& group : groups_of(table)) {
     std::string heading = group;
     heading[0] = static_cast<char>(std::toupper(heading[0]));
@@ -189,7 +298,9 @@ std::string reference_markdown(const NodeTable& table) {
       if (type->group == group) write_type(page, *type);
   }
   write_networks(page);
-  return page.take();
+  auto text = page.take();
+  text.pop_back();  // one line break at the end, not two
+  return text;
 }
 
 }  // namespace tactus

@@ -6,7 +6,10 @@
 
 namespace tactus {
 
-/// [control] All types by group, a line each.
+/// [any] "choice", "whole number", …: what a setting is, for people.
+const char* setting_kind_name(Setting::Kind kind);
+/// [control] All types by group, a line each. Text, here and below, is at most 100 columns
+/// wide, but for examples.
 std::string reference_overview(const NodeTable& table);
 /// [control] One type in full: equation, ports with units, ranges and defaults, settings, an example, the
 /// source.
