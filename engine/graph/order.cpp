@@ -36,19 +36,18 @@ class Ordering {
   }
 
   Checked<std::vector<OrderedSection>> run() {
-    find_components();
+    if (auto errors = cycle_errors(); !errors.empty()) return tl::unexpected(std::move(errors));
+    auto components = find_components(every_edge);
     std::vector<OrderedSection> sections;
     // Tarjan finds components in reverse order: what is read comes last.
-    for (auto it = components_.rbegin(); it != components_.rend(); ++it) {
+    for (auto it = components.rbegin(); it != components.rend(); ++it) {
       auto& component = *it;
-      if (component.size() == 1 && !reads_itself(component.front())) {
+      if (component.size() == 1 && !reads_itself(component.front(), every_edge)) {
         if (sections.empty() || sections.back().loop) sections.emplace_back();
         sections.back().vertices.push_back({half_of_whole(component.front()), component.front()});
         continue;
       }
-      auto loop = order_loop(component);
-      if (!loop) return tl::unexpected(std::move(loop.error()));
-      sections.push_back(std::move(*loop));
+      sections.push_back(order_loop(component));
     }
     return sections;
   }
@@ -62,17 +61,24 @@ class Ordering {
   }
   const std::vector<Edge>& readers(int v) const { return readers_[static_cast<std::size_t>(v)]; }
 
-  bool reads_itself(int v) const {
-    return std::any_of(readers(v).begin(), readers(v).end(), [v](const Edge& e) { return e.to == v; });
+  template <class Follows>
+  bool reads_itself(int v, Follows follows) const {
+    return std::any_of(readers(v).begin(), readers(v).end(),
+                       [&](const Edge& e) { return e.to == v && follows(e); });
   }
 
-  /// Tarjan's strongly connected components, with a stack of our own: graphs may be chains of 100,000 nodes.
-  void find_components() {
+  static bool every_edge(const Edge&) { return true; }
+
+  /// Tarjan's strongly connected components over the edges that `follows` takes, with a stack of our own:
+  /// graphs may be chains of 100,000 nodes.
+  template <class Follows>
+  std::vector<std::vector<int>> find_components(Follows follows) const {
     struct Frame {
       int v;
       std::size_t next;
     };
     const auto n = static_cast<std::size_t>(size_);
+    std::vector<std::vector<int>> components;
     std::vector<int> index(n, -1), low(n, 0);
     std::vector<bool> on_stack(n, false);
     std::vector<int> stack;
@@ -89,10 +95,11 @@ class Ordering {
           on_stack[vi] = true;
         }
         if (frames.back().next < readers(v).size()) {
-          const int w = readers(v)[frames.back().next++].to;
-          const auto wi = static_cast<std::size_t>(w);
+          const auto& edge = readers(v)[frames.back().next++];
+          const auto wi = static_cast<std::size_t>(edge.to);
+          if (!follows(edge)) continue;
           if (index[wi] < 0)
-            frames.push_back({w, 0});
+            frames.push_back({edge.to, 0});
           else if (on_stack[wi])
             low[vi] = std::min(low[vi], index[wi]);
           continue;
@@ -106,7 +113,7 @@ class Ordering {
             on_stack[static_cast<std::size_t>(w)] = false;
             component.push_back(w);
           } while (w != v);
-          components_.push_back(std::move(component));
+          components.push_back(std::move(component));
         }
         frames.pop_back();
         if (!frames.empty()) {
@@ -115,12 +122,14 @@ class Ordering {
         }
       }
     }
+    return components;
   }
 
   // ---- loops
   // -----------------------------------------------------------------------------------------------
 
-  Checked<OrderedSection> order_loop(std::vector<int>& component) {
+  /// Every cycle in `component` is cut by a delay of a frame or more.
+  OrderedSection order_loop(std::vector<int>& component) const {
     std::sort(component.begin(), component.end());
     const std::set<int> inside(component.begin(), component.end());
     std::set<int, std::greater<>> delays;  // a longer sub-block first
@@ -128,13 +137,13 @@ class Ordering {
       for (const auto& edge : readers(v))
         if (edge.late && inside.contains(edge.to))
           delays.insert(std::min(kMaxPiece, least_[static_cast<std::size_t>(edge.to)]));
+    OrderedSection section;
     for (const int sub_block : delays) {
-      if (sub_block < 1) break;
       std::vector<int> left;
-      auto section = try_order(component, inside, sub_block, left);
-      if (left.empty()) return section;
+      section = try_order(component, inside, sub_block, left);
+      if (left.empty()) break;
     }
-    return tl::unexpected(std::vector{cycle_error(component, inside)});
+    return section;
   }
 
   bool cuts(const Edge& edge, int sub_block) const {
@@ -181,10 +190,17 @@ class Ordering {
   // ---- loops without delay
   // ---------------------------------------------------------------------------------
 
-  Error cycle_error(const std::vector<int>& component, const std::set<int>& inside) const {
-    std::vector<int> left;
-    try_order(component, inside, 1, left);
-    const std::set<int> stuck(left.begin(), left.end());
+  /// One for each part of the graph in which signals go round within a frame.
+  std::vector<Error> cycle_errors() const {
+    const auto at_once = [this](const Edge& edge) { return !cuts(edge, 1); };
+    std::vector<Error> errors;
+    for (const auto& component : find_components(at_once))
+      if (component.size() > 1 || reads_itself(component.front(), at_once))
+        errors.push_back(cycle_error({component.begin(), component.end()}));
+    return errors;
+  }
+
+  Error cycle_error(const std::set<int>& stuck) const {
     const auto cycle = walk_cycle(stuck);
     std::vector<std::string> names;
     Source at;
@@ -204,40 +220,26 @@ class Ordering {
                     : "put a 'delay' node on one of these edges"};
   }
 
-  /// Follows edges inside `stuck` until a vertex comes up again.
+  /// Follows edges inside a strongly connected component until a vertex comes up again.
   std::vector<int> walk_cycle(const std::set<int>& stuck) const {
-    // Every vertex on a cycle has a stuck reader; walk backwards over readers that lead on.
     std::vector<int> path;
     std::set<int> seen;
-    int v = start_on_cycle(stuck);
+    int v = *stuck.begin();
     while (seen.insert(v).second) {
       path.push_back(v);
-      for (const auto& edge : readers(v))
-        if (stuck.contains(edge.to) && !cuts(edge, 1) && leads_on(edge.to, stuck)) {
-          v = edge.to;
-          break;
-        }
+      const auto next = std::find_if(readers(v).begin(), readers(v).end(), [&](const Edge& edge) {
+        return stuck.contains(edge.to) && !cuts(edge, 1);
+      });
+      v = next->to;
     }
     path.erase(path.begin(), std::find(path.begin(), path.end(), v));
     return path;
-  }
-
-  bool leads_on(int v, const std::set<int>& stuck) const {
-    return std::any_of(readers(v).begin(), readers(v).end(),
-                       [&](const Edge& e) { return stuck.contains(e.to) && !cuts(e, 1); });
-  }
-
-  int start_on_cycle(const std::set<int>& stuck) const {
-    for (const int v : stuck)
-      if (leads_on(v, stuck)) return v;
-    return *stuck.begin();
   }
 
   const VertexGraph& graph_;
   std::vector<int> least_;
   int size_;
   std::vector<std::vector<Edge>> readers_;
-  std::vector<std::vector<int>> components_;
 };
 
 }  // namespace
