@@ -148,23 +148,21 @@ int run(const ExplainOptions& options) {
   const auto rate = parse_option(options.rate, "Hz", "rate");
   if (!rate) return report(rate.error()), kUsage;
   if (is_scene(file)) {
-    const auto scene = load_scene(file, root_of(file));
-    if (!scene) return report(scene.error());
+    const auto loaded = load_scene_leniently(file, root_of(file));
     SceneOptions with;
     with.rate = Hertz{*rate};
-    auto built = build_scene(*scene, standard_nodes(), with);
+    auto built = build_scene(loaded, standard_nodes(), with);
     if (!built) return report(built.error());
-    return finish(options, {{"instrument of " + scene->name, built->instrument.get()},
-                            {"world of " + scene->name, built->plant.get()}});
+    return finish(options, {{"instrument of " + loaded.scene->name, built->instrument.get()},
+                            {"world of " + loaded.scene->name, built->plant.get()}});
   }
-  const auto spec = load_graph(file, root_of(file));
-  if (!spec) return report(spec.error());
+  const auto loaded = load_graph_leniently(file, root_of(file));
   CompileOptions compile_options;
   compile_options.sample_rate = Hertz{*rate};
-  auto schedule = compile(**spec, standard_nodes(), compile_options);
+  auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
   Engine engine{std::move(*schedule)};
-  return finish(options, {{(*spec)->name, &engine}});
+  return finish(options, {{loaded.spec->name, &engine}});
 }
 
 }  // namespace

@@ -41,8 +41,9 @@ Result<SceneOptions> scene_options(const SceneRun& run) {
 }  // namespace
 
 Checked<PlayedScene> play_file(const SceneRun& run) {
-  auto scene = load_scene(run.file, root_of(run.file));
-  if (!scene) return tl::unexpected(scene.error());
+  auto loaded = load_scene_leniently(run.file, root_of(run.file));
+  if (!loaded.scene) return tl::unexpected(std::move(loaded.mistakes));
+  auto& scene = loaded.scene;
   if (!run.duration.empty()) {
     const auto duration = parse_option(run.duration, "s", "duration");
     if (!duration) return tl::unexpected(std::vector{duration.error()});
@@ -53,7 +54,7 @@ Checked<PlayedScene> play_file(const SceneRun& run) {
   }
   const auto options = scene_options(run);
   if (!options) return tl::unexpected(std::vector{options.error()});
-  auto built = build_scene(*scene, standard_nodes(), *options);
+  auto built = build_scene(loaded, standard_nodes(), *options);
   if (!built) return tl::unexpected(built.error());
   Progress progress{"playing " + scene->name};
   auto recording = play_scene(*scene, *built, run.block, [&](double share) {

@@ -87,8 +87,8 @@ int write_events(const std::string& path, const Json& events) {
 }
 
 int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
-  const auto spec = load_graph(file, root_of(file));
-  if (!spec) return report(spec.error());
+  const auto loaded = load_graph_leniently(file, root_of(file));
+  if (loaded.spec == nullptr) return report(loaded.mistakes);
   auto input = read_input(options);
   if (!input) return report(input.error());
   const auto settings = parse_settings(options.set);
@@ -100,8 +100,8 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   compile_options.sample_rate = input->sample_rate;
   compile_options.controls = *settings;
   compile_options.system_delay = Seconds{*delay};
-  compile_options.taps = event_taps(**spec, standard_nodes());
-  auto schedule = compile(**spec, standard_nodes(), compile_options);
+  compile_options.taps = event_taps(*loaded.spec, standard_nodes());
+  auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
   Engine engine{std::move(*schedule)};
   Guarded guarded{engine, guarded_channels(engine.schedule())};
@@ -142,7 +142,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
     if (const int code = write_events(options.events, events); code != kDone) return code;
 
   Json summary{
-      {"instrument", (*spec)->name}, {"sample_rate_hz", input->sample_rate.value}, {"frames", frames},
+      {"instrument", loaded.spec->name}, {"sample_rate_hz", input->sample_rate.value}, {"frames", frames},
       {"outputs", outputs},          {"events", events["events"].size()},          {"faults", Json::array()}};
   for (const auto& fault : engine.faults())
     summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
@@ -150,7 +150,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
     fmt::print("{}\n", summary.dump(2));
     return kDone;
   }
-  fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", (*spec)->name,
+  fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", loaded.spec->name,
              static_cast<double>(frames) / input->sample_rate.value, input->sample_rate.value,
              events["events"].size());
   if (static_cast<int>(input->channels.size()) != engine.in_channels() && !options.in.empty())

@@ -34,7 +34,7 @@ Term::Op term_op(Expression::Op op) {
   return Term::Op::Number;
 }
 
-Term look_up(const Expression& expression, const Scope& scope, std::vector<Error>& errors) {
+Term look_up(const Expression& expression, const Scope& scope, Mistakes& mistakes) {
   Term term{.op = term_op(expression.op),
             .number = expression.number,
             .dimension = expression.dimension,
@@ -46,12 +46,12 @@ Term look_up(const Expression& expression, const Scope& scope, std::vector<Error
     if (const auto signal = scope.find(expression.name, expression.at)) {
       term.signal = *signal;
     } else {
-      errors.push_back(signal.error());
+      mistakes.add(signal.error());
       term.signal = FlatGraph::kMissing;
     }
   }
   for (const auto& argument : expression.arguments)
-    term.arguments.push_back(look_up(argument, scope, errors));
+    term.arguments.push_back(look_up(argument, scope, mistakes));
   return term;
 }
 
@@ -64,7 +64,7 @@ Term number_term(double si, Dimension dimension, bool bare, const Source& at) {
   return term;
 }
 
-std::optional<Term> bind_spread(const Value& value, std::vector<Error>& errors) {
+Term bind_spread(const Value& value, Mistakes& mistakes) {
   Term term;
   term.op = Term::Op::Spread;
   term.at = value.at;
@@ -75,23 +75,23 @@ std::optional<Term> bind_spread(const Value& value, std::vector<Error>& errors) 
       term.bare = *field.value.text() == "linear";
       continue;
     }
-    errors.push_back({Errc::UnknownName, field.at.text(),
+    mistakes.add(Error{Errc::UnknownName, field.at.text(),
                       "a spread over lanes has no '" + field.key + "' like this",
                       "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
-    return std::nullopt;
+    return missing_term(value.at);
   }
   for (const auto* key : {"from", "to"}) {
     const auto* end = find(*value.table(), key);
     if (end == nullptr) {
-      errors.push_back({Errc::Missing, value.at.text(),
+      mistakes.add(Error{Errc::Missing, value.at.text(),
                         std::string{"a spread over lanes lacks '"} + key + "'",
                         "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
-      return std::nullopt;
+      return missing_term(value.at);
     }
     const auto quantity = read_quantity(*end);
     if (!quantity) {
-      errors.push_back(quantity.error());
-      return std::nullopt;
+      mistakes.add(quantity.error());
+      return missing_term(value.at);
     }
     term.arguments.push_back(number_term(quantity->si, quantity->unit.dimension, quantity->bare, end->at));
   }
@@ -100,17 +100,20 @@ std::optional<Term> bind_spread(const Value& value, std::vector<Error>& errors) 
 
 }  // namespace
 
-std::optional<Term> bind_signal(const Value& value, const Scope& scope, std::vector<Error>& errors) {
+Term missing_term(const Source& at) {
+  Term term;
+  term.op = Term::Op::Signal;
+  term.signal = FlatGraph::kMissing;
+  term.at = at;
+  return term;
+}
+
+Term bind_signal(const Value& value, const Scope& scope, Mistakes& mistakes) {
   if (const auto* number = value.number()) return number_term(*number, {}, true, value.at);
   if (const auto* text = value.text()) {
-    Source at = value.at;
-    at.column += 1;  // behind the quote
-    const auto expression = parse_expression(*text, at);
-    if (!expression) {
-      errors.push_back(expression.error());
-      return std::nullopt;
-    }
-    return look_up(*expression, scope, errors);
+    const auto expression = parse_expression(*text, text_start(value));
+    const auto* parsed = mistakes.keep(expression);
+    return parsed != nullptr ? look_up(*parsed, scope, mistakes) : missing_term(value.at);
   }
   if (const auto* list = value.list()) {
     Term term;
@@ -118,21 +121,19 @@ std::optional<Term> bind_signal(const Value& value, const Scope& scope, std::vec
     term.at = value.at;
     for (const auto& lane : *list) {
       if (lane.list() != nullptr || lane.table() != nullptr) {
-        errors.push_back({Errc::WrongType, lane.at.text(), "a lane cannot be " + lane.kind(),
+        mistakes.add(Error{Errc::WrongType, lane.at.text(), "a lane cannot be " + lane.kind(),
                           "a list holds one number, quantity or expression for each lane"});
-        return std::nullopt;
+        return missing_term(value.at);
       }
-      auto bound = bind_signal(lane, scope, errors);
-      if (!bound) return std::nullopt;
-      term.arguments.push_back(std::move(*bound));
+      term.arguments.push_back(bind_signal(lane, scope, mistakes));
     }
     if (!term.arguments.empty()) return term;
   }
-  if (value.table() != nullptr) return bind_spread(value, errors);
-  errors.push_back({Errc::WrongType, value.at.text(),
+  if (value.table() != nullptr) return bind_spread(value, mistakes);
+  mistakes.add(Error{Errc::WrongType, value.at.text(),
                     "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
                     "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\""});
-  return std::nullopt;
+  return missing_term(value.at);
 }
 
 }  // namespace tactus

@@ -1,11 +1,9 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
-#include <vector>
 
-#include "engine/core/error.h"
 #include "engine/graph/flat_graph.h"
+#include "engine/graph/mistakes.h"
 #include "engine/graph/node_type.h"
 #include "engine/graph/scope.h"
 #include "engine/graph/value.h"
@@ -13,12 +11,15 @@
 namespace tactus {
 
 /// A value in a signal port as a Term: a number, a quantity or expression in a string, a list of lanes, or a
-/// spread { from, to, curve } over the lanes. Mistakes are appended to `errors`.
-std::optional<Term> bind_signal(const Value& value, const Scope& scope, std::vector<Error>& errors);
+/// spread { from, to, curve } over the lanes. With a mistake, the missing signal.
+Term bind_signal(const Value& value, const Scope& scope, Mistakes& mistakes);
+
+/// Stands for what a mistake left out, and raises no second error.
+Term missing_term(const Source& at);
 
 /// A setting read from the `fields` of its node, or its fallback. `folder` is where files start.
 SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
                           const std::filesystem::path& folder, const std::string& owner, const Source& at,
-                          std::vector<Error>& errors);
+                          Mistakes& mistakes);
 
 }  // namespace tactus

@@ -14,12 +14,12 @@ struct Reader {
   const Value::Table& fields;
   const std::filesystem::path& folder;
   std::string owner;  ///< "delay 'echo'"
-  std::vector<Error>& errors;
+  Mistakes& mistakes;
 
   SettingValue result{};
 
   void complain(Errc code, const Source& at, const std::string& what, const std::string& remedy) {
-    errors.push_back({code, at.text(), "'" + setting.name + "' of " + owner + " " + what, remedy});
+    mistakes.add(Error{code, at.text(), "'" + setting.name + "' of " + owner + " " + what, remedy});
   }
 
   std::string choices() const {
@@ -89,7 +89,7 @@ struct Reader {
     const auto si = expected ? read_quantity(value, *expected, setting.name)
                              : read_quantity(value).map([](const QuantityValue& q) { return q.si; });
     if (si) return *si;
-    errors.push_back(si.error());
+    mistakes.add(si.error());
     return std::nullopt;
   }
 
@@ -143,15 +143,15 @@ struct Reader {
 
 SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
                           const std::filesystem::path& folder, const std::string& owner, const Source& at,
-                          std::vector<Error>& errors) {
-  Reader reader{setting, fields, folder, owner, errors};
+                          Mistakes& mistakes) {
+  Reader reader{setting, fields, folder, owner, mistakes};
   const auto* value = find(fields, setting.name);
   if (value != nullptr) {
     reader.read(*value);
   } else if (!setting.fallback.empty()) {
     reader.read_fallback();
   } else if (!setting.optional) {
-    errors.push_back({Errc::Missing, at.text(), owner + " lacks '" + setting.name + "'", setting.doc});
+    mistakes.add(Error{Errc::Missing, at.text(), owner + " lacks '" + setting.name + "'", setting.doc});
   }
   return reader.result;
 }

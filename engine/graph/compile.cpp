@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "engine/graph/build_schedule.h"
+#include "engine/graph/entry_fields.h"
 #include "engine/graph/infer.h"
 #include "engine/graph/mistakes.h"
 #include "engine/graph/resolve.h"
@@ -19,67 +20,99 @@ void delays_of(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes&
   for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
     const auto& vertex = graph.vertices[v];
     late[v].assign(vertex.in.size(), false);
-    if (vertex.kind != Vertex::Kind::Node || made.nodes[v] == nullptr) continue;
+    if (vertex.kind != Vertex::Kind::Node) continue;
     const auto& type = *flat.nodes[static_cast<std::size_t>(vertex.index)].type;
     int shortest = std::numeric_limits<int>::max();
     for (std::size_t i = 0; i < vertex.in.size(); ++i) {
       late[v][i] = type.inputs[i].late;
       if (!late[v][i]) continue;
-      for (int output = 0; output < vertex.outputs; ++output)
+      // A node that could not be made is taken to delay as much as any, so that it seems to close no loop.
+      for (int output = 0; made.nodes[v] != nullptr && output < vertex.outputs; ++output)
         shortest = std::min(shortest, made.nodes[v]->delay(static_cast<int>(i), output).least);
     }
-    least[v] = shortest == std::numeric_limits<int>::max() ? 0 : shortest;
+    least[v] = shortest == std::numeric_limits<int>::max() ? kMaxPiece : shortest;
   }
 }
 
-std::vector<Error> set_controls(FlatGraph& flat, const std::map<std::string, double>& values) {
-  std::vector<Error> errors;
+void set_controls(FlatGraph& flat, const std::map<std::string, double>& values, Mistakes& mistakes) {
   for (const auto& setting : values) {
     const auto& [name, value] = setting;
     const auto it = std::find_if(flat.controls.begin(), flat.controls.end(),
                                  [&](const auto& c) { return c.name == setting.first; });
     if (it == flat.controls.end()) {
-      std::string known;
-      for (const auto& control : flat.controls) known += (known.empty() ? "" : ", ") + control.name;
-      errors.push_back({Errc::UnknownName, "", "there is no control '" + name + "'",
-                        known.empty() ? "this graph has no controls" : "the controls are " + known});
+      std::vector<std::string> known;
+      for (const auto& control : flat.controls) known.push_back(control.name);
+      mistakes.add(Errc::UnknownName, {}, "there is no control '" + name + "'",
+                   known.empty() ? "this graph has no controls" : "there are " + listed(known));
     } else if (!it->range.contains(value)) {
-      errors.push_back({Errc::OutOfRange, "", "control '" + name + "' cannot be set outside its range",
-                        "see its 'range' in the file"});
+      mistakes.add(Errc::OutOfRange, {},
+                   "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
+                   "it goes from " + in_unit(it->range.low, it->unit) + " to " +
+                       in_unit(it->range.high, it->unit));
     } else {
       it->value = value;
     }
   }
-  return errors;
 }
 
-void append(std::vector<Error>& errors, std::vector<Error> more) {
-  errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+/// Broken controls are not in the flat graph, and need no second message.
+std::map<std::string, double> settable(std::map<std::string, double> values, const GraphSpec& spec) {
+  for (const auto& control : spec.controls)
+    if (control.broken) values.erase(control.name);
+  if (spec.incomplete) values.clear();
+  return values;
+}
+
+FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options,
+                  Mistakes& mistakes) {
+  auto resolved = resolve(spec, table, options.sample_rate, options.taps);
+  mistakes.add(std::move(resolved.mistakes));
+  set_controls(resolved.graph, settable(options.controls, spec), mistakes);
+  mistakes.add(infer(resolved.graph));
+  return std::move(resolved.graph);
+}
+
+Checked<std::unique_ptr<Schedule>> make_schedule(const FlatGraph& flat, const CompileOptions& options) {
+  auto graph = lower(flat);
+  simplify(graph, flat, options.sample_rate);
+  auto made = make_nodes(graph, flat, options);
+  Mistakes mistakes;
+  mistakes.add(std::move(made.mistakes));
+  std::vector<std::vector<bool>> late;
+  std::vector<int> least;
+  delays_of(graph, flat, made, late, least);
+  const auto sections = order(graph, late, least, options.closed_outside);
+  if (!sections) mistakes.add(sections.error());
+  if (mistakes.any()) return tl::unexpected(mistakes.take());
+  return build_schedule(graph, flat, *sections, std::move(made), options);
 }
 
 }  // namespace
 
+std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options) {
+  Mistakes mistakes;
+  flatten(spec, table, options, mistakes);
+  return mistakes.take();
+}
+
 Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table,
                                            const CompileOptions& options) {
-  auto [flat, mistakes] = resolve(spec, table, options.sample_rate, options.taps);
-  append(mistakes, set_controls(flat, options.controls));
-  append(mistakes, infer(flat));
-  if (!mistakes.empty()) {
-    sort_by_place(mistakes);
-    return tl::unexpected(std::move(mistakes));
-  }
-  auto graph = lower(flat);
-  simplify(graph, flat, options.sample_rate);
-  auto made = make_nodes(graph, flat, options);
-  if (!made) return tl::unexpected(std::move(made.error()));
-  std::vector<std::vector<bool>> late;
-  std::vector<int> least;
-  delays_of(graph, flat, *made, late, least);
-  const auto sections = order(graph, late, least, options.closed_outside);
-  if (!sections) return tl::unexpected(sections.error());
-  auto schedule = build_schedule(graph, flat, *sections, std::move(*made), options);
-  schedule->name = spec.name;
+  Mistakes mistakes;
+  const auto flat = flatten(spec, table, options, mistakes);
+  if (mistakes.any()) return tl::unexpected(mistakes.take());
+  auto schedule = make_schedule(flat, options);
+  if (schedule) (*schedule)->name = spec.name;
   return schedule;
+}
+
+Checked<std::unique_ptr<Schedule>> compile(const LoadedGraph& graph, const NodeTable& table,
+                                           const CompileOptions& options) {
+  if (graph.spec == nullptr) return tl::unexpected(graph.mistakes);
+  if (graph.mistakes.empty()) return compile(*graph.spec, table, options);
+  Mistakes mistakes;
+  mistakes.add(graph.mistakes);
+  mistakes.add(check(*graph.spec, table, options));
+  return tl::unexpected(mistakes.take());
 }
 
 }  // namespace tactus

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
+#include "engine/graph/load.h"
 #include "engine/graph/node_table.h"
 #include "engine/graph/schedule.h"
 #include "engine/graph/spec.h"
@@ -24,9 +25,16 @@ struct CompileOptions {
   bool closed_outside = false;
 };
 
-/// resolve → unfold lanes → prune and fold → make the nodes → schedule. All mistakes of the file in one go as
-/// far as the stage that found the first.
+/// The mistakes that show before any node is made, in file order: names, ports, settings, units, lanes, ranges.
+std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options);
+
+/// resolve → unfold lanes → prune and fold → make the nodes → schedule. Errors, in file order: those of
+/// `check`; without any, what the nodes say when they are made, and all loops without a delay.
 Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table,
+                                           const CompileOptions& options);
+
+/// The same for a graph just loaded: the mistakes of its text and those of `check` in one go.
+Checked<std::unique_ptr<Schedule>> compile(const LoadedGraph& graph, const NodeTable& table,
                                            const CompileOptions& options);
 
 }  // namespace tactus

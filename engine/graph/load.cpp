@@ -35,10 +35,7 @@ class Loader {
     return spec;
   }
 
-  Checked<Spec> finish(Spec spec) {
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
-    return spec;
-  }
+  std::vector<Error> take_mistakes() { return mistakes_.take(); }
 
  private:
   Spec use(const NodeSpec& node) {
@@ -75,22 +72,36 @@ class Loader {
   std::map<std::filesystem::path, Spec> done_;
 };
 
-Checked<Spec> read(const std::filesystem::path& file, const std::filesystem::path& root,
-                   const Result<Value::Table>& table) {
+LoadedGraph read(const std::filesystem::path& file, const std::filesystem::path& root,
+                 const Result<Value::Table>& table) {
   Loader loader{file, root};
   auto spec = loader.build({file.string(), canonical_path(file)}, table);
-  return loader.finish(std::move(spec));
+  return {std::move(spec), loader.take_mistakes()};
+}
+
+Checked<Spec> without_mistakes(LoadedGraph loaded) {
+  if (!loaded.mistakes.empty()) return tl::unexpected(std::move(loaded.mistakes));
+  return std::move(loaded.spec);
 }
 
 }  // namespace
 
-Checked<Spec> load_graph(const std::filesystem::path& file, const std::filesystem::path& root) {
+LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::filesystem::path& root) {
   return read(file, root, load_toml(file));
+}
+
+LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name,
+                                  const std::filesystem::path& root) {
+  return read(file_name, root, parse_toml(text, file_name));
+}
+
+Checked<Spec> load_graph(const std::filesystem::path& file, const std::filesystem::path& root) {
+  return without_mistakes(load_graph_leniently(file, root));
 }
 
 Checked<Spec> parse_graph(std::string_view text, const std::string& file_name,
                           const std::filesystem::path& root) {
-  return read(file_name, root, parse_toml(text, file_name));
+  return without_mistakes(parse_graph_leniently(text, file_name, root));
 }
 
 }  // namespace tactus

@@ -17,7 +17,7 @@ class Maker {
     made_.frozen_controls.assign(flat.controls.size(), false);
   }
 
-  Checked<MadeNodes> run() {
+  MadeNodes run() {
     // Nodes that others are compensated for come first: their response bounds the delay of those.
     for (const bool compensated : {false, true})
       for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
@@ -32,10 +32,9 @@ class Maker {
       const auto* other = made_.nodes[static_cast<std::size_t>(vertex.index)].get();
       if (other != nullptr)
         made_.nodes[v] = std::make_unique<PhaseDelay>(*other, static_cast<int>(vertex.in.size()) - 2);
-      else if (errors_.empty())
+      else if (made_.mistakes.empty())
         complain_phase(vertex);
     }
-    if (!errors_.empty()) return tl::unexpected(std::move(errors_));
     return std::move(made_);
   }
 
@@ -46,9 +45,23 @@ class Maker {
   const Vertex& at(Wire wire) const { return graph_.vertices[static_cast<std::size_t>(wire.vertex)]; }
 
   void make(std::size_t v, const Vertex& vertex) {
-    const auto errors_before = errors_.size();
     const auto& node = flat_node(vertex);
+    auto setup = setup_of(node, vertex);
+    if (!setup || (!node.compensate.empty() && !shorten_time(node, vertex, *setup))) return;
+    auto made = node.type->make(*setup);
+    if (made) {
+      made_.nodes[v] = std::move(*made);
+      return;
+    }
+    auto error = made.error();
+    if (error.where.empty()) error.where = node.at.text();
+    made_.mistakes.push_back(std::move(error));
+  }
+
+  /// Nothing after a mistake.
+  std::optional<NodeSetup> setup_of(const FlatNode& node, const Vertex& vertex) {
     NodeSetup setup;
+    bool right = true;
     setup.sample_rate = options_.sample_rate;
     setup.type = node.type.get();
     setup.settings = node.settings;
@@ -60,8 +73,9 @@ class Maker {
       if (source.kind == Vertex::Kind::Constant) info.constant = source.value;
       if (node.type->inputs[i].fixed) {
         info.constant = starting_value(vertex.in[i], 0);
+        right = right && info.constant.has_value();
         if (!info.constant)
-          errors_.push_back({Errc::WrongType, node.inputs[i]->at.text(),
+          made_.mistakes.push_back({Errc::WrongType, node.inputs[i]->at.text(),
                              "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" + node.path +
                                  "' must not change while it runs",
                              "give a number, a quantity, or an expression of controls"});
@@ -69,16 +83,7 @@ class Maker {
       if (info.constant) info.range = Interval::exactly(*info.constant);
       setup.inputs.push_back(info);
     }
-    if (!node.compensate.empty()) shorten_time(node, vertex, setup);
-    if (errors_.size() > errors_before) return;
-    auto made = node.type->make(setup);
-    if (made) {
-      made_.nodes[v] = std::move(*made);
-      return;
-    }
-    auto error = made.error();
-    if (error.where.empty()) error.where = node.at.text();
-    errors_.push_back(std::move(error));
+    return right ? std::optional{std::move(setup)} : std::nullopt;
   }
 
   /// What a signal is when the graph starts, if only constants and controls decide it. Such controls freeze.
@@ -97,45 +102,45 @@ class Maker {
     return apply(vertex.op, *a, *b);
   }
 
-  void shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
+  /// False if a node that is compensated for could not be made: nothing is known of its delay.
+  bool shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
     const auto time = static_cast<std::size_t>(node.type->input_index("time"));
     auto tuned = node.ranges[time];
-    if (!tuned.bounded()) return;  // the node itself asks for bounds
+    if (!tuned.bounded()) return true;  // the node itself asks for bounds
     // No period is shorter than two frames.
     const double shortest = 2 / options_.sample_rate.value;
     tuned = {std::max(tuned.low, shortest), std::max(tuned.high, shortest)};
     Interval left = node.ranges[time];
     for (Wire wire = vertex.in[time]; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
       const auto other = static_cast<std::size_t>(at(wire).index);
-      if (made_.nodes[other] == nullptr) continue;
+      if (made_.nodes[other] == nullptr) return false;
       const auto taken =
           PhaseDelay::range(*made_.nodes[other], tuned, flat_node(graph_.vertices[other]).ranges);
-      if (!taken) return complain_phase(at(wire));
+      if (!taken) return complain_phase(at(wire)), false;
       left = {left.low - taken->high, left.high - taken->low};
     }
     setup.inputs[time].constant.reset();
     setup.inputs[time].range = {std::max(0.0, left.low), std::max(0.0, left.high)};
+    return true;
   }
 
   void complain_phase(const Vertex& phase_delay) {
-    errors_.push_back({Errc::BadArgument, phase_delay.at.text(),
-                       "the phase delay of '" +
-                           graph_.vertices[static_cast<std::size_t>(phase_delay.index)].path +
-                           "' cannot be compensated: it is not known",
-                       "name filters that lie in the same loop"});
+    made_.mistakes.push_back({Errc::BadArgument, phase_delay.at.text(),
+                              "the phase delay of '" +
+                                  graph_.vertices[static_cast<std::size_t>(phase_delay.index)].path +
+                                  "' cannot be compensated: it is not known",
+                              "name filters that lie in the same loop"});
   }
 
   const VertexGraph& graph_;
   const FlatGraph& flat_;
   const CompileOptions& options_;
   MadeNodes made_;
-  std::vector<Error> errors_;
 };
 
 }  // namespace
 
-Checked<MadeNodes> make_nodes(const VertexGraph& graph, const FlatGraph& flat,
-                              const CompileOptions& options) {
+MadeNodes make_nodes(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options) {
   return Maker{graph, flat, options}.run();
 }
 

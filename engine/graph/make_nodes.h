@@ -10,12 +10,13 @@
 namespace tactus {
 
 /// The running nodes of the vertices that are left, in the order of the vertices (nullptr where a vertex is
-/// no node).
+/// no node or could not be made).
 struct MadeNodes {
   std::vector<std::unique_ptr<Node>> nodes;
   std::vector<bool> frozen_controls;  ///< their value was needed to make a node
+  std::vector<Error> mistakes;        ///< why nodes could not be made: they are nullptr
 };
 
-Checked<MadeNodes> make_nodes(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options);
+MadeNodes make_nodes(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options);
 
 }  // namespace tactus

@@ -42,26 +42,20 @@ class Ordering {
   }
 
   Checked<std::vector<OrderedSection>> run() {
-    find_components();
+    if (auto errors = cycle_errors(); !errors.empty()) return tl::unexpected(std::move(errors));
+    auto components = find_components(every_edge);
     std::vector<OrderedSection> sections;
-    std::vector<Error> errors;
     // Tarjan finds components in reverse order: what is read comes last.
-    for (auto it = components_.rbegin(); it != components_.rend(); ++it) {
+    for (auto it = components.rbegin(); it != components.rend(); ++it) {
       auto& component = *it;
-      if (component.size() == 1 && !reads_itself(component.front())) {
+      if (component.size() == 1 && !reads_itself(component.front(), every_edge)) {
         if (sections.empty() || sections.back().loop) sections.emplace_back();
         sections.back().vertices.push_back({half_of_whole(component.front()), component.front()});
         continue;
       }
-      auto loop = order_loop(component);
-      if (loop)
-        sections.push_back(std::move(*loop));
-      else
-        errors.push_back(std::move(loop.error()));
+      sections.push_back(order_loop(component));
     }
-    if (errors.empty()) return sections;
-    sort_by_place(errors);
-    return tl::unexpected(std::move(errors));
+    return sections;
   }
 
  private:
@@ -73,17 +67,24 @@ class Ordering {
   }
   const std::vector<Edge>& readers(int v) const { return readers_[static_cast<std::size_t>(v)]; }
 
-  bool reads_itself(int v) const {
-    return std::any_of(readers(v).begin(), readers(v).end(), [v](const Edge& e) { return e.to == v; });
+  template <class Follows>
+  bool reads_itself(int v, Follows follows) const {
+    return std::any_of(readers(v).begin(), readers(v).end(),
+                       [&](const Edge& e) { return e.to == v && follows(e); });
   }
 
-  /// Tarjan's strongly connected components, with a stack of our own: graphs may be chains of 100,000 nodes.
-  void find_components() {
+  static bool every_edge(const Edge&) { return true; }
+
+  /// Tarjan's strongly connected components over the edges that `follows` takes, with a stack of our own:
+  /// graphs may be chains of 100,000 nodes.
+  template <class Follows>
+  std::vector<std::vector<int>> find_components(Follows follows) const {
     struct Frame {
       int v;
       std::size_t next;
     };
     const auto n = static_cast<std::size_t>(size_);
+    std::vector<std::vector<int>> components;
     std::vector<int> index(n, -1), low(n, 0);
     std::vector<bool> on_stack(n, false);
     std::vector<int> stack;
@@ -100,10 +101,11 @@ class Ordering {
           on_stack[vi] = true;
         }
         if (frames.back().next < readers(v).size()) {
-          const int w = readers(v)[frames.back().next++].to;
-          const auto wi = static_cast<std::size_t>(w);
+          const auto& edge = readers(v)[frames.back().next++];
+          const auto wi = static_cast<std::size_t>(edge.to);
+          if (!follows(edge)) continue;
           if (index[wi] < 0)
-            frames.push_back({w, 0});
+            frames.push_back({edge.to, 0});
           else if (on_stack[wi])
             low[vi] = std::min(low[vi], index[wi]);
           continue;
@@ -117,7 +119,7 @@ class Ordering {
             on_stack[static_cast<std::size_t>(w)] = false;
             component.push_back(w);
           } while (w != v);
-          components_.push_back(std::move(component));
+          components.push_back(std::move(component));
         }
         frames.pop_back();
         if (!frames.empty()) {
@@ -126,12 +128,14 @@ class Ordering {
         }
       }
     }
+    return components;
   }
 
   // ---- loops
   // -----------------------------------------------------------------------------------------------
 
-  Result<OrderedSection> order_loop(std::vector<int>& component) {
+  /// Every cycle in `component` is cut by a delay of a frame or more.
+  OrderedSection order_loop(std::vector<int>& component) const {
     std::sort(component.begin(), component.end());
     const std::set<int> inside(component.begin(), component.end());
     std::set<int, std::greater<>> delays;  // a longer sub-block first
@@ -139,13 +143,13 @@ class Ordering {
       for (const auto& edge : readers(v))
         if (edge.late && inside.contains(edge.to))
           delays.insert(std::min(kMaxPiece, least_[static_cast<std::size_t>(edge.to)]));
+    OrderedSection section;
     for (const int sub_block : delays) {
-      if (sub_block < 1) break;
       std::vector<int> left;
-      auto section = try_order(component, inside, sub_block, left);
-      if (left.empty()) return section;
+      section = try_order(component, inside, sub_block, left);
+      if (left.empty()) break;
     }
-    return tl::unexpected(cycle_error(component, inside));
+    return section;
   }
 
   bool cuts(const Edge& edge, int sub_block) const {
@@ -193,10 +197,18 @@ class Ordering {
   // ---- loops without delay
   // ---------------------------------------------------------------------------------
 
-  Error cycle_error(const std::vector<int>& component, const std::set<int>& inside) const {
-    std::vector<int> left;
-    try_order(component, inside, 1, left);
-    const std::set<int> stuck(left.begin(), left.end());
+  /// One for each part of the graph in which signals go round within a frame.
+  std::vector<Error> cycle_errors() const {
+    const auto at_once = [this](const Edge& edge) { return !cuts(edge, 1); };
+    std::vector<Error> errors;
+    for (const auto& component : find_components(at_once))
+      if (component.size() > 1 || reads_itself(component.front(), at_once))
+        errors.push_back(cycle_error({component.begin(), component.end()}));
+    sort_by_place(errors);
+    return errors;
+  }
+
+  Error cycle_error(const std::set<int>& stuck) const {
     const auto cycle = walk_cycle(stuck);
     std::vector<std::string> names;
     Source at;
@@ -247,7 +259,6 @@ class Ordering {
   std::vector<int> least_;
   int size_;
   std::vector<std::vector<Edge>> readers_;
-  std::vector<std::vector<int>> components_;
 };
 
 }  // namespace

@@ -26,8 +26,8 @@ struct OrderedSection {
 /// Puts the vertices in an order in which everything runs after what it reads. Strongly connected parts
 /// become loops with the largest possible sub-block. `late[v][i]`: input i of vertex v is late, and
 /// `least[v]` is the guaranteed delay from v's late inputs to its outputs. With `closed_outside`, a vertex
-/// that stands for the world outside is put between all outputs and all inputs. Errors: Cycle, naming the
-/// loop edge by edge.
+/// that stands for the world outside is put between all outputs and all inputs. Errors: one
+/// Cycle for each part of the graph that goes round without a delay, naming a loop edge by edge.
 Checked<std::vector<OrderedSection>> order(const VertexGraph& graph,
                                            const std::vector<std::vector<bool>>& late,
                                            const std::vector<int>& least, bool closed_outside);

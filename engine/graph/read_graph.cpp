@@ -18,7 +18,8 @@ bool among(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-void check_keys(const Value::Table& table, Mistakes& mistakes) {
+/// False if there is a key that may have been meant as a section.
+bool check_keys(const Value::Table& table, Mistakes& mistakes) {
   Value::Table unknown = table;
   std::erase_if(unknown, [](const Field& field) { return among(kSceneKeys, field.key); });
   mistakes.unknown_keys(unknown, kGraphKeys);
@@ -26,6 +27,15 @@ void check_keys(const Value::Table& table, Mistakes& mistakes) {
     if (among(kSceneKeys, field.key))
       mistakes.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a scene, and this is a graph",
                    "move it to the scene's file");
+  return std::all_of(unknown.begin(), unknown.end(),
+                     [](const Field& field) { return among(kGraphKeys, field.key); });
+}
+
+bool sections_are_tables(const Value::Table& table) {
+  static const std::vector<std::string> kSections = {"inputs", "controls", "nodes", "networks", "outputs"};
+  return std::all_of(table.begin(), table.end(), [](const Field& field) {
+    return !among(kSections, field.key) || field.value.table() != nullptr;
+  });
 }
 
 /// Takes a key that must be a string out of `fields`.
@@ -68,6 +78,7 @@ NodeSpec read_node(const Field& field, Mistakes& mistakes) {
                  remedy_for(*fields));
   node.type = take_text(node, "type", mistakes);
   node.use = take_text(node, "use", mistakes);
+  node.broken = node.type.empty() == node.use.empty();
   return node;
 }
 
@@ -85,7 +96,7 @@ NodeSpec read_element(const Field& field, const std::string& network, Mistakes& 
 }
 
 NetworkSpec read_network(const EntrySpec& entry, Mistakes& mistakes) {
-  NetworkSpec network{entry.name, entry.at, {}, {}};
+  NetworkSpec network{entry.name, entry.at, {}, {}, entry.broken};
   NameSpace names;
   for (const auto& field : entry.fields) {
     if (field.value.table() == nullptr) {
@@ -94,6 +105,7 @@ NetworkSpec read_network(const EntrySpec& entry, Mistakes& mistakes) {
     }
     names.add(field.key, "an element", field.at, mistakes);
     network.elements.push_back(read_element(field, entry.name, mistakes));
+    network.broken = network.broken || network.elements.back().type.empty();
   }
   return network;
 }
@@ -137,11 +149,12 @@ std::vector<EntrySpec> read_entries(const Value::Table& table, const std::string
   const auto* fields = read_section(table, section, mistakes);
   if (fields == nullptr) return entries;
   for (const auto& field : *fields) {
-    if (field.value.table() == nullptr)
+    const auto* inside = field.value.table();
+    if (inside == nullptr)
       mistakes.add(Errc::WrongType, field.value.at,
                    "'" + field.key + "' in [" + section + "] must be a table, not " + field.value.kind(),
                    "write " + field.key + " = " + example);
-    entries.push_back({field.key, field.at, field.value.table() ? *field.value.table() : Value::Table{}});
+    entries.push_back({field.key, field.at, inside ? *inside : Value::Table{}, inside == nullptr});
   }
   return entries;
 }
@@ -150,7 +163,7 @@ GraphSpec read_graph(const Value::Table& table, const Source& file, Mistakes& mi
   GraphSpec spec;
   spec.file = file;
   check_format(table, file, mistakes);
-  check_keys(table, mistakes);
+  spec.incomplete = !check_keys(table, mistakes) || !sections_are_tables(table);
   spec.name = mistakes.text(table, "name");
   spec.about = mistakes.text(table, "about");
   spec.source = mistakes.text(table, "source");

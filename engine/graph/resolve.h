@@ -16,8 +16,7 @@ struct Resolved {
 };
 
 /// Looks every name up: node types, ports, settings, signals; unfolds parts. `taps` names signals of the top
-/// file
-/// ("hit", "hit.level") that become outputs of their own.
+/// file ("hit", "hit.level") that become outputs of their own.
 Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
                  const std::vector<std::string>& taps = {});
 

@@ -5,10 +5,11 @@
 namespace tactus {
 
 Result<int> Scope::find(const std::string& name, const Source& at) const {
+  if (hidden_.contains(first_word(name))) return FlatGraph::kMissing;
   if (const auto it = signals_.find(name); it != signals_.end()) return it->second;
-  if (hidden_.contains(name.substr(0, name.find('.')))) return FlatGraph::kMissing;
   if (const auto it = not_signals_.find(name); it != not_signals_.end())
     return fail(Errc::UnknownName, at.text(), "'" + name + "' is not a signal", it->second);
+  if (tolerates(name)) return FlatGraph::kMissing;
   std::vector<std::string> names;
   names.reserve(signals_.size());
   for (const auto& [known, signal] : signals_) names.push_back(known);

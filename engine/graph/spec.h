@@ -16,6 +16,7 @@ struct EntrySpec {
   std::string name;
   Source at;
   Value::Table fields;
+  bool broken = false;  ///< its own mistake was told; what it means is not known
 };
 
 struct NodeSpec : EntrySpec {
@@ -31,6 +32,7 @@ struct NetworkSpec {
   Source at;
   Value::Table options;            ///< fields that are not tables
   std::vector<NodeSpec> elements;  ///< name, type and fields of each element
+  bool broken = false;             ///< it or one of its elements
 };
 
 /// A graph file, read once into plain data. Nothing here was looked up yet.
@@ -41,6 +43,7 @@ struct GraphSpec {
   std::vector<NodeSpec> nodes;
   std::vector<NetworkSpec> networks;
   std::optional<EntrySpec> delay;
+  bool incomplete = false;  ///< a section could not be read: names that are not here may stand there
   /// Files that `use` names, by the text of `use`. A file used twice is read once.
   std::map<std::string, std::shared_ptr<const GraphSpec>> parts;
 };

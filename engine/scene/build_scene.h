@@ -34,8 +34,11 @@ struct BuiltScene {
   std::vector<SceneTap> instrument_taps;  ///< triggers of the instrument ("instrument.hit") and their levels
 };
 
-/// [control] All mistakes of the wiring and of both graphs, in file order.
+/// [control] All mistakes of the wiring, of both graphs and of what is to be measured, in file order.
 Checked<BuiltScene> build_scene(const SceneSpec& scene, const NodeTable& table,
+                                const SceneOptions& options = {});
+/// [control] The same for a scene just loaded, together with the mistakes of its text.
+Checked<BuiltScene> build_scene(const LoadedScene& loaded, const NodeTable& table,
                                 const SceneOptions& options = {});
 
 /// Names of the triggers of a graph that are events for a person ("hit"), each followed by its level if its

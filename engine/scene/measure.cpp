@@ -136,9 +136,17 @@ std::string wanted_text(const Expectation& expectation, const std::string& unit)
   return expectation.min ? "at least " + number(*expectation.min) : "at most " + number(*expectation.max);
 }
 
+std::string unit_in(const SceneRecording& recording, const Expectation& expectation,
+                    const MeasureType& type) {
+  if (type.unit != MeasureType::kUnitOfSubject) return type.unit;
+  const auto* signal = trigger_signal(recording, subject_of(expectation, type));
+  return signal != nullptr ? to_string(signal->dimension) : "";
+}
+
 }  // namespace
 
 const std::vector<MeasureType>& measure_types() {
+  using Subject = MeasureType::Subject;
   static const std::vector<MeasureType> types = {
       {"count", "", "number of events"},
       {"rate", "Hz", "events a second, from the first to the last"},
@@ -147,15 +155,28 @@ const std::vector<MeasureType>& measure_types() {
       {"long_short", "", "longer of two neighbouring intervals over the shorter, median"},
       {"growing", "", "longest run of intervals that each grow by 3 % or more"},
       {"last", "s", "time of the last event"},
-      {"restitution", "", "speed after a strike over the speed before, geometric mean"},
-      {"missed", "", "strikes that were not heard"},
-      {"doubled", "", "hits heard without a strike of their own"},
-      {"detection_time", "s", "longest time from the start of a strike to the hit"},
-      {"peak", "", "largest absolute value"},
-      {"rms", "", "root mean square"},
-      {"faults", "", "values that were not numbers, at inputs and in nodes"},
+      {"restitution", "", "speed after a strike over the speed before, geometric mean", Subject::Signal,
+       "plant.stick", true},
+      {"missed", "", "strikes that were not heard", Subject::Events, "instrument.hit", true},
+      {"doubled", "", "hits heard without a strike of their own", Subject::Events, "instrument.hit", true},
+      {"detection_time", "s", "longest time from the start of a strike to the hit", Subject::Events,
+       "instrument.hit", true},
+      {"peak", MeasureType::kUnitOfSubject, "largest absolute value", Subject::Signal},
+      {"rms", MeasureType::kUnitOfSubject, "root mean square", Subject::Signal},
+      {"faults", "", "values that were not numbers, at inputs and in nodes", Subject::Nothing},
   };
   return types;
+}
+
+const MeasureType* find_measure(std::string_view name) {
+  const auto& types = measure_types();
+  const auto found =
+      std::find_if(types.begin(), types.end(), [&](const MeasureType& type) { return type.name == name; });
+  return found == types.end() ? nullptr : &*found;
+}
+
+const std::string& subject_of(const Expectation& expectation, const MeasureType& type) {
+  return expectation.of.empty() ? type.of : expectation.of;
 }
 
 Result<double> measure(const SceneRecording& recording, const Expectation& expectation) {
@@ -177,16 +198,10 @@ Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const S
   std::vector<Outcome> outcomes;
   std::vector<Error> mistakes;
   for (const auto& expectation : scene.expect) {
-    const auto& types = measure_types();
-    const auto type = std::find_if(types.begin(), types.end(),
-                                   [&](const auto& t) { return t.name == expectation.measure; });
-    if (type == types.end()) {
-      std::vector<std::string> names;
-      for (const auto& known : types) names.push_back(known.name);
-      const auto near = nearest_name(expectation.measure, names);
+    const auto* type = find_measure(expectation.measure);
+    if (type == nullptr) {
       mistakes.push_back({Errc::UnknownName, expectation.measure_at.text(),
-                          "there is no measure '" + expectation.measure + "'",
-                          near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?"});
+                          "there is no measure '" + expectation.measure + "'", ""});
       continue;
     }
     const auto value = measure(recording, expectation);
@@ -196,8 +211,9 @@ Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const S
     }
     const bool holds = (!expectation.min || *value >= expectation.min->si) &&
                        (!expectation.max || *value <= expectation.max->si);
-    outcomes.push_back({expectation.name, expectation.measure, *value, type->unit, holds,
-                        wanted_text(expectation, type->unit)});
+    const auto unit = unit_in(recording, expectation, *type);
+    outcomes.push_back(
+        {expectation.name, expectation.measure, *value, unit, holds, wanted_text(expectation, unit)});
   }
   if (!mistakes.empty()) return tl::unexpected(std::move(mistakes));
   return outcomes;

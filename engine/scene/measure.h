@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/error.h"
@@ -11,16 +12,31 @@ namespace tactus {
 
 /// Something that can be asked of a recording, by the name that [expect] uses.
 struct MeasureType {
+  enum class Subject {
+    Nothing,  ///< of the whole scene
+    Signal,   ///< of a signal as it is
+    Events,   ///< of a trigger, or of the strikes in a contact force
+  };
+  static constexpr auto kUnitOfSubject = "=of";
   std::string name;
-  std::string unit;
+  std::string unit;  ///< or kUnitOfSubject
   std::string doc;
+  Subject subject = Subject::Events;
+  std::string of{};         ///< what it is taken of if the scene does not say; empty: the scene must
+  bool of_strikes = false;  ///< compares it with the strikes in kStrikeContact
 };
 /// [any] All of them.
 const std::vector<MeasureType>& measure_types();
+/// [any] nullptr if there is none of that name.
+const MeasureType* find_measure(std::string_view name);
+/// [any] What an expectation is taken of.
+const std::string& subject_of(const Expectation& expectation, const MeasureType& type);
+
+/// The contact force in which a plant shows its strikes.
+inline constexpr auto kStrikeContact = "plant.contact";
 
 /// [control] Of a recording, between two times. Where events are asked for, `of` is a trigger of the
-/// instrument
-/// ("instrument.hit") or a contact force ("plant.contact": its strikes). Errors: UnknownName, Missing.
+/// instrument ("instrument.hit") or a contact force ("plant.contact": its strikes). Errors: UnknownName, Missing.
 Result<double> measure(const SceneRecording& recording, const Expectation& expectation);
 
 /// What came of one line of [expect].
@@ -31,12 +47,13 @@ struct Outcome {
   bool holds = false;
   std::string wanted;  ///< "at least 15 Hz"
 };
-/// [control] All mistakes of [expect] in one go.
+/// [control] What a scene that could be built promised: `build_scene` has told the mistakes of [expect].
+/// Errors: UnknownName for what was not recorded all the same.
 Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const SceneRecording& recording);
 
 /// The instrument's strikes on what it plays: pushes of a contact force above 5 N; less than 5 ms apart they
 /// are one.
-std::vector<Strike> strikes_of(const SceneRecording& recording, const std::string& contact = "plant.contact");
+std::vector<Strike> strikes_of(const SceneRecording& recording, const std::string& contact = kStrikeContact);
 /// Times of the first trigger called `name` ("instrument.hit", with or without its output); empty if there is
 /// none.
 std::vector<double> triggers_of(const SceneRecording& recording, const std::string& name);

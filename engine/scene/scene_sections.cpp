@@ -218,14 +218,16 @@ std::vector<Expectation> read_expectations(const Value::Table& scene, Seconds du
 std::optional<Comparison> read_comparison(const Value::Table& scene, Mistakes& mistakes) {
   const auto* fields = read_section(scene, "compare", mistakes);
   if (fields == nullptr) return std::nullopt;
-  Comparison comparison{mistakes.text(*fields, "name"), find(scene, "compare")->at, {}};
+  Comparison comparison{mistakes.text(*fields, "name"), find(scene, "compare")->at, {}, {}};
   if (comparison.name.empty())
     mistakes.add(Errc::Missing, comparison.at, "[compare] lacks 'name'",
                  "write name = \"without the pulse\"");
   for (const auto& field : *fields) {
     if (field.key == "name") continue;
     const auto value = read_quantity(field.value);
-    if (mistakes.keep(value) != nullptr) comparison.set[field.key] = value->si;
+    if (mistakes.keep(value) == nullptr) continue;
+    comparison.set[field.key] = value->si;
+    comparison.places[field.key] = field.at;
   }
   return comparison;
 }

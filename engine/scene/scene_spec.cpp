@@ -22,7 +22,8 @@ const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "net
 // Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.
 constexpr double kMaxSeed = 9007199254740991.0;
 
-void check_keys(const Value::Table& table, Mistakes& mistakes) {
+/// False if there is a key that may have been meant as a section, or a section that is none.
+bool check_keys(const Value::Table& table, Mistakes& mistakes) {
   const auto of_graph = [](const Field& field) {
     return std::find(kGraphKeys.begin(), kGraphKeys.end(), field.key) != kGraphKeys.end();
   };
@@ -33,6 +34,11 @@ void check_keys(const Value::Table& table, Mistakes& mistakes) {
     if (of_graph(field))
       mistakes.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a graph, and this is a scene",
                    "move it to the file of a part");
+  return std::all_of(rest.begin(), rest.end(), [](const Field& field) {
+    const bool known = std::find(kSceneKeys.begin(), kSceneKeys.end(), field.key) != kSceneKeys.end();
+    const bool section = field.key == "parts" || field.key == "gestures";
+    return known && (!section || field.value.table() != nullptr);
+  });
 }
 
 /// A wire's grammar; what it names is looked up when the scene is put together.
@@ -49,16 +55,16 @@ class SceneReader {
     scene_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
   }
 
-  Checked<SceneSpec> read(const Result<Value::Table>& table) {
-    if (mistakes_.keep(table) != nullptr) read_sections(*table);
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
-    return std::move(scene_);
+  LoadedScene read(const Result<Value::Table>& table) {
+    if (mistakes_.keep(table) == nullptr) return {std::nullopt, mistakes_.take()};
+    read_sections(*table);
+    return {std::move(scene_), mistakes_.take()};
   }
 
  private:
   void read_sections(const Value::Table& table) {
     check_format(table, scene_.file, mistakes_);
-    check_keys(table, mistakes_);
+    scene_.incomplete = !check_keys(table, mistakes_);
     scene_.name = mistakes_.text(table, "name");
     scene_.about = mistakes_.text(table, "about");
     scene_.source = mistakes_.text(table, "source");
@@ -115,10 +121,9 @@ class SceneReader {
     const auto found = find_part(use, folder_, root_, at);
     const auto* path = mistakes_.keep(found);
     if (path == nullptr) return nullptr;
-    auto graph = load_graph(path->name, root_);
-    if (graph) return *graph;
-    mistakes_.add(std::move(graph.error()));
-    return nullptr;
+    auto loaded = load_graph_leniently(path->name, root_);
+    mistakes_.add(std::move(loaded.mistakes));
+    return loaded.spec;
   }
 
   std::filesystem::path folder_, root_;
@@ -133,20 +138,34 @@ auto* find_named(const Items& items, std::string_view name) {
   return found == items.end() ? nullptr : &*found;
 }
 
+Checked<SceneSpec> without_mistakes(LoadedScene loaded) {
+  if (!loaded.mistakes.empty()) return tl::unexpected(std::move(loaded.mistakes));
+  return std::move(*loaded.scene);
+}
+
 }  // namespace
 
 const ScenePart* SceneSpec::part(std::string_view called) const { return find_named(parts, called); }
 const Gesture* SceneSpec::gesture(std::string_view called) const { return find_named(gestures, called); }
 
-Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root) {
+LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root) {
   std::error_code error;
   const auto file = std::filesystem::is_directory(path, error) ? path / "scene.toml" : path;
   return SceneReader{file, root}.read(load_toml(file));
 }
 
+LoadedScene parse_scene_leniently(std::string_view text, const std::string& file_name,
+                                  const std::filesystem::path& root) {
+  return SceneReader{file_name, root}.read(parse_toml(text, file_name));
+}
+
+Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root) {
+  return without_mistakes(load_scene_leniently(path, root));
+}
+
 Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
                                const std::filesystem::path& root) {
-  return SceneReader{file_name, root}.read(parse_toml(text, file_name));
+  return without_mistakes(parse_scene_leniently(text, file_name, root));
 }
 
 }  // namespace tactus

@@ -21,7 +21,7 @@ namespace tactus {
 struct ScenePart {
   std::string name;
   Source at;
-  std::shared_ptr<const GraphSpec> graph;
+  std::shared_ptr<const GraphSpec> graph;  ///< nullptr only after a mistake
   Value::Table wires;
 };
 
@@ -67,7 +67,8 @@ struct Expectation {
 struct Comparison {
   std::string name;  ///< "without the pulse"
   Source at;
-  std::map<std::string, double> set;  ///< SI, named as `--set` names them
+  std::map<std::string, double> set;     ///< SI, named as `--set` names them
+  std::map<std::string, Source> places;  ///< where each of them stands
 };
 
 /// A scene file, read once into plain data: an instrument, the world it plays in, and the gestures that play
@@ -84,17 +85,28 @@ struct SceneSpec {
   std::vector<Expectation> expect;
   std::optional<Comparison> compare;
   std::optional<std::uint64_t> seed;  ///< of everything random
+  bool incomplete = false;            ///< a section could not be read
 
   /// nullptr if there is none.
   const ScenePart* part(std::string_view name) const;
   const Gesture* gesture(std::string_view name) const;
 };
 
+/// A scene together with what is wrong with its text and that of its parts; `build_scene` finds the rest.
+struct LoadedScene {
+  std::optional<SceneSpec> scene;  ///< nothing if the file cannot be read or is no TOML
+  std::vector<Error> mistakes;     ///< by file, line and column
+};
+
 /// [control] Reads a scene and the files of its parts; a folder means its scene.toml. `root` is the folder
-/// that no path may leave (empty: the scene's own). Errors: every mistake of every file, by file, line and
-/// column.
-Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
+/// that no path may leave (empty: the scene's own).
+LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root = {});
 /// [control] The same from text; `file_name` stands in messages, and relative paths start at its folder.
+LoadedScene parse_scene_leniently(std::string_view text, const std::string& file_name,
+                                  const std::filesystem::path& root = {});
+
+/// [control] The same for those who only want a scene whose text is right.
+Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
 Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
                                const std::filesystem::path& root = {});
 

@@ -15,9 +15,7 @@ using Channels = std::vector<std::vector<double>>;
 
 /// Every mistake of a graph text as one string, one a line; "" if there is none.
 inline std::string mistakes(const std::string& text, CompileOptions options = {}) {
-  const auto spec = parse_graph(text, "test.toml");
-  if (!spec) return to_string(spec.error());
-  const auto schedule = compile(**spec, standard_nodes(), options);
+  const auto schedule = compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options);
   return schedule ? "" : to_string(schedule.error());
 }
 
@@ -25,7 +23,7 @@ inline std::string mistakes(const std::string& text, CompileOptions options = {}
 inline std::unique_ptr<Engine> engine_of(const std::string& text, CompileOptions options = {}) {
   const auto wrong = mistakes(text, options);
   if (!wrong.empty()) throw std::runtime_error(wrong);
-  return std::make_unique<Engine>(*compile(**parse_graph(text, "test.toml"), standard_nodes(), options));
+  return std::make_unique<Engine>(*compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options));
 }
 
 /// Runs from frame 0 in blocks of the given lengths, over and over, until the inputs (or `frames`) end.

@@ -1,0 +1,81 @@
+#include "engine/scene/moved_controls.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/graph/entry_fields.h"
+
+namespace tactus {
+namespace {
+
+void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at, Mistakes& mistakes) {
+  if (!gesture.bare && !(gesture.unit.dimension == control.unit.dimension))
+    return mistakes.add(Errc::UnitMismatch, at,
+                        "control '" + control.name + "' is like " + in_unit(control.value, control.unit) +
+                            ", but gesture '" + gesture.name + "' is like " +
+                            in_unit(gesture.points.front().value, gesture.unit),
+                        "give the points of the gesture the unit of the control");
+  for (const auto& point : gesture.points)
+    if (!control.range.contains(point.value))
+      return mistakes.add(Errc::OutOfRange, at,
+                          "gesture '" + gesture.name + "' moves control '" + control.name + "' to " +
+                              in_unit(point.value, control.unit) + ", which is outside its range",
+                          "it goes from " + in_unit(control.range.low, control.unit) + " to " +
+                              in_unit(control.range.high, control.unit));
+}
+
+void add_slope(const Gesture::Point& from, const Gesture::Point& to, Gesture::Curve curve, const auto& add) {
+  for (double t = from.time_s + 1e-3; t < to.time_s; t += 1e-3) {
+    double u = (t - from.time_s) / (to.time_s - from.time_s);
+    if (curve == Gesture::Curve::Smooth) u = u * u * (3 - 2 * u);
+    add(t, from.value + (to.value - from.value) * u);
+  }
+}
+
+}  // namespace
+
+std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
+                                         Mistakes& mistakes) {
+  if (control.broken) return std::nullopt;
+  Mistakes told_by_the_graph;
+  const auto read = read_control(control, told_by_the_graph);
+  const auto* text = field.value.text();
+  if (const auto* gesture = text != nullptr ? scene.gesture(*text) : nullptr) {
+    if (gesture->points.empty()) return std::nullopt;
+    if (read.unit_known) check_gesture(*gesture, read.control, field.value.at, mistakes);
+    return WiredControl{gesture->points.front().value, gesture};
+  }
+  if (text != nullptr && !parse_quantity(*text)) {
+    if (!scene.incomplete)
+      mistakes.add(Errc::WrongType, field.value.at,
+                   "'" + *text + "' is neither a value for control '" + control.name + "' nor a gesture",
+                   "give a quantity, or name a gesture that moves it");
+    return std::nullopt;
+  }
+  if (!read.unit_known) return std::nullopt;
+  const auto value = read_quantity(field.value, read.control.unit, control.name);
+  if (mistakes.keep(value) == nullptr) return std::nullopt;
+  return WiredControl{*value, nullptr};
+}
+
+std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved, const Schedule& schedule) {
+  std::vector<JournalEntry> entries;
+  for (const auto& [control, gesture] : moved) {
+    const int index = schedule.control_index(control);
+    const auto add = [&](double time_s, double value) {
+      entries.push_back({std::lround(time_s * schedule.sample_rate.value), JournalEntry::Kind::ControlChange,
+                         index, value});
+    };
+    const auto& points = gesture->points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      add(points[i].time_s, points[i].value);
+      if (gesture->curve != Gesture::Curve::Step && i + 1 < points.size())
+        add_slope(points[i], points[i + 1], gesture->curve, add);
+    }
+  }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  return entries;
+}
+
+}  // namespace tactus

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/journal.h"
+#include "engine/graph/mistakes.h"
+#include "engine/graph/schedule.h"
+#include "engine/scene/scene_spec.h"
+
+namespace tactus {
+
+/// What a scene does with a control of the instrument: sets where it starts, and may move it.
+struct WiredControl {
+  double start = 0;                  ///< SI
+  const Gesture* gesture = nullptr;  ///< of the scene
+};
+/// `field` is what the scene writes beside the control. Nothing after a mistake.
+std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
+                                         Mistakes& mistakes);
+
+struct MovedControl {
+  std::string control;
+  const Gesture* gesture;
+};
+/// The gestures as changes of controls, in order of time: a step becomes an entry at its frame; a slope
+/// becomes one a millisecond, which the control's own smoothing joins.
+std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved, const Schedule& schedule);
+
+}  // namespace tactus

@@ -1,0 +1,130 @@
+#include "engine/scene/scene_checks.h"
+
+#include <algorithm>
+#include <string>
+
+#include "engine/graph/entry_fields.h"
+#include "engine/graph/nearest.h"
+#include "engine/scene/build_scene.h"
+#include "engine/scene/measure.h"
+
+namespace tactus {
+namespace {
+
+std::vector<std::string> names_of(const std::vector<EntrySpec>& entries) {
+  std::vector<std::string> names;
+  for (const auto& entry : entries) names.push_back(entry.name);
+  return names;
+}
+
+void add_names(std::vector<std::string>& names, const std::string& part,
+               const std::vector<std::string>& more) {
+  for (const auto& name : more) names.push_back(part + "." + name);
+}
+
+/// Everything that will be recorded, lanes not counted.
+std::vector<std::string> recorded_names(const SceneSpec& scene, const NodeTable& table) {
+  std::vector<std::string> names;
+  for (const auto& part : scene.parts) {
+    if (part.graph == nullptr) continue;
+    if (part.name == "instrument") {
+      add_names(names, part.name, names_of(part.graph->inputs));
+      add_names(names, part.name, event_taps(*part.graph, table));
+    }
+    add_names(names, part.name, names_of(part.graph->outputs));
+  }
+  return names;
+}
+
+/// "plant.string[2]" is a lane of "plant.string", and "instrument.hit" the first output of that node.
+bool is_recorded(const std::string& name, const std::vector<std::string>& recorded) {
+  const auto whole = name.substr(0, name.find('['));
+  return std::any_of(recorded.begin(), recorded.end(), [&](const std::string& known) {
+    return known == whole || known.starts_with(whole + ".");
+  });
+}
+
+/// A part that cannot be read may have anything.
+bool may_have_more(const SceneSpec& scene, const std::string& name) {
+  const auto* part = scene.part(name.substr(0, name.find('.')));
+  return scene.incomplete || (part != nullptr && (part->graph == nullptr || part->graph->incomplete));
+}
+
+void complain_unknown(const Expectation& expectation, Mistakes& mistakes) {
+  std::vector<std::string> names;
+  for (const auto& known : measure_types()) names.push_back(known.name);
+  const auto near = nearest_name(expectation.measure, names);
+  mistakes.add(Errc::UnknownName, expectation.measure_at,
+               "there is no measure '" + expectation.measure + "'",
+               near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?");
+}
+
+void check_limits(const Expectation& expectation, const MeasureType& type, Mistakes& mistakes) {
+  if (type.unit == MeasureType::kUnitOfSubject) return;
+  for (const auto& limit : {expectation.min, expectation.max})
+    if (limit && !limit->bare && !(limit->unit.dimension == parse_unit(type.unit)->dimension))
+      mistakes.add(
+          Errc::UnitMismatch, expectation.at,
+          "'" + expectation.measure + "' is " + (type.unit.empty() ? "a plain number" : "in " + type.unit) +
+              ", but it is to be compared with " + in_unit(limit->si, limit->unit),
+          type.unit.empty() ? "leave the unit out" : "give its limits in " + type.unit);
+}
+
+void check_subject(const Expectation& expectation, const std::string& of, const SceneSpec& scene,
+                   const std::vector<std::string>& recorded, Mistakes& mistakes) {
+  if (may_have_more(scene, of) || is_recorded(of, recorded)) return;
+  const auto near = nearest_name(of, recorded);
+  mistakes.add(Errc::UnknownName, expectation.of_at, "nothing called '" + of + "' is recorded",
+               near.empty() ? "recorded are " + listed(recorded) : "did you mean '" + near + "'?");
+}
+
+}  // namespace
+
+const EntrySpec* find_entry(const std::vector<EntrySpec>& entries, std::string_view name) {
+  const auto it =
+      std::find_if(entries.begin(), entries.end(), [&](const EntrySpec& e) { return e.name == name; });
+  return it == entries.end() ? nullptr : &*it;
+}
+
+void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+  const auto recorded = recorded_names(scene, table);
+  for (const auto& expectation : scene.expect) {
+    if (expectation.measure.empty()) continue;  // told when the scene was read
+    const auto* type = find_measure(expectation.measure);
+    if (type == nullptr) {
+      complain_unknown(expectation, mistakes);
+      continue;
+    }
+    check_limits(expectation, *type, mistakes);
+    if (type->subject == MeasureType::Subject::Nothing) continue;
+    const auto of = subject_of(expectation, *type);
+    if (of.empty())
+      mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
+                   "say of what, as in of = \"" + (recorded.empty() ? "plant.x" : recorded.back()) + "\"");
+    else
+      check_subject(expectation, of, scene, recorded, mistakes);
+    if (type->of_strikes) check_subject(expectation, kStrikeContact, scene, recorded, mistakes);
+  }
+}
+
+void check_comparison(const SceneSpec& scene, Mistakes& mistakes) {
+  if (!scene.compare) return;
+  for (const auto& [name, at] : scene.compare->places) {
+    const auto dot = name.find('.');
+    const auto owner = dot == std::string::npos ? "instrument" : name.substr(0, dot);
+    const auto port = dot == std::string::npos ? name : name.substr(dot + 1);
+    const auto* part = scene.part(owner);
+    if (part == nullptr && !scene.incomplete)
+      mistakes.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
+    if (part == nullptr || part->graph == nullptr || part->graph->incomplete) continue;
+    auto known = names_of(part->graph->controls);
+    if (owner != "instrument")
+      for (const auto& input : part->graph->inputs) known.push_back(input.name);
+    if (std::find(known.begin(), known.end(), port) != known.end()) continue;
+    const auto near = nearest_name(port, known);
+    mistakes.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",
+                 near.empty() ? "there are " + listed(known) : "did you mean '" + near + "'?");
+  }
+}
+
+}  // namespace tactus

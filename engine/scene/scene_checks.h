@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "engine/graph/mistakes.h"
+#include "engine/graph/node_table.h"
+#include "engine/scene/scene_spec.h"
+
+namespace tactus {
+
+/// The entry called `name`, or nullptr.
+const EntrySpec* find_entry(const std::vector<EntrySpec>& entries, std::string_view name);
+
+/// [expect]: is there such a measure, and will what it is taken of be recorded? Told before anything is
+/// played.
+void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes);
+
+/// [compare]: is there what it sets?
+void check_comparison(const SceneSpec& scene, Mistakes& mistakes);
+
+}  // namespace tactus
