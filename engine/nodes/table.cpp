@@ -25,6 +25,7 @@
 #include "engine/nodes/sample.h"
 #include "engine/nodes/sample_hold.h"
 #include "engine/nodes/sine.h"
+#include "engine/nodes/slew.h"
 #include "engine/nodes/spring.h"
 #include "engine/nodes/string.h"
 #include "engine/nodes/terrain.h"
@@ -52,6 +53,7 @@ const NodeTable& standard_nodes() {
               &map_type(),
               &mix_type(),
               &quantiser_type(),
+              &slew_type(),
               // envelopes
               &envelope_type(),
               &decay_type(),
