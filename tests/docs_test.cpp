@@ -35,9 +35,11 @@ TEST_CASE("docs: links between files lead somewhere", "[docs]") {
   for (const auto& entry : fs::directory_iterator(root / "docs"))
     if (entry.path().extension() == ".md") pages.push_back(entry.path());
   const std::regex link{R"(\]\(([^)#]+)[^)]*\))"};
+  const std::regex code{R"(```[^`]*```|`[^`]*`)"};
   int links = 0;
   for (const auto& page : pages) {
-    const auto text = text_of(page);
+    // What stands in code is no link: a lambda looks like one.
+    const auto text = std::regex_replace(text_of(page), code, "");
     for (std::sregex_iterator it{text.begin(), text.end(), link}, end; it != end; ++it) {
       const auto target = (*it)[1].str();
       if (target.find("://") != std::string::npos) continue;

@@ -60,6 +60,7 @@ class SceneBuilder {
     check_comparison(scene_, mistakes_);
     compile_world();
     if (instrument_known()) compile_instrument();
+    if (built_.plant != nullptr && built_.instrument != nullptr) check_channels();
     if (mistakes_.any()) return tl::unexpected(mistakes_.take());
     return std::move(built_);
   }
@@ -106,8 +107,8 @@ class SceneBuilder {
     for (const auto& [name, fields] : overwritten_)
       if (!fields.empty() && scene_.part(name) == nullptr)
         mistakes_.add(Errc::UnknownName, scene_.file,
-                 "there is no part '" + name + "' to set '" + fields.begin()->first + "' of",
-                 "see [parts] of the scene");
+                      "there is no part '" + name + "' to set '" + fields.begin()->first + "' of",
+                      "see [parts] of the scene");
   }
 
   /// What the instrument gives out comes into the world from outside.
@@ -134,8 +135,9 @@ class SceneBuilder {
     for (const auto& input : graph.inputs) {
       const auto* wire = find(instrument_->wires, input.name);
       if (wire == nullptr) {
-        mistakes_.add(Errc::Missing, instrument_->at, "input '" + input.name + "' of the instrument is not wired",
-                 "say where it comes from, as in " + input.name + " = \"plant." + input.name + "\"");
+        mistakes_.add(Errc::Missing, instrument_->at,
+                      "input '" + input.name + "' of the instrument is not wired",
+                      "say where it comes from, as in " + input.name + " = \"plant." + input.name + "\"");
         continue;
       }
       EntrySpec output{"instrument." + input.name, wire->at, {{"from", wire->at, *wire}}};
@@ -157,7 +159,7 @@ class SceneBuilder {
     for (const auto& entry : instrument_->graph->controls) names.push_back(entry.name);
     const auto near = nearest_name(field.key, names);
     mistakes_.add(Errc::UnknownName, field.at, "the instrument has no input or control '" + field.key + "'",
-             near.empty() ? "see its [inputs] and [controls]" : "did you mean '" + near + "'?");
+                  near.empty() ? "see its [inputs] and [controls]" : "did you mean '" + near + "'?");
   }
 
   void wire_control(const EntrySpec& control, const Field& field) {
@@ -193,6 +195,19 @@ class SceneBuilder {
     for (const auto& channel : compiled->channels)
       if (channel.use == OutputUse::Tap) built_.plant_taps.push_back({channel.name, channel.dimension});
     built_.plant = std::make_unique<Engine>(std::move(compiled));
+  }
+
+  /// Signals between the two engines have one lane each, or the channels would shift.
+  void check_channels() {
+    const auto check = [this](int from, int to, const char* what) {
+      if (from != to)
+        mistakes_.add(Errc::OutOfRange, instrument_->at,
+                      std::string{what} + " have " + std::to_string(from) + " lanes, but " +
+                          std::to_string(to) + " are wired",
+                      "in a scene, give each lane an input or output of its own, or 'mix' them");
+    };
+    check(built_.plant->out_channels(), built_.instrument->in_channels(), "the wires to the instrument");
+    check(built_.instrument->out_channels(), built_.plant->in_channels(), "the instrument's outputs");
   }
 
   void compile_instrument() {

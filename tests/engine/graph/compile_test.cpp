@@ -48,7 +48,7 @@ force = { from = "f" }
 test.toml:7:1: spring 'b' lacks 'stiffness'; force for a metre
 test.toml:7:34: spring 'b' has no 'stiffnes'; did you mean 'stiffness'?
 test.toml:8:28: there is no 'y'; name an input, a control or a node of this file
-test.toml:9:10: this is in N, but it is added to or compared with what is in m; multiply one of them by a quantity that turns its unit into the other's
+test.toml:9:10: this is in N, but it is added to what is in m; multiply one of them by a quantity that turns its unit into the other's
 test.toml:11:30: 'in' of spring 'f' is in m, but this is in V; give a quantity in m
 test.toml:11:49: 'stiffness' of spring 'f' cannot be -1 N/m; it must be at least 0 N/m
 test.toml:13:1: output 'force' is a plain number, but it is given what is in N; give it a unit, as in unit = "N", or scale it to full scale)");
