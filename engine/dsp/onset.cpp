@@ -25,9 +25,11 @@ constexpr double kFall_s[4] = {0.020, 0.001, 0.001, 0.001};
 constexpr Four kThreshold = {0.89, 0.22, 0.089, 0.071};  // -1, -13, -21, -23 dB
 constexpr Four kRingMargin = {1.06, 1.06, 1, 1};         // the fundamentals of a drum beat most
 constexpr double kSoftMargin = 1.41;                     // +3 dB
+constexpr double kMaskSpeed[4] = {0.15, 1, 1, 1};        // a fundamental rings near its peak for long
 constexpr double kSoft = 0.63;                           // -4 dB
 constexpr double kRingFall = 0.986279;                   // -0.12 dB a group
-constexpr double kFloorRise_db_per_s = 6;
+constexpr double kFloorRise_db_per_s = 20;
+constexpr Four kQuietest = {1e-5, 1e-5, 1e-5, 1e-5};  // after digital silence the floor must find its way up
 
 double decibels(double db) { return std::pow(10.0, db / 20); }
 
@@ -48,7 +50,8 @@ OnsetDetector::OnsetDetector(const Settings& settings) : sample_rate_(settings.s
     fast_fall_[b] = std::exp(-1 / (rate * kFall_s[b]));
   }
   mean_rise_ = 1 - std::exp(-1 / (rate * kMean_s));
-  mask_fall_ = decibels(-20 * group_s / settings.mask_time.value);
+  for (int b = 0; b < 4; ++b)
+    mask_fall_[b] = decibels(-20 * group_s * kMaskSpeed[b] / settings.mask_time.value);
   floor_rise_ = decibels(kFloorRise_db_per_s * group_s);
 }
 
@@ -81,6 +84,7 @@ void OnsetDetector::close_group(State& state, const Sensitivity& sensitivity) co
   if (state.groups_free_ >= mask_stays_) state.mask_ *= mask_fall_;
   if (state.groups_since_ > kFloorHeld) state.floor_ *= floor_rise_;
   state.floor_ = state.groups_ < kFloorStart ? state.mean_ : smaller(state.mean_, state.floor_);
+  state.floor_ = larger(state.floor_, kQuietest);
   const Four ring = ringing(state) * kRingMargin * sensitivity.margin;
   const Four stroke = larger(ring, smaller(ring * kSoftMargin, state.last_ * kSoft));
   state.bar_ = larger(larger(stroke, state.mask_ * sensitivity.margin),

@@ -19,18 +19,18 @@ namespace tactus {
 /// towards high frequencies is the classic way to hear it (Bello et al., IEEE Trans. Speech Audio Process.
 /// 13, 2005, section III). In each band:
 ///
-/// - mask: the highest envelope of the last hit until its hold was over. Stays for 10 ms more (at 28 ms of
-/// ringing), then falls by
-///   20 dB every `mask_time`.
-/// - ring: the highest envelope of the last `ringing` but the newest 5 (7 in band 0), the oldest counting 3
-/// dB
+/// - mask: the highest envelope of the last hit until its hold was over. Stays for 10 ms more, then falls by
+///   20 dB every `mask_time` (by 3 dB in band 0, where drums ring near their peak for long).
+/// - ring: the highest envelope of the last 28 ms but the newest 5 (7 in band 0), the oldest counting 3 dB
 ///   less: what rings and beats, which a stroke outdoes at once. It counts 3 dB more for strokes that stay
 ///   4 dB or more below the last.
-/// - floor: the mean |y_b|. It falls at once and rises by 6 dB a second, but not in the 0.1 s after a hit, so
+/// - floor: the mean |y_b|. It falls at once and rises by 20 dB a second, but not in the 0.1 s after a hit,
+/// so
 ///   that a long roll does not become noise.
 ///
-/// The bands above are deaf for 20, 45 and 60 ms after a hit (likewise), because the wires of a snare strike
-/// again. The bars change once a millisecond.
+/// The bands above are deaf for 20, 45 and 60 ms after a hit, because the wires of a snare strike again.
+/// The bars change once a millisecond. All these times but the 5 and 7 ms are for `ringing` = 28 ms, and go
+/// with it.
 ///
 /// `high_pass` above 30 Hz is for a microphone that also hears an actuator: hits are then told only from what
 /// lies above it, while their strength is still that of the whole signal.
@@ -74,8 +74,8 @@ class OnsetDetector {
   double sample_rate_;
   int group_frames_;
   int window_, mask_stays_;  ///< groups
-  Four feedback_, fast_fall_, deaf_;
-  double mean_rise_, mask_fall_, floor_rise_;
+  Four feedback_, fast_fall_, mask_fall_, deaf_;
+  double mean_rise_, floor_rise_;
 };
 
 /// All that changes. A new one has heard nothing; the first frame it is given counts as silence, whatever DC

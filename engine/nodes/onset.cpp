@@ -48,10 +48,9 @@ const NodeType& onset_type() {
       .summary =
           "Triggers at each hit that a microphone hears: soft ones after loud ones, ringing ones once.",
       .equation =
-          "e = fast envelope of in above 30 Hz, 400 Hz, 2 kHz and 7 kHz; a hit when e > threshold in the "
-          "first, and in any e > margin * last hit's mask, e > margin * ringing of the last `ringing` and e "
-          "> "
-          "noise_margin * mean noise; then none for hold",
+          "e = fast envelope of in above 30 Hz, 400 Hz, 2 kHz and 7 kHz; a hit when e > threshold in "
+          "the first, and in any e > margin * last hit's mask, e > margin * highest e of the last "
+          "ringing, and e > noise_margin * mean noise; then none for hold",
       .source = "Bello et al., IEEE Trans. Speech Audio Process. 13, 2005",
       .example = "hit = { type = \"onset\", in = \"microphone\", threshold = \"-34 dB\", hold = \"15 ms\" }",
       .inputs = {{.name = "in", .unit = "full scale", .doc = "microphone", .fallback = {}},

@@ -136,6 +136,16 @@ TEST_CASE("onset: steady noise above the threshold is learnt, and hits in it are
   CHECK(hits[1] - frames(5.0) < frames(0.0005));  // within the first period
 }
 
+TEST_CASE("onset: noise that follows digital silence is learnt too", "[dsp]") {
+  Samples in = gaussian(10.0, -50);
+  for (int n = 0; n < frames(1.0); ++n) in[static_cast<std::size_t>(n)] = 0;
+  // From -100 dBFS the floor has 48 dB to rise to mean |y| = -52 dBFS, at 20 dB a second 2.4 s; the waits of
+  // 0.1 s after each false hit, up to half the time, double that.
+  const auto hits = listen(in, {.threshold = ratio(-60)}).hits;
+  REQUIRE(!hits.empty());
+  CHECK(hits.back() < frames(1 + 2 * 2.4));
+}
+
 TEST_CASE("onset: a long roll stays heard", "[dsp]") {
   Samples in = gaussian(11.0, -70);
   for (int k = 0; k < 200; ++k) strike(in, 0.5 + k / 20.0, 0.2, 1000, 0.02);
