@@ -34,12 +34,10 @@ TEST_CASE("docs: links between files lead somewhere", "[docs]") {
   std::vector<fs::path> pages = {root / "README.md"};
   for (const auto& entry : fs::directory_iterator(root / "docs"))
     if (entry.path().extension() == ".md") pages.push_back(entry.path());
-  const std::regex link{R"(\]\(([^)#]+)[^)]*\))"};
-  const std::regex code{R"(```[^`]*```|`[^`]*`)"};
+  const std::regex link{R"(\]\(([^)#\s]+)[^)\s]*\))"};  // a lambda in an example has spaces
   int links = 0;
   for (const auto& page : pages) {
-    // What stands in code is no link: a lambda looks like one.
-    const auto text = std::regex_replace(text_of(page), code, "");
+    const auto text = text_of(page);
     for (std::sregex_iterator it{text.begin(), text.end(), link}, end; it != end; ++it) {
       const auto target = (*it)[1].str();
       if (target.find("://") != std::string::npos) continue;

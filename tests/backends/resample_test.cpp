@@ -21,7 +21,7 @@ double db(double amplitude) { return 20 * std::log10(amplitude); }
 
 /// Largest |a - b| away from the ends, where the kernel reaches beyond the samples.
 double largest_difference(const Samples& a, const Samples& b) {
-  constexpr std::size_t kEnds = 300;
+  constexpr std::size_t kEnds = 500;
   double largest = 0;
   for (std::size_t n = kEnds; n + kEnds < a.channels[0].size(); ++n)
     largest = std::max(largest, std::abs(a.channels[0][n] - b.channels[0][n]));
@@ -41,7 +41,7 @@ TEST_CASE("resample: a sine of 1 kHz from 44.1 to 48 kHz and back is that sine w
 }
 
 TEST_CASE("resample: what lies above the new Nyquist frequency is gone by 90 dB", "[backends]") {
-  const auto frequency = GENERATE(23.1e3, 26e3, 30e3, 47e3);
+  const auto frequency = GENERATE(22.1e3, 23.1e3, 26e3, 30e3, 47e3);
   CAPTURE(frequency);
   const auto down = resample(sine(frequency, 96_kHz, 48000), 44.1_kHz);
   const Samples silence{44.1_kHz, {std::vector<double>(static_cast<std::size_t>(down.frames()))}};
@@ -55,7 +55,7 @@ TEST_CASE("resample: images above the old Nyquist frequency stay below -90 dB", 
 }
 
 TEST_CASE("resample: flat within 0.01 dB as far as promised", "[backends]") {
-  const auto share = GENERATE(0.05, 0.5, 0.8, 0.85);
+  const auto share = GENERATE(0.05, 0.5, 0.8, 0.9);
   CAPTURE(share);
   const auto [from, to] = GENERATE(table<Hertz, Hertz>({{44.1_kHz, 48_kHz}, {96_kHz, 44.1_kHz}}));
   const double frequency = share * std::min(from, to).value / 2;
