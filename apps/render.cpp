@@ -141,9 +141,12 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   if (!options.events.empty())
     if (const int code = write_events(options.events, events); code != kDone) return code;
 
-  Json summary{
-      {"instrument", loaded.spec->name}, {"sample_rate_hz", input->sample_rate.value}, {"frames", frames},
-      {"outputs", outputs},          {"events", events["events"].size()},          {"faults", Json::array()}};
+  Json summary{{"instrument", loaded.spec->name},
+               {"sample_rate_hz", input->sample_rate.value},
+               {"frames", frames},
+               {"outputs", outputs},
+               {"events", events["events"].size()},
+               {"faults", Json::array()}};
   for (const auto& fault : engine.faults())
     summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
   if (options.json) {

@@ -76,16 +76,16 @@ Term bind_spread(const Value& value, Mistakes& mistakes) {
       continue;
     }
     mistakes.add(Error{Errc::UnknownName, field.at.text(),
-                      "a spread over lanes has no '" + field.key + "' like this",
-                      "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
+                       "a spread over lanes has no '" + field.key + "' like this",
+                       "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
     return missing_term(value.at);
   }
   for (const auto* key : {"from", "to"}) {
     const auto* end = find(*value.table(), key);
     if (end == nullptr) {
       mistakes.add(Error{Errc::Missing, value.at.text(),
-                        std::string{"a spread over lanes lacks '"} + key + "'",
-                        "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
+                         std::string{"a spread over lanes lacks '"} + key + "'",
+                         "write { from = …, to = …, curve = \"linear\" or \"exponential\" }"});
       return missing_term(value.at);
     }
     const auto quantity = read_quantity(*end);
@@ -122,7 +122,7 @@ Term bind_signal(const Value& value, const Scope& scope, Mistakes& mistakes) {
     for (const auto& lane : *list) {
       if (lane.list() != nullptr || lane.table() != nullptr) {
         mistakes.add(Error{Errc::WrongType, lane.at.text(), "a lane cannot be " + lane.kind(),
-                          "a list holds one number, quantity or expression for each lane"});
+                           "a list holds one number, quantity or expression for each lane"});
         return missing_term(value.at);
       }
       term.arguments.push_back(bind_signal(lane, scope, mistakes));
@@ -131,8 +131,8 @@ Term bind_signal(const Value& value, const Scope& scope, Mistakes& mistakes) {
   }
   if (value.table() != nullptr) return bind_spread(value, mistakes);
   mistakes.add(Error{Errc::WrongType, value.at.text(),
-                    "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
-                    "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\""});
+                     "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
+                     "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\""});
   return missing_term(value.at);
 }
 

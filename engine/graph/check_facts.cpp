@@ -130,11 +130,11 @@ class Checks {
     if (!found.single() && found.low <= port.high && found.high >= port.low) return;  // clamped while it runs
     const auto unit = rule.kind == PortUnit::Kind::Fixed ? to_string(rule.dimension) : std::string{};
     const auto number = [&](double x) { return short_number(x) + (unit.empty() ? "" : " " + unit); };
-    mistakes_.add(
-        Errc::OutOfRange, term.at, owner + " cannot be " + number(found.low),
-        std::isinf(port.high)  ? "it must be at least " + number(port.low)
-        : std::isinf(port.low) ? "it must be at most " + number(port.high)
-                               : "it must be between " + number(port.low) + " and " + number(port.high));
+    mistakes_.add(Errc::OutOfRange, term.at, owner + " cannot be " + number(found.low),
+                  std::isinf(port.high) ? "it must be at least " + number(port.low)
+                  : std::isinf(port.low)
+                      ? "it must be at most " + number(port.high)
+                      : "it must be between " + number(port.low) + " and " + number(port.high));
   }
 
   const FlatGraph& graph_;

@@ -45,10 +45,9 @@ void set_controls(FlatGraph& flat, const std::map<std::string, double>& values, 
       mistakes.add(Errc::UnknownName, {}, "there is no control '" + name + "'",
                    known.empty() ? "this graph has no controls" : "there are " + listed(known));
     } else if (!it->range.contains(value)) {
-      mistakes.add(Errc::OutOfRange, {},
-                   "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
-                   "it goes from " + in_unit(it->range.low, it->unit) + " to " +
-                       in_unit(it->range.high, it->unit));
+      mistakes.add(
+          Errc::OutOfRange, {}, "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
+          "it goes from " + in_unit(it->range.low, it->unit) + " to " + in_unit(it->range.high, it->unit));
     } else {
       it->value = value;
     }

@@ -25,7 +25,8 @@ struct CompileOptions {
   bool closed_outside = false;
 };
 
-/// The mistakes that show before any node is made, in file order: names, ports, settings, units, lanes, ranges.
+/// The mistakes that show before any node is made, in file order: names, ports, settings, units, lanes,
+/// ranges.
 std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options);
 
 /// resolve → unfold lanes → prune and fold → make the nodes → schedule. Errors, in file order: those of

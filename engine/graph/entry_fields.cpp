@@ -44,11 +44,11 @@ void read_range(const EntrySpec& entry, FlatControl& control, Mistakes& mistakes
   if (!range) return;
   control.range = *range;
   if (!range->contains(control.value))
-    mistakes.add(Errc::OutOfRange, find(entry.fields, "value")->at,
-                 "control '" + entry.name + "' starts at " + in_unit(control.value, control.unit) +
-                     ", which is outside its range",
-                 "it goes from " + in_unit(range->low, control.unit) + " to " +
-                     in_unit(range->high, control.unit));
+    mistakes.add(
+        Errc::OutOfRange, find(entry.fields, "value")->at,
+        "control '" + entry.name + "' starts at " + in_unit(control.value, control.unit) +
+            ", which is outside its range",
+        "it goes from " + in_unit(range->low, control.unit) + " to " + in_unit(range->high, control.unit));
 }
 
 void read_smooth(const EntrySpec& entry, FlatControl& control, Mistakes& mistakes) {

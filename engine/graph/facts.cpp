@@ -94,8 +94,7 @@ Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t i
 
 PortUnit port_unit(const FlatNode& node, const std::string& declared) {
   if (declared == "any") return {PortUnit::Kind::Any, {}, -1};
-  if (declared.empty() || declared.front() != '=')
-    return {PortUnit::Kind::Fixed, dimension_of(declared), -1};
+  if (declared.empty() || declared.front() != '=') return {PortUnit::Kind::Fixed, dimension_of(declared), -1};
   const auto end = declared.find_first_of(" /");
   const auto name = declared.substr(1, end == std::string::npos ? end : end - 1);
   const auto factor = end == std::string::npos ? Dimension{} : dimension_of("1" + declared.substr(end));

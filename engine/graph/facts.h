@@ -6,7 +6,8 @@
 
 namespace tactus {
 
-// What is known of a term once the facts about its signals are: asked again and again while they are inferred.
+// What is known of a term once the facts about its signals are: asked again and again while they are
+// inferred.
 
 /// Lanes of a term; 0 if any number of them fits (a spread).
 int lanes_of(const FlatGraph& graph, const Term& term);

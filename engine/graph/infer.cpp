@@ -17,7 +17,8 @@ class Inference {
     for (auto& output : graph_.outputs)
       output.dimension = output.declared.value_or(unit_of(graph_, output.term).dimension);
     for (auto& node : graph_.nodes)
-      for (std::size_t i = 0; i < node.inputs.size(); ++i) node.ranges.push_back(input_range(graph_, node, i));
+      for (std::size_t i = 0; i < node.inputs.size(); ++i)
+        node.ranges.push_back(input_range(graph_, node, i));
   }
 
  private:
@@ -83,8 +84,8 @@ class Inference {
     return rule.dimension.plain() ? followed : product(followed, UnitFact::known(rule.dimension), false);
   }
 
-  // ---- ranges: each pass narrows further along chains; loops that would go on for ever are cut off, which is
-  // safe
+  // ---- ranges: each pass narrows further along chains; loops that would go on for ever are cut off, which
+  // is safe
 
   void infer_ranges() {
     constexpr int kPasses = 16;

@@ -25,7 +25,8 @@ struct LoadedGraph {
 
 /// Reads an instrument, plant or part, and every file that it uses. `root` is the folder that `use` and other
 /// paths may not leave (empty: the file's own folder). Every mistake of the text comes back, in file order:
-/// unknown sections and keys, wrong types, names that are not names or given twice, files that use themselves.
+/// unknown sections and keys, wrong types, names that are not names or given twice, files that use
+/// themselves.
 LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::filesystem::path& root = {});
 /// The same from text; `file_name` stands in messages, and relative paths start at its folder.
 LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name,

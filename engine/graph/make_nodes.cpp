@@ -76,9 +76,9 @@ class Maker {
         right = right && info.constant.has_value();
         if (!info.constant)
           made_.mistakes.push_back({Errc::WrongType, node.inputs[i]->at.text(),
-                             "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" + node.path +
-                                 "' must not change while it runs",
-                             "give a number, a quantity, or an expression of controls"});
+                                    "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" +
+                                        node.path + "' must not change while it runs",
+                                    "give a number, a quantity, or an expression of controls"});
       }
       if (info.constant) info.range = Interval::exactly(*info.constant);
       setup.inputs.push_back(info);

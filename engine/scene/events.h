@@ -32,8 +32,8 @@ struct Rhythm {
 };
 Rhythm rhythm_of(const std::vector<double>& times_s, double from_s, double to_s);
 
-/// Speed of `position` just after each strike over the speed just before, as slopes over 1 ms; the geometric mean, which
-/// is what one strike leaves on average: 1 in a roll that neither grows nor dies.
+/// Speed of `position` just after each strike over the speed just before, as slopes over 1 ms; the geometric
+/// mean, which is what one strike leaves on average: 1 in a roll that neither grows nor dies.
 double restitution(const std::vector<double>& position, Hertz sample_rate,
                    const std::vector<Strike>& strikes);
 

@@ -36,7 +36,8 @@ const std::string& subject_of(const Expectation& expectation, const MeasureType&
 inline constexpr auto kStrikeContact = "plant.contact";
 
 /// [control] Of a recording, between two times. Where events are asked for, `of` is a trigger of the
-/// instrument ("instrument.hit") or a contact force ("plant.contact": its strikes). Errors: UnknownName, Missing.
+/// instrument ("instrument.hit") or a contact force ("plant.contact": its strikes). Errors: UnknownName,
+/// Missing.
 Result<double> measure(const SceneRecording& recording, const Expectation& expectation);
 
 /// What came of one line of [expect].

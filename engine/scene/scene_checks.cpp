@@ -54,8 +54,7 @@ void complain_unknown(const Expectation& expectation, Mistakes& mistakes) {
   std::vector<std::string> names;
   for (const auto& known : measure_types()) names.push_back(known.name);
   const auto near = nearest_name(expectation.measure, names);
-  mistakes.add(Errc::UnknownName, expectation.measure_at,
-               "there is no measure '" + expectation.measure + "'",
+  mistakes.add(Errc::UnknownName, expectation.measure_at, "there is no measure '" + expectation.measure + "'",
                near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?");
 }
 
@@ -63,11 +62,11 @@ void check_limits(const Expectation& expectation, const MeasureType& type, Mista
   if (type.unit == MeasureType::kUnitOfSubject) return;
   for (const auto& limit : {expectation.min, expectation.max})
     if (limit && !limit->bare && !(limit->unit.dimension == parse_unit(type.unit)->dimension))
-      mistakes.add(
-          Errc::UnitMismatch, expectation.at,
-          "'" + expectation.measure + "' is " + (type.unit.empty() ? "a plain number" : "in " + type.unit) +
-              ", but it is to be compared with " + in_unit(limit->si, limit->unit),
-          type.unit.empty() ? "leave the unit out" : "give its limits in " + type.unit);
+      mistakes.add(Errc::UnitMismatch, expectation.at,
+                   "'" + expectation.measure + "' is " +
+                       (type.unit.empty() ? "a plain number" : "in " + type.unit) +
+                       ", but it is to be compared with " + in_unit(limit->si, limit->unit),
+                   type.unit.empty() ? "leave the unit out" : "give its limits in " + type.unit);
 }
 
 void check_subject(const Expectation& expectation, const std::string& of, const SceneSpec& scene,

@@ -23,7 +23,8 @@ inline std::string mistakes(const std::string& text, CompileOptions options = {}
 inline std::unique_ptr<Engine> engine_of(const std::string& text, CompileOptions options = {}) {
   const auto wrong = mistakes(text, options);
   if (!wrong.empty()) throw std::runtime_error(wrong);
-  return std::make_unique<Engine>(*compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options));
+  return std::make_unique<Engine>(
+      *compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options));
 }
 
 /// Runs from frame 0 in blocks of the given lengths, over and over, until the inputs (or `frames`) end.

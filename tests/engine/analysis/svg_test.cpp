@@ -153,7 +153,7 @@ TEST_CASE("svg: labels at the right end keep their distance and stay inside", "[
   CHECK(placed[0] < placed[1]);
 }
 
-TEST_CASE("svg: labels over a panel never overlap; those without room are left out", "[analysis]") {
+TEST_CASE("svg: labels over a panel never overlap, those without room are left out", "[analysis]") {
   std::vector<svg::RowLabel> labels;
   for (int i = 0; i < 40; ++i) labels.push_back({static_cast<double>((i * 37) % 400), 50.0});
   svg::place_in_rows(labels, 3, 0.0, 400.0);

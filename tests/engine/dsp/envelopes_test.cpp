@@ -20,7 +20,7 @@ TEST_CASE("rise: fires in one frame, at 0.5, and again only after a fall", "[dsp
   CHECK(Rise{}.step(1.0));
 }
 
-TEST_CASE("time_constant: keeps 1/e over its time; zero keeps nothing", "[dsp]") {
+TEST_CASE("time_constant: keeps 1/e over its time, zero keeps nothing", "[dsp]") {
   TimeConstant time(48_kHz);
   CHECK(std::pow(time.keep(0.010), 480) == Approx(std::exp(-1.0)).epsilon(1e-13));
   CHECK(time.keep(0) == 0);

@@ -39,7 +39,7 @@ TEST_CASE("phasor: a million frames later the phase is still n f / rate", "[dsp]
   CHECK(phase == Approx(2.0 / 3.0).margin(1.2e-10));
 }
 
-TEST_CASE("phasor: stays in [0, 1) backwards and by steps too small to see", "[dsp]") {
+TEST_CASE("phasor: stays in 0 to 1 backwards and by steps too small to see", "[dsp]") {
   const double increment = GENERATE(-0.3, -1e-20, 1e-20, 1e30, -7.75);
   Phasor phasor;
   bool inside = true;
@@ -96,7 +96,8 @@ TEST_CASE("sample_player: plays each sample once, then silence", "[dsp]") {
   SamplePlayer player;
   CHECK(player.step(recording, 1, cubic) == 0);
   player.start();
-  for (const double expected : {1.0, -2.0, 3.0, 0.0, 0.0}) CHECK(player.step(recording, 1, cubic) == expected);
+  for (const double expected : {1.0, -2.0, 3.0, 0.0, 0.0})
+    CHECK(player.step(recording, 1, cubic) == expected);
 }
 
 TEST_CASE("sample_player: at half speed the values between are the means", "[dsp]") {

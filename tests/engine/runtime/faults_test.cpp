@@ -81,7 +81,7 @@ clean = { from = "clean" }
 
 }  // namespace
 
-TEST_CASE("Engine: a node that breaks is counted, silent and starts again; the rest sounds on", "[runtime]") {
+TEST_CASE("Engine: a node that breaks is counted, silent and starts again, the rest sounds on", "[runtime]") {
   const auto engine = engine_of(
       "[nodes]\nbad = { type = \"fragile\", in = \"x\", poison = \"poison\" }\n"
       "y = \"bad + 1\"\n" +
