@@ -95,6 +95,11 @@ Term bind_spread(const Value& value, Mistakes& mistakes) {
     }
     term.arguments.push_back(number_term(quantity->si, quantity->unit.dimension, quantity->bare, end->at));
   }
+  if (!term.bare && !(term.arguments[0].number * term.arguments[1].number > 0)) {
+    mistakes.add(Errc::OutOfRange, value.at, "an exponential spread cannot begin, end or pass at 0",
+                 "give both ends the same sign, or take the linear curve");
+    return missing_term(value.at);
+  }
   return term;
 }
 

@@ -42,12 +42,12 @@ struct Reader {
     const auto* text = value.text();
     if (text == nullptr)
       return complain(Errc::WrongType, value.at, "must be a string, not " + value.kind(),
-                      setting.choices.empty() ? "write it in quotes" : "one of " + choices());
+                      setting.choices.empty() ? "write it in quotes" : "choose one of " + choices());
     if (setting.kind == Setting::Kind::Choice &&
         std::find(setting.choices.begin(), setting.choices.end(), *text) == setting.choices.end()) {
       const auto near = nearest_name(*text, setting.choices);
       return complain(Errc::UnknownName, value.at, "cannot be \"" + *text + "\"",
-                      near.empty() ? "one of " + choices() : "did you mean \"" + near + "\"?");
+                      near.empty() ? "choose one of " + choices() : "did you mean \"" + near + "\"?");
     }
     if (setting.name == "unit" && !parse_unit(*text))
       return complain(Errc::UnknownName, value.at, "is no unit: \"" + *text + "\"",
@@ -71,13 +71,14 @@ struct Reader {
     if (setting.kind == Setting::Kind::Flag) {
       const auto* flag = value.flag();
       if (flag == nullptr)
-        return complain(Errc::WrongType, value.at, "must be true or false, not " + value.kind(), "");
+        return complain(Errc::WrongType, value.at, "must be true or false, not " + value.kind(),
+                        "write " + setting.name + " = true");
       result.number = *flag ? 1 : 0;
       return;
     }
     const auto* number = value.number();
     if (number == nullptr || std::floor(*number) != *number)
-      return complain(Errc::WrongType, value.at, "must be a whole number", "");
+      return complain(Errc::WrongType, value.at, "must be a whole number", "give one without a point");
     result.number = *number;
     if (*number < setting.low || *number > setting.high)
       complain(Errc::OutOfRange, value.at, "is out of range",
@@ -98,21 +99,27 @@ struct Reader {
     if (list == nullptr || list->empty())
       return complain(Errc::WrongType, value.at, "must be a list that is not empty", "as in " + setting.doc);
     for (const auto& item : *list) {
-      if (setting.kind == Setting::Kind::Names) {
-        if (item.text() == nullptr) return complain(Errc::WrongType, item.at, "must hold names of nodes", "");
-        result.names.push_back(*item.text());
-      } else if (setting.kind == Setting::Kind::Numbers) {
-        if (const auto number = quantity(item, 0)) result.numbers.push_back(*number);
-      } else {
-        const auto* pair = item.list();
-        if (pair == nullptr || pair->size() != 2)
-          return complain(Errc::WrongType, item.at, "must hold pairs", "write [[x, y], [x, y], …]");
-        const auto x = quantity((*pair)[0], 0);
-        const auto y = quantity((*pair)[1], 1);
-        if (!x || !y) return;
-        result.points.emplace_back(*x, *y);
-      }
+      if (setting.kind == Setting::Kind::Names)
+        read_name(item);
+      else if (setting.kind == Setting::Kind::Points)
+        read_point(item);
+      else if (const auto number = quantity(item, 0))
+        result.numbers.push_back(*number);
     }
+  }
+
+  void read_name(const Value& item) {
+    if (item.text() != nullptr) return result.names.push_back(*item.text());
+    complain(Errc::WrongType, item.at, "must hold names of nodes", "write [\"node\", \"node\"]");
+  }
+
+  void read_point(const Value& item) {
+    const auto* pair = item.list();
+    if (pair == nullptr || pair->size() != 2)
+      return complain(Errc::WrongType, item.at, "must hold pairs", "write [[x, y], [x, y], …]");
+    const auto x = quantity((*pair)[0], 0);
+    const auto y = quantity((*pair)[1], 1);
+    if (x && y) result.points.emplace_back(*x, *y);
   }
 
   void read(const Value& value) {

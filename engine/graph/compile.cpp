@@ -43,7 +43,7 @@ void set_controls(FlatGraph& flat, const std::map<std::string, double>& values, 
       std::vector<std::string> known;
       for (const auto& control : flat.controls) known.push_back(control.name);
       mistakes.add(Errc::UnknownName, {}, "there is no control '" + name + "'",
-                   known.empty() ? "this graph has no controls" : "there are " + listed(known));
+                   known.empty() ? "this graph has none" : "this graph has " + listed(known));
     } else if (!it->range.contains(value)) {
       mistakes.add(
           Errc::OutOfRange, {}, "control '" + name + "' cannot be set to " + in_unit(value, it->unit),

@@ -17,15 +17,18 @@ const Unit& seconds() {
 }
 
 /// Both ends of a range, or nothing and a mistake.
-std::optional<Interval> read_ends(const Value& value, const Unit& unit, const std::string& owner,
-                                  const std::string& example, Mistakes& mistakes) {
+std::optional<Interval> read_ends(const Field& field, const Unit& unit, const std::string& of,
+                                  Mistakes& mistakes) {
+  const auto& value = field.value;
+  const auto owner = "'" + field.key + "'" + of;
   const auto* list = value.list();
   if (list == nullptr || list->size() != 2) {
-    mistakes.add(Errc::WrongType, value.at, owner + " must have two ends", "write " + example);
+    mistakes.add(Errc::WrongType, value.at, owner + " must have two ends",
+                 "write " + field.key + " = [low, high]");
     return std::nullopt;
   }
-  const auto low = read_quantity((*list)[0], unit, "range");
-  const auto high = read_quantity((*list)[1], unit, "range");
+  const auto low = read_quantity((*list)[0], unit, field.key);
+  const auto high = read_quantity((*list)[1], unit, field.key);
   mistakes.keep(low);
   mistakes.keep(high);
   if (!low || !high) return std::nullopt;
@@ -39,8 +42,8 @@ std::optional<Interval> read_ends(const Value& value, const Unit& unit, const st
 void read_range(const EntrySpec& entry, FlatControl& control, Mistakes& mistakes) {
   const auto* value = find(entry.fields, "range");
   if (value == nullptr) return;
-  const auto range = read_ends(*value, control.unit, "'range' of control '" + entry.name + "'",
-                               "range = [low, high]", mistakes);
+  const auto range =
+      read_ends({"range", {}, *value}, control.unit, " of control '" + entry.name + "'", mistakes);
   if (!range) return;
   control.range = *range;
   if (!range->contains(control.value))
@@ -159,7 +162,7 @@ OutputUse read_use(const EntrySpec& entry, Mistakes& mistakes) {
 void check_tested_delays(const EntrySpec& entry, Mistakes& mistakes) {
   check_fields(entry, {"tested"}, "[delay]", mistakes);
   if (const auto* tested = find(entry.fields, "tested"))
-    read_ends(*tested, seconds(), "'tested'", "tested = [\"0 ms\", \"40 ms\"]", mistakes);
+    read_ends({"tested", {}, *tested}, seconds(), " of [delay]", mistakes);
 }
 
 }  // namespace tactus

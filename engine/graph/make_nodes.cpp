@@ -55,6 +55,9 @@ class Maker {
     }
     auto error = made.error();
     if (error.where.empty()) error.where = node.at.text();
+    // As the file at that place calls it, so that a part used twice tells its mistake once.
+    const auto name = node.path.substr(node.path.rfind('.') + 1);
+    error.what = node.type->name + " '" + name + "': " + error.what;
     made_.mistakes.push_back(std::move(error));
   }
 

@@ -56,7 +56,7 @@ std::string remedy_for(const Value::Table& fields) {
   for (const auto& field : fields)
     if (const auto nearest = nearest_name(field.key, kKeys); !nearest.empty())
       return "is '" + field.key + "' meant as '" + nearest + "'?";
-  return "name a node type, as in type = \"lowpass\", or the file of a part, as in use = \"string.toml\"";
+  return "name a node type, as in type = \"low_pass\", or the file of a part, as in use = \"string.toml\"";
 }
 
 NodeSpec read_node(const Field& field, Mistakes& mistakes) {

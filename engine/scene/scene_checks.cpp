@@ -72,8 +72,14 @@ void check_limits(const Expectation& expectation, const MeasureType& type, Mista
 void check_subject(const Expectation& expectation, const std::string& of, const SceneSpec& scene,
                    const std::vector<std::string>& recorded, Mistakes& mistakes) {
   if (may_have_more(scene, of) || is_recorded(of, recorded)) return;
-  const auto near = nearest_name(of, recorded);
-  mistakes.add(Errc::UnknownName, expectation.of_at, "nothing called '" + of + "' is recorded",
+  auto names = recorded;  // with "instrument.hit" for its first output
+  for (const auto& name : recorded)
+    if (name.find('.') != name.rfind('.')) names.push_back(name.substr(0, name.rfind('.')));
+  const auto near = nearest_name(of, names);
+  mistakes.add(Errc::UnknownName, expectation.of_at,
+               of == expectation.of
+                   ? "nothing called '" + of + "' is recorded"
+                   : "'" + expectation.measure + "' needs '" + of + "', and nothing of that name is recorded",
                near.empty() ? "recorded are " + listed(recorded) : "did you mean '" + near + "'?");
 }
 

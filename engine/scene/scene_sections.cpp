@@ -150,6 +150,13 @@ Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes&
   return expectation;
 }
 
+void read_compared(const Field& field, const std::string& name, Comparison& comparison, Mistakes& mistakes) {
+  const auto value = read_quantity(field.value);
+  if (mistakes.keep(value) == nullptr) return;
+  comparison.set[name] = value->si;
+  comparison.places[name] = field.at;
+}
+
 }  // namespace
 
 std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
@@ -224,10 +231,10 @@ std::optional<Comparison> read_comparison(const Value::Table& scene, Mistakes& m
                  "write name = \"without the pulse\"");
   for (const auto& field : *fields) {
     if (field.key == "name") continue;
-    const auto value = read_quantity(field.value);
-    if (mistakes.keep(value) == nullptr) continue;
-    comparison.set[field.key] = value->si;
-    comparison.places[field.key] = field.at;
+    const auto* part = field.value.table();  // plant.gain = 1
+    if (part == nullptr) read_compared(field, field.key, comparison, mistakes);
+    for (const auto& inner : part != nullptr ? *part : Value::Table{})
+      read_compared(inner, field.key + "." + inner.key, comparison, mistakes);
   }
   return comparison;
 }

@@ -122,7 +122,7 @@ drum.toml:4:1: 'Hit' cannot name a node; names begin with a small letter and go 
 drum.toml:5:1: 'ms' is a unit and cannot name a node; choose another name
 drum.toml:6:1: 'min' is reserved and cannot name a node; choose another name
 drum.toml:7:1: node 'x' has neither 'type' nor 'use'; is 'typ' meant as 'type'?
-drum.toml:8:1: node 'y' has neither 'type' nor 'use'; name a node type, as in type = "lowpass", or the file of a part, as in use = "string.toml"
+drum.toml:8:1: node 'y' has neither 'type' nor 'use'; name a node type, as in type = "low_pass", or the file of a part, as in use = "string.toml"
 drum.toml:9:1: node 'z' has both 'type' and 'use'; remove one of them
 drum.toml:9:28: there is no file 'gain.toml'; paths are relative to this file
 drum.toml:10:14: 'type' must be a string, not a number; put it in quotes
