@@ -1,5 +1,11 @@
 #pragma once
 
+// Without AVX, GCC points out that code with AVX would pass a Four differently. No Four crosses a border
+// between files that are compiled with different flags.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
 namespace tactus {
 
 /// Four numbers that one instruction works on (a vector type of GCC and Clang; without AVX it becomes two).

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
+#include <numeric>
 #include <regex>
 
 namespace tactus::study {
@@ -40,7 +42,7 @@ const Rule kRules[] = {
 
 struct Recording {
   std::vector<float> mono;
-  double rate = 0;
+  int rate = 0;
 };
 
 Recording read(const fs::path& file) {
@@ -50,43 +52,64 @@ Recording read(const fs::path& file) {
   std::vector<float> all(static_cast<std::size_t>(info.frames * info.channels));
   sf_readf_float(sound, all.data(), info.frames);
   sf_close(sound);
-  Recording result{std::vector<float>(static_cast<std::size_t>(info.frames)),
-                   static_cast<double>(info.samplerate)};
+  Recording result{std::vector<float>(static_cast<std::size_t>(info.frames)), info.samplerate};
   const auto channels = static_cast<std::size_t>(info.channels);
   for (std::size_t n = 0; n < all.size(); ++n)
     result.mono[n / channels] += all[n] / static_cast<float>(channels);
   return result;
 }
 
-/// Band-limited interpolation: sinc under a Hann window of 16 zero crossings on each side.
-std::vector<float> resampled(const std::vector<float>& in, double rate, double shift_frames) {
-  constexpr int kHalf = 16, kSteps = 256;
-  static const std::vector<float> kernel = [] {
-    std::vector<float> table(static_cast<std::size_t>(kHalf * kSteps + 2), 0.0f);
-    for (int i = 0; i < kHalf * kSteps; ++i) {
-      const double t = static_cast<double>(i) / kSteps, angle = std::numbers::pi * t;
-      const double window = 0.5 + 0.5 * std::cos(angle / kHalf);
-      table[static_cast<std::size_t>(i)] = static_cast<float>((i ? std::sin(angle) / angle : 1.0) * window);
+/// Band-limited interpolation from a whole number of frames a second: sinc under a Hann window of 16 zero
+/// crossings on each side, one row of taps for each of the places between input frames that occur.
+class Interpolator {
+ public:
+  Interpolator(int rate, double shift_frames)
+      : step_(rate), wide_(std::max(1.0, rate / kRate)), half_(static_cast<int>(std::ceil(kHalf * wide_))) {
+    const int places = static_cast<int>(kRate) / std::gcd(rate, static_cast<int>(kRate));
+    for (int n = 0; n < places; ++n) {
+      const double centre = (n - shift_frames) * rate / kRate;
+      std::vector<float> taps;
+      for (int k = -half_; k <= half_; ++k)
+        taps.push_back(static_cast<float>(kernel((std::floor(centre) + k - centre) / wide_) / wide_));
+      taps_.push_back(std::move(taps));
     }
-    return table;
-  }();
-  const double step = rate / kRate, band = std::min(1.0, 1.0 / step);
-  const auto length = static_cast<std::size_t>(std::min(static_cast<double>(in.size()) / step, 0.7 * kRate));
-  std::vector<float> out(length);
-  for (std::size_t n = 0; n < length; ++n) {
-    const double centre = (static_cast<double>(n) - shift_frames) * step;
-    const auto first = static_cast<long>(std::ceil(centre - kHalf / band));
-    const auto last = static_cast<long>(std::floor(centre + kHalf / band));
-    double sum = 0;
-    for (long k = std::max(0L, first); k <= std::min(last, static_cast<long>(in.size()) - 1); ++k) {
-      const double place = std::abs(static_cast<double>(k) - centre) * band * kSteps;
-      const auto i = static_cast<std::size_t>(place);
-      const double part = place - static_cast<double>(i);
-      sum += static_cast<double>(in[static_cast<std::size_t>(k)]) *
-             ((1 - part) * static_cast<double>(kernel[i]) + part * static_cast<double>(kernel[i + 1]));
-    }
-    out[n] = static_cast<float>(sum * band);
+    shift_ = shift_frames;
   }
+
+  float at(const std::vector<float>& in, std::size_t n) const {
+    const double centre = (static_cast<double>(n) - shift_) * step_ / kRate;
+    const auto first = static_cast<long>(std::floor(centre)) - half_;
+    const std::vector<float>& taps = taps_[n % taps_.size()];
+    const auto from = static_cast<std::size_t>(std::max(0L, -first));
+    float sum = 0;
+    for (std::size_t k = from;
+         k < taps.size() && static_cast<std::size_t>(first + static_cast<long>(k)) < in.size(); ++k)
+      sum += taps[k] * in[static_cast<std::size_t>(first + static_cast<long>(k))];
+    return sum;
+  }
+
+ private:
+  static constexpr int kHalf = 16;
+
+  static double kernel(double crossings) {
+    if (std::abs(crossings) >= kHalf) return 0;
+    const double angle = std::numbers::pi * crossings;
+    return (angle == 0 ? 1 : std::sin(angle) / angle) * (0.5 + 0.5 * std::cos(angle / kHalf));
+  }
+
+  int step_;
+  double wide_, shift_ = 0;
+  int half_;
+  std::vector<std::vector<float>> taps_;
+};
+
+std::vector<float> resampled(const std::vector<float>& in, int rate, double shift_frames) {
+  static std::map<std::pair<int, double>, Interpolator> interpolators;
+  const auto& interpolator =
+      interpolators.try_emplace({rate, shift_frames}, rate, shift_frames).first->second;
+  std::vector<float> out(
+      static_cast<std::size_t>(std::min(static_cast<double>(in.size()) * kRate / rate, 0.7 * kRate)));
+  for (std::size_t n = 0; n < out.size(); ++n) out[n] = interpolator.at(in, n);
   return out;
 }
 
