@@ -222,6 +222,21 @@ test.toml:9:1: p -> q -> p has no delay in it; put a 'delay' node on one of thes
 test.toml:11:1: r -> r has no delay in it; put a 'delay' node on one of these edges)");
 }
 
+TEST_CASE("mistakes: what is compensated for must be a node with a type", "[graph]") {
+  CHECK(told(R"([inputs]
+x = {}
+[nodes]
+s = "1 * x"
+b = { type = "delay", in = "x", time = "9 ms", compensate = ["nobody", "s"] }
+c = { type = "delay", in = "x", time = "9 ms", compensate = [3] }
+[outputs]
+y = { from = "b + c" }
+)") ==
+        R"(test.toml:6:61: there is no node 'nobody' to compensate; name nodes of this file that have a type
+test.toml:6:61: there is no node 's' to compensate; name nodes of this file that have a type
+test.toml:7:62: 'compensate' of delay 'c' must hold names of nodes; write ["node", "node"])");
+}
+
 TEST_CASE("mistakes: what is in a part that is used twice is told once, and a loop through it by its path",
           "[graph]") {
   const TemporaryFolder folder;
