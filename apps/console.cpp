@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "apps/commands.h"
@@ -28,7 +29,10 @@ bool stderr_is_terminal() {
 
 int report(const std::vector<Error>& errors) {
   fmt::print(stderr, "{}\n", to_string(errors));
-  return kBadFile;
+  const bool usage = std::all_of(errors.begin(), errors.end(), [](const Error& error) {
+    return error.where.empty() || error.where.starts_with("--");
+  });
+  return usage ? kUsage : kBadFile;
 }
 
 int report(const Error& error) { return report(std::vector{error}); }
@@ -61,15 +65,17 @@ std::filesystem::path root_of(const std::filesystem::path& file) {
   return file.parent_path();
 }
 
-Result<std::map<std::string, double>> parse_settings(const std::vector<std::string>& texts) {
-  std::map<std::string, double> settings;
+Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std::string>& texts) {
+  std::map<std::string, ControlValue> settings;
   for (const auto& text : texts) {
     const auto equals = text.find('=');
     const auto value = equals == std::string::npos ? std::nullopt : parse_quantity(text.substr(equals + 1));
     if (!value || equals == 0)
       return fail(Errc::Syntax, "--set " + text, "is not NAME=VALUE",
                   "write for instance --set strength=0.5 or --set \"sensitivity=-40 dB\"");
-    settings[text.substr(0, equals)] = value->si;
+    const bool bare = text.find_first_not_of("+-0123456789.eE ", equals + 1) == std::string::npos;
+    settings[text.substr(0, equals)] =
+        bare ? ControlValue{value->si} : ControlValue{value->si, value->unit.dimension};
   }
   return settings;
 }

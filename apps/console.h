@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "engine/core/error.h"
+#include "engine/graph/compile.h"
 
 namespace tactus::app {
 
-/// Prints errors on stderr and gives the exit code for a bad file.
+/// Prints errors on stderr and gives the exit code: of a bad file, or of wrong usage if all come from the
+/// command line.
 int report(const std::vector<Error>& errors);
 int report(const Error& error);
 
@@ -33,7 +35,7 @@ std::filesystem::path resolve_target(const std::string& target, const char* name
 std::filesystem::path root_of(const std::filesystem::path& file);
 
 /// "strength=0.5", "sensitivity=-40 dB" → SI. Errors: Syntax.
-Result<std::map<std::string, double>> parse_settings(const std::vector<std::string>& texts);
+Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std::string>& texts);
 /// "20 ms" or a bare number in the unit's SI. Errors: Syntax, UnitMismatch.
 Result<double> parse_option(const std::string& text, const char* unit, const char* option);
 

@@ -95,6 +95,8 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   if (!settings) return report(settings.error()), kUsage;
   const auto delay = options.delay.empty() ? Result<double>{0.0} : parse_option(options.delay, "s", "delay");
   if (!delay) return report(delay.error()), kUsage;
+  if (*delay < 0 || *delay > 10)
+    return report(Error{Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", ""});
 
   CompileOptions compile_options;
   compile_options.sample_rate = input->sample_rate;
@@ -146,6 +148,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
                {"frames", frames},
                {"outputs", outputs},
                {"events", events["events"].size()},
+               {"bad_input_samples", engine.bad_input_samples()},
                {"faults", Json::array()}};
   for (const auto& fault : engine.faults())
     summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
@@ -163,6 +166,8 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
                                                                                : "the others heard silence");
   if (!options.out.empty()) fmt::print("{}: {}\n", options.out, fmt::join(outputs, ", "));
   if (!options.events.empty()) fmt::print("{}: the events\n", options.events);
+  if (engine.bad_input_samples() > 0)
+    fmt::print("{} samples of the input were no numbers and count as silence\n", engine.bad_input_samples());
   for (const auto& fault : engine.faults())
     fmt::print("fault: {} gave something that is not a number, {} times\n", fault.path, fault.count);
   return kDone;

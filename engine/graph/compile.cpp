@@ -34,9 +34,10 @@ void delays_of(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes&
   }
 }
 
-void set_controls(FlatGraph& flat, const std::map<std::string, double>& values, Mistakes& mistakes) {
+void set_controls(FlatGraph& flat, const std::map<std::string, ControlValue>& values, Mistakes& mistakes) {
   for (const auto& setting : values) {
-    const auto& [name, value] = setting;
+    const auto& name = setting.first;
+    const double value = setting.second.si;
     const auto it = std::find_if(flat.controls.begin(), flat.controls.end(),
                                  [&](const auto& c) { return c.name == setting.first; });
     if (it == flat.controls.end()) {
@@ -44,6 +45,14 @@ void set_controls(FlatGraph& flat, const std::map<std::string, double>& values, 
       for (const auto& control : flat.controls) known.push_back(control.name);
       mistakes.add(Errc::UnknownName, {}, "there is no control '" + name + "'",
                    known.empty() ? "this graph has none" : "this graph has " + listed(known));
+    } else if (setting.second.dimension && !(*setting.second.dimension == it->unit.dimension)) {
+      const auto in = [](const Dimension& d) {
+        return d.plain() ? std::string{"a plain number"} : "in " + to_string(d);
+      };
+      mistakes.add(Errc::UnitMismatch, {},
+                   "control '" + name + "' is " + in(it->unit.dimension) + ", but it is set to what is " +
+                       in(*setting.second.dimension),
+                   "give it in its own unit");
     } else if (!it->range.contains(value)) {
       mistakes.add(
           Errc::OutOfRange, {}, "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
@@ -55,7 +64,8 @@ void set_controls(FlatGraph& flat, const std::map<std::string, double>& values, 
 }
 
 /// Broken controls are not in the flat graph, and need no second message.
-std::map<std::string, double> settable(std::map<std::string, double> values, const GraphSpec& spec) {
+std::map<std::string, ControlValue> settable(std::map<std::string, ControlValue> values,
+                                             const GraphSpec& spec) {
   for (const auto& control : spec.controls)
     if (control.broken) values.erase(control.name);
   if (spec.incomplete) values.clear();

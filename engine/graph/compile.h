@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,21 @@
 
 namespace tactus {
 
+/// What a control is set to; the unit is checked if one was given.
+struct ControlValue {
+  double si = 0;
+  std::optional<Dimension> dimension = {};
+
+  ControlValue() = default;
+  ControlValue(double value) : si(value) {}
+  ControlValue(double value, Dimension of) : si(value), dimension(of) {}
+};
+
 struct CompileOptions {
   Hertz sample_rate = 48_kHz;
   Seconds system_delay = 0_s;
   /// Where controls start instead of where the file says, SI.
-  std::map<std::string, double> controls;
+  std::map<std::string, ControlValue> controls;
   /// Signals that become outputs of their own ("hit", "hit.level"), for events, scopes and recordings.
   std::vector<std::string> taps;
   /// What lies outside answers within the same frame: every output must then be ready before any input is

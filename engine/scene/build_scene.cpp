@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "engine/graph/compile.h"
 #include "engine/graph/mistakes.h"
@@ -121,13 +122,20 @@ class SceneBuilder {
       world_.inputs.push_back({"instrument." + output.name, output.at, {}});
   }
 
-  static void overwrite(Value::Table& fields, const std::string& port, double value, const Source& at) {
+  static void overwrite(Value::Table& fields, const std::string& port, const ControlValue& value,
+                        const Source& at) {
+    Value written{value.si, at};
+    if (value.dimension && !value.dimension->plain()) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%.17g ", value.si);
+      written.data = number + to_string(*value.dimension);
+    }
     for (auto& field : fields)
       if (field.key == port) {
-        field.value.data = value;
+        field.value = written;
         return;
       }
-    fields.push_back({port, at, {value, at}});
+    fields.push_back({port, at, written});
   }
 
   void wire_instrument() {
@@ -233,8 +241,8 @@ class SceneBuilder {
   Seconds delay_;
   GraphSpec world_;
   std::vector<std::string> taps_;
-  std::map<std::string, double> controls_;
-  std::map<std::string, std::map<std::string, double>> overwritten_;
+  std::map<std::string, ControlValue> controls_;
+  std::map<std::string, std::map<std::string, ControlValue>> overwritten_;
   std::vector<MovedControl> moved_;
   Mistakes mistakes_;
   BuiltScene built_;

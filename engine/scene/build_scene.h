@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
+#include "engine/graph/compile.h"
 #include "engine/graph/node_table.h"
 #include "engine/runtime/engine.h"
 #include "engine/scene/scene_spec.h"
@@ -14,9 +15,10 @@
 namespace tactus {
 
 struct SceneOptions {
-  std::optional<Seconds> delay;       ///< instead of the scene's
-  std::optional<Hertz> rate;          ///< instead of the scene's
-  std::map<std::string, double> set;  ///< "strength" of the instrument, "plant.gain" of another part; SI
+  std::optional<Seconds> delay;  ///< instead of the scene's
+  std::optional<Hertz> rate;     ///< instead of the scene's
+  std::map<std::string, ControlValue>
+      set;  ///< "strength" of the instrument, "plant.gain" of another part; SI
 };
 
 /// A signal that is recorded while a scene plays.
