@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 namespace tactus::test {
 namespace {
@@ -11,7 +12,9 @@ namespace {
 /// A short mono WAV file, 16 bits at 32 kHz: a rate that is not the engine's.
 std::string sound_file() {
   static const std::string path = [] {
-    const auto file = (std::filesystem::temp_directory_path() / "tactus_conformance.wav").string();
+    // Tests run side by side as programs of their own: each has a file of its own.
+    const auto name = "tactus_conformance_" + std::to_string(std::random_device{}()) + ".wav";
+    const auto file = (std::filesystem::temp_directory_path() / name).string();
     std::ofstream out(file, std::ios::binary);
     const auto put = [&](std::uint32_t value, int bytes) {
       for (int i = 0; i < bytes; ++i) out.put(static_cast<char>((value >> (8 * i)) & 0xff));
