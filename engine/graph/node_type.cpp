@@ -17,7 +17,9 @@ int index_of(const Items& items, std::string_view name) {
 const InputInfo& NodeSetup::input(std::string_view name) const {
   const int i = type->input_index(name);
   assert(i >= 0);
-  return inputs[static_cast<std::size_t>(i)];
+  const auto& info = inputs[static_cast<std::size_t>(i)];
+  info.asked = true;
+  return info;
 }
 
 const SettingValue& NodeSetup::setting(std::string_view name) const {

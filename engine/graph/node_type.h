@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -70,6 +71,7 @@ struct InputInfo {
   Interval range;                  ///< guaranteed by interval arithmetic; unbounded if nothing is known
   std::optional<double> constant;  ///< the value, if it never changes
   bool connected = false;          ///< named in the file
+  mutable bool asked = false;      ///< what was made depends on it
 };
 
 /// Settings with their values, as declared: `setup.choice("interpolation")`. Asking for what was not declared
@@ -94,6 +96,7 @@ struct NodeSetup {
   int lane = 0;                        ///< which lane of how many
   int lanes = 1;
 
+  /// It is noted (`asked`) that the node depends on what it is told here. Fixed ports may be read directly.
   const InputInfo& input(std::string_view name) const;
   const SettingValue& setting(std::string_view name) const;
 };
@@ -116,6 +119,8 @@ struct NodeType {
   bool stateless = false;
   /// Outputs that nobody reads may be given as nullptr (networks: hundreds of outputs, few of them read).
   bool skips_unread = false;
+  /// Tells declarations of one name apart (networks).
+  std::uint64_t fingerprint = 0;
   /// What an output can be, given what is known of the inputs; empty: OutputPort::range.
   std::function<Interval(int output, const NodeSetup&)> range;
 

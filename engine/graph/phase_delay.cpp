@@ -9,7 +9,7 @@ namespace tactus {
 std::optional<double> PhaseDelay::phase_delay(double tuned) const noexcept {
   if (!(tuned > 0)) return std::nullopt;
   const double frequency = 1 / tuned;
-  const auto response = other_.response(0, 0, Hertz{frequency}, values_);
+  const auto response = other_->response(0, 0, Hertz{frequency}, values_);
   if (!response) return std::nullopt;
   return -std::arg(*response) / (2 * std::numbers::pi * frequency);
 }
@@ -31,7 +31,7 @@ void PhaseDelay::process(const NodeBlock& block) noexcept {
   }
 }
 
-std::optional<Interval> PhaseDelay::range(const Node& other, Interval tuned,
+std::optional<Interval> PhaseDelay::range(const std::shared_ptr<const Node>& other, Interval tuned,
                                           const std::vector<Interval>& inputs) {
   PhaseDelay probe{other, static_cast<int>(inputs.size())};
   std::optional<Interval> found;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "engine/graph/interval.h"
@@ -17,21 +19,22 @@ namespace tactus {
 /// than half a circle at the fundamental.
 class PhaseDelay : public Node {
  public:
-  PhaseDelay(const Node& other, int other_inputs)
-      : other_(other), values_(static_cast<std::size_t>(other_inputs), 0.0) {}
+  PhaseDelay(std::shared_ptr<const Node> other, int other_inputs)
+      : other_(std::move(other)), values_(static_cast<std::size_t>(other_inputs), 0.0) {}
 
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override { known_ = false; }
 
   /// [control] All that it can take off over these ranges, by sampling frequencies and corners; negative for
   /// a phase that leads. nullopt: the other node has no response.
-  static std::optional<Interval> range(const Node& other, Interval tuned,
+  static std::optional<Interval> range(const std::shared_ptr<const Node>& other, Interval tuned,
                                        const std::vector<Interval>& inputs);
 
  private:
   std::optional<double> phase_delay(double tuned) const noexcept;
 
-  const Node& other_;
+  /// Only its design is asked, never its state: it may be another one than runs after an edit.
+  std::shared_ptr<const Node> other_;
   std::vector<double> values_;
   double tuned_ = 0;
   double result_ = 0;

@@ -85,7 +85,8 @@ struct LoopReport {
 struct Schedule {
   std::string name;
   Hertz sample_rate = 48_kHz;
-  std::vector<std::unique_ptr<Node>> nodes;
+  std::vector<std::shared_ptr<Node>> nodes;
+  std::vector<std::uint64_t> fingerprints;             ///< of `nodes` (see fingerprint.h)
   std::vector<std::shared_ptr<const NodeType>> types;  ///< of `nodes`; keeps network declarations alive
   std::vector<Step> steps;
   std::vector<Section> sections;

@@ -1,6 +1,7 @@
 #include "engine/nodes/delay.h"
 
 #include <cmath>
+#include <utility>
 
 #include "engine/core/dimension.h"
 #include "engine/dsp/delay_line.h"
@@ -27,19 +28,31 @@ struct TimeRange {
   double low_s, high_s;
 };
 
+/// What delays of every order have in common.
+class RememberingNode : public Node {
+ public:
+  explicit RememberingNode(DelayLine line) : line_(std::move(line)) {}
+  void adopt(Node& before) noexcept override {
+    if (const auto* other = dynamic_cast<const RememberingNode*>(&before)) line_.adopt(other->line_);
+  }
+
+ protected:
+  DelayLine line_;
+};
+
 /// Reads `Order` + 1 taps; order 0 is the nearest whole frame.
 template <int Order>
-class DelayNode : public Node {
+class DelayNode : public RememberingNode {
  public:
   DelayNode(TimeRange range, Hertz sample_rate)
-      : range_(range),
+      : RememberingNode(DelayLine{most_frames(range, sample_rate) + Order + kMaxPiece, kMaxPiece + Order}),
+        range_(range),
         sample_rate_(sample_rate),
         // A loop needs a tap in the past; where the delay is never below a frame, no tap is newer.
         newest_possible_(frames_of(range.low_s, sample_rate) >= 1 ? 1 : 0),
         least_(aimed(range.low_s).newest),
-        most_(static_cast<int>(std::ceil(frames_of(range.high_s, sample_rate)))),
-        aim_(aimed(range.low_s)),
-        line_(most_ + Order + kMaxPiece, kMaxPiece + Order) {}
+        most_(most_frames(range, sample_rate)),
+        aim_(aimed(range.low_s)) {}
 
   void process(const NodeBlock& block) noexcept override {
     absorb(block);
@@ -80,6 +93,10 @@ class DelayNode : public Node {
     bool whole = true;  ///< a copy, bit for bit
     std::array<double, Order + 1> weights{};
   };
+
+  static int most_frames(TimeRange range, Hertz sample_rate) {
+    return static_cast<int>(std::ceil(frames_of(range.high_s, sample_rate)));
+  }
 
   double inside(double seconds) const noexcept {
     return seconds > range_.low_s ? std::min(seconds, range_.high_s) : range_.low_s;
@@ -131,7 +148,6 @@ class DelayNode : public Node {
   int newest_possible_, least_, most_;
   double aimed_at_ = range_.low_s;
   Aim aim_;
-  DelayLine line_;
   std::int64_t clamped_ = 0;
 };
 

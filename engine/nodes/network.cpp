@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/dimension.h"
+#include "engine/graph/fingerprint.h"
 #include "engine/nodes/network_node.h"
 
 namespace tactus {
@@ -58,6 +59,17 @@ void declare_outputs(NodeType& type, const NetworkLayout::Element& element) {
   if (!quantities.empty()) declare(element.name, quantities.front());
 }
 
+std::uint64_t fingerprint_of(const NetworkLayout& layout) {
+  Fingerprint print;
+  print.add(static_cast<std::uint64_t>(layout.solver)).add(static_cast<std::uint64_t>(layout.oversample));
+  for (const auto& element : layout.elements) {
+    print.add(element.name).add(element.type->name);
+    for (const int end : element.ends) print.add(static_cast<std::uint64_t>(end));
+    for (const int port : element.ports) print.add(static_cast<std::uint64_t>(port));
+  }
+  return print.value();
+}
+
 }  // namespace
 
 Checked<std::shared_ptr<const NodeType>> network_type(const NetworkSpec& spec) {
@@ -76,6 +88,7 @@ Checked<std::shared_ptr<const NodeType>> network_type(const NetworkSpec& spec) {
     declare_outputs(*type, layout->elements[i]);
   }
   type->outputs.push_back({.name = "energy", .unit = "J", .doc = "stored in the whole network", .range = {}});
+  type->fingerprint = fingerprint_of(*layout);
   type->make = [layout = std::move(*layout)](const NodeSetup& setup) {
     return make_network_node(layout, setup);
   };

@@ -158,14 +158,15 @@ class NetworkBuilder {
 class NetworkNode final : public Node {
  public:
   NetworkNode(Network network, std::vector<Reading> readings, std::vector<int> signal_ports,
-              const std::vector<InputPort>& inputs)
-      : network_(std::move(network)),
+              const NodeType& type)
+      : fingerprint_(type.fingerprint),
+        network_(std::move(network)),
         state_(network_.initial_state()),
         readings_(std::move(readings)),
         signal_ports_(std::move(signal_ports)),
         now_(signal_ports_.size()),
         read_(readings_.size()),
-        late_(inputs.size()) {
+        late_(type.inputs.size()) {
     for (const int port : signal_ports_) late_[static_cast<std::size_t>(port)] = true;
   }
 
@@ -179,6 +180,11 @@ class NetworkNode final : public Node {
   void emit(const NodeBlock& block) noexcept override { write(block, 0, find_read(block)); }
   void absorb(const NodeBlock& block) noexcept override { step(block, 0); }
   void reset() noexcept override { network_.reset(state_); }
+
+  void adopt(Node& before) noexcept override {
+    const auto* other = dynamic_cast<const NetworkNode*>(&before);
+    if (other != nullptr && other->fingerprint_ == fingerprint_) network_.adopt(state_, other->state_);
+  }
 
   DelayRange delay(int input, int) const override {
     return late_[static_cast<std::size_t>(input)] ? DelayRange{1, 1} : DelayRange{};
@@ -230,6 +236,7 @@ class NetworkNode final : public Node {
     return network_.energy(state_);
   }
 
+  std::uint64_t fingerprint_;  ///< which elements, joined how
   Network network_;
   NetworkState state_;
   std::vector<Reading> readings_;
@@ -247,7 +254,7 @@ Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, con
                                setup.sample_rate, layout.solver, layout.oversample);
   if (!network) return tl::unexpected(network.error());
   return std::make_unique<NetworkNode>(std::move(*network), builder.readings(),
-                                       std::move(builder.signal_ports), setup.type->inputs);
+                                       std::move(builder.signal_ports), *setup.type);
 }
 
 }  // namespace tactus

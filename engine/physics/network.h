@@ -83,6 +83,10 @@ class Network {
   NetworkState initial_state() const;
   /// [realtime] Back to the start.
   void reset(NetworkState& state) const noexcept;
+  /// [realtime] Goes on from the state of a network of the same elements with other numbers: positions and
+  /// motions stay, what contacts store follows from the indentation (energy changes with the stiffness,
+  /// nothing jumps).
+  void adopt(NetworkState& state, const NetworkState& before) const noexcept;
   /// [realtime] From frame n to n + 1 with the inputs of frame n.
   void step(NetworkState& state, const double* inputs) const noexcept;
 
@@ -146,6 +150,7 @@ class Network {
   bool is_mass(int slot) const { return slot < masses_; }
 
   void start_moving(NetworkState& state) const noexcept;
+  void store_energy(NetworkState& state) const noexcept;
   void settle(NetworkState& state, const double* inputs) const noexcept;
   void substep(NetworkState& state, const double* inputs, int part) const noexcept;
   void move_driven(NetworkState& state, const double* inputs, int part) const noexcept;

@@ -45,6 +45,17 @@ void Network::reset(NetworkState& state) const noexcept {
   start_moving(state);
 }
 
+void Network::adopt(NetworkState& state, const NetworkState& before) const noexcept {
+  using Numbers = std::vector<double> NetworkState::*;
+  for (const Numbers list :
+       {&NetworkState::position, &NetworkState::moved, &NetworkState::moved_before, &NetworkState::current,
+        &NetworkState::mean_current, &NetworkState::voltage, &NetworkState::force, &NetworkState::held})
+    std::copy((before.*list).begin(), (before.*list).end(), (state.*list).begin());
+  std::copy(before.low_pass.begin(), before.low_pass.end(), state.low_pass.begin());
+  state.settled = before.settled;
+  store_energy(state);
+}
+
 /// Positions before the start, from position, velocity and acceleration at the start: consistent to second
 /// order. Inputs count as 0 before the start, which with `centred` makes the first step exact for any first
 /// input.
@@ -65,6 +76,11 @@ void Network::start_moving(NetworkState& state) const noexcept {
     state.moved[i] = straight - 0.5 * bend;
     state.moved_before[i] = straight - 1.5 * bend;
   }
+  store_energy(state);
+}
+
+/// What each contact holds half a step ago.
+void Network::store_energy(NetworkState& state) const noexcept {
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const double motion = state.moved[index(contacts_[c].lower)] - state.moved[index(contacts_[c].upper)];
     const double n = indentation_now(state, contacts_[c]) - 0.5 * motion;

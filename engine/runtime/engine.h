@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "engine/core/journal.h"
 #include "engine/core/spsc_queue.h"
 #include "engine/graph/schedule.h"
+#include "engine/runtime/output_fade.h"
+#include "engine/runtime/running.h"
 
 namespace tactus {
 
@@ -38,31 +41,44 @@ class Engine final : public BlockProcessor {
   /// [control, one thread] An entry for the running engine. False: the queue is full, try again after a
   /// block.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept { return inbox_.push(entry); }
+  /// [control, one thread] Puts another version of the graph in the place of the running one, from `frame` on
+  /// (kNow: from the next block). Nodes of the same path that are made from the same things go on with their
+  /// state, controls keep their value, constants that differ move to their new value in 10 ms, and an output
+  /// that would jump gets an offset equal to its jump, which fades in 10 ms. An edit that changes nothing
+  /// changes no bit. Errors: BadArgument if inputs, outputs or sample rate differ, or if the last version
+  /// still waits for its frame; the sounding graph then plays on.
+  [[nodiscard]] Status replace(std::unique_ptr<Schedule> schedule, std::int64_t frame = JournalEntry::kNow);
+  /// [control, one thread] A version given to `replace` has not taken over yet.
+  bool replacing() const { return incoming_.load(std::memory_order_acquire) != nullptr; }
+  /// [control, one thread] The number that journal entries name a control by; it outlives every replacement.
+  /// -1: there is none.
+  int control_index(std::string_view control) const;
+
   /// [control & stopped] For a schedule with an `Outside` step: who answers there. It reads this engine's
   /// outputs and fills its inputs, in blocks of the loop's sub-block.
   void set_outside(BlockProcessor& outside) { outside_ = &outside; }
 
-  const Schedule& schedule() const { return *schedule_; }
+  /// [control, one thread] The newest one.
+  const Schedule& schedule() const { return *newest_->schedule; }
   /// Channels of `io.in` and `io.out`; taps are no channels.
-  int in_channels() const { return static_cast<int>(schedule_->input_names.size()); }
-  int out_channels() const { return static_cast<int>(outputs_.size()); }
+  int in_channels() const { return static_cast<int>(newest_->schedule->input_names.size()); }
+  int out_channels() const { return static_cast<int>(newest_->outputs.size()); }
   /// [realtime] Samples of tap `i` (in the order of CompileOptions::taps, lanes one after the other) of the
   /// last block.
-  const double* tap(int i) const { return taps_[static_cast<std::size_t>(i)].data(); }
-  int tap_count() const { return static_cast<int>(taps_.size()); }
+  const double* tap(int i) const { return running_->taps[static_cast<std::size_t>(i)].data(); }
+  int tap_count() const { return static_cast<int>(newest_->taps.size()); }
 
-  /// [any] Counted while running.
+  /// [control, one thread] Counted while running, by all versions.
   std::vector<FaultCount> faults() const;
+  /// [any]
   std::int64_t bad_input_samples() const { return bad_inputs_.load(std::memory_order_relaxed); }
   std::int64_t frame() const { return frame_.load(std::memory_order_relaxed); }
 
   /// [control & stopped] Runs like `process` and adds up what each step took. For `tactus explain`.
   void process_timed(const BlockIo& io) noexcept;
-  const std::vector<double>& step_nanoseconds() const { return step_ns_; }
+  const std::vector<double>& step_nanoseconds() const { return newest_->step_ns; }
 
  private:
-  struct ControlState;
-
   template <bool kTimed>
   void run_block(const BlockIo& io) noexcept;
   template <bool kTimed>
@@ -76,34 +92,36 @@ class Engine final : public BlockProcessor {
   void count_fault(int path) noexcept;
   void silence(const Step& step, int offset, int frames) noexcept;
 
+  // Journal, controls, other versions.
   int frames_to_next_entry(int frames) noexcept;
   void apply(const JournalEntry& entry) noexcept;
-  void advance_controls(int frames) noexcept;
-  void rest(std::size_t control, bool resting) noexcept;
+  void take_over(Running& next) noexcept;
+  void collect();
   void make_finite(double* samples, int frames) noexcept;
   void load_inputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept;
   void store_outputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept;
 
-  std::unique_ptr<Schedule> schedule_;
+  // Control side. `newest_` runs, or waits in `incoming_`; `before_` then runs.
+  std::unique_ptr<Running> newest_, before_;
+  std::map<std::string, std::int64_t> past_faults_;  // of versions that are gone
+  // Between the two.
+  std::atomic<Running*> incoming_{nullptr};
+  std::atomic<bool> retired_{false};  // nobody runs `before_` any more
+  SpscQueue<JournalEntry> inbox_{256};
+  std::atomic<std::int64_t> bad_inputs_{0};
+  std::atomic<std::int64_t> frame_{0};
+  // Audio side.
+  Running* running_;
+  Schedule* schedule_;  // of `running_`
   StreamFormat format_;
-  std::vector<int> outputs_;  // channels that are not taps
-  std::vector<int> tap_channels_;
-  std::vector<std::vector<double>> taps_;
-  std::vector<ControlState> controls_;
-  std::vector<Signal> moved_in_;  // a step's operands at an offset into the piece
-  std::vector<double*> moved_out_;
+  std::vector<OutputFade> fades_;
   std::vector<const double*> outside_in_;
   std::vector<double*> outside_out_;
   std::vector<std::vector<double>> outside_buffers_;
   BlockProcessor* outside_ = nullptr;
   std::vector<JournalEntry> journal_;
   std::size_t next_entry_ = 0;
-  SpscQueue<JournalEntry> inbox_{256};
-  std::vector<std::atomic<std::int64_t>> faults_;  // by path
-  std::atomic<std::int64_t> bad_inputs_{0};
-  std::atomic<std::int64_t> frame_{0};
   std::int64_t now_ = 0;
-  std::vector<double> step_ns_;
 };
 
 }  // namespace tactus

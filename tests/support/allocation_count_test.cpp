@@ -1,5 +1,6 @@
 #include "tests/support/allocation_count.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <new>
@@ -7,6 +8,7 @@
 namespace {
 
 thread_local std::int64_t allocations = 0;
+std::atomic<std::int64_t> live{0};
 
 void* allocate(std::size_t bytes, std::size_t alignment) {
   ++allocations;
@@ -16,11 +18,15 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
                            ? std::malloc(bytes > 0 ? bytes : 1)
                            : std::aligned_alloc(alignment, rounded > 0 ? rounded : alignment);
   if (memory == nullptr) throw std::bad_alloc{};
+  live.fetch_add(1, std::memory_order_relaxed);
   return memory;
 }
 
 /// Not inlined: gcc would see `free` on what a new-expression returned, and warn.
-[[gnu::noinline]] void release(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void release(void* memory) noexcept {
+  if (memory != nullptr) live.fetch_sub(1, std::memory_order_relaxed);
+  std::free(memory);
+}
 
 }  // namespace
 
@@ -37,6 +43,7 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { rel
 namespace tactus::test {
 
 std::int64_t allocation_count() noexcept { return allocations; }
+std::int64_t live_allocations() noexcept { return live.load(std::memory_order_relaxed); }
 
 }  // namespace tactus::test
 

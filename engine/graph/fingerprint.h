@@ -1,0 +1,37 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <string_view>
+
+#include "engine/graph/node_type.h"
+
+namespace tactus {
+
+/// FNV-1a, 64 bits: equal for equal input, and else different but for one case in 2^64. Source: Fowler, Noll
+/// and Vo, IETF draft-eastlake-fnv.
+class Fingerprint {
+ public:
+  Fingerprint& add(std::string_view text) {
+    for (const char c : text) byte(static_cast<unsigned char>(c));
+    return add(std::uint64_t{text.size()});
+  }
+  Fingerprint& add(double number) { return add(std::bit_cast<std::uint64_t>(number + 0.0)); }
+  Fingerprint& add(std::uint64_t number) {
+    for (int i = 0; i < 8; ++i) byte(number >> (8 * i) & 0xff);
+    return *this;
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  void byte(std::uint64_t b) { value_ = (value_ ^ b) * 1099511628211u; }
+
+  std::uint64_t value_ = 14695981039346656037u;
+};
+
+/// [control] Of everything that a node was made from: two nodes with the same fingerprint differ in their
+/// state alone. Of an input counts what `make` asked for, or what it had to be told because the port is
+/// fixed.
+std::uint64_t fingerprint(const NodeSetup& setup);
+
+}  // namespace tactus

@@ -1,0 +1,106 @@
+#include "engine/runtime/running.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus {
+
+Running::Running(std::unique_ptr<Schedule> made, int max_frames)
+    : schedule(std::move(made)), faults(schedule->paths.size()), step_ns(schedule->steps.size(), 0.0) {
+  for (std::size_t i = 0; i < schedule->channels.size(); ++i)
+    (schedule->channels[i].use == OutputUse::Tap ? tap_channels : outputs).push_back(static_cast<int>(i));
+  std::size_t most_in = 2;
+  std::size_t most_out = 1;
+  for (const auto& step : schedule->steps) {
+    most_in = std::max(most_in, static_cast<std::size_t>(step.inputs));
+    most_out = std::max(most_out, static_cast<std::size_t>(step.outputs));
+  }
+  moved_in.resize(most_in);
+  moved_out.resize(most_out);
+  for (const auto& scheduled : schedule->controls) {
+    Mover mover;
+    mover.buffer = scheduled.buffer;
+    mover.slots = scheduled.slots;
+    mover.channels = scheduled.output_slots;
+    mover.decibel = scheduled.control.decibel;
+    control_of.push_back(static_cast<int>(controls.size()));
+    control_names.push_back(scheduled.control.name);
+    controls.push_back(std::move(mover));
+  }
+  start(max_frames);
+}
+
+void Running::start(int max_frames) {
+  taps.assign(tap_channels.size(), std::vector<double>(static_cast<std::size_t>(max_frames), 0.0));
+  std::fill_n(schedule->arena.data(), schedule->arena.size(), 0.0);
+  if (schedule->system_delay != nullptr) *schedule->system_delay = schedule->system_delay_at_start.value;
+  for (auto& node : schedule->nodes) node->reset();
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    controls[i].value = MovingValue::resting(schedule->controls[i].control.value);
+    rest(controls[i], true);
+  }
+  for (auto& ramp : ramps) {
+    ramp.mover.value = MovingValue::resting(ramp.mover.value.to);
+    rest(ramp.mover, true);
+  }
+  for (auto& count : faults) count.store(0, std::memory_order_relaxed);
+}
+
+void Running::move_control(std::size_t control, std::int64_t now, double target) noexcept {
+  const auto& scheduled = schedule->controls[control];
+  if (scheduled.frozen) return;
+  const auto& range = scheduled.control.range;
+  const auto frames =
+      static_cast<std::int64_t>(std::lround(scheduled.control.smooth_s * schedule->sample_rate.value));
+  auto& mover = controls[control];
+  mover.value = {mover.value.at(now, mover.decibel), std::clamp(target, range.low, range.high), now, frames};
+  rest(mover, false);
+}
+
+void Running::take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
+  for (std::size_t i = 0; i < handover.controls.size(); ++i) {
+    const auto [from, to] = handover.controls[i];
+    const auto c = static_cast<std::size_t>(to);
+    const double of_the_file = schedule->controls[c].control.value;
+    const auto& range = schedule->controls[c].control.range;
+    controls[c].value = before.controls[static_cast<std::size_t>(from)].value;
+    const double target = handover.new_value[i] ? of_the_file : controls[c].value.to;
+    if (handover.new_value[i] || !range.contains(target))
+      move_control(c, now, target);
+    else
+      rest(controls[c], controls[c].value.done(now));
+  }
+  for (auto& ramp : ramps) {
+    auto& value = ramp.mover.value;
+    const auto start = value;
+    if (ramp.before >= 0) value = before.ramps[static_cast<std::size_t>(ramp.before)].mover.value;
+    if (ramp.before < 0 || value.to != start.to)
+      value = {ramp.before < 0 ? start.from : value.at(now, false), start.to, now, fade_frames};
+    rest(ramp.mover, value.done(now));
+  }
+}
+
+void Running::rest(Mover& mover, bool resting) noexcept {
+  mover.resting = resting;
+  if (mover.buffer == nullptr) return;
+  if (resting) mover.buffer[0] = mover.value.to;
+  for (const int slot : mover.slots)
+    schedule->inputs[static_cast<std::size_t>(slot)].stride = resting ? 0 : 1;
+  for (const int channel : mover.channels)
+    schedule->channels[static_cast<std::size_t>(channel)].signal.stride = resting ? 0 : 1;
+}
+
+void Running::advance(std::int64_t now, int frames) noexcept {
+  for (auto& control : controls)
+    if (!control.resting) advance(control, now, frames);
+  for (auto& ramp : ramps)
+    if (!ramp.mover.resting) advance(ramp.mover, now, frames);
+}
+
+void Running::advance(Mover& mover, std::int64_t now, int frames) noexcept {
+  if (mover.value.done(now)) return rest(mover, true);
+  if (mover.buffer == nullptr) return;
+  for (int n = 0; n < frames; ++n) mover.buffer[n] = mover.value.at(now + n, mover.decibel);
+}
+
+}  // namespace tactus

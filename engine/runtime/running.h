@@ -1,0 +1,71 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engine/graph/schedule.h"
+#include "engine/runtime/moving_value.h"
+
+namespace tactus {
+
+/// A constant of the file that is read at one place and will move to a new value when the schedule takes
+/// over.
+struct ConstantRamp {
+  Mover mover;
+  int before = -1;  ///< the ramp of the schedule before, if it has one for this place; its value then counts
+  std::vector<double> samples;
+};
+
+/// What carries over from the schedule before, worked out on the control side (see `plan_handover`).
+struct Handover {
+  struct Pair {
+    int before, after;
+  };
+  std::vector<Pair> nodes;      ///< run on with their state
+  std::vector<Pair> remade;     ///< made from other things: adopt what they can
+  std::vector<Pair> controls;   ///< keep their value
+  std::vector<bool> new_value;  ///< [of `controls`] the file gives it another value: it moves there
+  std::vector<bool> jumps;      ///< [output] what feeds it is not the same
+};
+
+/// A Schedule and what the engine keeps beside it while it runs. Made and freed on the control side.
+struct Running {
+  /// [control] Allocates everything that `process` needs.
+  Running(std::unique_ptr<Schedule> schedule, int max_frames);
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+  /// [control & stopped] Everything back to frame 0.
+  void start(int max_frames);
+  /// [realtime] Sends a control from where it is to `target`, within its range and its time. Does nothing if
+  /// it is frozen.
+  void move_control(std::size_t control, std::int64_t now, double target) noexcept;
+  /// [realtime] Values of controls and ramps go on from where they are in the version before.
+  void take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
+  /// [realtime] Moves on by `frames` from `now`.
+  void advance(std::int64_t now, int frames) noexcept;
+
+  std::unique_ptr<Schedule> schedule;
+  std::vector<Mover> controls;  ///< as Schedule::controls
+  std::vector<ConstantRamp> ramps;
+  std::vector<int> control_of;  ///< [number, which stays the same for ever] index in `controls`; -1: gone
+  std::vector<std::string> control_names;  ///< [number]
+  std::vector<int> outputs;                ///< channels that are not taps
+  std::vector<int> tap_channels;
+  std::vector<std::vector<double>> taps;
+  std::vector<Signal> moved_in;  ///< a step's operands at an offset into the piece
+  std::vector<double*> moved_out;
+  std::vector<std::atomic<std::int64_t>> faults;  ///< by path
+  std::vector<double> step_ns;
+
+  std::int64_t frame = 0;  ///< the first that it is to run
+  Handover handover;
+
+ private:
+  void rest(Mover& mover, bool resting) noexcept;
+  void advance(Mover& mover, std::int64_t now, int frames) noexcept;
+};
+
+}  // namespace tactus

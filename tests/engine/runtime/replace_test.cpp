@@ -1,0 +1,399 @@
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "engine/runtime/engine.h"
+#include "tests/support/allocation_count.h"
+#include "tests/support/graph_runner.h"
+#include "tests/support/node_runner.h"
+
+using namespace tactus;
+using test::engine_of;
+
+namespace {
+
+using Kind = JournalEntry::Kind;
+
+std::string graph(const std::string& body) { return "format = 1\nname = \"test\"\n" + body; }
+
+std::unique_ptr<Schedule> schedule_of(const std::string& text) {
+  auto made = compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), {});
+  if (!made) throw std::runtime_error(to_string(made.error()));
+  return std::move(*made);
+}
+
+const std::string kBig = graph(R"(
+[inputs]
+x = {}
+go = {}
+[controls]
+gain  = { value = 0.4, range = [-0.5, 0.5] }
+pitch = { value = "300 Hz", range = ["100 Hz", "1 kHz"] }
+[networks.drum]
+frame = { type = "ground" }
+cone  = { type = "mass", mass = "35 g" }
+stick = { type = "mass", mass = "12 g", at = "1 mm" }
+hold  = { type = "spring", between = ["frame", "cone"], stiffness = "1000 N/m", damping = "1.2 kg/s" }
+lens  = { type = "contact", between = ["cone", "stick"], stiffness = "5e6 N/m^1.5", loss = "0.15 s/m" }
+coil  = { type = "coil", on = "cone", voltage = "10 V * back", force_factor = "6 T m", resistance = "6 ohm" }
+fall  = { type = "force", on = "stick", force = "-1 N" }
+[nodes]
+heard  = { type = "band_pass", in = "drum.lens.force / 1 N", frequency = "3 kHz", q = 0.7 }
+hit    = { type = "onset", in = "heard", threshold = "-34 dB", hold = "15 ms" }
+back   = { type = "decay", trigger = "hit + go", time = "12 ms" }
+combs  = { type = "delay", voices = 8, in = "x + gain * loss", time = { from = "1 ms", to = "9 ms" } }
+loss   = { type = "low_pass", in = "combs", cutoff = "pitch * 4", q = 0.7 }
+tuned  = { type = "delay", in = "heard + 0.9 * damped", time = "1 / pitch", compensate = ["damped"] }
+damped = { type = "one_pole", in = "tuned", cutoff = "4 kHz" }
+all    = { type = "mix", in = "loss" }
+hiss   = { type = "noise", level = 0.1 }
+[outputs]
+y = { from = "all + tuned + hiss" }
+z = { from = "back" }
+)");
+
+struct Edit {
+  int frame;
+  std::string text;
+};
+
+/// Runs with the edits at their frames, whatever the block.
+test::Channels play(const std::string& first, const std::vector<Edit>& edits, const test::Channels& inputs,
+                    int frames, int block, const std::vector<JournalEntry>& journal = {}) {
+  const auto engine = engine_of(first);
+  const StreamFormat format{48_kHz, static_cast<int>(inputs.size()), engine->out_channels(), 4096};
+  if (!engine->prepare(format)) throw std::runtime_error("not prepared");
+  engine->set_journal(journal);
+  test::Channels out(static_cast<std::size_t>(engine->out_channels()),
+                     test::Samples(static_cast<std::size_t>(frames)));
+  std::size_t next = 0;
+  for (int done = 0; done < frames;) {
+    if (next < edits.size() && !engine->replacing()) {
+      const auto status = engine->replace(schedule_of(edits[next].text), edits[next].frame);
+      if (!status) throw std::runtime_error(to_string(status.error()));
+      ++next;
+    }
+    const int now = std::min(block, frames - done);
+    std::vector<const double*> in;
+    std::vector<double*> to;
+    for (const auto& channel : inputs) in.push_back(channel.data() + done);
+    for (auto& channel : out) to.push_back(channel.data() + done);
+    engine->process({in.data(), to.data(), now});
+    done += now;
+  }
+  return out;
+}
+
+/// One output "y" made from the input x.
+std::string simple(const std::string& y, const std::string& nodes = "") {
+  return graph("[inputs]\nx = {}\n[nodes]\n" + nodes + "\n[outputs]\ny = { from = \"" + y + "\" }\n");
+}
+
+double largest_step(const test::Samples& y, int from, int to) {
+  double largest = 0;
+  for (int n = from; n < to; ++n)
+    largest =
+        std::max(largest, std::abs(y[static_cast<std::size_t>(n)] - y[static_cast<std::size_t>(n - 1)]));
+  return largest;
+}
+
+test::Channels excitation(int frames) {
+  auto go = test::Samples(static_cast<std::size_t>(frames));
+  for (int n = 100; n < frames; n += 1777) go[static_cast<std::size_t>(n)] = 1;
+  return {test::noise(frames, 11), go};
+}
+
+}  // namespace
+
+TEST_CASE("Engine: an edit that changes nothing changes no bit", "[runtime][replace]") {
+  constexpr int kFrames = 6000;
+  const std::vector<JournalEntry> journal{{300, Kind::ControlChange, 1, 700},
+                                          {2900, Kind::ControlChange, 0, 0.1}};
+  const auto inputs = excitation(kFrames);
+  const auto expected = play(kBig, {}, inputs, kFrames, 64, journal);
+  // In the middle of both ramps too. Comments, empty lines and the order of sections are no changes.
+  const std::vector<Edit> edits{
+      {1, kBig}, {450, "# nothing\n\n" + kBig}, {2901, kBig}, {3000, kBig}, {4097, kBig}};
+  for (const int block : {1, 64, 100}) {
+    INFO("blocks of " << block);
+    CHECK(test::first_difference(expected, play(kBig, edits, inputs, kFrames, block, journal)) == "");
+  }
+}
+
+TEST_CASE("Engine: an edit takes over at its frame in blocks of any size", "[runtime][replace]") {
+  constexpr int kFrames = 3000;
+  auto edited = kBig;
+  edited.replace(edited.find("0.9 * damped"), 12, "abs(0.8 * damped)");
+  edited.replace(edited.find("\"12 ms\""), 7, "\"30 ms\"");
+  const auto inputs = excitation(kFrames);
+  const std::vector<Edit> edits{{777, edited}, {2001, kBig}};
+  const auto expected = play(kBig, edits, inputs, kFrames, 1);
+  CHECK(test::first_difference(play(kBig, {}, inputs, kFrames, 1), expected) != "");
+  for (const int block : {7, 64, 256, 700})
+    CHECK(test::first_difference(expected, play(kBig, edits, inputs, kFrames, block)) == "");
+}
+
+TEST_CASE("Engine: a constant that is edited moves to its new value in 10 ms", "[runtime][replace]") {
+  const test::Samples ones(2000, 1.0);
+  const auto y =
+      play(simple("0.8 * x"), {{100, simple("0.2 * x")}, {340, simple("0.6 * x")}}, {ones}, 2000, 64)[0];
+  CHECK(y[99] == 0.8);
+  CHECK(y[100] == 0.8);
+  CHECK(y[100 + 120] == Approx(0.8 - 0.6 * 120 / 480).epsilon(1e-12));
+  CHECK(y[340] == Approx(0.5).epsilon(1e-12));  // half way; from there to 0.6
+  CHECK(y[340 + 240] == Approx(0.55).epsilon(1e-12));
+  CHECK(y[340 + 480] == 0.6);
+  CHECK(y[1999] == 0.6);
+}
+
+TEST_CASE("Engine: an edited parameter leaves the node its state", "[runtime][replace]") {
+  // A one-pole charged to 1 stays at 1 whatever its cutoff becomes; made anew it would start at 0.
+  const auto filter = [](const char* cutoff) {
+    return simple("slow",
+                  "slow = { type = \"one_pole\", in = \"x\", cutoff = \"" + std::string(cutoff) + "\" }");
+  };
+  const auto y = play(filter("500 Hz"), {{5000, filter("40 Hz")}}, {test::Samples(8000, 1.0)}, 8000, 64)[0];
+  for (std::size_t n = 5000; n < 8000; ++n) REQUIRE(y[n] == Approx(1.0).epsilon(1e-9));
+}
+
+TEST_CASE("Engine: an output that would jump gets an offset that fades on a line", "[runtime][replace]") {
+  const auto y =
+      play(simple("0.8 * x"), {{100, simple("abs(x) - 0.7")}}, {test::Samples(1000, 1.0)}, 1000, 64)[0];
+  for (int n = 100; n < 1000; ++n) {
+    const double left = std::max(0.0, 1.0 - (n - 100) / 480.0);
+    REQUIRE(y[static_cast<std::size_t>(n)] == Approx(0.3 + 0.5 * left).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("Engine: no edit makes a step beyond those of the old and the new signal and the fade",
+          "[runtime][replace]") {
+  constexpr int kFrames = 4000, kEdit = 1999;
+  const std::string sine = "s = { type = \"sine\", frequency = \"441 Hz\" }\n";
+  const std::vector<std::string> versions{
+      simple("s", sine),
+      simple("0.3 * s", sine),
+      simple("min(s, 0.1) + 0.5", sine),
+      simple("s + late", sine + "late = { type = \"delay\", in = \"s + 0.5 * late\", time = \"7 ms\" }"),
+      simple("s + late", sine + "late = { type = \"delay\", in = \"s + 0.5 * late\", time = \"9 ms\" }"),
+      simple("low", sine + "low = { type = \"low_pass\", in = \"s\", cutoff = \"200 Hz\" }"),
+      simple("low", sine + "low = { type = \"high_pass\", in = \"s\", cutoff = \"200 Hz\" }"),
+      simple("-0.9"),
+  };
+  const test::Channels inputs{test::Samples(kFrames)};
+  for (const auto& from : versions) {
+    for (const auto& to : versions) {
+      const auto before = play(from, {}, inputs, kFrames, 64)[0];
+      // What a delay that was not there before answers first is a step of the new signal's own.
+      const auto after = play(simple("1e-9 * s", sine), {{kEdit, to}}, inputs, kFrames, 64)[0];
+      const auto y = play(from, {{kEdit, to}}, inputs, kFrames, 64)[0];
+      const double own = std::max(largest_step(before, 1, kFrames), largest_step(after, 1, kFrames));
+      const double peak = 4;  // no two of these signals are further apart
+      INFO(from << "\nto\n" << to);
+      CHECK(y[kEdit] == Approx(y[kEdit - 1]).margin(from == to ? own : 1e-12));
+      CHECK(largest_step(y, kEdit, kFrames) <= own + peak / 480 + 1e-9);
+    }
+  }
+}
+
+TEST_CASE("Engine: an output that an edit does not reach keeps every bit", "[runtime][replace]") {
+  const auto two = [](const std::string& z) {
+    return graph(
+        "[inputs]\nx = {}\n[nodes]\nline = { type = \"delay\", in = \"x + 0.7 * line\", time = \"3 ms\" }\n"
+        "[outputs]\ny = { from = \"line\" }\nz = { from = \"" +
+        z + "\" }\n");
+  };
+  const test::Channels inputs{test::noise(3000, 5)};
+  const auto expected = play(two("x"), {}, inputs, 3000, 64);
+  const auto edited = play(two("x"), {{1000, two("abs(x) + 0.2 * line")}}, inputs, 3000, 64);
+  CHECK(test::first_difference({expected[0]}, {edited[0]}) == "");
+  CHECK(test::first_difference({expected[1]}, {edited[1]}) != "");
+}
+
+TEST_CASE("Engine: controls keep value and number through edits, unless the file gives them another value",
+          "[runtime][replace]") {
+  const auto with = [](const std::string& controls) {
+    return graph("[controls]\n" + controls + "[outputs]\ny = { from = \"b\" }\nz = { from = \"c\" }\n");
+  };
+  const std::string a = "a = { value = 0, range = [0, 1] }\n", b = "b = { value = 0.5, range = [0, 1] }\n",
+                    c = "c = { value = 0.25, range = [0, 1] }\n";
+  const auto engine = engine_of(with(a + b + c));
+  REQUIRE(engine->prepare({48_kHz, 0, 2, 64}));
+  double y[64], z[64];
+  double* out[] = {y, z};
+  const auto run = [&](int blocks) {
+    for (int i = 0; i < blocks; ++i) engine->process({nullptr, out, 64});
+  };
+  REQUIRE(engine->post({JournalEntry::kNow, Kind::ControlChange, engine->control_index("b"), 0.75}));
+  run(10);
+  CHECK(y[63] == 0.75);
+  const int number_of_c = engine->control_index("c");
+  REQUIRE(engine->replace(schedule_of(with("d = { value = 1, range = [0, 2] }\n" + c + b))));
+  run(10);
+  CHECK(y[63] == 0.75);
+  CHECK(z[63] == 0.25);
+  CHECK(engine->control_index("a") == -1);
+  CHECK(engine->control_index("c") == number_of_c);
+  REQUIRE(engine->post({JournalEntry::kNow, Kind::ControlChange, number_of_c, 0.5}));
+  run(10);
+  CHECK(z[63] == 0.5);
+  REQUIRE(engine->replace(schedule_of(with(a + "b = { value = 0.125, range = [0, 1] }\n" + c))));
+  run(10);
+  CHECK(y[63] == 0.125);
+  CHECK(z[63] == 0.5);
+  CHECK(engine->control_index("a") == 0);
+}
+
+TEST_CASE("Engine: what cannot take over is refused, and the sounding graph plays on", "[runtime][replace]") {
+  const auto engine = engine_of(simple("x"));
+  REQUIRE(engine->prepare({48_kHz, 1, 1, 64}));
+  const auto refused = [&](const std::string& text) {
+    const auto status = engine->replace(schedule_of(text));
+    return status ? std::string{} : to_string(status.error());
+  };
+  CHECK(refused(graph("[inputs]\nother = {}\n[outputs]\ny = { from = \"other\" }\n")) ==
+        "the inputs of a graph cannot change while it plays; stop it and play it again");
+  CHECK(refused(graph("[inputs]\nx = {}\n[outputs]\nz = { from = \"x\" }\n")) ==
+        "the outputs of a graph cannot change while it plays; stop it and play it again");
+  CHECK(refused(simple("2 * x")) == "");
+  CHECK(refused(simple("3 * x")) == "the last edit has not taken over yet; try again after a block");
+  const test::Samples x(64, 0.25);
+  test::Samples y(64);
+  const double* in[] = {x.data()};
+  double* out[] = {y.data()};
+  for (int block = 0; block < 20; ++block) engine->process({in, out, 64});
+  CHECK(y[63] == 0.5);
+  CHECK(refused(simple("3 * x")) == "");
+}
+
+TEST_CASE("Engine: taking over allocates nothing and loses no fault", "[runtime][replace]") {
+  const auto text = simple("x * 1e200 * 1e200 * x");
+  const auto engine = engine_of(text);
+  REQUIRE(engine->prepare({48_kHz, 1, 1, 64}));
+  const test::Samples x(64, 1.0);
+  test::Samples y(64);
+  const double* in[] = {x.data()};
+  double* out[] = {y.data()};
+  engine->process({in, out, 64});
+  REQUIRE(engine->faults().size() == 1);
+  const auto path = engine->faults()[0].path;
+  const auto count = engine->faults()[0].count;
+  REQUIRE(engine->replace(schedule_of(simple("x", "unused = \"x\""))));
+  const auto before = test::allocation_count();
+  engine->process({in, out, 64});
+  CHECK(test::allocation_count() == before);
+  CHECK_FALSE(engine->replacing());
+  REQUIRE(engine->replace(schedule_of(simple("x"))));
+  engine->process({in, out, 64});
+  REQUIRE(engine->faults().size() == 1);
+  CHECK(engine->faults()[0].path == path);
+  CHECK(engine->faults()[0].count == count);
+}
+
+namespace {
+
+/// Swaps between versions of a graph, every second of them broken, with blocks in between.
+void swap_and_check(int swaps) {
+  auto other = kBig;
+  other.replace(other.find("0.9 * damped"), 12, "abs(0.8 * damped)");
+  other.replace(other.find("35 g"), 4, "30 g");
+  other.replace(other.find("to = \"9 ms\""), 11, "to = \"8 ms\"");
+  auto third = kBig;
+  third.replace(third.find("level = 0.1"), 11, "level = 0.2");
+  const std::vector<std::string> good{other, kBig, third, kBig};
+  const std::vector<std::string> bad{kBig.substr(0, 900), kBig + "[nodes.extra]\ntype = \"delay\"\n",
+                                     graph("[outputs]\nq = { from = \"1 V + 1 m\" }\n"), "\x01\xff = [[["};
+  const auto engine = engine_of(kBig);
+  REQUIRE(engine->prepare({48_kHz, 2, 2, 64}));
+  const auto inputs = excitation(6400);
+  double y[64], z[64];
+  double* out[] = {y, z};
+  std::int64_t live = 0;
+  double largest = 0;
+  for (int swap = 0; swap < swaps; ++swap) {
+    const auto turn = static_cast<std::size_t>(swap / 2 % 4);
+    const auto& text = (swap % 2 == 0 ? good : bad)[turn];
+    auto made = compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), {});
+    REQUIRE(made.has_value() == (swap % 2 == 0));
+    if (made) REQUIRE(engine->replace(std::move(*made)));
+    const auto from = static_cast<std::size_t>(swap % 100 * 64);
+    const double* in[] = {inputs[0].data() + from, inputs[1].data() + from};
+    engine->process({in, out, 64});
+    for (int n = 0; n < 64; ++n) largest = std::max({largest, std::abs(y[n]), std::abs(z[n])});
+    if (swap == 99) live = test::live_allocations();
+  }
+  // Catch2 keeps nothing for what passes; the same versions stand at the same turns.
+  CHECK(std::abs(test::live_allocations() - live) < 100);
+  CHECK(engine->faults().empty());
+  CHECK(largest > 0.01);
+  CHECK(largest < 100);
+}
+
+}  // namespace
+
+TEST_CASE("Engine: swaps, half of them of broken files, cost no fault and no memory", "[runtime][replace]") {
+  swap_and_check(1000);
+}
+
+// tactus_tests "[replace-soak]": 2 minutes or so.
+TEST_CASE("Engine: a hundred thousand swaps, half of them broken", "[.][replace-soak]") {
+  swap_and_check(100'000);
+}
+
+TEST_CASE("Engine: a delay whose longest time is edited goes on with what it remembers",
+          "[runtime][replace]") {
+  const auto late = [](const char* time) {
+    return simple("late", "late = { type = \"delay\", in = \"x\", time = \"" + std::string(time) +
+                              "\", interpolation = \"none\" }");
+  };
+  auto x = test::Samples(3000);
+  for (std::size_t n = 0; n < x.size(); ++n) x[n] = static_cast<double>(n);
+  const auto y = play(late("10 ms"), {{1000, late("15 ms")}}, {x}, 3000, 64)[0];
+  CHECK(y[999] == 999 - 480);
+  CHECK(y[1000] == y[999]);
+  for (std::size_t n = 1480; n < 3000; ++n) REQUIRE(y[n] == static_cast<double>(n) - 720);
+}
+
+TEST_CASE("Engine: a network whose stiffness is edited goes on from where it is", "[runtime][replace]") {
+  // A mass at rest 1 mm up on its spring: whatever the stiffness becomes, it starts from 1 mm.
+  const auto hung = [](const char* stiffness) {
+    return graph(
+        "[networks.n]\nframe = { type = \"ground\" }\nm = { type = \"mass\", mass = \"10 g\" }\n"
+        "s = { type = \"spring\", between = [\"frame\", \"m\"], stiffness = \"" +
+        std::string(stiffness) +
+        "\", damping = \"2 kg/s\" }\npush = { type = \"force\", on = \"m\", force = \"1 N\" }\n"
+        "[outputs]\ny = { from = \"n.m.position * 1000\", unit = \"m\" }\n");
+  };
+  constexpr int kEdit = 24000, kFrames = 48000;
+  const auto y = play(hung("1000 N/m"), {{kEdit, hung("500 N/m")}}, {}, kFrames, 64)[0];
+  CHECK(y[kEdit - 1] == Approx(1.0).epsilon(1e-6));  // 1 N over 1000 N/m, in mm
+  CHECK(y[kEdit] == y[kEdit - 1]);
+  CHECK(y[kFrames - 1] == Approx(2.0).epsilon(1e-6));
+  for (std::size_t n = kEdit; n < kFrames; ++n) REQUIRE(y[n] > 0.99);  // it never falls back to 0
+}
+
+TEST_CASE("Engine: edits from another thread all arrive", "[runtime][replace]") {
+  const auto engine = engine_of(simple("0 + x"));
+  REQUIRE(engine->prepare({48_kHz, 1, 1, 64}));
+  std::atomic<bool> stop{false};
+  double last = 0;
+  std::thread audio{[&] {
+    const test::Samples x(64, 1.0);
+    test::Samples y(64);
+    const double* in[] = {x.data()};
+    double* out[] = {y.data()};
+    while (!stop) engine->process({in, out, 64});
+    for (int block = 0; block < 20; ++block) engine->process({in, out, 64});
+    last = y[63];
+  }};
+  for (int edit = 1; edit <= 300;) {
+    const auto text =
+        edit % 3 == 0 ? simple("abs(x) * " + std::to_string(edit)) : simple("x * " + std::to_string(edit));
+    if (engine->replace(schedule_of(text)))
+      ++edit;
+    else
+      std::this_thread::yield();
+  }
+  stop = true;
+  audio.join();
+  CHECK(last == 300);
+}
