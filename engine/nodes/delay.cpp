@@ -224,7 +224,7 @@ const NodeType& delay_type() {
           {{.name = "interpolation",
             .kind = Setting::Kind::Choice,
             .doc = "between frames; none rounds to whole ones. lagrange3 is within 0.1 dB up to fs/8, with a "
-                   "tap that is one frame newer; lagrange5 up to fs/5 with two; linear dulls at fs/20",
+                   "tap that is one frame newer; lagrange5 up to fs/6 with two, linear up to fs/21",
             .choices = {"none", "linear", "lagrange3", "lagrange5"},
             .fallback = "lagrange3"},
            {.name = "min",

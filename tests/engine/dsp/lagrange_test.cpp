@@ -52,3 +52,14 @@ TEST_CASE("lagrange: passive in the middle interval, as a loop needs it", "[dsp]
       REQUIRE(gain<5>(2 + t, radians) <= 1 + 1e-14);
     }
 }
+
+TEST_CASE("lagrange: within 0.1 dB up to fs/21, fs/8 and fs/6, as the delay's reference says", "[dsp]") {
+  constexpr double kTurn = 6.283185307179586;
+  const auto db = [](double gain) { return std::abs(20 * std::log10(gain)); };
+  for (double t = 0; t <= 1; t += 1.0 / 64) {
+    REQUIRE(db(gain<1>(t, kTurn / 21)) < 0.1);
+    REQUIRE(db(gain<3>(1 + t, kTurn / 8)) < 0.1);
+    REQUIRE(db(gain<5>(2 + t, kTurn / 6)) < 0.1);
+  }
+  CHECK(db(gain<5>(2.5, kTurn / 5)) > 0.1);
+}
