@@ -66,7 +66,7 @@ Json report_of(const PlayedScene& played, const PlayedScene* compared) {
   for (const auto& fault : recording.faults)
     json["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
   json["bad_input_samples"] = recording.bad_inputs;
-  json["guard"] = recording.guarded;
+  json["guard"] = guard_json(recording.guard, recording.sample_rate);
   return json;
 }
 
@@ -92,15 +92,15 @@ void print_roll(const Json& json) {
   fmt::print("\n");
 }
 
-void print(const Json& json, const SceneSpec& scene) {
+void print(const Json& json, const PlayedScene& played) {
+  const auto& scene = played.scene;
   fmt::print("{}\n{}\n\n", scene.name, scene.about);
   fmt::print(
       "  played              {:g} s at {:g} Hz with {:g} ms of delay, in {:.2f} s: {:.0f} times real time\n",
       json["duration_s"].get<double>(), json["sample_rate_hz"].get<double>(), json["delay_ms"].get<double>(),
       json["run_s"].get<double>(), json["real_time_factor"].get<double>());
   if (json.contains("strikes")) print_roll(json);
-  fmt::print("  drive guard         {}\n", json["guard"].empty() ? "had nothing to do" : "");
-  for (const auto& line : json["guard"]) fmt::print("                      {}\n", line.get<std::string>());
+  print_guard(played.recording.guard, played.recording.sample_rate);
   fmt::print("  faults              {}\n",
              json["faults"].empty() && json["bad_input_samples"] == 0 ? "none" : "");
   for (const auto& fault : json["faults"])
@@ -203,7 +203,7 @@ int run(const PlayOptions& options) {
     fmt::print("{}\n", json.dump(2));
     return holds ? kDone : kNo;
   }
-  print(json, played->scene);
+  print(json, *played);
   if (!outcomes->empty()) fmt::print("\n  expected of this scene\n");
   for (const auto& outcome : *outcomes)
     fmt::print("    {}  {:16} {:.4g}{}, {}\n", outcome.holds ? "ok  " : "FAIL", outcome.name, outcome.value,
@@ -228,6 +228,7 @@ void add_play(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--set", options->run.set,
                       "NAME=VALUE: a control of the instrument, or plant.NAME=VALUE");
+  add_guard_options(*command, options->run.guard);
   command->add_option("--out", options->out, "folder for the WAV files and the picture")
       ->capture_default_str();
   command

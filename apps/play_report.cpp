@@ -54,6 +54,9 @@ Checked<PlayedScene> play_file(const SceneRun& run) {
   }
   const auto options = scene_options(run);
   if (!options) return tl::unexpected(std::vector{options.error()});
+  auto drives = apply(run.guard, std::move(scene->drives), root_of(run.file));
+  if (!drives) return tl::unexpected(drives.error());
+  scene->drives = std::move(*drives);
   auto built = build_scene(loaded, standard_nodes(), *options);
   if (!built) return tl::unexpected(built.error());
   Progress progress{"playing " + scene->name};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/guard_options.h"
 #include "backends/wav_file.h"
 #include "engine/core/error.h"
 #include "engine/scene/play_scene.h"
@@ -19,6 +20,7 @@ struct SceneRun {
   std::vector<std::string> set;             ///< NAME=VALUE
   std::map<std::string, double> overrides;  ///< on top of `set`, SI
   std::string delay, rate, duration;        ///< empty: as the scene says
+  GuardOptions guard;
   bool show_progress = true;
 };
 

@@ -25,6 +25,7 @@ struct RenderOptions {
   int block = 256;
   std::string format = "float";
   std::vector<std::string> set;
+  GuardOptions guard;
   bool json = false;
 };
 
@@ -106,7 +107,9 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
   Engine engine{std::move(*schedule)};
-  Guarded guarded{engine, guarded_channels(engine.schedule())};
+  const auto drives = apply(options.guard, {}, root_of(file));
+  if (!drives) return report(drives.error());
+  Guarded guarded{engine, guarded_channels(engine.schedule(), *drives)};
   EventRecorder recorder{engine, compile_options.taps};
 
   const auto frames = input->frames();
@@ -152,6 +155,8 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
                {"faults", Json::array()}};
   for (const auto& fault : engine.faults())
     summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
+  const auto guard = report_of(guarded, engine.schedule(), *drives);
+  summary["guard"] = guard_json(guard, input->sample_rate);
   if (options.json) {
     fmt::print("{}\n", summary.dump(2));
     return kDone;
@@ -170,6 +175,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
     fmt::print("{} samples of the input were no numbers and count as silence\n", engine.bad_input_samples());
   for (const auto& fault : engine.faults())
     fmt::print("fault: {} gave something that is not a number, {} times\n", fault.path, fault.count);
+  if (!guard.idle()) print_guard(guard, input->sample_rate);
   return kDone;
 }
 
@@ -181,6 +187,7 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   run.delay = options.delay;
   run.rate = options.rate;
   run.duration = options.duration;
+  run.guard = options.guard;
   const auto played = play_file(run);
   if (!played) return report(played.error());
   if (!options.out.empty()) {
@@ -194,12 +201,15 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   if (options.json)
     fmt::print("{}\n", Json{{"scene", played->scene.name},
                             {"events", events["events"].size()},
-                            {"run_seconds", played->recording.run_seconds}}
+                            {"run_seconds", played->recording.run_seconds},
+                            {"guard", guard_json(played->recording.guard, played->recording.sample_rate)}}
                            .dump(2));
-  else
+  else {
     fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", played->scene.name,
                played->recording.seconds(), events["events"].size(),
                played->recording.seconds() / played->recording.run_seconds);
+    print_guard(played->recording.guard, played->recording.sample_rate);
+  }
   return kDone;
 }
 
@@ -242,6 +252,7 @@ void add_render(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--set", options->set,
                       "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"");
+  add_guard_options(*command, options->guard);
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus render instruments/haptic_drum --in hits.wav --out drive.wav --events "

@@ -54,7 +54,7 @@ enum class StreamState {
 /// An open device. Destroying it stops it and closes the device.
 ///
 /// All functions are called from one control thread. While the stream runs, one real-time thread calls
-/// `Guarded::process` and nothing else of the caller's.
+/// `Guarded::process` and `Guarded::finish` and nothing else of the caller's.
 class Stream {
  public:
   virtual ~Stream() = default;
@@ -63,8 +63,9 @@ class Stream {
   virtual const StreamGranted& granted() const = 0;
   /// [control & stopped] Blocks begin to flow. Errors: Device.
   [[nodiscard]] virtual Status start() = 0;
-  /// [control] When it returns, no block is in `process` and none will follow. Stopping twice is fine.
-  /// Errors: Device, and the stream counts as stopped all the same.
+  /// [control] When it returns, no block is in `process` and none will follow. However a stream stops (this,
+  /// its end, an error of its own), the last block that it gives out comes from `Guarded::finish`: zeros.
+  /// Stopping twice is fine. Errors: Device, and the stream counts as stopped all the same.
   [[nodiscard]] virtual Status stop() = 0;
   /// [any]
   virtual StreamState state() const = 0;

@@ -71,12 +71,9 @@ class Planes {
   std::vector<double*> pointers_;
 };
 
-/// Runs the frames of a job through a processor that is prepared for it.
-Status run_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter) {
+/// The frames of a job.
+Status play_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter, Planes& in, Planes& out) {
   using Clock = std::chrono::steady_clock;
-  const int longest = format_of(job).max_frames;
-  Planes in{job.in_channels, longest};
-  Planes out{job.out_channels, longest};
   std::size_t turn = 0;
   for (std::int64_t done = 0; done < job.frames;) {
     const int size = job.block_frames[turn++ % job.block_frames.size()];
@@ -94,6 +91,17 @@ Status run_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter)
     done += frames;
   }
   return {};
+}
+
+/// Runs the frames of a job through a processor that is prepared for it, and the zeros behind them.
+Status run_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter) {
+  const int longest = format_of(job).max_frames;
+  Planes in{job.in_channels, longest};
+  Planes out{job.out_channels, longest};
+  const auto played = play_blocks(processor, job, meter, in, out);
+  processor.finish({in.data(), out.data(), job.block_frames.front()});
+  const auto finished = job.sink.finish ? job.sink.finish(out.data(), job.block_frames.front()) : Status{};
+  return played ? finished : played;
 }
 
 class OfflineStream final : public Stream {

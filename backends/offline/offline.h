@@ -19,6 +19,9 @@ struct FrameSource {
 struct FrameSink {
   int channels = 0;
   std::function<Status(const double* const* channels, int frames)> write;
+  /// The block of zeros that ends every run, whole or broken off. A file that is as long as its input leaves
+  /// it out.
+  std::function<Status(const double* const* channels, int frames)> finish = {};
 };
 
 /// [control] The samples, then silence. `samples` must outlive the source.

@@ -48,17 +48,21 @@ class Metered final : public BlockProcessor {
     return inner_.prepare(format);
   }
   void process(const BlockIo& io) noexcept override {
+    if (last_) return inner_.finish(io);
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
     inner_.process(io);
     const std::chrono::duration<double> busy = Clock::now() - begin;
     meter_.block(io.frames, busy.count() * format_.sample_rate.value / io.frames);
   }
+  /// Blocks are the last ones before a stop, or they are not.
+  void set_last(bool last) { last_ = last; }
   const StreamFormat& format() const { return format_; }
   Health read() const { return meter_.read(); }
 
  private:
   Guarded& inner_;
+  bool last_ = false;
   StreamFormat format_;
   HealthMeter meter_;
 };
@@ -95,6 +99,9 @@ class SimulatedStream final : public Stream {
       loop_.run(static_cast<int>(piece), listener_);
     }
     if (state_ == StreamState::Running) state_ = StreamState::Finished;
+    processor_.set_last(true);
+    loop_.run(granted_.block_frames, listener_);
+    processor_.set_last(false);
     return {};
   }
   Status stop() override {

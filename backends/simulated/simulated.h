@@ -25,8 +25,9 @@ struct SimulatedWorld {
 /// anything else is refused.
 ///
 /// `start` plays to the end before it returns and leaves the stream Finished. `stop`, called by the listener,
-/// ends it after that piece: the stream is then Stopped, and the next `start` goes on from there. Blocks are
-/// no longer than the delay, because the world waits for the answer: `granted` says how long.
+/// ends it after that piece: the stream is then Stopped, and the next `start` goes on from there. Either way
+/// the world hears one more block, the zeros of `Guarded::finish`, which is on top of `frames`. Blocks are no
+/// longer than the delay, because the world waits for the answer: `granted` says how long.
 class SimulatedBackend final : public Backend {
  public:
   /// [control] `world.plant` must outlive this and its streams.

@@ -1,74 +1,39 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
+#include <optional>
 
-#include "engine/core/error.h"
+#include "engine/core/direct.h"
+#include "engine/core/drive_limits.h"
+#include "engine/core/gain_ramp.h"
+#include "engine/core/guard_counts.h"
+#include "engine/core/heat.h"
+#include "engine/core/howl.h"
 #include "engine/core/realtime.h"
-#include "engine/core/units.h"
+#include "engine/core/travel.h"
 
 namespace tactus {
 
-/// What an actuator stands, at the converter: full scale = 1.
-struct DriveLimits {
-  double ceiling = 1.0;                                              ///< |y| <= ceiling; (0, 1]
-  double slew_per_second = std::numeric_limits<double>::infinity();  ///< |dy/dt| in full scales a second; > 0
-  Seconds soft_start{0.0};  ///< gain rises 0 to 1 in this; [0 s, 60 s]
-  Seconds fade_out{0.005};  ///< gain falls to 0 in this; [0 s, 1 s]
-};
-
-/// [control] OutOfRange, in words, if a limit makes no sense.
-[[nodiscard]] Status check(const DriveLimits& limits);
-
-/// How many frames each stage had to change.
-struct GuardCounts {
-  std::int64_t nonfinite = 0;
-  std::int64_t ceiling = 0;
-  std::int64_t slew = 0;
-
-  bool operator==(const GuardCounts&) const = default;
-};
-
-/// A gain that moves on a straight line between two absolute frames, so that no block size enters:
-///   g(n) = from + (to - from) (n - start) / length,   g = to from n = start + length on.
-class GainRamp {
- public:
-  explicit GainRamp(double gain) : from_(gain), to_(gain) {}
-
-  /// [realtime] From the gain at `frame` to `target` in `length` frames.
-  void begin(std::int64_t frame, std::int64_t length, double target) noexcept {
-    from_ = at(frame);
-    to_ = target;
-    start_ = frame;
-    length_ = length;
-  }
-  double at(std::int64_t frame) const noexcept {
-    const auto elapsed = frame - start_;
-    if (elapsed < 0) return from_;
-    if (elapsed >= length_) return to_;
-    return from_ + (to_ - from_) * (static_cast<double>(elapsed) / static_cast<double>(length_));
-  }
-  bool at_rest(std::int64_t frame) const noexcept { return frame - start_ >= length_; }
-  double target() const noexcept { return to_; }
-
- private:
-  double from_, to_;
-  std::int64_t start_ = 0, length_ = 0;
-};
-
-/// The fixed last stage of one output channel. Stages, each over the whole piece before the next:
+/// The fixed last stage of one output channel:
 ///   finite    a NaN or infinity becomes 0
-///   gain      soft start, arm, mute
+///   gains     heat (heat.h), soft start, arm, mute, direct current (direct.h), travel (travel.h)
 ///   ceiling   y = clamp(x, -ceiling, ceiling)
 ///   slew      y[n] = clamp(x[n], y[n-1] - s, y[n-1] + s),  s = slew_per_second / sample_rate,  y[-1] = 0
-/// Slew stays below the ceiling since it lies between two values that do. Within its limits, and at gain 1,
-/// the output is the input bit for bit; there is no delay. How frames are cut into pieces does not matter.
+/// Travel is worked out behind the others, because what it lets through depends on what they leave; whatever
+/// it gives lies within ceiling and slew again. Slew stays below the ceiling since it lies between two values
+/// that do. Within its limits, and with the ramps at 1, the output is the input bit for bit; there is no
+/// delay. How frames are cut into pieces does not matter.
+///
+/// A drive that is held back by the ceiling, the slew limit, the travel limit or for not being finite through
+/// more than half of 200 ms (howl.h) fades out and stays silent until it is opened again.
 class DriveGuard {
  public:
   enum class Kind {
     Drive,  ///< moves something: all stages
-    Audio,  ///< is only heard: no slew
+    Audio,  ///< is only heard: finite, ramps, ceiling
   };
+  /// A frame counts as held back by ceiling or travel for this long after: crests of a loop above 10 Hz.
+  static constexpr Seconds kCrest{0.015};
 
   /// [control] `limits` must have passed `check`.
   DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate);
@@ -77,26 +42,50 @@ class DriveGuard {
   /// nothing.
   void set_open(bool open, std::int64_t frame) noexcept;
   bool is_open() const noexcept { return gain_.target() > 0.0; }
+  /// [realtime] The last sample was followed by zeros outside of `process`: closed, at once.
+  void stop() noexcept;
 
-  /// [realtime] In place. `first_frame`: number of samples[0] since the start.
+  /// [realtime] In place. `first_frame`: number of samples[0] since the start; frames come one after another.
   void process(double* samples, int frames, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING;
+
+  /// [realtime] The frame at which a howl made it fade, once.
+  std::optional<std::int64_t> take_howl() noexcept;
+  /// [realtime] Cold if there is no heat limit.
+  ThermalState thermal_state() const noexcept { return heat_ ? heat_->state() : ThermalState{}; }
+  /// [realtime] Only ever warmer.
+  void warm_to(const ThermalState& state) noexcept {
+    if (heat_) heat_->warm_to(state);
+  }
 
   Kind kind() const noexcept { return kind_; }
   const GuardCounts& counts() const noexcept { return counts_; }
+  /// [realtime] Changes whenever `counts` does.
+  std::int64_t interventions() const noexcept { return interventions_; }
 
  private:
-  void make_finite(double* samples, int frames) noexcept;
-  void apply_gain(double* samples, int frames, std::int64_t first_frame) noexcept;
-  void apply_ceiling(double* samples, int frames) noexcept;
-  void apply_slew(double* samples, int frames) noexcept;
+  bool passes(const double* samples, int frames, std::int64_t first_frame,
+              double sum_of_absolutes) const noexcept;
+  double shape(double sample, double& wanted, std::int64_t frame, int position) noexcept;
+  double held_back(double from, double to, GuardStage stage, std::int64_t frame, std::int64_t hold) noexcept;
+  double scaled(double x, double gain, GuardStage stage) noexcept;
+  void count(double less, GuardStage stage) noexcept;
+  double within(double x) const noexcept;
+  void end_group(std::int64_t frame) noexcept;
 
   Kind kind_;
   double ceiling_;
   double largest_step_;
   std::int64_t rise_frames_, fall_frames_;
+  std::int64_t crest_frames_, swing_frames_;  ///< that a limited frame counts for; slew: two full swings
   GainRamp gain_{0.0};
+  std::optional<Heat> heat_;
+  std::optional<Travel> travel_;
+  Direct direct_;
+  Howl howl_;
+  std::optional<std::int64_t> howled_;
   double last_ = 0.0;
   GuardCounts counts_;
+  std::int64_t interventions_ = 0;
 };
 
 }  // namespace tactus

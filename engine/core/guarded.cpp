@@ -1,24 +1,45 @@
 #include "engine/core/guarded.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
 namespace tactus {
+namespace {
+
+constexpr auto kRelaxed = std::memory_order_relaxed;
+
+/// The state of a guard as other threads see it.
+struct Published {
+  struct Stage {
+    std::atomic<std::int64_t> frames{0};
+    std::atomic<double> most{0.0};
+  };
+  std::array<Stage, kGuardStages> stages;
+  std::atomic<double> coil{0.0}, body{0.0};
+};
+
+}  // namespace
 
 struct Guarded::Channel {
   DriveGuard guard;
   bool armed;
   bool muted = false;
-  std::unique_ptr<std::atomic<std::int64_t>[]> published =
-      std::make_unique<std::atomic<std::int64_t>[]>(3);  // nonfinite, ceiling, slew
+  std::int64_t told = 0;  ///< DriveGuard::interventions when it was last published
+  std::unique_ptr<Published> published = std::make_unique<Published>();
 
   bool should_sound() const { return !muted && (armed || guard.kind() == DriveGuard::Kind::Audio); }
   void publish() noexcept {
-    const auto& counts = guard.counts();
-    published[0].store(counts.nonfinite, std::memory_order_relaxed);
-    published[1].store(counts.ceiling, std::memory_order_relaxed);
-    published[2].store(counts.slew, std::memory_order_relaxed);
+    const auto heat = guard.thermal_state();
+    published->coil.store(heat.coil, kRelaxed);
+    published->body.store(heat.body, kRelaxed);
+    if (told == guard.interventions()) return;
+    told = guard.interventions();
+    for (std::size_t s = 0; s < kGuardStages; ++s) {
+      published->stages[s].frames.store(guard.counts().stages[s].frames, kRelaxed);
+      published->stages[s].most.store(guard.counts().stages[s].most, kRelaxed);
+    }
   }
 };
 
@@ -35,28 +56,51 @@ Status Guarded::prepare(const StreamFormat& format) {
                     std::to_string(outputs) + " outputs",
                 "open the stream with more outputs");
   for (const auto& channel : config_)
-    if (auto status = check(channel.limits); !status) return status;
+    if (auto status = check(channel.limits, format.sample_rate); !status) return status;
   if (auto status = inner_.prepare(format); !status) return status;
 
   format_ = format;
   frame_ = 0;
+  stopped_ = false;
   in_.assign(static_cast<std::size_t>(format.in_channels), nullptr);
   out_.assign(outputs, nullptr);
+  sensors_.assign(in_.size(), SensorWatch{format.sample_rate});
+  std::vector<ThermalState> warm;
+  for (const auto& channel : channels_) warm.push_back(channel.guard.thermal_state());
+  warm.resize(outputs);
   channels_.clear();
   for (std::size_t c = 0; c < outputs; ++c) {
-    const auto config = c < config_.size() ? config_[c] : GuardedChannel{};
-    auto& channel = channels_.emplace_back(
-        Channel{DriveGuard{config.kind, config.limits, format.sample_rate}, armed_at_start_});
-    channel.guard.set_open(channel.should_sound(), 0);
+    const auto config =
+        c < config_.size() ? config_[c] : GuardedChannel{DriveGuard::Kind::Drive, cautious_limits()};
+    channels_.push_back({DriveGuard{config.kind, config.limits, format.sample_rate}, armed_at_start_});
+    if (warm[c] == ThermalState{}) continue;
+    channels_[c].guard.warm_to(warm[c]);
+    channels_[c].publish();
+    (void)applied_.push({0, JournalEntry::Kind::CoilHeat, static_cast<int>(c), warm[c].coil});
+    (void)applied_.push({0, JournalEntry::Kind::BodyHeat, static_cast<int>(c), warm[c].body});
   }
+  open_guards(0);
   return {};
+}
+
+void Guarded::open_guards(std::int64_t frame) noexcept {
+  for (auto& channel : channels_) channel.guard.set_open(channel.should_sound(), frame);
 }
 
 void Guarded::process(const BlockIo& io) noexcept {
   const NoDenormals no_denormals;
+  if (std::exchange(stopped_, false)) open_guards(frame_.load(kRelaxed));
   for (int offset = 0; offset < io.frames; offset += format_.max_frames)
     process_piece(io, offset, std::min(format_.max_frames, io.frames - offset));
   for (auto& channel : channels_) channel.publish();
+}
+
+void Guarded::finish(const BlockIo& io) noexcept {
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    std::fill_n(io.out[c], io.frames, 0.0);
+    channels_[c].guard.stop();
+  }
+  stopped_ = true;
 }
 
 void Guarded::process_piece(const BlockIo& io, int offset, int frames) noexcept {
@@ -64,7 +108,7 @@ void Guarded::process_piece(const BlockIo& io, int offset, int frames) noexcept 
   for (std::size_t c = 0; c < out_.size(); ++c) out_[c] = io.out[c] + offset;
   inner_.process({in_.data(), out_.data(), frames});
 
-  const auto first = frame_.load(std::memory_order_relaxed);
+  const auto first = frame_.load(kRelaxed);
   int done = 0;
   while (const JournalEntry* entry = inbox_.front()) {
     const auto due = std::max(entry->frame, first + done);
@@ -75,36 +119,86 @@ void Guarded::process_piece(const BlockIo& io, int offset, int frames) noexcept 
     inbox_.drop_front();
   }
   guard_frames(done, frames, first);
-  frame_.store(first + frames, std::memory_order_relaxed);
+  frame_.store(first + frames, kRelaxed);
 }
 
 void Guarded::guard_frames(int from, int to, std::int64_t first_frame) noexcept {
+  const int fault = first_sensor_fault(from, to, first_frame);
+  guard_outputs(from, fault, first_frame);
+  if (fault == to) return;
+  disarm_drives(first_frame + fault);
+  guard_outputs(fault, to, first_frame);
+}
+
+void Guarded::guard_outputs(int from, int to, std::int64_t first_frame) noexcept {
   if (from == to) return;
-  for (std::size_t c = 0; c < channels_.size(); ++c)
-    channels_[c].guard.process(out_[c] + from, to - from, first_frame + from);
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    auto& channel = channels_[c];
+    channel.guard.process(out_[c] + from, to - from, first_frame + from);
+    const auto howl = channel.guard.take_howl();
+    if (!howl) continue;
+    channel.armed = false;
+    (void)events_.push({*howl, GuardEvent::Kind::Howl, static_cast<int>(c)});
+  }
+}
+
+/// The frame at which the first sensor is found at fault, or `to`.
+int Guarded::first_sensor_fault(int from, int to, std::int64_t first_frame) noexcept {
+  int first = to;
+  for (std::size_t c = 0; c < sensors_.size(); ++c) {
+    const auto found = sensors_[c].hear(in_[c] + from, to - from);
+    if (!found) continue;
+    first = std::min(first, from + found->frame);
+    const auto kind = found->fault == SensorWatch::Fault::Railed ? GuardEvent::Kind::SensorRailed
+                                                                 : GuardEvent::Kind::SensorStuck;
+    (void)events_.push({first_frame + from + found->frame, kind, static_cast<int>(c)});
+  }
+  return first;
+}
+
+void Guarded::disarm_drives(std::int64_t frame) noexcept {
+  for (auto& channel : channels_) {
+    channel.armed = false;
+    channel.guard.set_open(channel.should_sound(), frame);
+  }
 }
 
 void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
+  using Kind = JournalEntry::Kind;
   for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
     if (entry.index != JournalEntry::kAllChannels && entry.index != c) continue;
     auto& channel = channels_[static_cast<std::size_t>(c)];
-    (entry.kind == JournalEntry::Kind::Arm ? channel.armed : channel.muted) = entry.value > 0.5;
+    if (entry.kind == Kind::CoilHeat) channel.guard.warm_to({entry.value, 0.0});
+    if (entry.kind == Kind::BodyHeat) channel.guard.warm_to({0.0, entry.value});
+    if (entry.kind == Kind::Arm) channel.armed = entry.value > 0.5;
+    if (entry.kind == Kind::Mute) channel.muted = entry.value > 0.5;
     channel.guard.set_open(channel.should_sound(), frame);
   }
+  if (entry.kind == Kind::Arm && entry.value > 0.5)
+    for (auto& sensor : sensors_) sensor.forgive();
   entry.frame = frame;
   // Nobody may be listening; a take that needs every entry reads more often than a thousand are posted.
   (void)applied_.push(entry);
 }
 
 bool Guarded::post(const JournalEntry& entry) noexcept {
-  const bool ours = entry.kind == JournalEntry::Kind::Arm || entry.kind == JournalEntry::Kind::Mute;
+  using Kind = JournalEntry::Kind;
+  const bool ours = entry.kind == Kind::Arm || entry.kind == Kind::Mute || entry.kind == Kind::CoilHeat ||
+                    entry.kind == Kind::BodyHeat;
   return ours && inbox_.push(entry);
 }
 
 GuardCounts Guarded::counts(int channel) const noexcept {
-  const auto& published = channels_[static_cast<std::size_t>(channel)].published;
-  return {published[0].load(std::memory_order_relaxed), published[1].load(std::memory_order_relaxed),
-          published[2].load(std::memory_order_relaxed)};
+  const auto& published = *channels_[static_cast<std::size_t>(channel)].published;
+  GuardCounts counts;
+  for (std::size_t s = 0; s < kGuardStages; ++s)
+    counts.stages[s] = {published.stages[s].frames.load(kRelaxed), published.stages[s].most.load(kRelaxed)};
+  return counts;
+}
+
+ThermalState Guarded::thermal_state(int channel) const noexcept {
+  const auto& published = *channels_[static_cast<std::size_t>(channel)].published;
+  return {published.coil.load(kRelaxed), published.body.load(kRelaxed)};
 }
 
 }  // namespace tactus

@@ -8,6 +8,7 @@
 #include "engine/core/block_io.h"
 #include "engine/core/drive_guard.h"
 #include "engine/core/journal.h"
+#include "engine/core/sensor_watch.h"
 #include "engine/core/spsc_queue.h"
 
 namespace tactus {
@@ -18,31 +19,54 @@ struct GuardedChannel {
   DriveLimits limits;
 };
 
-/// Any BlockProcessor with the drive guard behind every output channel. Backends accept nothing else, so
-/// nothing reaches an actuator unguarded. It also turns denormals off around `process`, and cuts a block that
-/// is longer than promised, so that the processor inside never sees one.
+/// Something that made drives fade out. They come back only when the user arms them again.
+struct GuardEvent {
+  enum class Kind : std::uint8_t {
+    Howl,          ///< `channel`: the output that was held back for more than half of 200 ms
+    SensorRailed,  ///< `channel`: the input; all drives fade out
+    SensorStuck,   ///< the same
+  };
+  std::int64_t frame = 0;
+  Kind kind = Kind::Howl;
+  int channel = 0;
+
+  bool operator==(const GuardEvent&) const = default;
+};
+
+/// Any BlockProcessor with the drive guard behind every output channel and a watch at every input. Backends
+/// accept nothing else, so nothing reaches an actuator unguarded. It also turns denormals off around
+/// `process`, and cuts a block that is longer than promised, so that the processor inside never sees one.
 ///
 /// A drive sounds while it is armed and not muted, an audio output while it is not muted.
 class Guarded final : public BlockProcessor {
  public:
-  /// [control] `inner` must outlive this. Channels beyond the list are drives with the standard limits.
+  /// [control] `inner` must outlive this. Channels beyond the list are drives with the cautious limits.
   Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed = true);
   ~Guarded() override;
 
   /// [control & stopped] Prepares `inner` and starts again at frame 0, with every guard closed and its soft
-  /// start ahead of it. Errors: of `inner`; BadArgument for more guards than outputs; OutOfRange for a limit.
+  /// start ahead of it. What was warm is as warm as it was: nobody knows how long the pause lasted. Errors:
+  /// of `inner`; BadArgument for more guards than outputs; OutOfRange for a limit.
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
   /// [realtime & prepared]
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
+  /// [realtime & prepared] The last block before a stop: zeros on every output. The processor inside does not
+  /// run and time stands still; if `process` is called again, every guard starts softly.
+  void finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;
 
-  /// [control, one thread] Kinds Arm and Mute, in frame order; an entry that comes late holds at once.
-  /// False: the queue is full, try again after a block; or it is another kind.
+  /// [control, one thread] Kinds Arm, Mute, CoilHeat and BodyHeat, in frame order; an entry that comes late
+  /// holds at once. A heat can only make warmer. False: the queue is full, try again after a block; or it is
+  /// another kind.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
   /// [control, one thread] What was applied, with its true frame, oldest first. False: nothing new.
   [[nodiscard]] bool take_applied(JournalEntry& entry) noexcept { return applied_.pop(entry); }
+  /// [control, one thread] What made drives fade out, oldest first. False: nothing new.
+  [[nodiscard]] bool take_event(GuardEvent& event) noexcept { return events_.pop(event); }
 
   /// [any] As of the last whole block.
   GuardCounts counts(int channel) const noexcept;
+  /// [any] As of the last whole block. Keep it and post it again as CoilHeat and BodyHeat of frame 0.
+  ThermalState thermal_state(int channel) const noexcept;
   /// [any] Frames processed since `prepare`.
   std::int64_t frame() const noexcept { return frame_.load(std::memory_order_relaxed); }
 
@@ -51,18 +75,25 @@ class Guarded final : public BlockProcessor {
 
   void process_piece(const BlockIo& io, int offset, int frames) noexcept;
   void guard_frames(int from, int to, std::int64_t first_frame) noexcept;
+  void guard_outputs(int from, int to, std::int64_t first_frame) noexcept;
+  int first_sensor_fault(int from, int to, std::int64_t first_frame) noexcept;
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
+  void disarm_drives(std::int64_t frame) noexcept;
+  void open_guards(std::int64_t frame) noexcept;
 
   BlockProcessor& inner_;
   std::vector<GuardedChannel> config_;
   bool armed_at_start_;
+  bool stopped_ = false;
   StreamFormat format_;
   std::vector<Channel> channels_;
+  std::vector<SensorWatch> sensors_;
   std::vector<const double*> in_;  // the piece in hand
   std::vector<double*> out_;
   std::atomic<std::int64_t> frame_{0};
   SpscQueue<JournalEntry> inbox_{256};
   SpscQueue<JournalEntry> applied_{1024};
+  SpscQueue<GuardEvent> events_{64};
 };
 
 }  // namespace tactus

@@ -13,6 +13,8 @@ struct JournalEntry {
     Mute,           ///< `index`: output channel or kAllChannels; `value`: 1 silences, 0 releases
     SystemDelay,    ///< `value`: sensor voltage to actuator voltage [frames]; negative: no longer known
     LostFrames,     ///< `value`: frames that went missing just before `frame`
+    CoilHeat,       ///< `index`: output channel; `value`: its coil is at least so warm (ThermalState)
+    BodyHeat,       ///< the same of what is around the coil
   };
 
   static constexpr int kAllChannels = -1;

@@ -12,7 +12,7 @@ namespace {
 const std::vector<std::string> kGraphKeys = {"format",   "name",  "about",    "source",  "inputs",
                                              "controls", "nodes", "networks", "outputs", "delay"};
 const std::vector<std::string> kSceneKeys = {"rate",       "duration", "parts", "gestures",
-                                             "converters", "expect",   "seed"};
+                                             "converters", "expect",   "seed",  "drives"};
 
 bool among(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();

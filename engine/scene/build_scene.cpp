@@ -9,6 +9,7 @@
 #include "engine/graph/nearest.h"
 #include "engine/scene/moved_controls.h"
 #include "engine/scene/scene_checks.h"
+#include "engine/scene/scene_drives.h"
 
 namespace tactus {
 namespace {
@@ -59,6 +60,7 @@ class SceneBuilder {
     if (instrument_known()) wire_instrument();
     check_measures(scene_, table_, mistakes_);
     check_comparison(scene_, mistakes_);
+    check_drives(scene_, mistakes_);
     compile_world();
     if (instrument_known()) compile_instrument();
     if (built_.plant != nullptr && built_.instrument != nullptr) check_channels();

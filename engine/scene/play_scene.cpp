@@ -51,31 +51,7 @@ void collect_faults(SceneRecording& recording, const Engine& engine, const std::
   recording.bad_inputs += engine.bad_input_samples();
 }
 
-void collect_guard(SceneRecording& recording, const Guarded& guarded, const Schedule& schedule) {
-  int index = 0;
-  for (const auto& channel : schedule.channels) {
-    if (channel.use == OutputUse::Tap) continue;
-    const auto counts = guarded.counts(index++);
-    const auto tell = [&](std::int64_t frames, const char* what) {
-      if (frames > 0)
-        recording.guarded.push_back(channel.name + ": " + std::to_string(frames) + " frames " + what);
-    };
-    tell(counts.nonfinite, "were not finite");
-    tell(counts.ceiling, "above the ceiling");
-    tell(counts.slew, "too steep");
-  }
-}
-
 }  // namespace
-
-std::vector<GuardedChannel> guarded_channels(const Schedule& schedule) {
-  std::vector<GuardedChannel> channels;
-  for (const auto& channel : schedule.channels)
-    if (channel.use != OutputUse::Tap)
-      channels.push_back(
-          {channel.use == OutputUse::Audio ? DriveGuard::Kind::Audio : DriveGuard::Kind::Drive, {}});
-  return channels;
-}
 
 const RecordedSignal* SceneRecording::find(std::string_view name) const {
   const auto it = std::find_if(signals.begin(), signals.end(), [&](const auto& s) { return s.name == name; });
@@ -91,7 +67,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   SceneRecording recording;
   recording.sample_rate = built.instrument->schedule().sample_rate;
   recording.delay_frames = built.delay_frames;
-  Guarded guarded{*built.instrument, guarded_channels(built.instrument->schedule())};
+  Guarded guarded{*built.instrument, guarded_channels(built.instrument->schedule(), scene.drives)};
   ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames,
                   scene.converters};
   if (auto status = loop.prepare(recording.sample_rate, block); !status)
@@ -110,7 +86,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   recording.run_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   collect_faults(recording, *built.instrument, "instrument.");
   collect_faults(recording, *built.plant, "");
-  collect_guard(recording, guarded, built.instrument->schedule());
+  recording.guard = report_of(guarded, built.instrument->schedule(), scene.drives);
   return recording;
 }
 

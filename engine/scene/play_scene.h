@@ -6,6 +6,7 @@
 
 #include "engine/core/guarded.h"
 #include "engine/scene/build_scene.h"
+#include "engine/scene/guard_report.h"
 #include "engine/scene/scene_spec.h"
 
 namespace tactus {
@@ -24,7 +25,7 @@ struct SceneRecording {
   std::vector<RecordedSignal> signals;
   std::vector<std::string> inputs, outputs;  ///< of the instrument, in order
   std::vector<FaultCount> faults;            ///< of both engines
-  std::vector<std::string> guarded;          ///< what the drive guard had to do, in words
+  GuardReport guard;                         ///< what the drive guards had to do
   std::int64_t bad_inputs = 0;
   double run_seconds = 0;  ///< wall-clock time
 
@@ -32,9 +33,6 @@ struct SceneRecording {
   const RecordedSignal* find(std::string_view name) const;
   double seconds() const;
 };
-
-/// The guard of each output that a schedule gives to the outside.
-std::vector<GuardedChannel> guarded_channels(const Schedule& schedule);
 
 /// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` hears the share
 /// done.

@@ -9,6 +9,7 @@
 #include "engine/graph/name_space.h"
 #include "engine/graph/part_path.h"
 #include "engine/graph/read_graph.h"
+#include "engine/scene/scene_drives.h"
 #include "engine/scene/scene_sections.h"
 
 namespace tactus {
@@ -16,7 +17,7 @@ namespace {
 
 const std::vector<std::string> kSceneKeys = {"format", "name",     "about", "source",   "rate",
                                              "delay",  "duration", "parts", "gestures", "converters",
-                                             "expect", "compare",  "seed"};
+                                             "expect", "compare",  "seed",  "drives"};
 const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "networks", "outputs"};
 
 // Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.
@@ -74,6 +75,7 @@ class SceneReader {
     read_parts(table);
     scene_.gestures = read_gestures(table, mistakes_);
     scene_.converters = read_converters(table, mistakes_);
+    read_drives(table, folder_, root_, scene_, mistakes_);
     scene_.expect = read_expectations(table, scene_.duration, mistakes_);
     scene_.compare = read_comparison(table, mistakes_);
     NameSpace names;

@@ -13,6 +13,7 @@
 #include "engine/core/units.h"
 #include "engine/graph/quantity.h"
 #include "engine/graph/spec.h"
+#include "engine/scene/profile.h"
 
 namespace tactus {
 
@@ -82,6 +83,8 @@ struct SceneSpec {
   std::vector<ScenePart> parts;  ///< in file order; `instrument` and `plant` are among them
   std::vector<Gesture> gestures;
   Converters converters;
+  DriveBook drives;                            ///< what the guard of each drive is to keep
+  std::map<std::string, Source> drive_places;  ///< where [drives] names them
   std::vector<Expectation> expect;
   std::optional<Comparison> compare;
   std::optional<std::uint64_t> seed;  ///< of everything random

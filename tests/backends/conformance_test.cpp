@@ -22,6 +22,7 @@ struct Subject {
   std::unique_ptr<Engine> plant;
   std::unique_ptr<Backend> backend;
   StreamRequest request;
+  std::shared_ptr<std::vector<double>> heard;  ///< by what the first output moves
 };
 
 StreamRequest two_in_one_out() {
@@ -34,7 +35,13 @@ StreamRequest two_in_one_out() {
 Subject offline() {
   OfflineJob job;
   job.frames = kFrames;
-  return {nullptr, std::make_unique<OfflineBackend>(job), two_in_one_out()};
+  auto heard = std::make_shared<std::vector<double>>();
+  job.sink.channels = 1;
+  job.sink.write = job.sink.finish = [heard](const double* const* channels, int frames) -> Status {
+    heard->insert(heard->end(), channels[0], channels[0] + frames);
+    return {};
+  };
+  return {nullptr, std::make_unique<OfflineBackend>(job), two_in_one_out(), heard};
 }
 
 Subject simulated() {
@@ -48,9 +55,13 @@ cone = { type = "one_pole", in = "drive", cutoff = "100 Hz" }
 microphone = { from = "cone + 0.25" }
 ribbon     = { from = "cone" }
 )");
+  auto heard = std::make_shared<std::vector<double>>();
+  const auto listener = [heard](const ClosedLoop::Piece& piece) {
+    heard->insert(heard->end(), piece.drives[0], piece.drives[0] + piece.frames);
+  };
   auto backend = std::make_unique<SimulatedBackend>(
-      SimulatedWorld{.plant = *plant, .delay_frames = 100, .frames = kFrames});
-  return {std::move(plant), std::move(backend), two_in_one_out()};
+      SimulatedWorld{.plant = *plant, .delay_frames = 100, .frames = kFrames, .listener = listener});
+  return {std::move(plant), std::move(backend), two_in_one_out(), heard};
 }
 
 /// Writes down what is asked of it.
@@ -216,6 +227,20 @@ TEST_CASE("backends: stopping is fine at any time, and a run that is over is tol
     CHECK(again.error().code == Errc::Device);
     CHECK_FALSE(again.error().remedy.empty());
     CHECK(witness.frames == kFrames);
+  });
+}
+
+TEST_CASE("backends: a run that is over ends on a block of zeros", "[backends]") {
+  for_every_backend([](Subject& subject, Witness&, Guarded& guarded) {
+    auto request = subject.request;
+    request.block_frames = 64;
+    const auto stream = subject.backend->open(request, guarded);
+    REQUIRE(stream);
+    REQUIRE((*stream)->start());
+    const auto& heard = *subject.heard;
+    REQUIRE(heard.size() == kFrames + 64);
+    CHECK(heard[kFrames - 1] != 0.0);
+    CHECK(std::vector<double>(heard.begin() + kFrames, heard.end()) == std::vector<double>(64, 0.0));
   });
 }
 

@@ -35,6 +35,9 @@ class Smooth final : public BlockProcessor {
   std::vector<double> last_;
 };
 
+/// Guards that change nothing below full scale.
+std::vector<GuardedChannel> no_limits(std::size_t channels) { return std::vector<GuardedChannel>(channels); }
+
 Samples ramp(std::size_t channels, std::size_t frames) {
   Samples samples{Hertz{96e3}, std::vector<std::vector<double>>(channels, std::vector<double>(frames))};
   for (auto& channel : samples.channels)
@@ -47,7 +50,7 @@ Samples ramp(std::size_t channels, std::size_t frames) {
 TEST_CASE("offline: blocks of any size, also changing ones, give the same output", "[backends]") {
   const auto input = ramp(2, 1000);
   Smooth reference_inner;
-  Guarded reference{reference_inner, {}};
+  Guarded reference{reference_inner, no_limits(3)};
   const auto expected = render(reference, input, 3, {1000});
   REQUIRE(expected);
   REQUIRE(expected->frames() == 1000);
@@ -59,7 +62,7 @@ TEST_CASE("offline: blocks of any size, also changing ones, give the same output
   const auto blocks = GENERATE(std::vector<int>{1}, std::vector<int>{64}, std::vector<int>{7, 256, 1, 13},
                                std::vector<int>{4096});
   Smooth inner;
-  Guarded guarded{inner, {}};
+  Guarded guarded{inner, no_limits(3)};
   const auto output = render(guarded, input, 3, blocks);
   REQUIRE(output);
   CHECK((output->channels == expected->channels));
@@ -105,7 +108,7 @@ TEST_CASE("offline: from a WAV file to a WAV file, silence after its end", "[bac
   job.source = source_of(*reader);
   job.sink = sink_into(*writer);
   Smooth inner;
-  Guarded guarded{inner, {}};
+  Guarded guarded{inner, no_limits(1)};
   REQUIRE(run_offline(guarded, job));
   REQUIRE(writer->close());
   const auto output = read_wav(folder / "out.wav");
@@ -126,7 +129,7 @@ TEST_CASE("offline: a NaN at the input is made zero and counted", "[backends]") 
   job.source = source_of(input);
   job.sink = sink_into(output);
   Smooth inner;
-  Guarded guarded{inner, {}};
+  Guarded guarded{inner, no_limits(1)};
   const auto health = run_offline(guarded, job);
   REQUIRE(health);
   CHECK(health->bad_input == 1);

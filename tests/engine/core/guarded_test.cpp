@@ -53,9 +53,12 @@ TEST_CASE("guarded: every output passes its guard, named or not", "[core]") {
   Guarded unnamed{loud, {}};
   REQUIRE(unnamed.prepare({.out_channels = 1}));
   CHECK(play(guarded, 2, 8)[0] == std::vector<double>(8, 0.5));
-  CHECK(play(guarded, 2, 8)[1] == std::vector<double>(8, 1.0));
-  CHECK(play(unnamed, 1, 8)[0] == std::vector<double>(8, 1.0));
-  CHECK(guarded.counts(0) == GuardCounts{.ceiling = 16});
+  const auto unlisted = play(guarded, 2, 8)[1];
+  for (const double sample : unlisted) CHECK(sample <= 16.0 / 24'000);
+  // Nobody knows what the second drive is: a soft start of half a second.
+  const auto alone = play(unnamed, 1, 8)[0];
+  for (const double sample : alone) CHECK(sample <= 3.0 * 8 / 24'000);
+  CHECK(guarded.counts(0)[GuardStage::Ceiling] == StageCount{16, 0.5});
   CHECK(guarded.frame() == 16);
 }
 
@@ -124,4 +127,47 @@ TEST_CASE("guarded: prepare says what does not fit", "[core]") {
         "2 guarded channels, but the stream has 1 outputs; open the stream with more outputs");
   Guarded wrong{level, {{DriveGuard::Kind::Drive, {.ceiling = 2.0}}}};
   CHECK(wrong.prepare({.out_channels = 1}).error().code == Errc::OutOfRange);
+}
+
+TEST_CASE("guarded: the last block before a stop is zeros, and what follows starts softly", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {{DriveGuard::Kind::Drive, {.soft_start = 1_ms}}}};
+  REQUIRE(guarded.prepare({.out_channels = 1}));
+  CHECK(play(guarded, 1, 100)[0].back() == 1.0);
+  std::vector<double> last(16, -99.0);
+  double* out = last.data();
+  guarded.finish({nullptr, &out, 16});
+  CHECK(last == std::vector<double>(16, 0.0));
+  CHECK(guarded.frame() == 100);
+  const auto again = play(guarded, 1, 100)[0];
+  CHECK(again[0] == 0.0);
+  CHECK(again[24] == 0.5);
+  CHECK(again[99] == 1.0);
+}
+
+TEST_CASE("guarded: a restart is never cooler than the run before, and says so in the journal", "[core]") {
+  const HeatLimits heat{.watts_at_full_scale = 10, .watts_for_ever = 5, .coil_time = 100_ms};
+  const std::vector<GuardedChannel> guards = {kAudio, {DriveGuard::Kind::Drive, {.heat = heat}}};
+  Level level{0.6};
+  Guarded guarded{level, guards};
+  REQUIRE(guarded.prepare({.out_channels = 2, .max_frames = 64}));
+  for (int second = 0; second < 3; ++second) play(guarded, 2, 48'000);
+  const auto warm = guarded.thermal_state(1);
+  CHECK(warm.coil > 0.3);
+  REQUIRE(guarded.prepare({.out_channels = 2, .max_frames = 64}));
+  CHECK(guarded.thermal_state(1) == warm);
+  JournalEntry coil, body;
+  REQUIRE(guarded.take_applied(coil));
+  REQUIRE(guarded.take_applied(body));
+  CHECK(coil == JournalEntry{0, Kind::CoilHeat, 1, warm.coil});
+  CHECK(body == JournalEntry{0, Kind::BodyHeat, 1, warm.body});
+
+  // The same entries, posted to a guard that was never warm, make it the same guard.
+  Level other{0.6};
+  Guarded restored{other, guards};
+  REQUIRE(restored.prepare({.out_channels = 2, .max_frames = 64}));
+  REQUIRE(restored.post(coil));
+  REQUIRE(restored.post(body));
+  CHECK(play(restored, 2, 48'000) == play(guarded, 2, 48'000));
+  CHECK(restored.thermal_state(1) == guarded.thermal_state(1));
 }

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/scene/guard_report.h"
+
+namespace tactus::app {
+
+/// What the command line says about the drive guard.
+struct GuardOptions {
+  std::string profile;             ///< "woofer", or a file; empty: as the scene says, else cautious
+  std::string volts;               ///< volts per full scale
+  std::vector<std::string> raise;  ///< NAME=VALUE
+};
+
+/// --profile, --volts-per-full-scale and --raise-limit.
+void add_guard_options(CLI::App& command, GuardOptions& options);
+
+/// Changes `drives` as the command line wants, and warns on stderr of what was raised. `root`: the folder
+/// with the profiles.
+Checked<DriveBook> apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root);
+
+/// What the guards did, for machines.
+nlohmann::ordered_json guard_json(const GuardReport& report, Hertz sample_rate);
+/// And for people.
+void print_guard(const GuardReport& report, Hertz sample_rate);
+
+}  // namespace tactus::app

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "engine/core/error.h"
+#include "engine/core/units.h"
+
+namespace tactus {
+
+/// What a coil stands in heat: a network of two thermal masses, the coil and the body (magnet, can) around
+/// it, in which a steady power brings the coil to its limit in the end, the share `coil_share` of the way
+/// from the body to the coil and the rest from the room to the body. Only power counts, V²/R, never a signed
+/// force.
+struct HeatLimits {
+  double watts_at_full_scale = 0.0;  ///< V²/R of a steady sample of 1; > 0
+  double watts_for_ever = 0.0;       ///< the steady power that leads to the limit; > 0
+  Seconds coil_time{1.0};            ///< time constant of the coil towards the body; >= 10 ms
+  Seconds body_time{300.0};          ///< time constant of the body towards the room; >= 10 ms
+  double coil_share = 0.5;           ///< (0, 1)
+  double rise_kelvin = 100.0;        ///< the limit: how much warmer than the room the coil may become; > 0
+};
+
+/// What a mass on a spring stands in travel. A voltage y pushes it like a force that would hold it at
+/// `metres_at_full_scale` * y.
+struct TravelLimits {
+  double metres = 0.0;                ///< the limit; > 0
+  double metres_at_full_scale = 0.0;  ///< Bl V / (R_e k) with V the volts of a sample of 1; > 0
+  Hertz resonance{40.0};              ///< sqrt(k / m) / 2π; > 0
+  double q = 1.0;                     ///< sqrt(k m) / (c + Bl²/R_e); > 0
+};
+
+/// How long direct current may last: the mean of the drive over half a second may lie beyond `level` for
+/// `time`.
+struct DirectLimits {
+  double level = 1.0;  ///< what may last for ever; > 0, and 1 is no limit
+  Seconds time{0.0};   ///< [0 s, an hour]
+};
+
+/// What an actuator stands, at the converter: full scale = 1.
+struct DriveLimits {
+  double ceiling = 1.0;                                              ///< |y| <= ceiling; (0, 1]
+  double slew_per_second = std::numeric_limits<double>::infinity();  ///< |dy/dt| in full scales a second; > 0
+  Seconds soft_start{0.0};  ///< gain rises 0 to 1 in this; [0 s, 60 s]
+  Seconds fade_out{0.005};  ///< gain falls to 0 in this; [0 s, 1 s]
+  std::optional<HeatLimits> heat = {};
+  std::optional<TravelLimits> travel = {};
+  DirectLimits direct = {};
+};
+
+/// [any] For a drive behind which nobody knows what there is. Why these: docs/decisions.md.
+DriveLimits cautious_limits();
+
+/// [control] OutOfRange, in words, if a limit makes no sense, or cannot be kept at this rate: no coil may go
+/// through more than an eighth of its heat in 64 frames at the ceiling.
+[[nodiscard]] Status check(const DriveLimits& limits, Hertz sample_rate = 48_kHz);
+
+}  // namespace tactus

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace tactus {
+
+/// The guard's models move on in groups of this many frames, which lie on the absolute frame grid: however
+/// the frames are cut into blocks, a model sees the same sums at the same frames.
+inline constexpr int kGuardGroup = 64;
+
+inline int guard_position(std::int64_t frame) noexcept { return static_cast<int>(frame & (kGuardGroup - 1)); }
+
+/// A sum over the frames of a group in eight lanes, each frame in the lane of its place: vectorised, and
+/// still with the same additions in the same order for any cutting.
+struct GroupSum {
+  static constexpr int kLanes = 8;
+  std::array<double, kLanes> lanes{};
+
+  /// [realtime] Adds term(n) for the frames of a piece that begins at `position` of its group.
+  template <class Term>
+  void add(int position, int frames, Term term) noexcept {
+    int n = 0;
+    if (frames >= 2 * kLanes) {
+      for (; ((position + n) & (kLanes - 1)) != 0; ++n) at(position + n) += term(n);
+      auto sums = lanes;
+      for (; n + kLanes <= frames; n += kLanes)
+        for (int k = 0; k < kLanes; ++k) sums[static_cast<std::size_t>(k)] += term(n + k);
+      lanes = sums;
+    }
+    for (; n < frames; ++n) at(position + n) += term(n);
+  }
+  /// [realtime] The sum; the next group starts at 0.
+  double take() noexcept {
+    const auto& s = lanes;
+    const double sum = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+    lanes.fill(0.0);
+    return sum;
+  }
+
+ private:
+  double& at(int place) noexcept { return lanes[static_cast<std::size_t>(place & (kLanes - 1))]; }
+};
+
+/// A gain that is set once a group and moves to its new value on a straight line through the next one.
+class GroupGain {
+ public:
+  void move_to(double gain) noexcept {
+    from_ = to_;
+    to_ = gain;
+  }
+  double at(int position) const noexcept {
+    if (from_ == to_) return to_;
+    return from_ + (to_ - from_) * (static_cast<double>(position + 1) / kGuardGroup);
+  }
+  bool idle() const noexcept { return from_ == 1.0 && to_ == 1.0; }
+  double now() const noexcept { return to_; }
+
+ private:
+  double from_ = 1.0, to_ = 1.0;
+};
+
+}  // namespace tactus

@@ -1,0 +1,53 @@
+#include "engine/core/heat.h"
+
+#include <algorithm>
+
+namespace tactus {
+
+namespace {
+
+/// x' = flow x of the rises of coil and body.
+Matrix2 flow(const HeatLimits& limits) noexcept {
+  const double s = limits.coil_share, coil = 1.0 / limits.coil_time.value,
+               body = 1.0 / limits.body_time.value;
+  return {-coil, coil, (1.0 - s) / s * body, -body / s};
+}
+
+}  // namespace
+
+Heat::Heat(const HeatLimits& limits, double ceiling, Hertz sample_rate)
+    : free_(exponential(flow(limits), kGuardGroup / sample_rate.value)) {
+  // A steady power of 1 ends at coil 1, body 1 - s; what a group adds is how far it goes from there to here.
+  const Vector2 end{1.0, 1.0 - limits.coil_share};
+  per_square_ = (limits.watts_at_full_scale / limits.watts_for_ever) * (end - free_ * end);
+  largest_rise_ = per_square_.x * ceiling * ceiling;
+}
+
+void Heat::end_group() noexcept {
+  const double mean_square = squares_.take() / kGuardGroup;
+  const Vector2 next = free_ * Vector2{state_.coil, state_.body} + mean_square * per_square_;
+  state_ = {next.x, next.y};
+  gain_.move_to(allowed());
+}
+
+double Heat::allowed() const noexcept {
+  const double left = std::max(0.0, 1.0 - state_.coil);
+  const double knee = std::min(1.0, left / (1.0 - kKnee));
+  return 8.0 * largest_rise_ <= left ? knee : std::min(knee, std::sqrt(left / (8.0 * largest_rise_)));
+}
+
+void Heat::warm_to(const ThermalState& state) noexcept {
+  // What comes from a file may be anything; ten times the limit is too warm for any drive.
+  constexpr double kMost = 10.0;
+  state_ = {std::max(state_.coil, std::min(state.coil, kMost)),
+            std::max(state_.body, std::min(state.body, kMost))};
+  gain_.move_to(allowed());
+  gain_.move_to(allowed());
+}
+
+ThermalState cooled(const HeatLimits& limits, const ThermalState& state, Seconds off) noexcept {
+  const Vector2 now = exponential(flow(limits), off.value) * Vector2{state.coil, state.body};
+  return {now.x, now.y};
+}
+
+}  // namespace tactus

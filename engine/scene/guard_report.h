@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/core/guarded.h"
+#include "engine/graph/schedule.h"
+#include "engine/scene/profile.h"
+
+namespace tactus {
+
+/// What the guard of one output had to do.
+struct GuardedOutput {
+  std::string name;
+  GuardCounts counts;
+  ThermalState heat;
+  double rise_kelvin = 0;  ///< above the room, at the end; 0 without a heat limit
+};
+
+/// What all guards of a run had to do.
+struct GuardReport {
+  std::vector<GuardedOutput> outputs;
+  std::vector<GuardEvent> events;        ///< oldest first
+  std::vector<std::string> input_names;  ///< that events speak of
+
+  /// True if no stage had anything to do and nothing faded.
+  bool idle() const;
+};
+
+/// "nonfinite", "heat", "direct", "travel", "ceiling", "slew"
+const char* name_of(GuardStage stage);
+/// "howl", "sensor railed", "sensor stuck"
+const char* name_of(GuardEvent::Kind kind);
+
+/// The guard of each output that a schedule gives to the outside.
+std::vector<GuardedChannel> guarded_channels(const Schedule& schedule, const DriveBook& drives);
+
+/// [control & stopped] Takes the events out of `guarded`.
+GuardReport report_of(Guarded& guarded, const Schedule& schedule, const DriveBook& drives);
+
+/// In words, a line each: "woofer: the travel limit held it back for 0.42 s, by up to 0.3 full scale".
+std::vector<std::string> in_words(const GuardReport& report, Hertz sample_rate);
+
+}  // namespace tactus
