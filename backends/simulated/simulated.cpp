@@ -45,7 +45,9 @@ class Metered final : public BlockProcessor {
 
   Status prepare(const StreamFormat& format) override {
     format_ = format;
-    return inner_.prepare(format);
+    auto status = inner_.prepare(format);
+    inner_.skip_soft_start();
+    return status;
   }
   void process(const BlockIo& io) noexcept override {
     if (last_) return inner_.finish(io);

@@ -8,6 +8,7 @@
 namespace tactus {
 namespace {
 
+constexpr double kMostExponent = 99;  // nothing physical has more
 constexpr double kPi = 3.14159265358979323846;
 
 struct Symbol {
@@ -36,6 +37,7 @@ constexpr std::array kSymbols = {
     Symbol{"J", {{2, 1, -2, 0}, 1.0, false}},
     Symbol{"mJ", {{2, 1, -2, 0}, 1e-3, false}},
     Symbol{"W", {{2, 1, -3, 0}, 1.0, false}},
+    Symbol{"mW", {{2, 1, -3, 0}, 1e-3, false}},
     Symbol{"Pa", {{-1, 1, -2, 0}, 1.0, false}},
     Symbol{"A", {{0, 0, 0, 1}, 1.0, false}},
     Symbol{"mA", {{0, 0, 0, 1}, 1e-3, false}},
@@ -92,7 +94,7 @@ std::optional<Unit> parse_factor(std::string_view text) {
   Unit unit = symbol->unit;
   if (caret == std::string_view::npos) return unit;
   const auto exponent = parse_number(text.substr(caret + 1));
-  if (!exponent || unit.decibel) return std::nullopt;
+  if (!exponent || std::abs(*exponent) > kMostExponent || unit.decibel) return std::nullopt;
   unit.dimension = unit.dimension.pow(*exponent);
   unit.factor = std::pow(unit.factor, *exponent);
   return unit;
@@ -198,7 +200,9 @@ std::optional<ParsedQuantity> parse_quantity(std::string_view text) {
   if (!number) return std::nullopt;
   const auto unit = parse_unit(text.substr(end));
   if (!unit) return std::nullopt;
-  return ParsedQuantity{unit->to_si(*number), *unit};
+  const double si = unit->to_si(*number);
+  if (!std::isfinite(si)) return std::nullopt;
+  return ParsedQuantity{si, *unit};
 }
 
 }  // namespace tactus

@@ -40,7 +40,7 @@ DriveGuard::DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate)
       direct_(kind == Kind::Drive ? limits.direct : DirectLimits{}, sample_rate),
       howl_(sample_rate) {
   if (kind != Kind::Drive) return;
-  if (limits.heat) heat_.emplace(*limits.heat, ceiling_, sample_rate);
+  if (limits.heat) heat_.emplace(*limits.heat, ceiling_, limits.slew_per_second, sample_rate);
   if (limits.travel) travel_.emplace(*limits.travel, largest_step_, sample_rate);
 }
 
@@ -108,12 +108,11 @@ double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int 
     // Zero and not the last value: a fault that lasts must not hold a coil under direct current.
     y = held_back(ceiling_, 0.0, GuardStage::NonFinite, frame, crest_frames_);
   }
-  if (heat_) y = scaled(y, heat_->gain().at(position), GuardStage::Heat);
-  y *= gain_.at(frame);
-  wanted = std::clamp(y, -ceiling_, ceiling_);
-  y = scaled(y, direct_.gain().at(position), GuardStage::Direct);
   const double bounded = std::clamp(y, -ceiling_, ceiling_);
   if (bounded != y) y = held_back(y, bounded, GuardStage::Ceiling, frame, crest_frames_);
+  if (heat_) y = scaled(y, heat_->gain().at(position), GuardStage::Heat);
+  wanted = y *= gain_.at(frame);
+  y = scaled(y, direct_.gain().at(position), GuardStage::Direct);
   const double steep = within(y);
   if (steep != y) y = held_back(y, steep, GuardStage::Slew, frame, swing_frames_);
   if (travel_) {

@@ -16,11 +16,13 @@ namespace tactus {
 
 /// The fixed last stage of one output channel:
 ///   finite    a NaN or infinity becomes 0
-///   gains     heat (heat.h), soft start, arm, mute, direct current (direct.h), travel (travel.h)
 ///   ceiling   y = clamp(x, -ceiling, ceiling)
+///   gains     heat (heat.h), soft start, arm, mute, direct current (direct.h): all at most 1
 ///   slew      y[n] = clamp(x[n], y[n-1] - s, y[n-1] + s),  s = slew_per_second / sample_rate,  y[-1] = 0
-/// Travel is worked out behind the others, because what it lets through depends on what they leave; whatever
-/// it gives lies within ceiling and slew again. Slew stays below the ceiling since it lies between two values
+///   travel    travel.h
+/// The gains stand behind the ceiling: a gain on what is a thousand times too loud holds nothing back. Travel
+/// is worked out behind the others, because what it lets through depends on what they leave; whatever it
+/// gives lies within ceiling and slew again. Slew stays below the ceiling since it lies between two values
 /// that do. Within its limits, and with the ramps at 1, the output is the input bit for bit; there is no
 /// delay. How frames are cut into pieces does not matter.
 ///
@@ -42,6 +44,10 @@ class DriveGuard {
   /// nothing.
   void set_open(bool open, std::int64_t frame) noexcept;
   bool is_open() const noexcept { return gain_.target() > 0.0; }
+  /// [realtime] As if it had been asked to open long ago.
+  void skip_soft_start() noexcept {
+    if (is_open()) gain_ = GainRamp{1.0};
+  }
   /// [realtime] The last sample was followed by zeros outside of `process`: closed, at once.
   void stop() noexcept;
 

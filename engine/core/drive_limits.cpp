@@ -3,6 +3,7 @@
 #include <string>
 
 #include "engine/core/guard_group.h"
+#include "engine/core/heat.h"
 
 namespace tactus {
 namespace {
@@ -18,7 +19,7 @@ Status refuse(const std::string& what, const std::string& remedy = {}) {
   return fail(Errc::OutOfRange, "", what, remedy);
 }
 
-Status check(const HeatLimits& heat, double ceiling, Hertz sample_rate) {
+Status check(const HeatLimits& heat, double ceiling, double slew_per_second, Hertz sample_rate) {
   if (!positive(heat.watts_at_full_scale) || !positive(heat.watts_for_ever) || !positive(heat.rise_kelvin))
     return refuse("a power or a rise in the heat limit of a drive is not positive");
   if (!within(heat.coil_time.value, kShortestTime_s, kLongestTime_s) ||
@@ -26,11 +27,12 @@ Status check(const HeatLimits& heat, double ceiling, Hertz sample_rate) {
     return refuse("a time constant in the heat limit of a drive lies outside 10 ms to a million seconds");
   if (!(heat.coil_share > 0.0 && heat.coil_share < 1.0))
     return refuse("the coil's share of the heat of a drive lies outside 0 to 1");
-  const double rise_per_second = heat.coil_share * ceiling * ceiling * heat.watts_at_full_scale /
-                                 heat.watts_for_ever / heat.coil_time.value;
-  if (rise_per_second * kGuardGroup / sample_rate.value > 0.125)
+  if (fastest_rise(heat, ceiling) * kGuardGroup / sample_rate.value > 0.125)
     return refuse("the coil of a drive would burn before the guard could act",
                   "lower its ceiling or the volts per full scale");
+  if (rise_on_the_way_down(heat, ceiling, slew_per_second) > 0.125)
+    return refuse("the coil of a drive would burn before its slew limit lets it come down",
+                  "lower its ceiling, or let it move faster");
   return {};
 }
 
@@ -69,7 +71,8 @@ Status check(const DriveLimits& limits, Hertz sample_rate) {
   if (!within(limits.direct.time.value, 0.0, 3600.0))
     return refuse("the time of direct current of a drive lies outside 0 s to an hour");
   if (limits.heat)
-    if (auto status = check(*limits.heat, limits.ceiling, sample_rate); !status) return status;
+    if (auto status = check(*limits.heat, limits.ceiling, limits.slew_per_second, sample_rate); !status)
+      return status;
   if (limits.travel)
     if (auto status = check(*limits.travel); !status) return status;
   return {};

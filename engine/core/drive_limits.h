@@ -52,7 +52,7 @@ struct DriveLimits {
 DriveLimits cautious_limits();
 
 /// [control] OutOfRange, in words, if a limit makes no sense, or cannot be kept at this rate: no coil may go
-/// through more than an eighth of its heat in 64 frames at the ceiling.
+/// through more than an eighth of its heat in 64 frames at the ceiling, or on the way from there to 0.
 [[nodiscard]] Status check(const DriveLimits& limits, Hertz sample_rate = 48_kHz);
 
 }  // namespace tactus

@@ -87,6 +87,10 @@ void Guarded::open_guards(std::int64_t frame) noexcept {
   for (auto& channel : channels_) channel.guard.set_open(channel.should_sound(), frame);
 }
 
+void Guarded::skip_soft_start() noexcept {
+  for (auto& channel : channels_) channel.guard.skip_soft_start();
+}
+
 void Guarded::process(const BlockIo& io) noexcept {
   const NoDenormals no_denormals;
   if (std::exchange(stopped_, false)) open_guards(frame_.load(kRelaxed));

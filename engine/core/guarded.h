@@ -50,6 +50,9 @@ class Guarded final : public BlockProcessor {
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
   /// [realtime & prepared]
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
+  /// [control & stopped] Drives that sound at frame 0 do so without a soft start. For files and simulated
+  /// worlds alone, where nothing is there to be thrown.
+  void skip_soft_start() noexcept;
   /// [realtime & prepared] The last block before a stop: zeros on every output. The processor inside does not
   /// run and time stands still; if `process` is called again, every guard starts softly.
   void finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;

@@ -15,12 +15,22 @@ Matrix2 flow(const HeatLimits& limits) noexcept {
 
 }  // namespace
 
-Heat::Heat(const HeatLimits& limits, double ceiling, Hertz sample_rate)
+double fastest_rise(const HeatLimits& limits, double ceiling) noexcept {
+  return limits.coil_share * ceiling * ceiling * (limits.watts_at_full_scale / limits.watts_for_ever) /
+         limits.coil_time.value;
+}
+
+double rise_on_the_way_down(const HeatLimits& limits, double ceiling, double slew_per_second) noexcept {
+  return fastest_rise(limits, ceiling) * ceiling / (3.0 * slew_per_second);
+}
+
+Heat::Heat(const HeatLimits& limits, double ceiling, double slew_per_second, Hertz sample_rate)
     : free_(exponential(flow(limits), kGuardGroup / sample_rate.value)) {
   // A steady power of 1 ends at coil 1, body 1 - s; what a group adds is how far it goes from there to here.
   const Vector2 end{1.0, 1.0 - limits.coil_share};
   per_square_ = (limits.watts_at_full_scale / limits.watts_for_ever) * (end - free_ * end);
   largest_rise_ = per_square_.x * ceiling * ceiling;
+  way_down_ = rise_on_the_way_down(limits, ceiling, slew_per_second);
 }
 
 void Heat::end_group() noexcept {
@@ -31,8 +41,8 @@ void Heat::end_group() noexcept {
 }
 
 double Heat::allowed() const noexcept {
-  const double left = std::max(0.0, 1.0 - state_.coil);
-  const double knee = std::min(1.0, left / (1.0 - kKnee));
+  const double left = std::max(0.0, 1.0 - way_down_ - state_.coil);
+  const double knee = std::min(1.0, left / kKnee);
   return 8.0 * largest_rise_ <= left ? knee : std::min(knee, std::sqrt(left / (8.0 * largest_rise_)));
 }
 

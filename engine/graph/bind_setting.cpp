@@ -3,6 +3,7 @@
 
 #include "engine/graph/bind.h"
 #include "engine/graph/nearest.h"
+#include "engine/graph/part_path.h"
 #include "engine/graph/quantity.h"
 
 namespace tactus {
@@ -57,14 +58,8 @@ struct Reader {
   }
 
   void read_path(const std::string& text, const Source& at) {
-    const std::filesystem::path path{text};
-    const auto normal = path.lexically_normal();
-    if (path.is_absolute() || (!normal.empty() && *normal.begin() == ".."))
-      return complain(Errc::OutOfRange, at, "leaves the folder of the graph file: " + text,
-                      "put the file beside the graph file and give a relative path");
-    result.text = (folder / normal).string();
-    if (!std::filesystem::exists(result.text))
-      complain(Errc::BadFile, at, "names a file that does not exist: " + result.text, "check the name");
+    const auto found = find_part(text, folder, folder, at);
+    if (mistakes.keep(found) != nullptr) result.text = found->name;
   }
 
   void read_number(const Value& value) {
@@ -78,7 +73,9 @@ struct Reader {
     }
     const auto* number = value.number();
     if (number == nullptr || std::floor(*number) != *number)
-      return complain(Errc::WrongType, value.at, "must be a whole number", "give one without a point");
+      return complain(Errc::WrongType, value.at,
+                      "must be a whole number" + (number == nullptr ? ", not " + value.kind() : ""),
+                      number == nullptr ? "write it without quotes or brackets" : "give one without a point");
     result.number = *number;
     if (*number < setting.low || *number > setting.high)
       complain(Errc::OutOfRange, value.at, "is out of range",
@@ -158,7 +155,8 @@ SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
   } else if (!setting.fallback.empty()) {
     reader.read_fallback();
   } else if (!setting.optional) {
-    mistakes.add(Error{Errc::Missing, at.text(), owner + " lacks '" + setting.name + "'", setting.doc});
+    mistakes.add(Error{Errc::Missing, at.text(), owner + " lacks '" + setting.name + "'",
+                       "write " + setting.name + " = … (" + setting.doc + ")"});
   }
   return reader.result;
 }

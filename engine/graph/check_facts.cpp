@@ -94,7 +94,16 @@ class Checks {
         check_agrees(argument, *first, term.op);
       }
     }
+    if (term.op == Term::Op::Divide) check_divisor(term.arguments[1]);
     for (const auto& argument : term.arguments) check_units(argument);
+  }
+
+  /// A signal may pass through 0, which then counts as 0; what is nothing else was not meant.
+  void check_divisor(const Term& term) {
+    const auto range = range_of(graph_, term);
+    if (range.low == 0 && range.high == 0)
+      mistakes_.add(Errc::OutOfRange, term.at, "this divides by what is always 0",
+                    "divide by another number");
   }
 
   void check_agrees(const Term& term, const Term& first, Term::Op op) {
@@ -128,8 +137,8 @@ class Checks {
     if (!found.bounded()) return;
     if (found.low >= port.low && found.high <= port.high) return;
     if (!found.single() && found.low <= port.high && found.high >= port.low) return;  // clamped while it runs
-    const auto unit = rule.kind == PortUnit::Kind::Fixed ? to_string(rule.dimension) : std::string{};
-    const auto number = [&](double x) { return short_number(x) + (unit.empty() ? "" : " " + unit); };
+    const auto dimension = rule.kind == PortUnit::Kind::Fixed ? rule.dimension : Dimension{};
+    const auto number = [&](double x) { return short_quantity(x, dimension); };
     mistakes_.add(Errc::OutOfRange, term.at, owner + " cannot be " + number(found.low),
                   std::isinf(port.high) ? "it must be at least " + number(port.low)
                   : std::isinf(port.low)

@@ -1,6 +1,7 @@
 #include "engine/graph/compile.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "engine/graph/build_schedule.h"
@@ -8,6 +9,7 @@
 #include "engine/graph/infer.h"
 #include "engine/graph/mistakes.h"
 #include "engine/graph/resolve.h"
+#include "engine/graph/unfolded_nodes.h"
 
 namespace tactus {
 namespace {
@@ -32,6 +34,15 @@ void delays_of(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes&
     }
     least[v] = shortest == std::numeric_limits<int>::max() ? kMaxPiece : shortest;
   }
+}
+
+/// What folded to no number: nothing that reads it could ever sound.
+void check_constants(const VertexGraph& graph, Mistakes& mistakes) {
+  for (const auto& vertex : graph.vertices)
+    if (vertex.alive && vertex.kind == Vertex::Kind::Constant && !std::isfinite(vertex.value))
+      mistakes.add(Errc::OutOfRange, vertex.at,
+                   "this is always " + std::string{std::isnan(vertex.value) ? "not a number" : "infinite"},
+                   "write smaller numbers");
 }
 
 void set_controls(FlatGraph& flat, const std::map<std::string, ControlValue>& values, Mistakes& mistakes) {
@@ -74,18 +85,26 @@ std::map<std::string, ControlValue> settable(std::map<std::string, ControlValue>
 
 FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options,
                   Mistakes& mistakes) {
-  auto resolved = resolve(spec, table, options.sample_rate, options.taps);
+  auto resolved = resolve(spec, table, options.sample_rate, options.taps, options.most_nodes);
+  const bool whole = !resolved.too_large;
   mistakes.add(std::move(resolved.mistakes));
   set_controls(resolved.graph, settable(options.controls, spec), mistakes);
   mistakes.add(infer(resolved.graph));
+  if (whole && unfolded_nodes(resolved.graph) > options.most_nodes)
+    mistakes.add(Errc::OutOfRange, spec.file,
+                 "with all its lanes the graph has more than " + std::to_string(options.most_nodes) +
+                     " nodes and operators",
+                 "take fewer voices, or fewer parts");
   return std::move(resolved.graph);
 }
 
 Checked<std::unique_ptr<Schedule>> make_schedule(const FlatGraph& flat, const CompileOptions& options) {
   auto graph = lower(flat);
   simplify(graph, flat, options.sample_rate);
-  auto made = make_nodes(graph, flat, options);
   Mistakes mistakes;
+  check_constants(graph, mistakes);
+  if (mistakes.any()) return tl::unexpected(mistakes.take());
+  auto made = make_nodes(graph, flat, options);
   mistakes.add(std::move(made.mistakes));
   std::vector<std::vector<bool>> late;
   std::vector<int> least;
@@ -99,14 +118,14 @@ Checked<std::unique_ptr<Schedule>> make_schedule(const FlatGraph& flat, const Co
 }  // namespace
 
 std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options) {
-  Mistakes mistakes;
+  Mistakes mistakes{spec.file};
   flatten(spec, table, options, mistakes);
   return mistakes.take();
 }
 
 Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table,
                                            const CompileOptions& options) {
-  Mistakes mistakes;
+  Mistakes mistakes{spec.file};
   const auto flat = flatten(spec, table, options, mistakes);
   if (mistakes.any()) return tl::unexpected(mistakes.take());
   auto schedule = make_schedule(flat, options);
@@ -118,7 +137,7 @@ Checked<std::unique_ptr<Schedule>> compile(const LoadedGraph& graph, const NodeT
                                            const CompileOptions& options) {
   if (graph.spec == nullptr) return tl::unexpected(graph.mistakes);
   if (graph.mistakes.empty()) return compile(*graph.spec, table, options);
-  Mistakes mistakes;
+  Mistakes mistakes{graph.spec->file};
   mistakes.add(graph.mistakes);
   mistakes.add(check(*graph.spec, table, options));
   return tl::unexpected(mistakes.take());

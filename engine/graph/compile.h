@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <optional>
@@ -27,6 +28,9 @@ struct ControlValue {
 struct CompileOptions {
   Hertz sample_rate = 48_kHz;
   Seconds system_delay = 0_s;
+  /// What a graph may unfold to and keep: a short file with parts and voices can ask for anything.
+  std::size_t most_nodes = 250'000;  ///< nodes and operators, those of each lane on their own
+  std::size_t most_bytes = 512u << 20;
   /// Where controls start instead of where the file says, SI.
   std::map<std::string, ControlValue> controls;
   /// Signals that become outputs of their own ("hit", "hit.level"), for events, scopes and recordings.

@@ -56,7 +56,8 @@ void Instance::connect_ports(const EntrySpec& entry, FlatNode& node, const std::
     }
     node.inputs.emplace_back();
     if (!port.fallback)
-      mistakes_.add(Errc::Missing, entry.at, owner + " lacks '" + port.name + "'", port.doc);
+      mistakes_.add(Errc::Missing, entry.at, owner + " lacks '" + port.name + "'",
+                    "write " + port.name + " = … (" + port.doc + ")");
   }
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "engine/graph/bind.h"
 #include "engine/graph/entry_fields.h"
@@ -155,6 +156,7 @@ void Instance::declare_outputs(const EntrySpec& entry, std::shared_ptr<const Nod
 void Instance::declare_part(const NodeSpec& node) {
   const auto part = spec_.parts.find(node.use);
   if (part == spec_.parts.end()) return scope_.hide(node.name);  // its file cannot be read
+  if (too_large(node)) return scope_.hide(node.name);
   int voices = voices_;
   if (const auto* value = find(node.fields, "voices"))
     voices = read_whole_number(*value, "voices", 1, 1024, mistakes_);
@@ -163,6 +165,15 @@ void Instance::declare_part(const NodeSpec& node) {
   const int first_output = static_cast<int>(flat_.signals.size());
   declare_part_outputs(node, *part->second);
   pending_parts_.push_back({&node, std::move(instance), first_output});
+}
+
+bool Instance::too_large(const NodeSpec& node) {
+  if (flat_.signals.size() < resolving_.most_signals) return false;
+  if (!std::exchange(resolving_.too_large, true))
+    mistakes_.add(Errc::OutOfRange, node.type_at,
+                  "the parts come to more than " + std::to_string(resolving_.most_signals) + " signals",
+                  "use fewer parts inside parts");
+  return true;
 }
 
 void Instance::declare_part_outputs(const NodeSpec& node, const GraphSpec& part) {

@@ -88,8 +88,7 @@ bool read_value(const EntrySpec& entry, FlatControl& control, Mistakes& mistakes
 
 std::string in_unit(double si, const Unit& unit) {
   if (unit.decibel) return short_number(unit.from_si(si)) + " dB";
-  const auto name = to_string(unit.dimension);
-  return short_number(si) + (name.empty() ? "" : " " + name);
+  return short_quantity(si, unit.dimension);
 }
 
 void check_fields(const EntrySpec& entry, const std::vector<std::string>& known, const std::string& owner,
@@ -108,7 +107,9 @@ int read_whole_number(const Value& value, const std::string& what, int low, int 
   const auto* number = value.number();
   if (number != nullptr && std::floor(*number) == *number && *number >= low && *number <= high)
     return static_cast<int>(*number);
-  mistakes.add(Errc::OutOfRange, value.at, "'" + what + "' must be a whole number",
+  const bool whole = number != nullptr && std::floor(*number) == *number;
+  mistakes.add(Errc::OutOfRange, value.at,
+               "'" + what + (whole ? "' cannot be " + short_number(*number) : "' must be a whole number"),
                "give one from " + std::to_string(low) + " to " + std::to_string(high));
   return low;
 }

@@ -1,14 +1,76 @@
 #include "engine/graph/infer.h"
 
+#include <utility>
+#include <vector>
+
 #include "engine/graph/check_facts.h"
 #include "engine/graph/facts.h"
 
 namespace tactus {
 namespace {
 
+void add_signals(const Term& term, std::vector<int>& signals) {
+  if (term.op == Term::Op::Signal) signals.push_back(term.signal);
+  for (const auto& argument : term.arguments) add_signals(argument, signals);
+}
+
+/// All signals, each behind those that it is made of, loops aside: so that facts run along the longest chain
+/// in one pass, whatever order a file is written in. The first output of a node stands for all that it reads.
+class DependencyOrder {
+ public:
+  explicit DependencyOrder(const FlatGraph& graph) : graph_(graph), seen_(graph.signals.size()) {
+    for (int id = 0; id < static_cast<int>(graph.signals.size()); ++id) visit(id);
+  }
+  std::vector<int> take() { return std::move(order_); }
+
+ private:
+  struct Open {
+    int id;
+    std::vector<int> needs;
+  };
+
+  /// Depth first, with a stack of its own: chains may be 100,000 long.
+  void visit(int start) {
+    std::vector<Open> stack;
+    const auto open = [&](int id) {
+      if (seen_[static_cast<std::size_t>(id)]) return;
+      seen_[static_cast<std::size_t>(id)] = true;
+      stack.push_back({id, needs(id)});
+    };
+    open(start);
+    while (!stack.empty()) {
+      auto& top = stack.back();
+      if (top.needs.empty()) {
+        order_.push_back(top.id);
+        stack.pop_back();
+        continue;
+      }
+      const int next = top.needs.back();
+      top.needs.pop_back();
+      open(next);
+    }
+  }
+
+  std::vector<int> needs(int id) const {
+    const auto& signal = graph_.signals[static_cast<std::size_t>(id)];
+    std::vector<int> signals;
+    if (signal.kind == FlatSignal::Kind::Expression) add_signals(signal.term, signals);
+    if (signal.kind != FlatSignal::Kind::NodeOutput) return signals;
+    const auto& node = graph_.nodes[static_cast<std::size_t>(signal.index)];
+    if (id != node.outputs.front()) return {node.outputs.front()};
+    for (const auto& input : node.inputs)
+      if (input) add_signals(*input, signals);
+    return signals;
+  }
+
+  const FlatGraph& graph_;
+  std::vector<bool> seen_;
+  std::vector<int> order_;
+};
+
 class Inference {
  public:
-  explicit Inference(FlatGraph& graph) : graph_(graph) {}
+  explicit Inference(FlatGraph& graph) : graph_(graph), order_(DependencyOrder{graph}.take()) {}
 
   void run() {
     infer_lanes();
@@ -37,15 +99,22 @@ class Inference {
 
   bool widen_all() {
     bool changed = false;
-    for (auto& node : graph_.nodes) {
-      changed |= widen(node.lanes, node.voices);
-      for (const auto& input : node.inputs)
-        if (input) changed |= widen(node.lanes, lanes_of(graph_, *input));
-      for (const int output : node.outputs)
-        changed |= widen(signal(output).lanes, node.type->name == "mix" ? 1 : node.lanes);
-    }
-    for (auto& s : graph_.signals)
+    for (const int id : order_) {
+      auto& s = signal(id);
       if (s.kind == FlatSignal::Kind::Expression) changed |= widen(s.lanes, lanes_of(graph_, s.term));
+      if (s.kind == FlatSignal::Kind::NodeOutput) changed |= widen_node(s, id);
+    }
+    return changed;
+  }
+
+  bool widen_node(const FlatSignal& output, int id) {
+    auto& node = graph_.nodes[static_cast<std::size_t>(output.index)];
+    if (id != node.outputs.front()) return false;
+    bool changed = widen(node.lanes, node.voices);
+    for (const auto& input : node.inputs)
+      if (input) changed |= widen(node.lanes, lanes_of(graph_, *input));
+    for (const int other : node.outputs)
+      changed |= widen(signal(other).lanes, node.type->name == "mix" ? 1 : node.lanes);
     return changed;
   }
 
@@ -62,7 +131,8 @@ class Inference {
       if (s.declared) s.unit = UnitFact::known(*s.declared);
     for (bool changed = true; changed;) {
       changed = false;
-      for (auto& s : graph_.signals) {
+      for (const int id : order_) {
+        auto& s = signal(id);
         if (s.unit.kind == UnitFact::Kind::Known) continue;
         UnitFact fact = s.unit;
         if (s.kind == FlatSignal::Kind::Expression) fact = unit_of(graph_, s.term);
@@ -95,7 +165,8 @@ class Inference {
 
   bool narrow_all() {
     bool changed = false;
-    for (auto& s : graph_.signals) {
+    for (const int id : order_) {
+      auto& s = signal(id);
       Interval found = s.range;
       if (s.kind == FlatSignal::Kind::Expression) found = range_of(graph_, s.term);
       if (s.kind == FlatSignal::Kind::NodeOutput) found = output_range(node_of(s), s.port);
@@ -118,6 +189,7 @@ class Inference {
   }
 
   FlatGraph& graph_;
+  std::vector<int> order_;
 };
 
 }  // namespace

@@ -20,6 +20,8 @@ struct Resolving {
   Hertz sample_rate;
   FlatGraph& flat;
   Mistakes& mistakes;
+  std::size_t most_signals;  ///< parts of parts multiply: 32 files that use the next one twice make 2^32
+  bool too_large = false;
 };
 
 /// One file at one place in the tree of parts: first all its names become signals (`declare`), parts
@@ -58,6 +60,7 @@ class Instance {
   void declare_network(const NetworkSpec& network);
   void declare_outputs(const EntrySpec& entry, std::shared_ptr<const NodeType> type, bool bare_name);
   void declare_part(const NodeSpec& node);
+  bool too_large(const NodeSpec& node);
   void declare_part_outputs(const NodeSpec& node, const GraphSpec& part);
   void declare_as_part();
 

@@ -21,7 +21,8 @@ constexpr std::size_t kMaxDepth = 32;
 class Loader {
  public:
   Loader(const std::filesystem::path& file, const std::filesystem::path& root)
-      : root_(root.empty() ? file.parent_path() : root) {}
+      : root_(root.empty() ? file.parent_path() : root),
+        mistakes_(Source{std::make_shared<const std::string>(file.string()), 0, 0}) {}
 
   Spec build(const PartPath& path, const Result<Value::Table>& table) {
     if (mistakes_.keep(table) == nullptr) return nullptr;

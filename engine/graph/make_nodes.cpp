@@ -13,7 +13,7 @@ namespace {
 class Maker {
  public:
   Maker(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
-      : graph_(graph), flat_(flat), options_(options) {
+      : graph_(graph), flat_(flat), options_(options), memory_(options.most_bytes) {
     made_.nodes.resize(graph.vertices.size());
     made_.fingerprints.resize(graph.vertices.size());
     made_.frozen_controls.assign(flat.controls.size(), false);
@@ -52,7 +52,7 @@ class Maker {
     const auto& node = flat_node(vertex);
     auto setup = setup_of(node, vertex);
     if (!setup || (!node.compensate.empty() && !shorten_time(node, vertex, *setup))) return;
-    auto made = node.type->make(*setup);
+    auto made = make_within(*setup);
     if (made) {
       made_.nodes[v] = std::move(*made);
       made_.fingerprints[v] = fingerprint(*setup);
@@ -64,6 +64,15 @@ class Maker {
     const auto name = node.path.substr(node.path.rfind('.') + 1);
     error.what = node.type->name + " '" + name + "': " + error.what;
     made_.mistakes.push_back(std::move(error));
+  }
+
+  /// What stands in the settings is kept by each lane of each node, whatever else it keeps.
+  Result<std::unique_ptr<Node>> make_within(NodeSetup& setup) {
+    setup.memory = &memory_;
+    std::size_t numbers = 0;
+    for (const auto& setting : setup.settings) numbers += setting.numbers.size() + 2 * setting.points.size();
+    if (const auto fits = setup.take_memory(numbers); !fits) return tl::unexpected(fits.error());
+    return setup.type->make(setup);
   }
 
   /// Nothing after a mistake.
@@ -143,6 +152,7 @@ class Maker {
   const VertexGraph& graph_;
   const FlatGraph& flat_;
   const CompileOptions& options_;
+  MemoryBudget memory_;
   MadeNodes made_;
 };
 

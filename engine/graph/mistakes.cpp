@@ -40,9 +40,10 @@ Place place_of(std::string_view where) {
 
 }  // namespace
 
-void sort_by_place(std::vector<Error>& errors) {
-  std::stable_sort(errors.begin(), errors.end(), [](const Error& a, const Error& b) {
+void sort_by_place(std::vector<Error>& errors, std::string_view first) {
+  std::stable_sort(errors.begin(), errors.end(), [first](const Error& a, const Error& b) {
     const auto at = place_of(a.where), bt = place_of(b.where);
+    if ((at.file == first) != (bt.file == first)) return at.file == first;
     return at.key() < bt.key();
   });
 }
@@ -83,7 +84,7 @@ std::string Mistakes::text(const Value::Table& table, std::string_view key) {
 }
 
 std::vector<Error> Mistakes::take() {
-  sort_by_place(list_);
+  sort_by_place(list_, first_);
   // A file that is read along two ways reports its mistakes twice.
   std::set<std::pair<std::string, std::string>> told;
   std::erase_if(list_, [&](const Error& error) { return !told.emplace(error.where, error.what).second; });

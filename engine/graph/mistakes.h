@@ -10,8 +10,9 @@
 
 namespace tactus {
 
-/// By file, line and column of `where`; mistakes of one place stay in order.
-void sort_by_place(std::vector<Error>& errors);
+/// By file, line and column of `where`, those of the file `first` before all others; mistakes of one place
+/// stay in order.
+void sort_by_place(std::vector<Error>& errors, std::string_view first = {});
 
 /// "'a', 'b' and 'c'"
 std::string listed(std::span<const std::string> names);
@@ -19,6 +20,10 @@ std::string listed(std::span<const std::string> names);
 /// Gathers the mistakes of a file, so that all of them come back in one go.
 class Mistakes {
  public:
+  Mistakes() = default;
+  /// Those of `first`, the file that the user named, come before those of the files that it uses.
+  explicit Mistakes(const Source& first) : first_(first.file ? *first.file : std::string{}) {}
+
   void add(Errc code, const Source& at, std::string what, std::string remedy);
   void add(Error error) { list_.push_back(std::move(error)); }
   void add(std::vector<Error> errors);
@@ -41,6 +46,7 @@ class Mistakes {
   std::vector<Error> take();
 
  private:
+  std::string first_;
   std::vector<Error> list_;
 };
 

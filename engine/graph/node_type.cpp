@@ -14,6 +14,19 @@ int index_of(const Items& items, std::string_view name) {
 
 }  // namespace
 
+Status MemoryBudget::take(std::size_t numbers) {
+  if (numbers > left_ / sizeof(double))
+    return fail(Errc::OutOfRange, {},
+                "the graph would keep more than " + std::to_string(bytes_ >> 20) + " MB",
+                "take shorter delays and recordings, or fewer voices");
+  left_ -= numbers * sizeof(double);
+  return {};
+}
+
+Status NodeSetup::take_memory(std::size_t numbers) const {
+  return memory != nullptr ? memory->take(numbers) : Status{};
+}
+
 const InputInfo& NodeSetup::input(std::string_view name) const {
   const int i = type->input_index(name);
   assert(i >= 0);

@@ -87,6 +87,17 @@ struct SettingValue {
 
 struct NodeType;
 
+/// What the nodes of a graph may keep between them: a line of a file can ask for more than a machine has.
+class MemoryBudget {
+ public:
+  explicit MemoryBudget(std::size_t bytes) : bytes_(bytes), left_(bytes) {}
+  /// [control] Errors: OutOfRange if so many more numbers are too many.
+  Status take(std::size_t numbers);
+
+ private:
+  std::size_t bytes_, left_;
+};
+
 /// All that a node is made from.
 struct NodeSetup {
   Hertz sample_rate;
@@ -95,7 +106,10 @@ struct NodeSetup {
   std::vector<SettingValue> settings;  ///< declaration order
   int lane = 0;                        ///< which lane of how many
   int lanes = 1;
+  MemoryBudget* memory = nullptr;  ///< nullptr: as much as there is
 
+  /// [control] To be asked before a node keeps more numbers than stand in its settings.
+  Status take_memory(std::size_t numbers) const;
   /// It is noted (`asked`) that the node depends on what it is told here. Fixed ports may be read directly.
   const InputInfo& input(std::string_view name) const;
   const SettingValue& setting(std::string_view name) const;

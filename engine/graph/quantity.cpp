@@ -1,6 +1,7 @@
 #include "engine/graph/quantity.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace tactus {
@@ -22,6 +23,24 @@ std::string short_number(double number) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.6g", number);
   return text.data();
+}
+
+std::string short_quantity(double si, const Dimension& dimension) {
+  // From small to large; the first of a dimension serves whatever is smaller.
+  static constexpr std::array kUnits = {"us",  "ms",   "s",    "um", "mm", "m",  "mg", "g",  "kg", "mN", "N",
+                                        "kN",  "Hz",   "kHz",  "mJ", "J",  "mW", "W",  "mA", "A",  "mV", "V",
+                                        "ohm", "kohm", "Mohm", "uH", "mH", "H",  "nF", "uF", "F"};
+  std::string text;
+  for (const auto* name : kUnits) {
+    const auto unit = *parse_unit(name);
+    if (!(unit.dimension == dimension)) continue;
+    const bool zero = si == 0 && unit.factor == 1;
+    if (text.empty() || zero || (si != 0 && std::abs(unit.from_si(si)) >= 0.9999995))
+      text = short_number(unit.from_si(si)) + " " + name;
+  }
+  if (!text.empty()) return text;
+  const auto name = to_string(dimension);
+  return short_number(si) + (name.empty() ? "" : " " + name);
 }
 
 Result<QuantityValue> read_quantity(const Value& value) {

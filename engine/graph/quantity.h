@@ -21,5 +21,7 @@ Result<double> read_quantity(const Value& value, const Unit& expected, const std
 
 /// "1234.5", "1e-09": the shortest text that reads well in a message.
 std::string short_number(double number);
+/// "15 ms" for 0.015 s: in the unit that people would choose for it; a plain number without one.
+std::string short_quantity(double si, const Dimension& dimension);
 
 }  // namespace tactus

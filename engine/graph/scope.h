@@ -35,9 +35,13 @@ class Scope {
     return tolerated_.contains("") || tolerated_.contains(first_word(name));
   }
 
+  /// The name that may have been meant; "" if none is near.
+  std::string suggestion(const std::string& name) const;
+
   std::map<std::string, int> signals_;
   std::map<std::string, std::string> not_signals_;
   std::set<std::string> hidden_, tolerated_;
+  mutable int suggestions_ = 0;
 };
 
 }  // namespace tactus

@@ -70,12 +70,14 @@ struct Trouble {
   std::string what, remedy;
 };
 
-/// Follows brackets and the dots of keys, from one '=', comma, bracket or line to the next.
+/// Follows brackets and the dots of keys, from one '=', comma, bracket or line to the next, and counts
+/// values.
 class BracketScan {
  public:
   explicit BracketScan(std::string_view text) : text_(text) {}
 
-  /// The first bracket or dot that lies too deep, or bracket that closes one of the other kind.
+  /// The first bracket or dot that lies too deep, bracket that closes one of the other kind, or value too
+  /// many.
   std::optional<Trouble> first_trouble() {
     for (std::size_t i = 0; i < text_.size();) {
       const char c = text_[i];
@@ -86,6 +88,9 @@ class BracketScan {
       } else {
         if (!fits(c)) return Trouble{i, "brackets or dots more than 64 deep", "close some of them before"};
         if (auto trouble = close(c, i)) return trouble;
+        values_ += c == '=' || c == ',' || c == '[' ? 1 : 0;
+        if (values_ > kMaxTomlValues)
+          return Trouble{i, "more than 250000 values", "keep tables of numbers in a sound file"};
         ++i;
       }
     }
@@ -111,6 +116,7 @@ class BracketScan {
   std::string_view text_;
   std::string open_;
   std::size_t dots_ = 0;
+  std::size_t values_ = 0;
 };
 
 }  // namespace

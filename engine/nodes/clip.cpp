@@ -34,7 +34,11 @@ const NodeType& clip_type() {
                  {.name = "high", .unit = "=in", .doc = "largest output", .fallback = 1}},
       .outputs = {{.name = "out", .unit = "=in", .doc = "limited signal", .range = {}}},
       .settings = {},
-      .make = [](const NodeSetup&) -> Result<std::unique_ptr<Node>> {
+      .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
+        const auto low = setup.input("low").constant, high = setup.input("high").constant;
+        if (low && high && *low > *high)
+          return fail(Errc::OutOfRange, {},
+                      "its 'low' lies above its 'high', so that it gives 'low' for ever", "exchange them");
         return std::make_unique<ElementwiseNode<Clip>>(Clip{});
       },
       .stateless = true,

@@ -178,8 +178,11 @@ Result<TimeRange> range_of(const NodeSetup& setup) {
   if (!std::isfinite(range.high_s))
     return fail(Errc::OutOfRange, {}, "the longest delay is not known", "give max = \"...\" a time");
   if (range.high_s * setup.sample_rate.value > kMostFrames)
-    return fail(Errc::OutOfRange, {}, "a delay may last at most 16777216 frames",
-                "give a smaller max = \"...\"");
+    return fail(Errc::OutOfRange, {},
+                "it can be " + std::to_string(std::llround(std::min(range.high_s, 1e15))) +
+                    " s long, and the longest delay is " +
+                    std::to_string(std::llround(kMostFrames / setup.sample_rate.value)) + " s",
+                "shorten 'time', or give 'max'");
   return range;
 }
 
@@ -191,6 +194,8 @@ Result<std::unique_ptr<Node>> made(TimeRange range, Hertz sample_rate) {
 Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
   const auto range = range_of(setup);
   if (!range) return tl::unexpected(range.error());
+  const auto frames = static_cast<std::size_t>(std::ceil(range->high_s * setup.sample_rate.value));
+  if (const auto fits = setup.take_memory(frames); !fits) return tl::unexpected(fits.error());
   const auto& word = setup.setting("interpolation").text;
   if (word == "none") return made<0>(*range, setup.sample_rate);
   if (word == "linear") return made<1>(*range, setup.sample_rate);

@@ -107,11 +107,11 @@ class LayoutReader {
                            remedy);
     const auto* list = between->list();
     if (list == nullptr || list->size() != 2)
-      return mistakes_.add(
-          Errc::WrongType, between->at,
-          owner(element, *read.type) + " has " +
-              (list ? std::to_string(list->size()) + " ends" : between->kind() + " for its ends"),
-          remedy);
+      return mistakes_.add(Errc::WrongType, between->at,
+                           owner(element, *read.type) + " has " +
+                               (list ? std::to_string(list->size()) + (list->size() == 1 ? " end" : " ends")
+                                     : between->kind() + " for its ends"),
+                           remedy);
     for (std::size_t end = 0; end < 2; ++end) read.ends[end] = point(element, *read.type, (*list)[end]);
     check_pair(element, read, between);
   }

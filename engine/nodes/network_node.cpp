@@ -250,6 +250,12 @@ class NetworkNode final : public Node {
 
 Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup) {
   NetworkBuilder builder(layout, setup);
+  const auto masses = builder.elements.points.size(), contacts = builder.elements.contacts.size();
+  const auto coupled = layout.solver == Solver::Passive ? std::min<std::size_t>(masses, 1024) : 0;
+  if (const auto fits = setup.take_memory(64 * layout.elements.size() + coupled * (coupled + contacts) +
+                                          2 * contacts * contacts);
+      !fits)
+    return tl::unexpected(fits.error());
   auto network = Network::make(std::move(builder.elements), static_cast<int>(builder.signal_ports.size()),
                                setup.sample_rate, layout.solver, layout.oversample);
   if (!network) return tl::unexpected(network.error());

@@ -39,7 +39,7 @@ const NodeType& quantiser_type() {
       .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
                  {.name = "step",
                   .unit = "=in",
-                  .doc = "distance of the steps; 0: no rounding",
+                  .doc = "distance of the steps; where a signal makes it 0, nothing is rounded",
                   .fallback = {},
                   .low = 0}},
       .outputs = {{.name = "out", .unit = "=in", .doc = "rounded signal", .range = {}}},
@@ -49,6 +49,9 @@ const NodeType& quantiser_type() {
                     .choices = {"nearest", "floor"},
                     .fallback = "nearest"}},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
+        if (setup.input("step").constant == 0.0)
+          return fail(Errc::OutOfRange, {}, "its 'step' is 0, so that it rounds nothing",
+                      "give the distance of two steps, or leave the node out");
         return std::make_unique<Quantiser>(setup.setting("rounding").text == "nearest");
       },
       .stateless = true,

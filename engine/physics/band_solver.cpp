@@ -1,14 +1,16 @@
 #include "engine/physics/band_solver.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 namespace tactus {
 
 BandSolver::BandSolver(std::span<const double> diagonal)
     : size_(static_cast<int>(diagonal.size())), lower_(diagonal.begin(), diagonal.end()) {
-  for (auto& d : lower_) d = 1.0 / d;
+  for (auto& d : lower_) {
+    valid_ = valid_ && d > 0.0 && std::isfinite(d);
+    d = 1.0 / d;
+  }
 }
 
 BandSolver::BandSolver(std::span<const double> matrix, int size) : size_(size) {
@@ -25,7 +27,7 @@ void BandSolver::factor(std::span<const double> matrix) {
       double sum = matrix[static_cast<std::size_t>(i * size_ + j)];
       for (int k = std::max(0, i - band_); k < j; ++k)
         if (j - k <= band_) sum -= at(i, i - k) * at(j, j - k);
-      if (i == j) assert(sum > 0.0);
+      if (i == j) valid_ = valid_ && sum > 0.0 && std::isfinite(sum);
       at(i, i - j) = i != j ? sum * at(j, 0) : band_ > 0 ? 1.0 / std::sqrt(sum) : 1.0 / sum;
     }
   }

@@ -13,6 +13,8 @@ namespace {
 constexpr int kMostEigenvalues = 64;
 // 8 MB of matrix: well beyond what could run in real time.
 constexpr int kMostCoupledMasses = 1024;
+// What the passive solver keeps for its contacts, each with each and with every mass.
+constexpr std::size_t kMostContactNumbers = 8'000'000;
 
 }  // namespace
 
@@ -139,7 +141,7 @@ double Network::stiffest() const {
       .maxCoeff();
 }
 
-void Network::choose_springs() { averaged_ = stiffest() * k_ * k_ > 0.99 * 4.0; }
+void Network::choose_springs() { averaged_ = !(stiffest() * k_ * k_ <= 0.99 * 4.0); }  // too stiff, or NaN
 
 Status Network::factor(const Links& links) {
   const double k_share = averaged_ ? 0.25 : 0.0;
@@ -157,6 +159,11 @@ Status Network::factor(const Links& links) {
                 "dampers join " + std::to_string(masses_) + " masses, more than the " +
                     std::to_string(kMostCoupledMasses) + " that the passive solver takes",
                 "use solver = \"explicit\"");
+  if (contacts_.size() * (mass_.size() + 2 * contacts_.size()) > kMostContactNumbers)
+    return fail(Errc::OutOfRange, {},
+                std::to_string(contacts_.size()) + " contacts among " + std::to_string(masses_) +
+                    " masses are more than the passive solver takes",
+                "use solver = \"explicit\"");
   Eigen::VectorXd diagonal = Eigen::Map<const Eigen::VectorXd>(scale_.data(), masses_).cwiseInverse();
   if (coupled) {
     Eigen::MatrixXd matrix = links.dense(masses_, k_share, 0.5);
@@ -167,6 +174,9 @@ Status Network::factor(const Links& links) {
       if (e.row == e.column) diagonal[e.row] += k_share * e.k + 0.5 * e.b;
     solver_matrix_ = BandSolver({diagonal.data(), static_cast<std::size_t>(masses_)});
   }
+  if (!solver_matrix_.valid())
+    return fail(Errc::OutOfRange, {}, "its masses, springs and dampers are too far apart for the solver",
+                "look for a number that is much too large or too small");
   couple_contacts();
   return {};
 }
@@ -196,7 +206,7 @@ NetworkState Network::initial_state() const {
   state.root.resize(contacts_.size());
   state.loss.resize(contacts_.size());
   state.touching.reserve(contacts_.size());
-  state.matrix.resize(contacts_.size() * contacts_.size());
+  if (solver_ == Solver::Passive) state.matrix.resize(contacts_.size() * contacts_.size());
   state.right.resize(contacts_.size());
   for (auto* list : {&state.current, &state.mean_current, &state.voltage}) list->resize(coils_.size());
   state.force.resize(forces_.size());

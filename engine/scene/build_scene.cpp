@@ -7,6 +7,7 @@
 #include "engine/graph/compile.h"
 #include "engine/graph/mistakes.h"
 #include "engine/graph/nearest.h"
+#include "engine/graph/quantity.h"
 #include "engine/scene/moved_controls.h"
 #include "engine/scene/scene_checks.h"
 #include "engine/scene/scene_drives.h"
@@ -49,7 +50,8 @@ class SceneBuilder {
         options_(options),
         instrument_(scene.part("instrument")),
         rate_(options.rate.value_or(scene.rate)),
-        delay_(options.delay.value_or(scene.delay)) {
+        delay_(options.delay.value_or(scene.delay)),
+        mistakes_(scene.file) {
     mistakes_.add(std::move(earlier));
   }
 
@@ -64,6 +66,8 @@ class SceneBuilder {
     compile_world();
     if (instrument_known()) compile_instrument();
     if (built_.plant != nullptr && built_.instrument != nullptr) check_channels();
+    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    check_size();
     if (mistakes_.any()) return tl::unexpected(mistakes_.take());
     return std::move(built_);
   }
@@ -205,6 +209,21 @@ class SceneBuilder {
     for (const auto& channel : compiled->channels)
       if (channel.use == OutputUse::Tap) built_.plant_taps.push_back({channel.name, channel.dimension});
     built_.plant = std::make_unique<Engine>(std::move(compiled));
+  }
+
+  /// All that is recorded must fit into memory.
+  void check_size() {
+    constexpr double kMostSamples = 1u << 29;
+    const double signals =
+        static_cast<double>(built_.plant->tap_count() + built_.instrument->tap_count() +
+                            built_.instrument->in_channels() + built_.instrument->out_channels());
+    const double samples = signals * frames_in(scene_.duration, rate_);
+    if (samples > kMostSamples)
+      mistakes_.add(Errc::OutOfRange, scene_.file,
+                    "to record " + short_number(signals) + " signals for " +
+                        short_quantity(scene_.duration.value, Dimension{.second = 1}) + " takes " +
+                        short_number(std::ceil(samples * sizeof(double) / 1e9)) + " GB, more than 4",
+                    "shorten 'duration'");
   }
 
   /// Signals between the two engines have one lane each, or the channels would shift.

@@ -24,8 +24,15 @@ void check_gesture(const Gesture& gesture, const FlatControl& control, const Sou
                               in_unit(control.range.high, control.unit));
 }
 
-void add_slope(const Gesture::Point& from, const Gesture::Point& to, Gesture::Curve curve, const auto& add) {
-  for (double t = from.time_s + 1e-3; t < to.time_s; t += 1e-3) {
+/// Of a gesture over a long time, points a millisecond apart would be too many to keep.
+double step_of(const std::vector<Gesture::Point>& points) {
+  constexpr double kMostSteps = 1e6;
+  return std::max(1e-3, (points.back().time_s - points.front().time_s) / kMostSteps);
+}
+
+void add_slope(const Gesture::Point& from, const Gesture::Point& to, Gesture::Curve curve, double step_s,
+               const auto& add) {
+  for (double t = from.time_s + step_s; t < to.time_s; t += step_s) {
     double u = (t - from.time_s) / (to.time_s - from.time_s);
     if (curve == Gesture::Curve::Smooth) u = u * u * (3 - 2 * u);
     add(t, from.value + (to.value - from.value) * u);
@@ -33,6 +40,13 @@ void add_slope(const Gesture::Point& from, const Gesture::Point& to, Gesture::Cu
 }
 
 }  // namespace
+
+void complain_range(const FlatControl& control, double value, const Source& at, Mistakes& mistakes) {
+  mistakes.add(Errc::OutOfRange, at,
+               "control '" + control.name + "' cannot be set to " + in_unit(value, control.unit),
+               "it goes from " + in_unit(control.range.low, control.unit) + " to " +
+                   in_unit(control.range.high, control.unit));
+}
 
 std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
                                          Mistakes& mistakes) {
@@ -55,6 +69,10 @@ std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec
   if (!read.unit_known) return std::nullopt;
   const auto value = read_quantity(field.value, read.control.unit, control.name);
   if (mistakes.keep(value) == nullptr) return std::nullopt;
+  if (!read.control.range.contains(*value)) {
+    complain_range(read.control, *value, field.value.at, mistakes);
+    return std::nullopt;
+  }
   return WiredControl{*value, nullptr};
 }
 
@@ -70,7 +88,7 @@ std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved
     for (std::size_t i = 0; i < points.size(); ++i) {
       add(points[i].time_s, points[i].value);
       if (gesture->curve != Gesture::Curve::Step && i + 1 < points.size())
-        add_slope(points[i], points[i + 1], gesture->curve, add);
+        add_slope(points[i], points[i + 1], gesture->curve, step_of(points), add);
     }
   }
   std::stable_sort(entries.begin(), entries.end(),

@@ -20,12 +20,15 @@ struct WiredControl {
 std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
                                          Mistakes& mistakes);
 
+/// "control 'strength' cannot be set to 7; it goes from 0 to 1"
+void complain_range(const FlatControl& control, double value, const Source& at, Mistakes& mistakes);
+
 struct MovedControl {
   std::string control;
   const Gesture* gesture;
 };
 /// The gestures as changes of controls, in order of time: a step becomes an entry at its frame; a slope
-/// becomes one a millisecond, which the control's own smoothing joins.
+/// becomes one a millisecond (at most 1000000 in all), which the control's own smoothing joins.
 std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved, const Schedule& schedule);
 
 }  // namespace tactus

@@ -72,6 +72,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
                   scene.converters};
   if (auto status = loop.prepare(recording.sample_rate, block); !status)
     return tl::unexpected(status.error());
+  guarded.skip_soft_start();
   const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
   recording.inputs = built.instrument->schedule().input_names;
   for (const auto& channel : built.instrument->schedule().channels)

@@ -7,6 +7,7 @@
 #include "engine/graph/nearest.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/measure.h"
+#include "engine/scene/moved_controls.h"
 
 namespace tactus {
 namespace {
@@ -125,6 +126,14 @@ void check_comparison(const SceneSpec& scene, Mistakes& mistakes) {
     auto known = names_of(part->graph->controls);
     if (owner != "instrument")
       for (const auto& input : part->graph->inputs) known.push_back(input.name);
+    if (const auto* control = find_entry(part->graph->controls, port);
+        control != nullptr && !control->broken) {
+      Mistakes told_by_the_graph;
+      const auto read = read_control(*control, told_by_the_graph);
+      if (const double value = scene.compare->set.at(name);
+          read.unit_known && !read.control.range.contains(value))
+        complain_range(read.control, value, at, mistakes);
+    }
     if (std::find(known.begin(), known.end(), port) != known.end()) continue;
     const auto near = nearest_name(port, known);
     mistakes.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",

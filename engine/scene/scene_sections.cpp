@@ -16,7 +16,7 @@ constexpr double kLongest_s = 86400;
 Unit unit_called(const std::string& text) { return parse_unit(text).value_or(Unit{}); }
 
 std::string in_unit(double si, const std::string& unit) {
-  return short_number(si) + (unit.empty() ? "" : " " + unit);
+  return short_quantity(si, unit_called(unit).dimension);
 }
 
 // ---- gestures ----
@@ -89,6 +89,7 @@ Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
   mistakes.unknown_keys(entry.fields, kKeys);
   mistakes.text(entry.fields, "about");
   gesture.curve = read_curve(entry.fields, mistakes);
+  if (entry.broken) return gesture;
   const auto* points = find(entry.fields, "points");
   if (points == nullptr || points->list() == nullptr || points->list()->empty()) {
     mistakes.add(Errc::Missing, points ? points->at : entry.at, "gesture '" + entry.name + "' has no points",
@@ -167,7 +168,7 @@ std::optional<double> read_bounded(const Value::Table& table, const std::string&
   if (mistakes.keep(number) == nullptr) return std::nullopt;
   if (*number >= low && *number <= high) return *number;
   mistakes.add(Errc::OutOfRange, value->at, "'" + key + "' cannot be " + in_unit(*number, unit),
-               "it runs from " + short_number(low) + " to " + in_unit(high, unit));
+               "it runs from " + in_unit(low, unit) + " to " + in_unit(high, unit));
   return std::nullopt;
 }
 
@@ -178,8 +179,10 @@ std::optional<double> read_whole(const Value::Table& table, const std::string& k
   const auto* number = value->number();
   if (number != nullptr && std::floor(*number) == *number && *number >= low && *number <= high)
     return *number;
+  const bool whole = number != nullptr && std::floor(*number) == *number;
   mistakes.add(
-      number ? Errc::OutOfRange : Errc::WrongType, value->at, "'" + key + "' must be a whole number",
+      number ? Errc::OutOfRange : Errc::WrongType, value->at,
+      "'" + key + (whole ? "' cannot be " + short_number(*number) : "' must be a whole number"),
       "give one from " + std::to_string(std::llround(low)) + " to " + std::to_string(std::llround(high)));
   return std::nullopt;
 }

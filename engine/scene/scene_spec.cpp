@@ -54,6 +54,7 @@ class SceneReader {
   SceneReader(const std::filesystem::path& file, const std::filesystem::path& root)
       : folder_(file.parent_path()), root_(root.empty() ? folder_ : root) {
     scene_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
+    mistakes_ = Mistakes{scene_.file};
   }
 
   LoadedScene read(const Result<Value::Table>& table) {
@@ -111,10 +112,10 @@ class SceneReader {
     std::erase_if(part.wires, [](const Field& field) { return field.key == "use"; });
     for (const auto& wire : part.wires) check_wire(wire.value, mistakes_);
     const auto* use = find(entry.fields, "use");
-    if (use == nullptr)
+    if (use == nullptr && !entry.broken)
       mistakes_.add(Errc::Missing, entry.at, "part '" + entry.name + "' has no 'use'",
                     "name its file, as in use = \"" + entry.name + ".toml\"");
-    else if (const auto file = mistakes_.text(entry.fields, "use"); use->text() != nullptr)
+    else if (const auto file = mistakes_.text(entry.fields, "use"); use != nullptr && use->text() != nullptr)
       part.graph = load_part(file, use->at);
     scene_.parts.push_back(std::move(part));
   }
@@ -123,6 +124,10 @@ class SceneReader {
     const auto found = find_part(use, folder_, root_, at);
     const auto* path = mistakes_.keep(found);
     if (path == nullptr) return nullptr;
+    if (path->canonical == canonical_path(*scene_.file.file)) {
+      mistakes_.add(Errc::Cycle, at, "a scene cannot be a part of itself", "name the file of a graph");
+      return nullptr;
+    }
     auto loaded = load_graph_leniently(path->name, root_);
     mistakes_.add(std::move(loaded.mistakes));
     return loaded.spec;

@@ -33,6 +33,9 @@ std::map<std::string, std::map<std::string, std::string>> setting_variants(const
 /// "" or what to do.
 std::string missing_example(const NodeType& type);
 
+/// A setting of `setting_variants` as it stands in a graph file; files are named as from their own folder.
+std::string as_written(const Setting& setting, const std::string& value);
+
 /// Every variant of the settings with inputs drawn from noise, ramps, trigger trains at odd frames, steps and
 /// constants.
 std::vector<NodeCase> ordinary_cases(const NodeType& type, int frames, unsigned seeds);

@@ -31,6 +31,8 @@ std::string sound_file() {
 /// Settings that no example line can show in full, by "type.setting".
 std::map<std::string, std::string> example_settings() {
   return {{"sample.file", sound_file()},
+          {"curve.points", "[[\"0 s\", 0], [\"10 ms\", 1]]"},
+          {"map.points", "[[-1, 0.1], [0, 0.5], [1, 1]]"},
           {"terrain.points", "[[-0.01, 0], [-0.003, 0.002], [0.001, -0.001], [0.01, 0]]"}};
 }
 
@@ -158,6 +160,13 @@ std::string missing_example(const NodeType& type) {
       return "add an example setting for " + type.name + "." + setting.name +
              ": in the example line of the type, or in example_settings() of node_cases_test.cpp";
   return {};
+}
+
+std::string as_written(const Setting& setting, const std::string& value) {
+  if (setting.kind == Setting::Kind::File)
+    return "\"" + std::filesystem::path{value}.filename().string() + "\"";
+  const bool text = setting.kind == Setting::Kind::Choice || setting.kind == Setting::Kind::Text;
+  return text ? "\"" + value + "\"" : value;
 }
 
 NodeRunner NodeCase::runner() const { return {*type, inputs, settings, 48_kHz, typical_ranges(*type)}; }

@@ -45,7 +45,7 @@ f = { type = "spring", in = "3 V", stiffness = "-1 N/m" }
 [outputs]
 force = { from = "f" }
 )")) == R"(test.toml:6:14: there is no node type 'sprign'; did you mean 'spring'?
-test.toml:7:1: spring 'b' lacks 'stiffness'; force for a metre
+test.toml:7:1: spring 'b' lacks 'stiffness'; write stiffness = … (force for a metre)
 test.toml:7:34: spring 'b' has no 'stiffnes'; did you mean 'stiffness'?
 test.toml:8:28: there is no 'y'; name an input, a control or a node of this file
 test.toml:9:10: this is in N, but it is added to what is in m; multiply one of them by a quantity that turns its unit into the other's

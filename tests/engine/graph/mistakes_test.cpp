@@ -111,14 +111,14 @@ y = { form = "a", kind = "sound" }
 )") ==
         R"(test.toml:3:14: there is no node type 'lowpas'; did you mean 'low_pass'?
 test.toml:4:62: 'interpolation' of delay 'b' cannot be "cubik"; choose one of "none", "linear", "lagrange3", "lagrange5"
-test.toml:5:1: delay 'c' lacks 'in'; signal to delay
+test.toml:5:1: delay 'c' lacks 'in'; write in = … (signal to delay)
 test.toml:5:23: delay 'c' has no 'inn'; did you mean 'in'?
 test.toml:5:39: a signal cannot be true or false; give a number, a quantity such as "15 ms", or an expression such as "0.5 * x"
 test.toml:6:62: 'interpolation' of delay 'd' must be a string, not a number; choose one of "none", "linear", "lagrange3", "lagrange5"
 test.toml:7:28: 'b' has no output 'left'; `tactus nodes` lists the outputs of every type
 test.toml:8:27: a signal cannot be an empty list; give a number, a quantity such as "15 ms", or an expression such as "0.5 * x"
 test.toml:8:37: a spread over lanes lacks 'to'; write { from = …, to = …, curve = "linear" or "exponential" }
-test.toml:8:60: 'voices' must be a whole number; give one from 1 to 1024
+test.toml:8:60: 'voices' cannot be 0; give one from 1 to 1024
 test.toml:9:46: '1 m' is in m, but 'points' is in s; give "15 ms"
 test.toml:9:57: 'points' of curve 'g' must hold pairs; write [[x, y], [x, y], …]
 test.toml:10:30: 'seed' of noise 'h' must be a whole number; give one without a point
@@ -141,7 +141,7 @@ e = { type = "clip", in = { from = 0, to = 1, curve = "exponential" }, voices = 
 [outputs]
 y = { from = "a" }
 )") ==
-        R"(test.toml:4:18: 'lanes' must be a whole number; give one from 1 to 1024
+        R"(test.toml:4:18: 'lanes' cannot be 0; give one from 1 to 1024
 test.toml:6:6: 2 lanes meet 3; give both the same number of lanes, or put a 'mix' between them
 test.toml:8:28: a lane cannot be a list; a list holds one number, quantity or expression for each lane
 test.toml:9:51: a spread over lanes has no 'curve' like this; write { from = …, to = …, curve = "linear" or "exponential" }
@@ -284,10 +284,8 @@ y = { from = "f" }
 )");
   const auto schedule = compile(load_graph_leniently(folder.path() / "whole.toml"), standard_nodes(), {});
   REQUIRE(!schedule);
-  CHECK(
-      folder.strip(to_string(schedule.error())) ==
-      R"(part.toml:8:15: this is in s, but it is added to what is in m; multiply one of them by a quantity that turns its unit into the other's
-whole.toml:5:1: part 'a' lacks 'out'; it is an input of part.toml
+  CHECK(folder.strip(to_string(schedule.error())) ==
+        R"(whole.toml:5:1: part 'a' lacks 'out'; it is an input of part.toml
 whole.toml:5:32: 'in' is in m, but this is in V; give a quantity in m
 whole.toml:5:36: part 'a' has no 'gian'; did you mean 'gain'?
 whole.toml:6:51: 'gain' is in N/m, but this is in m; give a quantity in N/m
@@ -295,7 +293,8 @@ whole.toml:7:13: there is no file 'prat.toml'; did you mean 'part.toml'?
 whole.toml:8:13: '/part.toml' is an absolute path; give it relative to this file
 whole.toml:9:6: 'a' is not a signal; name one of its outputs, such as 'a.force'
 whole.toml:9:10: there is no 'b.froce'; did you mean 'b.force'?
-whole.toml:10:13: a file uses itself: whole.toml -> whole.toml; take one of these parts out of its file)");
+whole.toml:10:13: a file uses itself: whole.toml -> whole.toml; take one of these parts out of its file
+part.toml:8:15: this is in s, but it is added to what is in m; multiply one of them by a quantity that turns its unit into the other's)");
 }
 
 TEST_CASE("mistakes: a part does not leave the folder of its instrument", "[graph]") {

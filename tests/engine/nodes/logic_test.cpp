@@ -50,7 +50,7 @@ TEST_CASE("counter: modulo its count, from 0 after a reset", "[nodes]") {
 TEST_CASE("clip: keeps what is inside and limits what is not", "[nodes]") {
   const Samples in = {-3, -0.5, 0.5, 3};
   CHECK(play_node(clip_type(), 4, {{"in", in}}) == Samples{-1, -0.5, 0.5, 1});
-  CHECK(play_node(clip_type(), 4, {{"in", in}, {"low", 2.0}}) == Samples{2, 2, 2, 2});
+  CHECK(play_node(clip_type(), 4, {{"in", in}, {"low", Samples{2, 2, 2, 2}}}) == Samples{2, 2, 2, 2});
 }
 
 TEST_CASE("clip, map, curve: ranges that the compiler can rely on", "[nodes]") {

@@ -164,7 +164,7 @@ test.toml:5:14: 'oversample' is not a whole number from 1 to 64; it is the numbe
 test.toml:6:1: an element cannot be called 'energy'; 'n.energy' is the energy of the whole network
 test.toml:7:14: no kind of element is called 'mas'; did you mean 'mass'?
 test.toml:8:22: unknown key 'mas'; did you mean 'mass'?
-test.toml:9:34: spring 's' has 1 ends; name two points, the lower one first, as in between = ["cone", "stick"]
+test.toml:9:34: spring 's' has 1 end; name two points, the lower one first, as in between = ["cone", "stick"]
 test.toml:10:34: both ends of spring 't' are one point; name two different points
 test.toml:11:41: network 'n' has no element 'x'; there are 'energy', 'b' and 'g'
 test.toml:11:92: contact 'u' has both 'loss' and 'restitution'; remove one of them

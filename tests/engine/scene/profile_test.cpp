@@ -88,9 +88,9 @@ TEST_CASE("profile: volts, newtons and grams become limits at full scale", "[sce
 TEST_CASE("profile: mistakes are told with their place", "[scene]") {
   CHECK(mistakes(kActuator, "\"5 ohm\"", "\"5 V\"") ==
         "shaker.toml:4:14: '5 V' is in V, but 'resistance' is in ohm; give \"6 ohm\"");
-  CHECK(mistakes(kActuator, "peak = \"8 V\"\n", "") == "shaker.toml:3:2: [drive] lacks 'peak'; give it in V");
+  CHECK(mistakes(kActuator, "peak = \"8 V\"\n", "") == "shaker.toml:3:1: [drive] lacks 'peak'; give it in V");
   CHECK(mistakes(kActuator, "peak", "peek") ==
-        "shaker.toml:3:2: [drive] lacks 'peak'; give it in V\nshaker.toml:5:1: unknown key 'peek'; did you "
+        "shaker.toml:3:1: [drive] lacks 'peak'; give it in V\nshaker.toml:5:1: unknown key 'peek'; did you "
         "mean 'peak'?");
   CHECK(mistakes(kActuator, "0.6", "1.5") ==
         "shaker.toml:13:14: 'coil_share' cannot be 1.5; it runs from 0.01 to 0.99");

@@ -84,14 +84,14 @@ drum.gain = 1
 scene.toml:4:1: input 'pedal' of the instrument is not wired; say where it comes from, as in pedal = "plant.pedal"
 scene.toml:4:48: there is no 'plant.mik'; did you mean 'plant.mic'?
 scene.toml:4:60: the instrument has no input or control 'strenght'; did you mean 'strength'?
-scene.toml:4:85: control 'strength' is like 0.5, but gesture 'hand' is like 0.01 m; give the points of the gesture the unit of the control
+scene.toml:4:85: control 'strength' is like 0.5, but gesture 'hand' is like 10 mm; give the points of the gesture the unit of the control
 scene.toml:5:40: 'drive' is a plain number, but this is in m; divide by a quantity in m
 scene.toml:5:55: there is no 'heigth'; did you mean 'height'?
 scene.toml:10:20: there is no measure 'peek'; did you mean 'peak'?
 scene.toml:11:35: nothing called 'instrument.hti' is recorded; did you mean 'instrument.hit'?
 scene.toml:12:1: 'missed' needs 'plant.contact', and nothing of that name is recorded; recorded are 'instrument.mic', 'instrument.pedal', 'instrument.hit.hit', 'instrument.hit.level', 'instrument.woofer', 'plant.mic' and 'plant.stick'
 scene.toml:13:1: 'rms' needs an 'of'; say of what, as in of = "plant.stick"
-scene.toml:14:1: 'rate' is in Hz, but it is to be compared with 0.015 s; give its limits in Hz
+scene.toml:14:1: 'rate' is in Hz, but it is to be compared with 15 ms; give its limits in Hz
 scene.toml:17:1: part 'instrument' has no control 'strengt'; did you mean 'strength'?
 scene.toml:18:6: there is no part 'drum'; see [parts])");
 }
@@ -130,8 +130,8 @@ plant = { use = "plant.toml", drive = "instrument.anything", lift = "1 s" }
 [expect]
 some = { measure = "count", of = "instrument.anything", max = 3 }
 )") ==
-        R"(broken.toml:2:8: in this table header: expected ']', saw '\n'; mend it to see what else there is
-scene.toml:5:70: 'lift' is in m, but this is in s; give a quantity in m)");
+        R"(scene.toml:5:70: 'lift' is in m, but this is in s; give a quantity in m
+broken.toml:2:8: in this table header: expected ']', saw '\n'; mend it to see what else there is)");
   CHECK(folder.mistakes(R"(format = 1
 duration = "1 s"
 [parts]

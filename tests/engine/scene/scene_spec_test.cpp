@@ -130,13 +130,12 @@ p = { of = "plant.piezo", from = "2 s", to = "1 s", min = 2, max = 1 }
 q = { measure = "peak", min = "1 m", max = "2 s" }
 r = { measure = "peak", mx = 3 }
 )") ==
-        R"(plant.toml:2:1: unknown key 'nods'; did you mean 'nodes'?
-scene.toml:1:1: 'format' is missing; begin the file with format = 1
-scene.toml:1:8: 'rate' cannot be 48 Hz; it runs from 1000 to 768000 Hz
+        R"(scene.toml:1:1: 'format' is missing; begin the file with format = 1
+scene.toml:1:8: 'rate' cannot be 48 Hz; it runs from 1 kHz to 768 kHz
 scene.toml:2:9: '12 mm' is in m, but 'delay' is in s; give "15 ms"
 scene.toml:3:1: unknown key 'sead'; did you mean 'seed'?
 scene.toml:4:8: 'seed' must be a whole number; give one from 0 to 9007199254740991
-scene.toml:5:12: 'duration' cannot be -1 s; it runs from 0.001 to 86400 s
+scene.toml:5:12: 'duration' cannot be -1 s; it runs from 1 ms to 86400 s
 scene.toml:7:22: there is no file 'instrment.toml'; did you mean 'instrument.toml'?
 scene.toml:7:62: the expression ends too early; a number, a name or '(' belongs here
 scene.toml:7:80: the expression ends too early; a number, a name or '(' belongs here
@@ -148,7 +147,7 @@ scene.toml:12:50: '1 mm' is in m, but 'time' is in s; give "15 ms"
 scene.toml:12:62: a point is a time and a value; write it as in ["0.1 s", "2 m/s"]
 scene.toml:12:76: there is no curve 'stpe'; did you mean 'step'?
 scene.toml:13:1: gesture 'b' has no points; write points = [["0 s", 0], ["1 s", 1]]
-scene.toml:15:8: 'bits' must be a whole number; give one from 1 to 32
+scene.toml:15:8: 'bits' cannot be 64; give one from 1 to 32
 scene.toml:16:7: 'off' must be true or false, not a number; write off = true
 scene.toml:17:2: 'nodes' belongs in a graph, and this is a scene; move it to the file of a part
 scene.toml:19:1: 'p' says nothing to measure; write measure = "…" with what is meant
@@ -156,7 +155,8 @@ scene.toml:19:46: 'to' does not come after 'from'; swap them
 scene.toml:19:68: 'max' lies below 'min'; swap them
 scene.toml:20:44: 'min' and 'max' are in different units; give both in the same
 scene.toml:21:1: 'r' expects nothing; give 'min', 'max' or both
-scene.toml:21:25: unknown key 'mx'; did you mean 'max'?)");
+scene.toml:21:25: unknown key 'mx'; did you mean 'max'?
+plant.toml:2:1: unknown key 'nods'; did you mean 'nodes'?)");
 }
 
 TEST_CASE("scene: an instrument and a plant are required, and so is a duration", "[scene]") {
@@ -173,7 +173,7 @@ TEST_CASE("scene: nothing is measured after its end", "[scene]") {
   const Folder folder;
   CHECK(folder.mistakes(std::string{"format = 1\nduration = \"6 s\"\n"} + kParts +
                         "[expect]\na = { measure = \"peak\", from = \"7 s\", max = 1 }\n") ==
-        "scene.toml:7:32: 'from' cannot be 7 s; it runs from 0 to 6 s");
+        "scene.toml:7:32: 'from' cannot be 7 s; it runs from 0 s to 6 s");
 }
 
 TEST_CASE("scene: parts stay below the root, and mistakes that two parts share are told once", "[scene]") {
