@@ -66,6 +66,10 @@ std::size_t memory_of(const Schedule& schedule) {
          schedule.operations.size() * sizeof(MicroOperation) + schedule.constants.size() * sizeof(double);
 }
 
+void add_left_out(Json& json, const std::vector<LeftOut>& left_out) {
+  for (const auto& left : left_out) json["left_out"].push_back({{"name", left.path}, {"why", left.reason}});
+}
+
 Json explain_engine(Engine& engine, const std::string& title, int block) {
   const auto& schedule = engine.schedule();
   const auto costs = measure_steps(engine, block);
@@ -89,8 +93,7 @@ Json explain_engine(Engine& engine, const std::string& title, int block) {
     json["loops"].push_back(
         {{"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}});
   json["left_out"] = Json::array();
-  for (const auto& left : schedule.left_out)
-    json["left_out"].push_back({{"name", left.path}, {"why", left.reason}});
+  add_left_out(json, schedule.left_out);
   return json;
 }
 
@@ -122,7 +125,28 @@ void print(const Json& json) {
   if (json["left_out"].empty()) fmt::print("left out: nothing\n");
 }
 
-int finish(const ExplainOptions& options, std::vector<std::pair<std::string, Engine*>> engines) {
+/// What lies around the engines and is not there: nothing is opened or started here.
+std::vector<LeftOut> around_everything() {
+  return {{"sound card", "is not opened: all of it runs in the simulated world or offline"},
+          {"threads", "are not started: everything runs on the thread that calls"}};
+}
+
+std::vector<LeftOut> around(const GraphSpec& graph) {
+  std::vector<LeftOut> left = around_everything();
+  for (const auto& tap : event_taps(graph, standard_nodes()))
+    left.push_back({"tap " + tap, "is read by nobody: scenes and `tactus render --events` do"});
+  return left;
+}
+
+std::vector<LeftOut> around(const SceneSpec& scene, const BuiltScene& built) {
+  std::vector<LeftOut> left = around_everything();
+  if (!scene.converters.on) left.push_back({"converters", "are off in this scene"});
+  if (built.delay_frames == 0) left.push_back({"delay line", "the system delay is 0 frames"});
+  return left;
+}
+
+int finish(const ExplainOptions& options, const std::vector<LeftOut>& around,
+           std::vector<std::pair<std::string, Engine*>> engines) {
   Json all = Json::array();
   for (const auto& [title, engine] : engines) {
     if (auto status = engine->prepare(
@@ -131,6 +155,7 @@ int finish(const ExplainOptions& options, std::vector<std::pair<std::string, Eng
       return report(status.error());
     all.push_back(explain_engine(*engine, title, options.block));
   }
+  add_left_out(all[0], around);
   if (options.json)
     fmt::print("{}\n", all.size() == 1 ? all[0].dump(2) : Json{{"graphs", all}}.dump(2));
   else
@@ -153,8 +178,9 @@ int run(const ExplainOptions& options) {
     with.rate = Hertz{*rate};
     auto built = build_scene(loaded, standard_nodes(), with);
     if (!built) return report(built.error());
-    return finish(options, {{"instrument of " + loaded.scene->name, built->instrument.get()},
-                            {"world of " + loaded.scene->name, built->plant.get()}});
+    return finish(options, around(*loaded.scene, *built),
+                  {{"instrument of " + loaded.scene->name, built->instrument.get()},
+                   {"world of " + loaded.scene->name, built->plant.get()}});
   }
   const auto loaded = load_graph_leniently(file, root_of(file));
   CompileOptions compile_options;
@@ -162,7 +188,7 @@ int run(const ExplainOptions& options) {
   auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
   Engine engine{std::move(*schedule)};
-  return finish(options, {{loaded.spec->name, &engine}});
+  return finish(options, around(*loaded.spec), {{loaded.spec->name, &engine}});
 }
 
 }  // namespace

@@ -12,10 +12,7 @@ int main(int argc, char** argv) {
       "Start with:  tactus play instruments/haptic_drum\nEach command explains itself:  tactus render "
       "--help");
   int exit_code = kDone;
-  add_play(app, exit_code);
-  add_render(app, exit_code);
-  add_explain(app, exit_code);
-  add_nodes(app, exit_code);
+  for (auto* add_command : {TACTUS_COMMANDS}) add_command(app, exit_code);  // as apps/CMakeLists.txt says
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -5,6 +5,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "engine/analysis/schema.h"
 #include "engine/graph/nearest.h"
 #include "engine/nodes/network_elements.h"
 #include "engine/nodes/reference.h"
@@ -17,6 +18,7 @@ struct NodesOptions {
   std::string name;
   bool json = false;
   bool markdown = false;
+  bool schema = false;
 };
 
 using Json = nlohmann::ordered_json;
@@ -137,7 +139,8 @@ int run(const NodesOptions& options) {
   if (!options.name.empty() && options.name != "network" && type == nullptr)
     return report_unknown(table, options.name);
   if (options.json) return run_json(table, options.name);
-  fmt::print("{}", options.markdown       ? reference_markdown(table)
+  fmt::print("{}", options.schema         ? file_schema(table)
+                   : options.markdown     ? reference_markdown(table)
                    : options.name.empty() ? reference_overview(table)
                    : type != nullptr      ? reference_text(*type)
                                           : network_reference());
@@ -152,6 +155,8 @@ void add_nodes(CLI::App& app, int& exit_code) {
   command->add_option("NAME", options->name, "one type in full; `network` for the elements of networks");
   command->add_flag("--json", options->json, "for machines");
   command->add_flag("--markdown", options->markdown, "the whole reference (docs/nodes.md is made with it)");
+  command->add_flag("--schema", options->schema,
+                    "JSON Schema of graph files, for editors (docs/tactus.schema.json)");
   command->footer(
       "Examples:\n  tactus nodes\n  tactus nodes onset\n  tactus nodes network\n  tactus nodes delay --json");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -4,6 +4,7 @@
 #include <regex>
 #include <sstream>
 
+#include "engine/analysis/schema.h"
 #include "engine/nodes/reference.h"
 #include "engine/nodes/table.h"
 
@@ -27,6 +28,29 @@ TEST_CASE("docs: the reference of nodes is what the declarations say", "[docs]")
   const bool current =
       text_of(fs::path{TACTUS_SOURCE_DIR} / "docs/nodes.md") == reference_markdown(standard_nodes());
   CHECK(current);
+}
+
+TEST_CASE("docs: the schema of graph files is what the declarations say", "[docs]") {
+  INFO("docs/tactus.schema.json is out of date; renew it with: scripts/renew_docs");
+  const bool current =
+      text_of(fs::path{TACTUS_SOURCE_DIR} / "docs/tactus.schema.json") == file_schema(standard_nodes());
+  CHECK(current);
+}
+
+TEST_CASE("docs: every shipped graph file names the schema in its first line", "[docs]") {
+  const fs::path root = TACTUS_SOURCE_DIR;
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(root / "instruments")) {
+    const auto text = entry.path().extension() == ".toml" ? text_of(entry.path()) : "";
+    if (text.find("format") == std::string::npos) continue;
+    ++files;
+    const std::string directive = "#:schema ";
+    INFO(entry.path());
+    REQUIRE(text.starts_with(directive));
+    const auto named = text.substr(directive.size(), text.find('\n') - directive.size());
+    CHECK(fs::equivalent(entry.path().parent_path() / named, root / "docs/tactus.schema.json"));
+  }
+  CHECK(files > 0);
 }
 
 TEST_CASE("docs: links between files lead somewhere", "[docs]") {

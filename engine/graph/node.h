@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "engine/core/realtime.h"
 #include "engine/core/units.h"
 
 namespace tactus {
@@ -58,9 +59,9 @@ class Node {
   virtual ~Node() = default;
 
   /// [realtime] Fills every output for the frames of `block`.
-  virtual void process(const NodeBlock& block) noexcept = 0;
+  virtual void process(const NodeBlock& block) noexcept TACTUS_NONBLOCKING = 0;
   /// [realtime] Back to the state after `make`, except for what was learnt at load time (tables, designs).
-  virtual void reset() noexcept = 0;
+  virtual void reset() noexcept TACTUS_NONBLOCKING = 0;
 
   /// [realtime] After an edit: takes over, as far as it fits, the state of the node of the same type and path
   /// that was made from other things (another longest delay, another stiffness). May use what is in `before`
@@ -68,9 +69,9 @@ class Node {
   virtual void adopt(Node& /*before*/) noexcept {}
 
   /// [realtime] First half, for nodes with late inputs: outputs without the late inputs.
-  virtual void emit(const NodeBlock&) noexcept {}
+  virtual void emit(const NodeBlock&) noexcept TACTUS_NONBLOCKING {}
   /// [realtime] Second half: takes in the late inputs of the frames last emitted.
-  virtual void absorb(const NodeBlock&) noexcept {}
+  virtual void absorb(const NodeBlock&) noexcept TACTUS_NONBLOCKING {}
 
   /// [any] Guaranteed for the ranges that the node was made with. `most` < 0: unbounded (an infinite response
   /// has the delay of its first answer).

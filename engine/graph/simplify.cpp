@@ -100,6 +100,10 @@ class Simplifier {
       }
     }
     if (vertex.op == Term::Op::Divide && constant(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
+    // Of all numbers this changes -0 only, which no operation tells from 0.
+    if ((vertex.op == Term::Op::Add || vertex.op == Term::Op::Subtract) && constant(vertex.in[1]) == 0.0)
+      return replace(v, vertex.in[0]);
+    if (vertex.op == Term::Op::Add && constant(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
     return false;
   }
 

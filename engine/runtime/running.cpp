@@ -81,6 +81,7 @@ void Running::take_values(const Running& before, std::int64_t now, std::int64_t 
 }
 
 void Running::rest(Mover& mover, bool resting) noexcept {
+  moving_ += static_cast<int>(mover.resting) - static_cast<int>(resting);
   mover.resting = resting;
   if (mover.buffer == nullptr) return;
   if (resting) mover.buffer[0] = mover.value.to;
@@ -91,6 +92,7 @@ void Running::rest(Mover& mover, bool resting) noexcept {
 }
 
 void Running::advance(std::int64_t now, int frames) noexcept {
+  if (moving_ == 0) return;
   for (auto& control : controls)
     if (!control.resting) advance(control, now, frames);
   for (auto& ramp : ramps)

@@ -66,6 +66,8 @@ struct Running {
  private:
   void rest(Mover& mover, bool resting) noexcept;
   void advance(Mover& mover, std::int64_t now, int frames) noexcept;
+
+  int moving_ = 0;  ///< controls and ramps that do not rest: a file may have thousands that nobody moves
 };
 
 }  // namespace tactus

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "engine/core/error.h"
+#include "engine/graph/node_table.h"
+#include "engine/graph/schedule.h"
+
+namespace tactus::realtime {
+
+/// A graph with a node of every type of the table, on a loop where the type allows it, and a network with
+/// every kind of element; each is read by a tap. One input, `x`; one control, `amount`. `sound_file` is for
+/// the types that play one, from the folder `folder`. Errors: those of the compiler.
+Checked<std::unique_ptr<Schedule>> every_node(const NodeTable& table, const std::string& folder,
+                                              const std::string& sound_file);
+
+}  // namespace tactus::realtime

@@ -1,0 +1,156 @@
+#include "tests/realtime/subjects.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "backends/wav_file.h"
+#include "engine/graph/load.h"
+#include "engine/nodes/table.h"
+#include "engine/scene/build_scene.h"
+#include "engine/scene/closed_loop.h"
+#include "engine/scene/play_scene.h"
+#include "tests/realtime/every_node.h"
+
+namespace tactus::realtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr auto kRate = 48_kHz;
+
+template <class Wanted>
+auto must(Wanted result) {
+  if (!result) throw std::runtime_error(to_string(result.error()));
+  return std::move(*result);
+}
+
+void must_be(const Status& status) {
+  if (!status) throw std::runtime_error(to_string(status.error()));
+}
+
+/// An engine behind its guard, and hands on both.
+class Player {
+ public:
+  explicit Player(std::unique_ptr<Engine> engine)
+      : engine_(std::move(engine)), guarded_(*engine_, guarded_channels(engine_->schedule())) {}
+
+  Engine& engine() { return *engine_; }
+  Guarded& guarded() { return guarded_; }
+
+  void disturb(std::mt19937& random) {
+    const auto& controls = engine_->schedule().controls;
+    for (std::size_t c = 0; c < controls.size(); ++c) {
+      const auto& range = controls[c].control.range;
+      if (!std::isfinite(range.low) || !std::isfinite(range.high)) continue;
+      const double value = std::uniform_real_distribution{range.low, range.high}(random);
+      (void)engine_->post(
+          {JournalEntry::kNow, JournalEntry::Kind::ControlChange, static_cast<int>(c), value});
+    }
+    const auto kind = random() % 2 == 0 ? JournalEntry::Kind::Arm : JournalEntry::Kind::Mute;
+    (void)guarded_.post(
+        {JournalEntry::kNow, kind, JournalEntry::kAllChannels, random() % 2 == 0 ? 1.0 : 0.0});
+    JournalEntry applied;
+    while (guarded_.take_applied(applied)) continue;
+    for (int c = 0; c < engine_->out_channels(); ++c) (void)guarded_.counts(c);
+    (void)engine_->faults();
+  }
+
+ private:
+  std::unique_ptr<Engine> engine_;
+  Guarded guarded_;
+};
+
+class SceneSubject final : public Subject {
+ public:
+  SceneSubject(const SceneSpec& scene, BuiltScene built, int frames)
+      : plant_(std::move(built.plant)),
+        player_(std::move(built.instrument)),
+        loop_(player_.guarded(), *plant_, player_.engine().out_channels(), built.delay_frames,
+              scene.converters),
+        frames_(frames) {
+    name = scene.name;
+    must_be(loop_.prepare(player_.engine().schedule().sample_rate, frames));
+  }
+  void callback() noexcept override { loop_.run(frames_); }
+  void disturb(std::mt19937& random) override { player_.disturb(random); }
+
+ private:
+  std::unique_ptr<Engine> plant_;
+  Player player_;
+  ClosedLoop loop_;
+  int frames_;
+};
+
+/// A graph on noise, which comes round after `kNoise` frames.
+class GraphSubject final : public Subject {
+ public:
+  GraphSubject(std::unique_ptr<Schedule> schedule, int frames)
+      : player_(std::make_unique<Engine>(std::move(schedule))), frames_(frames), noise_(kNoise) {
+    name = player_.engine().schedule().name;
+    std::mt19937 random{1};
+    for (auto& sample : noise_) sample = std::uniform_real_distribution{-1.0, 1.0}(random);
+    in_.resize(static_cast<std::size_t>(player_.engine().in_channels()));
+    silence_.assign(static_cast<std::size_t>(player_.engine().out_channels()),
+                    std::vector<double>(static_cast<std::size_t>(frames)));
+    for (auto& channel : silence_) out_.push_back(channel.data());
+    must_be(player_.guarded().prepare(
+        {kRate, player_.engine().in_channels(), player_.engine().out_channels(), frames}));
+  }
+  void callback() noexcept override {
+    for (auto& channel : in_) channel = noise_.data() + at_;
+    player_.guarded().process({in_.data(), out_.data(), frames_});
+    at_ = at_ + 2 * static_cast<std::size_t>(frames_) <= kNoise ? at_ + static_cast<std::size_t>(frames_) : 0;
+  }
+  void disturb(std::mt19937& random) override { player_.disturb(random); }
+
+ private:
+  static constexpr std::size_t kNoise = 1 << 16;
+
+  Player player_;
+  int frames_;
+  std::vector<double> noise_;
+  std::vector<const double*> in_;
+  std::vector<std::vector<double>> silence_;
+  std::vector<double*> out_;
+  std::size_t at_ = 0;
+};
+
+bool is_scene(const fs::path& file) {
+  if (file.extension() != ".toml") return false;
+  const auto table = load_toml(file);
+  return table && find(*table, "parts") != nullptr;
+}
+
+void add_scenes(const fs::path& instruments, int frames, Subjects& subjects) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(instruments))
+    if (is_scene(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  if (files.empty()) throw std::runtime_error("no scene below " + instruments.string());
+  for (const auto& file : files) {
+    const auto scene = must(load_scene(file, instruments));
+    subjects.push_back(
+        std::make_unique<SceneSubject>(scene, must(build_scene(scene, standard_nodes())), frames));
+  }
+}
+
+void add_every_node(int frames, Subjects& subjects) {
+  const auto folder =
+      fs::temp_directory_path() / ("tactus_every_node_" + std::to_string(std::random_device{}()));
+  fs::create_directory(folder);
+  must_be(write_wav(folder / "sound.wav", {kRate, {{0.0, 0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5}}}));
+  auto schedule = every_node(standard_nodes(), folder.string(), "sound.wav");
+  fs::remove_all(folder);
+  subjects.push_back(std::make_unique<GraphSubject>(must(std::move(schedule)), frames));
+}
+
+}  // namespace
+
+Subjects all_subjects(const fs::path& instruments, int frames) {
+  Subjects subjects;
+  add_scenes(instruments, frames, subjects);
+  add_every_node(frames, subjects);
+  return subjects;
+}
+
+}  // namespace tactus::realtime

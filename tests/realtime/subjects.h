@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "engine/core/guarded.h"
+#include "engine/runtime/engine.h"
+
+namespace tactus::realtime {
+
+/// Something that a sound card would call back, with a control side that moves it meanwhile.
+class Subject {
+ public:
+  virtual ~Subject() = default;
+  /// [realtime] One block.
+  virtual void callback() noexcept TACTUS_NONBLOCKING = 0;
+  /// [control] What a person at the controls might do: moves controls, mutes, disarms, reads every counter.
+  virtual void disturb(std::mt19937& random) = 0;
+  std::string name;
+};
+
+using Subjects = std::vector<std::unique_ptr<Subject>>;
+
+/// Every scene below `instruments` as it is played, the graph of every_node.h, and both at blocks of
+/// `frames`. Throws a text: what is wrong.
+Subjects all_subjects(const std::filesystem::path& instruments, int frames);
+
+}  // namespace tactus::realtime
