@@ -56,14 +56,14 @@ std::string what_runs(const Schedule& schedule, const Step& step) {
   if (step.kind == Step::Kind::Operations)
     return fmt::format("{} operation{}", step.operations, step.operations == 1 ? "" : "s");
   if (step.node < 0) return "the instrument answers";
-  const auto& type = schedule.types[static_cast<std::size_t>(step.node)];
-  return type ? type->name : "phase delay";
+  return schedule.whats[static_cast<std::size_t>(step.node)];
 }
 
 std::size_t memory_of(const Schedule& schedule) {
   return schedule.arena.size() * sizeof(double) + schedule.steps.size() * sizeof(Step) +
          schedule.inputs.size() * sizeof(Signal) + schedule.outputs.size() * sizeof(double*) +
-         schedule.operations.size() * sizeof(MicroOperation) + schedule.constants.size() * sizeof(double);
+         schedule.operations.size() * sizeof(MicroOperation) + schedule.constants.size() * sizeof(double) +
+         schedule.wide_constants.size() * kWide * sizeof(double);
 }
 
 void add_left_out(Json& json, const std::vector<LeftOut>& left_out) {

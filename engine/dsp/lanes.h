@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "engine/core/realtime.h"
 
 #if defined(__AVX512F__) || (defined(__AVX2__) && defined(__FMA__))
@@ -19,6 +21,11 @@ struct Lanes {
 
   static Lanes same(double x) noexcept { return {_mm512_set1_pd(x)}; }
   static Lanes load(const double* x) noexcept { return {_mm512_loadu_pd(x)}; }
+  /// A number from each of kCount places, `offset` behind each.
+  static Lanes gather(const double* const* x, std::ptrdiff_t offset) noexcept {
+    return {_mm512_set_pd(x[7][offset], x[6][offset], x[5][offset], x[4][offset], x[3][offset], x[2][offset],
+                          x[1][offset], x[0][offset])};
+  }
   void store(double* x) const noexcept { _mm512_storeu_pd(x, all); }
   /// One lane in every lane.
   template <int Lane>
@@ -26,7 +33,15 @@ struct Lanes {
     return {__builtin_shufflevector(all, all, Lane, Lane, Lane, Lane, Lane, Lane, Lane, Lane)};
   }
   friend Lanes operator+(Lanes a, Lanes b) noexcept { return {_mm512_add_pd(a.all, b.all)}; }
+  friend Lanes operator-(Lanes a, Lanes b) noexcept { return {_mm512_sub_pd(a.all, b.all)}; }
   friend Lanes operator*(Lanes a, Lanes b) noexcept { return {_mm512_mul_pd(a.all, b.all)}; }
+  /// As std::max and std::min, lane by lane.
+  friend Lanes max(Lanes a, Lanes b) noexcept { return {_mm512_maskz_max_pd(0xff, b.all, a.all)}; }
+  friend Lanes min(Lanes a, Lanes b) noexcept { return {_mm512_maskz_min_pd(0xff, b.all, a.all)}; }
+  /// `yes` where a > b, else 0.
+  friend Lanes where_above(Lanes a, Lanes b, Lanes yes) noexcept {
+    return {_mm512_maskz_mov_pd(_mm512_cmp_pd_mask(a.all, b.all, _CMP_GT_OQ), yes.all)};
+  }
   friend Lanes fused_multiply_add(Lanes a, Lanes b, Lanes c) noexcept {
     return {_mm512_fmadd_pd(a.all, b.all, c.all)};
   }
@@ -35,6 +50,10 @@ struct Lanes {
 
   static Lanes same(double x) noexcept { return {_mm256_set1_pd(x), _mm256_set1_pd(x)}; }
   static Lanes load(const double* x) noexcept { return {_mm256_loadu_pd(x), _mm256_loadu_pd(x + 4)}; }
+  static Lanes gather(const double* const* x, std::ptrdiff_t offset) noexcept {
+    return {_mm256_set_pd(x[3][offset], x[2][offset], x[1][offset], x[0][offset]),
+            _mm256_set_pd(x[7][offset], x[6][offset], x[5][offset], x[4][offset])};
+  }
   void store(double* x) const noexcept {
     _mm256_storeu_pd(x, low);
     _mm256_storeu_pd(x + 4, high);
@@ -47,8 +66,21 @@ struct Lanes {
   friend Lanes operator+(Lanes a, Lanes b) noexcept {
     return {_mm256_add_pd(a.low, b.low), _mm256_add_pd(a.high, b.high)};
   }
+  friend Lanes operator-(Lanes a, Lanes b) noexcept {
+    return {_mm256_sub_pd(a.low, b.low), _mm256_sub_pd(a.high, b.high)};
+  }
   friend Lanes operator*(Lanes a, Lanes b) noexcept {
     return {_mm256_mul_pd(a.low, b.low), _mm256_mul_pd(a.high, b.high)};
+  }
+  friend Lanes max(Lanes a, Lanes b) noexcept {
+    return {_mm256_max_pd(b.low, a.low), _mm256_max_pd(b.high, a.high)};
+  }
+  friend Lanes min(Lanes a, Lanes b) noexcept {
+    return {_mm256_min_pd(b.low, a.low), _mm256_min_pd(b.high, a.high)};
+  }
+  friend Lanes where_above(Lanes a, Lanes b, Lanes yes) noexcept {
+    return {_mm256_and_pd(_mm256_cmp_pd(a.low, b.low, _CMP_GT_OQ), yes.low),
+            _mm256_and_pd(_mm256_cmp_pd(a.high, b.high, _CMP_GT_OQ), yes.high)};
   }
   friend Lanes fused_multiply_add(Lanes a, Lanes b, Lanes c) noexcept {
     return {_mm256_fmadd_pd(a.low, b.low, c.low), _mm256_fmadd_pd(a.high, b.high, c.high)};
@@ -68,6 +100,9 @@ struct Lanes {
   static Lanes load(const double* x) noexcept {
     return each([x](int i) { return x[i]; });
   }
+  static Lanes gather(const double* const* x, std::ptrdiff_t offset) noexcept {
+    return each([x, offset](int i) { return x[i][offset]; });
+  }
   void store(double* x) const noexcept {
     for (int i = 0; i < kCount; ++i) x[i] = lane[i];
   }
@@ -78,14 +113,28 @@ struct Lanes {
   friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept {
     return each([&](int i) { return a.lane[i] + b.lane[i]; });
   }
+  friend Lanes operator-(const Lanes& a, const Lanes& b) noexcept {
+    return each([&](int i) { return a.lane[i] - b.lane[i]; });
+  }
   friend Lanes operator*(const Lanes& a, const Lanes& b) noexcept {
     return each([&](int i) { return a.lane[i] * b.lane[i]; });
+  }
+  friend Lanes max(const Lanes& a, const Lanes& b) noexcept {
+    return each([&](int i) { return a.lane[i] < b.lane[i] ? b.lane[i] : a.lane[i]; });
+  }
+  friend Lanes min(const Lanes& a, const Lanes& b) noexcept {
+    return each([&](int i) { return b.lane[i] < a.lane[i] ? b.lane[i] : a.lane[i]; });
+  }
+  friend Lanes where_above(const Lanes& a, const Lanes& b, const Lanes& yes) noexcept {
+    return each([&](int i) { return a.lane[i] > b.lane[i] ? yes.lane[i] : 0.0; });
   }
   friend Lanes fused_multiply_add(const Lanes& a, const Lanes& b, const Lanes& c) noexcept {
     return each([&](int i) { return tactus::fused_multiply_add(a.lane[i], b.lane[i], c.lane[i]); });
   }
 #endif
 };
+
+inline Lanes operator-(Lanes a) noexcept { return Lanes::same(-0.0) - a; }
 
 /// For the short runs of signals, which would wait longer for the library's copy than for their samples.
 inline void copy_samples(const double* from, int count, double* to) noexcept {

@@ -19,10 +19,6 @@ std::complex<double> polynomial(const double* coefficients, int count, std::comp
   return sum;
 }
 
-int longest_delay(Hertz sample_rate) {
-  return static_cast<int>(sample_rate.value / StringLoop::kLowestPitch) + StringDesign::kTaps;
-}
-
 }  // namespace
 
 StringDesign::StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate) {
@@ -56,11 +52,15 @@ std::complex<double> StringDesign::loop(std::complex<double> delay) const {
   return std::pow(delay, newest) * polynomial(taps.data(), kTaps, delay) / (1.0 - pole * delay);
 }
 
-StringLoop::StringLoop(LossFilter filter, Hertz sample_rate)
+int StringLoop::longest_delay(Hertz sample_rate, double lowest_pitch) {
+  return static_cast<int>(sample_rate.value / std::max(kLowestPitch, lowest_pitch)) + StringDesign::kTaps;
+}
+
+StringLoop::StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)
     : filter_(filter),
       sample_rate_(sample_rate),
       design_(parameters_, filter, sample_rate),
-      line_(longest_delay(sample_rate), kLongest + StringDesign::kTaps) {
+      line_(longest_delay(sample_rate, lowest_pitch), kLongest + StringDesign::kTaps) {
   losses_.design({design_.pole});
 }
 

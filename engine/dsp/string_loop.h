@@ -55,8 +55,8 @@ struct StringDesign {
 
 class StringLoop {
  public:
-  /// [control] Allocates for the lowest pitch.
-  StringLoop(LossFilter filter, Hertz sample_rate);
+  /// [control] Allocates for `lowest_pitch`, below which it is never tuned.
+  StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch = kLowestPitch);
 
   /// [realtime] At the start of a group only (see Recurrence). Does nothing when nothing changed.
   void tune(const StringParameters& parameters) noexcept;
@@ -65,6 +65,8 @@ class StringLoop {
   void reset() noexcept;
 
   static constexpr double kLowestPitch = 10;
+  /// Frames that a string of this pitch remembers.
+  static int longest_delay(Hertz sample_rate, double lowest_pitch);
 
  private:
   int sub_block(int frames, int position) const noexcept;

@@ -37,7 +37,8 @@ class Builder {
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       first_buffer_[v] = doubles;
       if (has_buffer(graph_.vertices[v]))
-        doubles += static_cast<std::size_t>(graph_.vertices[v].outputs) * kMaxPiece;
+        doubles +=
+            static_cast<std::size_t>(graph_.vertices[v].outputs * graph_.vertices[v].width) * kMaxPiece;
     }
     schedule_->arena.resize(doubles);
     schedule_->input_names = graph_.inputs;
@@ -58,12 +59,14 @@ class Builder {
   }
 
   double* buffer(std::size_t v, int port) const {
-    return schedule_->arena.data() + first_buffer_[v] + static_cast<std::size_t>(port) * kMaxPiece;
+    return schedule_->arena.data() + first_buffer_[v] +
+           static_cast<std::size_t>(port * graph_.vertices[v].width) * kMaxPiece;
   }
 
   Signal signal(Wire wire) {
     const auto v = static_cast<std::size_t>(wire.vertex);
     const auto& vertex = graph_.vertices[v];
+    if (vertex.width > 1) return wide_signal(wire);
     if (vertex.kind == Vertex::Kind::Constant) {
       auto& cell = constant_cells_[v];
       if (cell == nullptr) {
@@ -75,6 +78,16 @@ class Builder {
     // Controls rest until they are moved; the engine sets the stride while they ramp.
     const bool rests = vertex.kind == Vertex::Kind::Control || vertex.kind == Vertex::Kind::SystemDelay;
     return {buffer(v, wire.port), rests ? 0 : 1};
+  }
+
+  /// A lane of what is wide is a signal with a longer stride.
+  Signal wide_signal(Wire wire) {
+    const auto& vertex = at(wire.vertex);
+    if (vertex.kind != Vertex::Kind::Constant)
+      return {buffer(static_cast<std::size_t>(wire.vertex), wire.port) + std::max(0, wire.lane), kWide};
+    auto& cells = *schedule_->wide_constants.emplace_back(std::make_unique<std::array<double, kWide>>());
+    std::copy_n(vertex.values.begin(), kWide, cells.begin());
+    return {cells.data(), 0};
   }
 
   int add_inputs(const std::vector<Wire>& wires) {
@@ -105,6 +118,22 @@ class Builder {
       schedule_->types.push_back(vertex.kind == Vertex::Kind::Node
                                      ? flat_.nodes[static_cast<std::size_t>(vertex.index)].type
                                      : nullptr);
+      schedule_->whats.push_back(what_is(vertex));
+    }
+  }
+
+  std::string what_is(const Vertex& vertex) const {
+    switch (vertex.kind) {
+      case Vertex::Kind::Node:
+        return flat_.nodes[static_cast<std::size_t>(vertex.index)].type->name;
+      case Vertex::Kind::PhaseDelay:
+        return "phase delay";
+      case Vertex::Kind::Sum:
+        return "sum of lanes";
+      case Vertex::Kind::Pack:
+        return "pack";
+      default:
+        return "1 operation";
     }
   }
 
@@ -141,12 +170,15 @@ class Builder {
       return;
     }
     const auto& vertex = at(item.vertex);
-    if (vertex.kind == Vertex::Kind::Operation) return add_operation(item.vertex, vertex, section_start);
-    if (vertex.kind != Vertex::Kind::Node && vertex.kind != Vertex::Kind::PhaseDelay) return;
+    const int node = node_index_[static_cast<std::size_t>(item.vertex)];
+    if (node < 0 && vertex.kind == Vertex::Kind::Operation)
+      return add_operation(item.vertex, vertex, section_start);
+    if (node < 0) return;
     step.kind = item.half == Half::Emit     ? Step::Kind::Emit
                 : item.half == Half::Absorb ? Step::Kind::Absorb
                                             : Step::Kind::Process;
-    step.node = node_index_[static_cast<std::size_t>(item.vertex)];
+    step.node = node;
+    step.width = vertex.width;
     step.first_in = add_inputs(vertex.in);
     step.inputs = static_cast<int>(vertex.in.size());
     step.first_out = static_cast<int>(schedule_->outputs.size());

@@ -42,7 +42,7 @@ class Checks {
   void check_input(const FlatNode& node, std::size_t i, const Term& term) {
     const auto& port = node.type->inputs[i];
     check_units(term);
-    if (node.type->name != "mix") check_lanes(term, node.lanes);
+    check_lanes(term, node.lanes);
     const auto rule = port_unit(node, port.unit);
     const auto owner = "'" + port.name + "' of " + node.type->name + " '" + local_name(node.path) + "'";
     if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(term, rule.dimension, owner);
@@ -81,8 +81,17 @@ class Checks {
       return mistakes_.add(Errc::OutOfRange, term.at,
                            std::to_string(found) + " lanes meet " + std::to_string(wanted),
                            "give both the same number of lanes, or put a 'mix' between them");
-    if (term.op == Term::Op::Signal || term.op == Term::Op::Lanes) return;
+    if (term.op == Term::Op::Signal) return;
+    if (term.op == Term::Op::Lanes) return check_lanes_of_list(term);
     for (const auto& argument : term.arguments) check_lanes(argument, wanted);
+  }
+
+  void check_lanes_of_list(const Term& list) {
+    for (const auto& lane : list.arguments)
+      if (const int found = lanes_of(graph_, lane); found > 1)
+        mistakes_.add(Errc::OutOfRange, lane.at,
+                      "this is one lane of a list, but has " + std::to_string(found) + " lanes itself",
+                      "put a 'mix' of it here, or take it out of the list");
   }
 
   void check_units(const Term& term) {

@@ -10,6 +10,7 @@
 #include "engine/graph/mistakes.h"
 #include "engine/graph/resolve.h"
 #include "engine/graph/unfolded_nodes.h"
+#include "engine/graph/widen.h"
 
 namespace tactus {
 namespace {
@@ -98,6 +99,33 @@ FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOp
   return std::move(resolved.graph);
 }
 
+Checked<std::vector<OrderedSection>> ordered(const VertexGraph& graph, const FlatGraph& flat,
+                                             const MadeNodes& made, const CompileOptions& options) {
+  std::vector<std::vector<bool>> late;
+  std::vector<int> least;
+  delays_of(graph, flat, made, late, least);
+  return order(graph, late, least, options.closed_outside);
+}
+
+/// Side by side where that makes no cycle of what was none: a lane may answer another one in the same frame.
+std::optional<std::vector<OrderedSection>> put_side_by_side(VertexGraph& graph, const FlatGraph& flat,
+                                                            MadeNodes& made, const CompileOptions& options) {
+  const bool has_lanes = std::any_of(graph.vertices.begin(), graph.vertices.end(),
+                                     [](const Vertex& v) { return v.alive && v.origin; });
+  if (!options.side_by_side || !has_lanes) return std::nullopt;
+  auto wide = graph;
+  if (!widen(wide, flat, made)) return std::nullopt;
+  expand_sums(wide, made);
+  auto sections = ordered(wide, flat, made, options);
+  if (!sections) {
+    undo_widen(graph, made);
+    return std::nullopt;
+  }
+  graph = std::move(wide);
+  drop_replaced(graph, made);
+  return std::move(*sections);
+}
+
 Checked<std::unique_ptr<Schedule>> make_schedule(const FlatGraph& flat, const CompileOptions& options) {
   auto graph = lower(flat);
   simplify(graph, flat, options.sample_rate);
@@ -106,12 +134,13 @@ Checked<std::unique_ptr<Schedule>> make_schedule(const FlatGraph& flat, const Co
   if (mistakes.any()) return tl::unexpected(mistakes.take());
   auto made = make_nodes(graph, flat, options);
   mistakes.add(std::move(made.mistakes));
-  std::vector<std::vector<bool>> late;
-  std::vector<int> least;
-  delays_of(graph, flat, made, late, least);
-  const auto sections = order(graph, late, least, options.closed_outside);
+  auto sections = ordered(graph, flat, made, options);
   if (!sections) mistakes.add(sections.error());
   if (mistakes.any()) return tl::unexpected(mistakes.take());
+  if (auto wide = put_side_by_side(graph, flat, made, options))
+    sections = std::move(*wide);
+  else if (expand_sums(graph, made))
+    sections = ordered(graph, flat, made, options);
   return build_schedule(graph, flat, *sections, std::move(made), options);
 }
 

@@ -38,14 +38,17 @@ struct CompileOptions {
   /// What lies outside answers within the same frame: every output must then be ready before any input is
   /// read, and the schedule has one `Outside` step between the two.
   bool closed_outside = false;
+  /// Lanes of the same thing run side by side (see widen.h). Off, each runs on its own: to compare.
+  bool side_by_side = true;
 };
 
 /// The mistakes that show before any node is made, in file order: names, ports, settings, units, lanes,
 /// ranges.
 std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options);
 
-/// resolve → unfold lanes → prune and fold → make the nodes → schedule. Errors, in file order: those of
-/// `check`; without any, what the nodes say when they are made, and all loops without a delay.
+/// resolve → unfold lanes → prune and fold → make the nodes → put lanes side by side → schedule. Errors, in
+/// file order: those of `check`; without any, what the nodes say when they are made, and all loops without a
+/// delay.
 Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table,
                                            const CompileOptions& options);
 

@@ -93,8 +93,11 @@ void Instance::connect_part(const PendingPart& pending) {
   check_part_fields(*pending.spec, part);
   for (const auto& field : pending.spec->fields) {
     const auto binding = part.bindings_.find(field.key);
-    if (binding != part.bindings_.end())
-      signal(binding->second).term = bind_signal(field.value, scope_, mistakes_);
+    if (binding == part.bindings_.end()) continue;
+    auto& bound = signal(binding->second);
+    bound.term = bind_signal(field.value, scope_, mistakes_);
+    // Nothing else says over how many lanes it is spread.
+    if (bound.term.op == Term::Op::Spread) bound.lanes = part.voices_;
   }
   part.connect_inside();
   int id = pending.first_output;

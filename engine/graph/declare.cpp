@@ -141,7 +141,8 @@ void Instance::declare_outputs(const EntrySpec& entry, std::shared_ptr<const Nod
   node.path = prefix_ + entry.name;
   node.at = entry.at;
   node.type = type;
-  node.voices = voices_;
+  // A mix adds the lanes that there are, in a part with voices too.
+  node.voices = type->name == "mix" ? 1 : voices_;
   for (std::size_t port = 0; port < type->outputs.size(); ++port) {
     const int id = add_signal(entry.name + "." + type->outputs[port].name, entry.at,
                               FlatSignal::Kind::NodeOutput, index, static_cast<int>(port));

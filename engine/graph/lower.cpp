@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "engine/graph/facts.h"
 #include "engine/graph/vertex_graph.h"
 
 namespace tactus {
@@ -53,6 +54,13 @@ class Lowering {
     return add(std::move(vertex));
   }
 
+  /// What is made of the same thing lane after lane belongs together; the second time round is another thing.
+  void set_lane(Vertex& vertex, const void* of, int lane, int lanes) {
+    vertex.lane = lane;
+    vertex.lanes = lanes;
+    if (lanes > 1) vertex.origin = {of, made_of_[{of, lane}]++};
+  }
+
   void make_inputs() {
     for (const auto& input : flat_.inputs) {
       first_channel_.push_back(static_cast<int>(graph_.inputs.size()));
@@ -65,7 +73,7 @@ class Lowering {
     Vertex vertex;
     vertex.path = lane_path(signal.path, lane, signal.lanes);
     vertex.at = signal.at;
-    vertex.lane = lane;
+    set_lane(vertex, &signal, lane, signal.lanes);
     switch (signal.kind) {
       case FlatSignal::Kind::Input:
         vertex.kind = Vertex::Kind::Input;
@@ -103,7 +111,7 @@ class Lowering {
         Vertex vertex;
         vertex.kind = Vertex::Kind::Node;
         vertex.index = static_cast<int>(n);
-        vertex.lane = lane;
+        set_lane(vertex, &node, lane, node.lanes);
         vertex.outputs = static_cast<int>(node.outputs.size());
         vertex.path = lane_path(node.path, lane, node.lanes);
         vertex.at = node.at;
@@ -157,22 +165,25 @@ class Lowering {
   }
 
   void connect_mix(const FlatNode& node) {
-    const auto& term = *node.inputs.front();
-    Wire sum = lower(term, 0, node.lanes, node.path);
-    for (int lane = 1; lane < node.lanes; ++lane) {
-      Vertex add_vertex;
-      add_vertex.kind = Vertex::Kind::Operation;
-      add_vertex.op = Term::Op::Add;
-      add_vertex.in = {sum, lower(term, lane, node.lanes, node.path)};
-      add_vertex.path = node.path;
-      add_vertex.at = node.at;
-      sum = add(std::move(add_vertex));
-    }
+    Vertex sum;
+    sum.kind = Vertex::Kind::Sum;
+    sum.path = node.path;
+    sum.at = node.at;
+    for (int lane = 0; lane < node.lanes; ++lane)
+      sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
+    const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
     const auto out = wires_[static_cast<std::size_t>(node.outputs.front())][0];
-    graph_.vertices[static_cast<std::size_t>(out.vertex)].in = {sum};
+    graph_.vertices[static_cast<std::size_t>(out.vertex)].in = {wire};
   }
 
   Wire lower(const Term& term, int lane, int lanes, const std::string& path) {
+    if (lanes == 1 || lanes_of(flat_, term) != 1) return lower_lane(term, lane, lanes, path);
+    const auto [known, fresh] = shared_.try_emplace(&term);
+    if (fresh) known->second = lower_lane(term, 0, 1, path);
+    return known->second;
+  }
+
+  Wire lower_lane(const Term& term, int lane, int lanes, const std::string& path) {
     switch (term.op) {
       case Term::Op::Number:
         return constant(term.number, term.at);
@@ -180,11 +191,13 @@ class Lowering {
         const auto& wires = wires_[static_cast<std::size_t>(term.signal)];
         return wires[wires.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
       }
-      case Term::Op::Lanes:
-        return lower(term.arguments[term.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)], 0, 1,
-                     path);
+      case Term::Op::Lanes: {
+        const auto& own = term.arguments[term.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+        return own.op == Term::Op::Number ? own_number(own.number, term, lane, lanes)
+                                          : lower(own, 0, 1, path);
+      }
       case Term::Op::Spread:
-        return constant(spread(term, lane, lanes), term.at);
+        return own_number(spread(term, lane, lanes), term, lane, lanes);
       default:
         break;
     }
@@ -193,8 +206,16 @@ class Lowering {
     vertex.op = term.op;
     vertex.path = path;
     vertex.at = term.at;
+    set_lane(vertex, &term, lane, lanes);
     for (const auto& argument : term.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
     return add(std::move(vertex));
+  }
+
+  /// Of a list or a spread: its lanes stay together even where one of them is 0 or 1.
+  Wire own_number(double value, const Term& term, int lane, int lanes) {
+    const auto wire = constant(value, term.at);
+    set_lane(graph_.vertices.back(), &term, lane, lanes);
+    return wire;
   }
 
   static double spread(const Term& term, int lane, int lanes) {
@@ -222,9 +243,11 @@ class Lowering {
 
   const FlatGraph& flat_;
   VertexGraph graph_;
-  std::vector<std::vector<Wire>> wires_;  ///< [signal][lane]
-  std::vector<int> first_channel_;        ///< [input]
-  std::vector<int> first_vertex_;         ///< [node]
+  std::vector<std::vector<Wire>> wires_;                ///< [signal][lane]
+  std::vector<int> first_channel_;                      ///< [input]
+  std::vector<int> first_vertex_;                       ///< [node]
+  std::map<const Term*, Wire> shared_;                  ///< what all lanes have in common
+  std::map<std::pair<const void*, int>, int> made_of_;  ///< [origin, lane]: how many vertices
 };
 
 }  // namespace

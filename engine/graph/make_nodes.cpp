@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "engine/graph/fingerprint.h"
+#include "engine/graph/lane_sum.h"
 #include "engine/graph/operators.h"
 #include "engine/graph/phase_delay.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 class Maker {
  public:
-  Maker(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
+  Maker(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
       : graph_(graph), flat_(flat), options_(options), memory_(options.most_bytes) {
     made_.nodes.resize(graph.vertices.size());
     made_.fingerprints.resize(graph.vertices.size());
@@ -21,13 +22,15 @@ class Maker {
 
   MadeNodes run() {
     // Nodes that others are compensated for come first: their response bounds the delay of those.
-    for (const bool compensated : {false, true})
+    for (const bool compensated : {false, true}) {
+      if (compensated) fold_phase_delays();
       for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
         const auto& vertex = graph_.vertices[v];
         if (vertex.alive && vertex.kind == Vertex::Kind::Node &&
             flat_node(vertex).compensate.empty() != compensated)
           make(v, vertex);
       }
+    }
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       const auto& vertex = graph_.vertices[v];
       if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
@@ -75,6 +78,23 @@ class Maker {
     return setup.type->make(setup);
   }
 
+  /// A phase delay that never changes leaves a delay time that rests.
+  void fold_phase_delays() {
+    for (auto& vertex : graph_.vertices) {
+      if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
+      const auto& other = made_.nodes[static_cast<std::size_t>(vertex.index)];
+      std::vector<double> in;
+      for (const auto& wire : vertex.in)
+        if (at(wire).kind == Vertex::Kind::Constant) in.push_back(at(wire).value);
+      if (other == nullptr || in.size() != vertex.in.size()) continue;
+      const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()});
+      if (!taken) continue;
+      vertex.kind = Vertex::Kind::Constant;
+      vertex.value = in[0] - *taken;
+      vertex.in.clear();
+    }
+  }
+
   /// Nothing after a mistake.
   std::optional<NodeSetup> setup_of(const FlatNode& node, const Vertex& vertex) {
     NodeSetup setup;
@@ -112,11 +132,22 @@ class Maker {
       made_.frozen_controls[static_cast<std::size_t>(vertex.index)] = true;
       return flat_.controls[static_cast<std::size_t>(vertex.index)].value;
     }
+    if (vertex.kind == Vertex::Kind::Sum) return starting_sum(vertex, depth);
     if (vertex.kind != Vertex::Kind::Operation || depth > 1000) return std::nullopt;
     const auto a = starting_value(vertex.in[0], depth + 1);
     const auto b = vertex.in.size() > 1 ? starting_value(vertex.in[1], depth + 1) : std::optional{0.0};
     if (!a || !b) return std::nullopt;
     return apply(vertex.op, *a, *b);
+  }
+
+  std::optional<double> starting_sum(const Vertex& sum, int depth) {
+    std::vector<double> values;
+    for (const auto& wire : sum.in) {
+      const auto value = depth > 1000 ? std::nullopt : starting_value(wire, depth + 1);
+      if (!value) return std::nullopt;
+      values.push_back(*value);
+    }
+    return add_lanes(values, [](double a, double b) { return a + b; });
   }
 
   /// False if a node that is compensated for could not be made: nothing is known of its delay.
@@ -127,8 +158,9 @@ class Maker {
     // No period is shorter than two frames.
     const double shortest = 2 / options_.sample_rate.value;
     tuned = {std::max(tuned.low, shortest), std::max(tuned.high, shortest)};
-    Interval left = node.ranges[time];
-    for (Wire wire = vertex.in[time]; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
+    Wire wire = vertex.in[time];
+    Interval left{0, 0};
+    for (; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
       const auto other = static_cast<std::size_t>(at(wire).index);
       if (made_.nodes[other] == nullptr) return false;
       const auto taken =
@@ -136,6 +168,9 @@ class Maker {
       if (!taken) return complain_phase(at(wire)), false;
       left = {left.low - taken->high, left.high - taken->low};
     }
+    left = left +
+           (at(wire).kind == Vertex::Kind::Constant ? Interval::exactly(at(wire).value) : node.ranges[time]);
+    if (wire == vertex.in[time] && left.single()) return true;
     setup.inputs[time].constant.reset();
     setup.inputs[time].range = {std::max(0.0, left.low), std::max(0.0, left.high)};
     return true;
@@ -149,7 +184,7 @@ class Maker {
                               "name filters that lie in the same loop"});
   }
 
-  const VertexGraph& graph_;
+  VertexGraph& graph_;
   const FlatGraph& flat_;
   const CompileOptions& options_;
   MemoryBudget memory_;
@@ -158,7 +193,7 @@ class Maker {
 
 }  // namespace
 
-MadeNodes make_nodes(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options) {
+MadeNodes make_nodes(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options) {
   return Maker{graph, flat, options}.run();
 }
 

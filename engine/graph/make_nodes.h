@@ -18,6 +18,7 @@ struct MadeNodes {
   std::vector<Error> mistakes;              ///< why nodes could not be made: they are nullptr
 };
 
-MadeNodes make_nodes(const VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options);
+/// Phase delays that never change become constants of `graph`.
+MadeNodes make_nodes(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options);
 
 }  // namespace tactus

@@ -3,6 +3,7 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -14,6 +15,9 @@ namespace tactus {
 /// No node is ever given more frames at once, whatever the block size: the signals of a piece stay in the
 /// cache.
 inline constexpr int kMaxPiece = 64;
+
+/// As many lanes of a signal stand side by side in the vector registers (see Node::widened).
+inline constexpr int kWide = 8;
 
 /// One input of a node for one piece of a block. A constant (or a control at rest) is one number with stride
 /// 0, so that a node can see that nothing changes; anything else has one sample a frame.
@@ -83,6 +87,14 @@ class Node {
                                                        std::span<const double> /*at*/) const {
     return std::nullopt;
   }
+
+  /// [control] One node that does the work of these side by side, as if each were just made; nullptr if there
+  /// is no such form. `lanes` are kWide nodes of the same declaration and settings, nullptr where a lane is
+  /// not used: it then does what this node does, the first that is used. In a wide node every output has
+  /// kWide numbers a frame, and an input's stride says what it is: kWide, as many; 1, one number for all
+  /// lanes; 0, kWide numbers that rest. Everything else in the contract holds, delays are those of all lanes,
+  /// and each lane gives what its node would give but for rounding (its recurrence runs in another order).
+  virtual std::unique_ptr<Node> widened(std::span<const Node* const> /*lanes*/) const { return nullptr; }
 
   /// [any] How often something was asked of the node that it had to refuse (a delay beyond its range, say).
   virtual std::int64_t clamped() const { return 0; }

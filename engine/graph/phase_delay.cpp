@@ -31,6 +31,13 @@ void PhaseDelay::process(const NodeBlock& block) noexcept {
   }
 }
 
+std::optional<double> PhaseDelay::at(const std::shared_ptr<const Node>& other, double tuned,
+                                     const std::vector<double>& inputs) {
+  PhaseDelay probe{other, static_cast<int>(inputs.size())};
+  probe.values_ = inputs;
+  return probe.phase_delay(tuned);
+}
+
 std::optional<Interval> PhaseDelay::range(const std::shared_ptr<const Node>& other, Interval tuned,
                                           const std::vector<Interval>& inputs) {
   PhaseDelay probe{other, static_cast<int>(inputs.size())};

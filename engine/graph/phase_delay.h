@@ -25,6 +25,10 @@ class PhaseDelay : public Node {
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override { known_ = false; }
 
+  /// [control] What it takes off a time that is tuned to `tuned`, the other node's inputs being `inputs`.
+  static std::optional<double> at(const std::shared_ptr<const Node>& other, double tuned,
+                                  const std::vector<double>& inputs);
+
   /// [control] All that it can take off over these ranges, by sampling frequencies and corners; negative for
   /// a phase that leads. nullopt: the other node has no response.
   static std::optional<Interval> range(const std::shared_ptr<const Node>& other, Interval tuned,

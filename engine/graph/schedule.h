@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -47,7 +48,8 @@ struct Step {
   int first_in = 0, inputs = 0;    ///< in Schedule::inputs
   int first_out = 0, outputs = 0;  ///< in Schedule::outputs
   int first_operation = 0, operations = 0;
-  int path = 0;  ///< in Schedule::paths
+  int width = 1;  ///< numbers a frame of every output
+  int path = 0;   ///< in Schedule::paths
 };
 
 /// Steps that run together, `sub_block` frames at a time. A section that is a loop is reset as a whole when
@@ -61,7 +63,7 @@ struct Section {
 
 struct ScheduledControl {
   FlatControl control;
-  double* buffer = nullptr;       ///< samples while it ramps; buffer[0] while it rests
+  double* buffer = nullptr;       ///< samples while it ramps; kWide times the same while it rests
   std::vector<int> slots;         ///< in Schedule::inputs: the places that read it
   std::vector<int> output_slots;  ///< in Schedule::channels
   bool frozen = false;  ///< some node needed its value when it was made: it cannot change while running
@@ -88,6 +90,7 @@ struct Schedule {
   std::vector<std::shared_ptr<Node>> nodes;
   std::vector<std::uint64_t> fingerprints;             ///< of `nodes` (see fingerprint.h)
   std::vector<std::shared_ptr<const NodeType>> types;  ///< of `nodes`; keeps network declarations alive
+  std::vector<std::string> whats;                      ///< of `nodes`: "low_pass", "phase delay", "pack"
   std::vector<Step> steps;
   std::vector<Section> sections;
   std::vector<Signal> inputs;
@@ -98,12 +101,13 @@ struct Schedule {
   std::vector<std::string> input_names;
   std::vector<double*> input_buffers;  ///< nullptr: nobody reads the channel
   std::vector<ScheduledControl> controls;
-  double* system_delay = nullptr;  ///< one number in seconds, or nullptr if nobody reads it
+  double* system_delay = nullptr;  ///< kWide times the same, in seconds, or nullptr if nobody reads it
   Seconds system_delay_at_start;
   std::vector<ScheduledChannel> channels;
 
   Arena arena;
   std::vector<std::unique_ptr<double>> constants;
+  std::vector<std::unique_ptr<std::array<double, kWide>>> wide_constants;
 
   std::vector<LeftOut> left_out;
   std::vector<LoopReport> loops;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/graph/lane_sum.h"
 #include "engine/graph/operators.h"
 #include "engine/graph/quantity.h"
 #include "engine/graph/vertex_graph.h"
@@ -32,6 +33,11 @@ class Simplifier {
     const auto& vertex = at(wire.vertex);
     if (vertex.kind == Vertex::Kind::Constant) return vertex.value;
     return std::nullopt;
+  }
+
+  /// A constant that all lanes have in common: where one lane skips what the others do, they no longer match.
+  std::optional<double> same_in_all(Wire wire) {
+    return at(wire.vertex).origin ? std::nullopt : constant(wire);
   }
 
   // ---- copies
@@ -77,7 +83,17 @@ class Simplifier {
   bool try_fold(int v) {
     if (at(v).kind == Vertex::Kind::Operation && !is_copy(at(v))) return fold_operation(v);
     if (at(v).kind == Vertex::Kind::Node) return fold_node(v);
+    if (at(v).kind == Vertex::Kind::Sum) return fold_sum(v);
     return false;
+  }
+
+  bool fold_sum(int v) {
+    std::vector<double> values;
+    for (const auto& wire : at(v).in)
+      if (const auto value = constant(wire)) values.push_back(*value);
+    if (values.size() != at(v).in.size()) return false;
+    make_constant(v, add_lanes(values, [](double a, double b) { return a + b; }));
+    return true;
   }
 
   bool fold_operation(int v) {
@@ -91,19 +107,18 @@ class Simplifier {
     }
     if (vertex.op == Term::Op::Multiply) {
       for (std::size_t i = 0; i < 2; ++i) {
-        const auto factor = constant(vertex.in[i]);
-        if (factor && *factor == 1) return replace(v, vertex.in[1 - i]);
-        if (factor && *factor == 0 && zeros_) {
+        if (same_in_all(vertex.in[i]) == 1.0) return replace(v, vertex.in[1 - i]);
+        if (zeros_ && constant(vertex.in[i]) == 0.0) {
           make_constant(v, 0);
           return true;
         }
       }
     }
-    if (vertex.op == Term::Op::Divide && constant(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
+    if (vertex.op == Term::Op::Divide && same_in_all(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
     // Of all numbers this changes -0 only, which no operation tells from 0.
-    if ((vertex.op == Term::Op::Add || vertex.op == Term::Op::Subtract) && constant(vertex.in[1]) == 0.0)
+    if ((vertex.op == Term::Op::Add || vertex.op == Term::Op::Subtract) && same_in_all(vertex.in[1]) == 0.0)
       return replace(v, vertex.in[0]);
-    if (vertex.op == Term::Op::Add && constant(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
+    if (vertex.op == Term::Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
     return false;
   }
 

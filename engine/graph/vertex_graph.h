@@ -8,22 +8,48 @@
 
 namespace tactus {
 
-/// Output `port` of vertex `vertex`.
+/// Output `port` of vertex `vertex`; of a wide vertex one lane, or all of them for a wide reader.
 struct Wire {
+  static constexpr int kAllLanes = -1;
   int vertex = -1;
   int port = 0;
+  int lane = 0;
   bool operator==(const Wire&) const = default;
 };
 
-/// The graph with every lane on its own: what is pruned, folded and scheduled.
+/// What of the file a vertex is a lane of: the node or the operator, and which of several that this makes.
+struct Origin {
+  const void* of = nullptr;  ///< nullptr: it has no other lanes
+  int nth = 0;
+  explicit operator bool() const { return of != nullptr; }
+  auto operator<=>(const Origin&) const = default;
+};
+
+/// The graph with every lane on its own: what is pruned, folded and scheduled. `widen` then puts lanes side
+/// by side again.
 struct Vertex {
-  enum class Kind { Constant, Input, Control, SystemDelay, Operation, Node, PhaseDelay, Output };
+  enum class Kind {
+    Constant,
+    Input,
+    Control,
+    SystemDelay,
+    Operation,
+    Node,
+    PhaseDelay,
+    Sum,   ///< all lanes of a signal; where nothing is wide, `widen` makes additions of it
+    Pack,  ///< kWide signals put side by side
+    Output
+  };
 
   Kind kind = Kind::Constant;
   Term::Op op = Term::Op::Number;  ///< Operation; `Signal` copies
   double value = 0;                ///< Constant
+  std::vector<double> values;      ///< Constant of width kWide
   int index = -1;                  ///< of the channel, control, output channel, or flat node
-  int lane = 0;
+  int lane = 0;                    ///< the first one of a wide vertex
+  int lanes = 1;                   ///< of its origin
+  Origin origin;
+  int width = 1;  ///< 1 or kWide
   std::vector<Wire> in;
   int outputs = 1;
   std::string path;
@@ -50,7 +76,8 @@ struct VertexGraph {
   std::vector<LeftOut> left_out;
 };
 
-/// Unfolds the lanes: one vertex for each lane of each node, one for each operator of each expression.
+/// Unfolds the lanes: one vertex for each lane of each node, one for each operator of each expression. What
+/// is the same in all lanes is there once.
 VertexGraph lower(const FlatGraph& flat);
 
 /// Takes out what reaches no output and works out what never changes. `flat` tells which nodes may be

@@ -9,7 +9,11 @@ namespace {
 
 struct Clip {
   static constexpr int kInputs = 3;
-  double value(const double* in) const { return std::max(in[1], std::min(in[2], in[0])); }
+  template <class Number>
+  Number value(const Number* in) const {
+    using std::max, std::min;
+    return max(in[1], min(in[2], in[0]));
+  }
   double slope(int input, const double* in) const {
     const int decides = in[1] >= std::min(in[2], in[0]) ? 1 : in[0] > in[2] ? 2 : 0;
     return input == decides ? 1 : 0;

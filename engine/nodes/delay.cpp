@@ -5,9 +5,9 @@
 
 #include "engine/core/dimension.h"
 #include "engine/dsp/delay_line.h"
-#include "engine/dsp/lagrange.h"
 #include "engine/dsp/taps.h"
 #include "engine/nodes/group_steps.h"
+#include "engine/nodes/wide_delay_node.h"
 
 namespace tactus {
 namespace {
@@ -15,18 +15,6 @@ namespace {
 enum Input { kIn, kTime };
 
 constexpr double kMostFrames = 1 << 24;
-
-/// Times that were meant as whole frames ("20 ms") come out a rounding beside them.
-double frames_of(double seconds, Hertz sample_rate) {
-  const double frames = seconds * sample_rate.value;
-  const double whole = std::rint(frames);
-  return std::abs(frames - whole) < 1e-9 ? whole : frames;
-}
-
-/// The times that a delay can be asked for.
-struct TimeRange {
-  double low_s, high_s;
-};
 
 /// What delays of every order have in common.
 class RememberingNode : public Node {
@@ -44,15 +32,10 @@ class RememberingNode : public Node {
 template <int Order>
 class DelayNode : public RememberingNode {
  public:
-  DelayNode(TimeRange range, Hertz sample_rate)
-      : RememberingNode(DelayLine{most_frames(range, sample_rate) + Order + kMaxPiece, kMaxPiece + Order}),
-        range_(range),
-        sample_rate_(sample_rate),
-        // A loop needs a tap in the past; where the delay is never below a frame, no tap is newer.
-        newest_possible_(frames_of(range.low_s, sample_rate) >= 1 ? 1 : 0),
-        least_(aimed(range.low_s).newest),
-        most_(most_frames(range, sample_rate)),
-        aim_(aimed(range.low_s)) {}
+  explicit DelayNode(const DelayTaps<Order>& taps)
+      : RememberingNode(DelayLine{taps.longest() + kMaxPiece, kMaxPiece + Order}),
+        taps_(taps),
+        aim_(taps_.at(taps_.range().low_s)) {}
 
   void process(const NodeBlock& block) noexcept override {
     absorb(block);
@@ -68,86 +51,60 @@ class DelayNode : public RememberingNode {
     clamped_ = 0;
   }
 
-  DelayRange delay(int input, int) const override {
-    return input == kIn ? DelayRange{least_, std::max(least_, most_)} : DelayRange{};
-  }
+  DelayRange delay(int input, int) const override { return input == kIn ? taps_.delay() : DelayRange{}; }
 
   std::optional<std::complex<double>> response(int input, int, Hertz frequency,
                                                std::span<const double> at) const override {
     if (input != kIn) return std::nullopt;
-    const double radians = radians_at(frequency, sample_rate_);
-    const auto aim = aimed(inside(at[kTime]));
-    if (aim.whole) return std::polar(1.0, -radians * aim.newest);
-    std::complex<double> sum = 0;
-    for (int k = 0; k <= Order; ++k)
-      sum += aim.weights[static_cast<std::size_t>(k)] * std::polar(1.0, -radians * (aim.newest + k));
-    return sum;
+    return taps_.response(taps_.inside(at[kTime]), frequency);
+  }
+
+  std::unique_ptr<Node> widened(std::span<const Node* const> lanes) const override {
+    std::vector<DelayTaps<Order>> taps;
+    std::array<bool, kWide> used{};
+    for (std::size_t lane = 0; lane < kWide; ++lane) {
+      used[lane] = lanes[lane] != nullptr;
+      taps.push_back(static_cast<const DelayNode*>(used[lane] ? lanes[lane] : this)->taps_);
+    }
+    return std::make_unique<WideDelayNode<Order>>(std::move(taps), used);
   }
 
   std::int64_t clamped() const override { return clamped_; }
 
  private:
-  /// Where the taps of a delay lie: the newest, in frames back, and what each weighs.
-  struct Aim {
-    int newest = 0;
-    bool whole = true;  ///< a copy, bit for bit
-    std::array<double, Order + 1> weights{};
-  };
-
-  static int most_frames(TimeRange range, Hertz sample_rate) {
-    return static_cast<int>(std::ceil(frames_of(range.high_s, sample_rate)));
-  }
-
-  double inside(double seconds) const noexcept {
-    return seconds > range_.low_s ? std::min(seconds, range_.high_s) : range_.low_s;
-  }
-
-  Aim aimed(double seconds) const noexcept {
-    const double frames = frames_of(seconds, sample_rate_);
-    if constexpr (Order == 0) {
-      return {.newest = static_cast<int>(frames + 0.5)};
-    } else {
-      const int floor = static_cast<int>(frames);
-      const int newest = std::max(floor - (Order - 1) / 2, newest_possible_);
-      return {.newest = newest, .whole = false, .weights = lagrange_weights<Order>(frames - newest)};
-    }
-  }
-
   void read(const NodeBlock& block, int written) noexcept {
     const auto time = block.in[kTime];
     double* y = block.out[0];
     if (time.constant()) {
       const double seconds = counted(time[0], block.frames);
-      if (seconds != aimed_at_) aim_ = aimed(aimed_at_ = seconds);
+      if (seconds != aimed_at_) aim_ = taps_.at(aimed_at_ = seconds);
       const double* newest = newest_tap(aim_, written);
-      if (aim_.whole)
+      if constexpr (Order == 0)
         copy_samples(newest, block.frames, y);
       else
         tap_sums(newest, aim_.weights, nullptr, y, block.frames);
       return;
     }
     for (int n = 0; n < block.frames; ++n) {
-      const Aim aim = aimed(counted(time[n], 1));
+      const auto aim = taps_.at(counted(time[n], 1));
       const double* newest = newest_tap(aim, written - n);
-      y[n] = aim.whole ? *newest : tap_sum(newest, aim.weights, 0);
+      y[n] = Order == 0 ? *newest : tap_sum(newest, aim.weights, 0);
     }
   }
 
   double counted(double seconds, int frames) noexcept {
-    const double possible = inside(seconds);
+    const double possible = taps_.inside(seconds);
     if (possible != seconds) clamped_ += frames;
     return possible;
   }
 
-  const double* newest_tap(const Aim& aim, int written) const noexcept {
+  const double* newest_tap(const DelayAim<Order>& aim, int written) const noexcept {
     return line_.behind(aim.newest + Order + written) + Order;
   }
 
-  TimeRange range_;
-  Hertz sample_rate_;
-  int newest_possible_, least_, most_;
-  double aimed_at_ = range_.low_s;
-  Aim aim_;
+  DelayTaps<Order> taps_;
+  double aimed_at_ = taps_.range().low_s;
+  DelayAim<Order> aim_;
   std::int64_t clamped_ = 0;
 };
 
@@ -188,7 +145,7 @@ Result<TimeRange> range_of(const NodeSetup& setup) {
 
 template <int Order>
 Result<std::unique_ptr<Node>> made(TimeRange range, Hertz sample_rate) {
-  return std::make_unique<DelayNode<Order>>(range, sample_rate);
+  return std::make_unique<DelayNode<Order>>(DelayTaps<Order>{range, sample_rate});
 }
 
 Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {

@@ -1,18 +1,25 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <memory>
+#include <span>
 #include <utility>
 
-#include "engine/graph/node.h"
+#include "engine/nodes/wide_signal.h"
 
 namespace tactus {
 
-/// A node without memory: one output, a function of the inputs of the same frame.
+template <class Law>
+class WideElementwiseNode;
+
+/// A node without memory: one output, a function of the inputs of the same frame. A Law may depend on the
+/// settings, which all lanes have in common, and on nothing else.
 /// `Law` has `static constexpr int kInputs`, `double value(in) const` and `double slope(input, in) const`,
-/// where `in` are the inputs' values in declaration order; `slope` is the derivative by one of them, which is
-/// the response.
+/// where `in` are the inputs' values in declaration order (`value` may take Lanes as well); `slope` is the
+/// derivative by one of them, which is the response.
 template <class Law>
 class ElementwiseNode final : public Node {
  public:
@@ -38,6 +45,10 @@ class ElementwiseNode final : public Node {
   }
   void reset() noexcept override {}
 
+  std::unique_ptr<Node> widened(std::span<const Node* const>) const override {
+    return std::make_unique<WideElementwiseNode<Law>>(law_);
+  }
+
   std::optional<std::complex<double>> response(int input, int, Hertz,
                                                std::span<const double> at) const override {
     return law_.slope(input, at.data());
@@ -50,6 +61,46 @@ class ElementwiseNode final : public Node {
     for (int k = 1; k < Law::kInputs; ++k)
       if (!block.in[k].constant()) return false;
     return block.in[0].stride == 1;
+  }
+
+  Law law_;
+};
+
+/// Eight ElementwiseNodes side by side.
+template <class Law>
+class WideElementwiseNode final : public Node {
+ public:
+  explicit WideElementwiseNode(Law law) : law_(std::move(law)) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    std::array<Signal, kInputs> signals;
+    std::copy_n(block.in, kInputs, signals.begin());
+    std::array<Lanes, kInputs> in;
+    double* out = block.out[0];
+    for (int n = 0, frames = block.frames; n < frames; ++n, out += kWide) {
+      for (std::size_t k = 0; k < kInputs; ++k) in[k] = WideSignal{signals[k]}[n];
+      value(in).store(out);
+    }
+  }
+  void reset() noexcept override {}
+
+ private:
+  static constexpr auto kInputs = static_cast<std::size_t>(Law::kInputs);
+
+  Lanes value(const std::array<Lanes, kInputs>& in) const noexcept {
+    if constexpr (requires(const Law& law, const Lanes* lanes) { law.value(lanes); }) {
+      return law_.value(in.data());
+    } else {
+      std::array<std::array<double, kWide>, kInputs> rows;
+      for (std::size_t k = 0; k < kInputs; ++k) in[k].store(rows[k].data());
+      std::array<double, kWide> result;
+      for (std::size_t lane = 0; lane < kWide; ++lane) {
+        std::array<double, kInputs> values;
+        for (std::size_t k = 0; k < kInputs; ++k) values[k] = rows[k][lane];
+        result[lane] = law_.value(values.data());
+      }
+      return Lanes::load(result.data());
+    }
   }
 
   Law law_;

@@ -6,6 +6,7 @@
 #include "engine/dsp/linear_filter.h"
 #include "engine/graph/node_type.h"
 #include "engine/nodes/group_steps.h"
+#include "engine/nodes/wide_filter_node.h"
 
 namespace tactus {
 
@@ -44,6 +45,10 @@ class FilterNode : public Node {
     std::copy_n(at.begin() + 1, ParameterCount, parameters.begin());
     const auto filtered = design_(parameters, sample_rate_).response(radians_at(frequency, sample_rate_));
     return output == 0 ? filtered : 1.0 - filtered;
+  }
+
+  std::unique_ptr<Node> widened(std::span<const Node* const>) const override {
+    return std::make_unique<WideFilterNode<Order, ParameterCount>>(design_, sample_rate_, has_rest_);
   }
 
   static MakeNode maker(Design design) {

@@ -18,7 +18,9 @@ const NodeType& mix_type() {
       .name = "mix",
       .group = "shapers",
       .summary = "Adds all lanes of a signal into one.",
-      .equation = "out = sum of in over its lanes",
+      .equation =
+          "out = sum of in over its lanes; lane k takes in lanes k + 8, k + 16, ..., then what is left is\n"
+          "added in halves: k and k + 4, k and k + 2, k and k + 1",
       .source = "elementary",
       .example = "sum = { type = \"mix\", in = \"voices\" }",
       .inputs = {{.name = "in", .unit = "any", .doc = "signal of any number of lanes", .fallback = {}}},

@@ -1,8 +1,11 @@
 #include "engine/nodes/string.h"
 
+#include <algorithm>
+
 #include "engine/dsp/string_loop.h"
 #include "engine/nodes/filter_ports.h"
 #include "engine/nodes/group_steps.h"
+#include "engine/nodes/wide_string_node.h"
 
 namespace tactus {
 namespace {
@@ -14,7 +17,8 @@ class StringNode : public Node {
   explicit StringNode(const NodeSetup& setup)
       : filter_(setup.setting("loss_filter").text == "one_pole" ? LossFilter::OnePole : LossFilter::OneZero),
         sample_rate_(setup.sample_rate),
-        string_(filter_, setup.sample_rate) {}
+        lowest_pitch_(lowest_pitch(setup)),
+        string_(filter_, setup.sample_rate, lowest_pitch_) {}
 
   void process(const NodeBlock& block) noexcept override {
     InARow in_a_row;
@@ -24,13 +28,23 @@ class StringNode : public Node {
     const bool constant = in[kPitch].constant() && in[kGain].constant() && in[kLoss].constant();
     steps_.go(
         block, constant,
-        [&](int n) { string_.tune({.pitch_hz = in[kPitch][n], .gain = in[kGain][n], .loss = in[kLoss][n]}); },
+        [&](int n) {
+          const double pitch = std::max(lowest_pitch_, in[kPitch][n]);
+          string_.tune({.pitch_hz = pitch, .gain = in[kGain][n], .loss = in[kLoss][n]});
+        },
         [&](int from, int to, int position) { string_.run(x + from, y + from, to - from, position); });
   }
 
   void reset() noexcept override {
     string_.reset();
     steps_.reset();
+  }
+
+  std::unique_ptr<Node> widened(std::span<const Node* const> lanes) const override {
+    double lowest = lowest_pitch_;
+    for (const auto* lane : lanes)
+      if (lane != nullptr) lowest = std::min(lowest, static_cast<const StringNode*>(lane)->lowest_pitch_);
+    return std::make_unique<WideStringNode>(filter_, sample_rate_, lowest);
   }
 
   std::optional<std::complex<double>> response(int input, int, Hertz frequency,
@@ -42,8 +56,14 @@ class StringNode : public Node {
   }
 
  private:
+  static double lowest_pitch(const NodeSetup& setup) {
+    // Above 0.3 of the rate the pitch is clamped to that.
+    return std::min(setup.input("pitch").range.low, 0.3 * setup.sample_rate.value);
+  }
+
   LossFilter filter_;
   Hertz sample_rate_;
+  double lowest_pitch_;
   StringLoop string_;
   GroupSteps steps_;
 };

@@ -16,6 +16,11 @@ struct WallLaw {
         .stiffness_n_per_m = std::max(0.0, in[2]), .damping_n_s_per_m = std::max(0.0, in[3]), .at_m = in[4]};
   }
   double value(const double* in) const { return wall(in).force(in[0], in[1]); }
+  Lanes value(const Lanes* in) const {
+    const auto zero = Lanes::same(0.0);
+    const auto push = max(zero, in[2]) * (in[0] - in[4]) + max(zero, in[3]) * in[1];
+    return where_above(in[0], in[4], -max(zero, push));
+  }
   double slope(int input, const double* in) const {
     const Wall w = wall(in);
     if (!w.touched(in[0], in[1])) return 0;

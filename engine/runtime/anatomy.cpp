@@ -1,5 +1,8 @@
 #include "engine/runtime/anatomy.h"
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -23,6 +26,7 @@ class Describer {
 
   void name_sources() {
     for (const auto& constant : schedule_.constants) constants_.insert(constant.get());
+    for (const auto& values : schedule_.wide_constants) name_lanes(*values);
     for (std::size_t c = 0; c < schedule_.input_buffers.size(); ++c)
       source_.emplace(schedule_.input_buffers[c], "input " + schedule_.input_names[c]);
     for (const auto& control : schedule_.controls)
@@ -33,10 +37,34 @@ class Describer {
       if (step.kind == Step::Kind::Operations)
         for (int i = 0; i < step.operations; ++i) name_operation(step.first_operation + i);
       else
-        for (int port = 0; port < step.outputs; ++port)
-          source_.emplace(schedule_.outputs[static_cast<std::size_t>(step.first_out + port)],
-                          "node " + path(step.path) + ":" + std::to_string(port));
+        name_node(step);
     }
+  }
+
+  /// Wide operations of one expression have one path as well.
+  void name_node(const Step& step) {
+    auto& name = node_names_[step.node];
+    if (name.empty()) {
+      const int nth = nodes_at_[step.path]++;
+      name = "node " + path(step.path) + (nth == 0 ? "" : " " + std::to_string(nth));
+    }
+    for (int port = 0; port < step.outputs; ++port) {
+      const double* out = schedule_.outputs[static_cast<std::size_t>(step.first_out + port)];
+      if (out == nullptr) continue;
+      for (int lane = 0; lane < step.width; ++lane)
+        source_.emplace(out + lane, name + ":" + std::to_string(port) + "." + std::to_string(lane));
+    }
+  }
+
+  /// One number for all lanes is a constant like any other; several are a source, which another one replaces.
+  void name_lanes(const std::array<double, kWide>& values) {
+    if (std::count(values.begin(), values.end(), values[0]) == kWide) {
+      constants_.insert(values.data());
+      return;
+    }
+    std::string name = "numbers";
+    for (const double value : values) name += " " + std::to_string(std::bit_cast<std::uint64_t>(value));
+    source_.emplace(values.data(), name + ":0");
   }
 
   /// The operations of one expression have one path: they are counted.
@@ -60,7 +88,7 @@ class Describer {
     const auto node = static_cast<std::size_t>(step.node);
     if (done_[node]) return;  // the other half of it
     done_[node] = true;
-    add("node " + path(step.path), step.node, schedule_.fingerprints[node], step.first_in, step.inputs);
+    add(node_names_.at(step.node), step.node, schedule_.fingerprints[node], step.first_in, step.inputs);
   }
 
   void add(const std::string& name, int node, std::uint64_t made_from, int first_in, int inputs) {
@@ -81,8 +109,8 @@ class Describer {
   std::vector<bool> done_;  ///< [node]
   std::unordered_set<const double*> constants_;
   std::unordered_map<const double*, std::string> source_;
-  std::unordered_map<int, int> operations_at_;  ///< [path] how many so far
-  std::unordered_map<int, std::string> operation_names_;
+  std::unordered_map<int, int> operations_at_, nodes_at_;  ///< [path] how many so far
+  std::unordered_map<int, std::string> operation_names_, node_names_;
   Anatomy found_;
 };
 

@@ -102,7 +102,7 @@ int Engine::frames_to_next_entry(int frames) noexcept {
 
 void Engine::apply(const JournalEntry& entry) noexcept {
   if (entry.kind == JournalEntry::Kind::SystemDelay && schedule_->system_delay != nullptr)
-    *schedule_->system_delay = std::max(0.0, entry.value) / schedule_->sample_rate.value;
+    std::fill_n(schedule_->system_delay, kWide, std::max(0.0, entry.value) / schedule_->sample_rate.value);
   if (entry.kind != JournalEntry::Kind::ControlChange) return;
   if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
   const int index = running_->control_of[static_cast<std::size_t>(entry.index)];
@@ -221,7 +221,8 @@ int Engine::run_step(const Section& section, const Step& step, int offset, int f
     for (int i = 0; i < step.inputs; ++i)
       running_->moved_in[static_cast<std::size_t>(i)] = {in[i].data + offset * in[i].stride, in[i].stride};
     for (int i = 0; i < step.outputs; ++i)
-      running_->moved_out[static_cast<std::size_t>(i)] = out[i] == nullptr ? nullptr : out[i] + offset;
+      running_->moved_out[static_cast<std::size_t>(i)] =
+          out[i] == nullptr ? nullptr : out[i] + offset * step.width;
     in = running_->moved_in.data();
     out = running_->moved_out.data();
   }
@@ -237,7 +238,7 @@ int Engine::run_step(const Section& section, const Step& step, int offset, int f
     node.process(block);
   bool finite = true;
   for (int i = 0; i < step.outputs; ++i)
-    if (out[i] != nullptr) finite &= all_finite(out[i], frames);
+    if (out[i] != nullptr) finite &= all_finite(out[i], frames * step.width);
   return finite ? kSound : step.path;
 }
 
@@ -248,7 +249,8 @@ void Engine::count_fault(int path) noexcept {
 void Engine::silence(const Step& step, int offset, int frames) noexcept {
   if (step.node >= 0) schedule_->nodes[static_cast<std::size_t>(step.node)]->reset();
   for (int i = step.first_out; i < step.first_out + step.outputs; ++i)
-    if (double* out = schedule_->outputs[static_cast<std::size_t>(i)]) std::fill_n(out + offset, frames, 0.0);
+    if (double* out = schedule_->outputs[static_cast<std::size_t>(i)])
+      std::fill_n(out + offset * step.width, frames * step.width, 0.0);
 }
 
 }  // namespace tactus

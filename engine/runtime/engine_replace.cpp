@@ -69,7 +69,7 @@ void Engine::take_over(Running& next) noexcept {
   for (const auto [from, to] : next.handover.nodes)
     std::swap(schedule.nodes[static_cast<std::size_t>(to)], schedule_->nodes[static_cast<std::size_t>(from)]);
   if (schedule.system_delay != nullptr && schedule_->system_delay != nullptr)
-    *schedule.system_delay = *schedule_->system_delay;
+    std::copy_n(schedule_->system_delay, kWide, schedule.system_delay);
   const auto fade = static_cast<std::int64_t>(std::lround(kFadeSeconds * schedule.sample_rate.value));
   next.take_values(*running_, now_, fade);
   for (std::size_t c = 0; c < fades_.size(); ++c)

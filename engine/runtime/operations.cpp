@@ -1,9 +1,9 @@
 #include "engine/runtime/operations.h"
 
+#include <array>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 
+#include "engine/dsp/lanes.h"
 #include "engine/graph/operators.h"
 
 namespace tactus {
@@ -64,16 +64,20 @@ void run_operation(Term::Op op, const Signal* in, double* out, int frames) noexc
 }
 
 bool all_finite(const double* samples, int frames) noexcept {
-  // On the bits: unlike a sum, this reduction may be vectorised. A NaN or infinity has every exponent bit
-  // set.
-  constexpr std::uint64_t kExponent = 0x7ff0000000000000u;
-  std::uint64_t bad = 0;
-  for (int n = 0; n < frames; ++n) {
-    std::uint64_t bits;
-    std::memcpy(&bits, samples + n, sizeof bits);
-    bad |= static_cast<std::uint64_t>((bits & kExponent) == kExponent);
-  }
-  return bad == 0;
+  // A number times zero is zero, a NaN or infinity is not. Four sums, so that none waits for another one.
+  std::array<Lanes, 4> zeros;
+  zeros.fill(Lanes::same(0.0));
+  int n = 0;
+  for (; n + 4 * Lanes::kCount <= frames; n += 4 * Lanes::kCount)
+    for (int k = 0; k < 4; ++k)
+      zeros[static_cast<std::size_t>(k)] = fused_multiply_add(
+          Lanes::load(samples + n + k * Lanes::kCount), Lanes::same(0.0), zeros[static_cast<std::size_t>(k)]);
+  std::array<double, Lanes::kCount> lanes;
+  ((zeros[0] + zeros[1]) + (zeros[2] + zeros[3])).store(lanes.data());
+  double zero = 0;
+  for (const double lane : lanes) zero += lane;
+  for (; n < frames; ++n) zero += 0.0 * samples[n];
+  return zero == 0;
 }
 
 int clear_nonfinite(double* samples, int frames) noexcept {

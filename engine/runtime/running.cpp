@@ -33,7 +33,8 @@ Running::Running(std::unique_ptr<Schedule> made, int max_frames)
 void Running::start(int max_frames) {
   taps.assign(tap_channels.size(), std::vector<double>(static_cast<std::size_t>(max_frames), 0.0));
   std::fill_n(schedule->arena.data(), schedule->arena.size(), 0.0);
-  if (schedule->system_delay != nullptr) *schedule->system_delay = schedule->system_delay_at_start.value;
+  if (schedule->system_delay != nullptr)
+    std::fill_n(schedule->system_delay, kWide, schedule->system_delay_at_start.value);
   for (auto& node : schedule->nodes) node->reset();
   for (std::size_t i = 0; i < controls.size(); ++i) {
     controls[i].value = MovingValue::resting(schedule->controls[i].control.value);
@@ -84,7 +85,7 @@ void Running::rest(Mover& mover, bool resting) noexcept {
   moving_ += static_cast<int>(mover.resting) - static_cast<int>(resting);
   mover.resting = resting;
   if (mover.buffer == nullptr) return;
-  if (resting) mover.buffer[0] = mover.value.to;
+  if (resting) std::fill_n(mover.buffer, kWide, mover.value.to);
   for (const int slot : mover.slots)
     schedule->inputs[static_cast<std::size_t>(slot)].stride = resting ? 0 : 1;
   for (const int channel : mover.channels)
