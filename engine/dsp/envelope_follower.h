@@ -21,6 +21,13 @@ struct EnvelopeFollower {
     envelope = attack_keep <= release_keep ? std::max(attack, release) : std::min(attack, release);
     return envelope;
   }
+
+  /// `frames` steps with the same times.
+  void run(const double* in, double* out, int frames, double attack_keep, double release_keep) {
+    EnvelopeFollower now = *this;
+    for (int n = 0; n < frames; ++n) out[n] = now.step(in[n], attack_keep, release_keep);
+    *this = now;
+  }
 };
 
 }  // namespace tactus

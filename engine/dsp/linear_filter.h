@@ -54,6 +54,13 @@ class LinearFilter {
     feed_forward(x, y, frames);
     recurrence_.run(y, y, frames, position);
   }
+  /// [realtime] `run` for one frame.
+  double run_single(double x, int position) noexcept {
+    const double v = weighted(x, last_[0], last_[Order - 1], {b_[0], b_[1], Order == 2 ? b_[Order] : 0.0});
+    if constexpr (Order == 2) last_[1] = last_[0];
+    last_[0] = x;
+    return recurrence_.run_single(v, position);
+  }
 
  private:
   /// Rounded product by product, not fused: equal inputs under b = (1, -1) or (1, -2, 1) then cancel exactly,

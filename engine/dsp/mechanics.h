@@ -32,7 +32,9 @@ struct Wall {
   }
   /// F = x > at ? -max(0, k (x - at) + b v) : 0. The damper cannot make the wall sticky.
   double force(double position_m, double velocity_m_per_s) const {
-    return position_m > at_m ? -std::max(0.0, push(position_m, velocity_m_per_s)) : 0.0;
+    // Worked out in any case, so that several frames can be at once.
+    const double pushed = std::max(0.0, push(position_m, velocity_m_per_s));
+    return position_m > at_m ? -pushed : 0.0;
   }
 };
 

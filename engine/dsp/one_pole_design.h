@@ -31,6 +31,12 @@ inline double matched_one_pole_gain(double radians) {
   return std::sqrt(c_minus_1 * (c_minus_1 + 2)) - c_minus_1;
 }
 
+/// y = (1 - p) x + p y1 with that pole.
+inline FilterCoefficients<1> matched_one_pole(double radians) {
+  const double gain = matched_one_pole_gain(radians);
+  return {.b = {gain}, .a = {1 - gain}};
+}
+
 /// y = p (y1 + x - x1), p = 1 / (1 + 2 pi fc / fs): an RC high-pass by backward Euler, as audio inputs have
 /// one. -3.01 dB at the cutoff for fc << fs (within 1 % of it below fs / 600).
 inline FilterCoefficients<1> dc_blocker(double radians) {

@@ -22,6 +22,20 @@ struct Pulse {
     ++age;
     return now;
   }
+  /// `count` steps with the same arguments.
+  void run(double* out, int count, double keep, double length_frames) {
+    if (length_frames > 0) {
+      for (int n = 0; n < count; ++n) out[n] = step(keep, length_frames);
+      return;
+    }
+    double now = value;
+    for (int n = 0; n < count; ++n) {
+      out[n] = now;
+      now *= keep;
+    }
+    value = now;
+    age += count;
+  }
 };
 
 }  // namespace tactus

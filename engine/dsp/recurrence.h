@@ -57,7 +57,6 @@ class Recurrence {
 
   /// [realtime] `position` is the group_position of the first frame. `v` and `y` may be the same.
   void run(const double* v, double* y, int frames, int position) noexcept {
-    if (frames == 1 && position < kGroup - 1) return single(*v, *y, position);
     if (position != 0) {
       const int rest = std::min(frames, kGroup - position);
       part(v, y, rest, position);
@@ -66,6 +65,18 @@ class Recurrence {
     const int groups = frames / kGroup;
     if (groups > 0) whole(v, y, groups);
     if (const int left = frames % kGroup; left > 0) part(v + groups * kGroup, y + groups * kGroup, left, 0);
+  }
+
+  /// [realtime] `run` for one frame: the output does not wait for the lanes.
+  double run_single(double v, int position) noexcept {
+    const auto k = static_cast<std::size_t>(position);
+    double y = position == 0 ? 0.0 : sums_[k];
+    fused_multiply_add(column(position), Lanes::same(v), sums_before(position)).store(sums_.data());
+    y = fused_multiply_add(columns_[k][k], v, y);
+    if constexpr (Order == 2) y = fused_multiply_add(free_[1][k], last_[1], y);
+    y = fused_multiply_add(free_[0][k], last_[0], y);
+    if (position == kGroup - 1) remember(with_free_response(Lanes::load(sums_.data()), remembered()));
+    return y + 0.0;
   }
 
  private:
@@ -122,19 +133,8 @@ class Recurrence {
     const auto outputs = with_free_response(sums, remembered());
     Group ready;
     (outputs + Lanes::same(0.0)).store(ready.data());
-    copy_samples(ready.data() + position, frames, y);
+    for (int n = 0; n < frames; ++n) y[n] = ready[static_cast<std::size_t>(position + n)];
     if (position + frames == kGroup) remember(outputs);
-  }
-
-  /// `part` for one frame inside a group: the output does not wait for the lanes.
-  void single(double v, double& y, int position) noexcept {
-    const auto k = static_cast<std::size_t>(position);
-    double output = position == 0 ? 0.0 : sums_[k];
-    const auto sums = fused_multiply_add(column(position), Lanes::same(v), sums_before(position));
-    output = fused_multiply_add(columns_[k][k], v, output);
-    if constexpr (Order == 2) output = fused_multiply_add(free_[1][k], last_[1], output);
-    y = fused_multiply_add(free_[0][k], last_[0], output) + 0.0;
-    sums.store(sums_.data());
   }
 
   alignas(64) std::array<Group, kGroup> columns_{};  ///< [j][k] = h[k - j], 0 above the diagonal

@@ -12,6 +12,14 @@ struct Rise {
     high = trigger >= 0.5;
     return high && !was_high;
   }
+
+  /// Whether none of `count` frames changes anything; then they may be left out.
+  bool indifferent(const double* trigger, int count) const {
+    if (high) return false;
+    int above = 0;
+    for (int n = 0; n < count; ++n) above += trigger[n] >= 0.5;
+    return above == 0;
+  }
 };
 
 }  // namespace tactus

@@ -80,15 +80,25 @@ int StringLoop::sub_block(int frames, int position) const noexcept {
   return whole > 0 ? whole : most;
 }
 
+const double* StringLoop::newest_tap() const noexcept {
+  return line_.behind(design_.newest + StringDesign::kTaps - 1) + StringDesign::kTaps - 1;
+}
+
+double StringLoop::run_single(double x, int position) noexcept {
+  const double* newest = newest_tap();
+  const double y = filter_ == LossFilter::OneZero
+                       ? tap_sum(newest, design_.taps, x)
+                       : x + losses_.run_single(tap_sum(newest, design_.taps, 0), position);
+  line_.write(&y, 1);
+  return y;
+}
+
 void StringLoop::run(const double* x, double* y, int frames, int position) noexcept {
   while (frames > 0) {
     const int count = sub_block(frames, position);
-    const double* newest = line_.behind(design_.newest + StringDesign::kTaps - 1) + StringDesign::kTaps - 1;
+    const double* newest = newest_tap();
     if (filter_ == LossFilter::OneZero) {
-      if (count == 1)
-        *y = tap_sum(newest, design_.taps, *x);
-      else
-        tap_sums(newest, design_.taps, x, y, count);
+      tap_sums(newest, design_.taps, x, y, count);
     } else {
       std::array<double, kLongest> around;
       tap_sums(newest, design_.taps, nullptr, around.data(), count);

@@ -62,6 +62,8 @@ class StringLoop {
   void tune(const StringParameters& parameters) noexcept;
   /// [realtime] `position` is the group_position of the first frame; `x` and `y` do not overlap.
   void run(const double* x, double* y, int frames, int position) noexcept;
+  /// [realtime] `run` for one frame.
+  double run_single(double x, int position) noexcept;
   void reset() noexcept;
 
   static constexpr double kLowestPitch = 10;
@@ -70,6 +72,7 @@ class StringLoop {
 
  private:
   int sub_block(int frames, int position) const noexcept;
+  const double* newest_tap() const noexcept;
 
   static constexpr int kLongest = 64;  ///< frames worked on at once
 

@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <unordered_map>
 
 #include "engine/graph/bind.h"
 #include "engine/graph/entry_fields.h"
@@ -49,9 +50,11 @@ void Instance::connect_node(const EntrySpec& entry, FlatNode& node) {
 }
 
 void Instance::connect_ports(const EntrySpec& entry, FlatNode& node, const std::string& owner) {
+  std::unordered_map<std::string_view, const Value*> given;  // networks have thousands
+  for (const auto& field : entry.fields) given.emplace(field.key, &field.value);
   for (const auto& port : node.type->inputs) {
-    if (const auto* value = find(entry.fields, port.name)) {
-      node.inputs.push_back(bind_signal(*value, scope_, mistakes_));
+    if (const auto value = given.find(port.name); value != given.end()) {
+      node.inputs.push_back(bind_signal(*value->second, scope_, mistakes_));
       continue;
     }
     node.inputs.emplace_back();

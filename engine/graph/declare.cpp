@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <unordered_set>
 #include <utility>
 
 #include "engine/graph/bind.h"
@@ -123,11 +124,14 @@ void Instance::declare_network(const NetworkSpec& network) {
     mistakes_.add(std::move(errors));
     return scope_.hide(network.name);
   }
+  // Thousands of ports: asked for one by one they would take a time with their square.
+  std::unordered_set<std::string> ports;
+  for (const auto& port : (*type)->inputs) ports.insert(port.name);
   EntrySpec entry{network.name, network.at, {}};
   for (const auto& element : network.elements)
     for (const auto& field : element.fields)
-      if ((*type)->input_index(element.name + "." + field.key) >= 0)
-        entry.fields.push_back({element.name + "." + field.key, field.at, field.value});
+      if (auto port = element.name + "." + field.key; ports.contains(port))
+        entry.fields.push_back({std::move(port), field.at, field.value});
   network_entries_.push_back(std::make_unique<EntrySpec>(std::move(entry)));
   const auto& outputs = (*type)->outputs;
   scope_.explain(network.name, "name an element of the network, such as '" + network.name + "." +

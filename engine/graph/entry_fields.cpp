@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <unordered_set>
 
 #include "engine/graph/nearest.h"
 #include "engine/graph/quantity.h"
@@ -93,8 +95,9 @@ std::string in_unit(double si, const Unit& unit) {
 
 void check_fields(const EntrySpec& entry, const std::vector<std::string>& known, const std::string& owner,
                   Mistakes& mistakes) {
+  const std::unordered_set<std::string_view> names(known.begin(), known.end());
   for (const auto& field : entry.fields) {
-    if (std::find(known.begin(), known.end(), field.key) != known.end()) continue;
+    if (names.contains(field.key)) continue;
     const auto near = nearest_name(field.key, known);
     std::string list;
     for (const auto& key : known) list += (list.empty() ? "" : ", ") + key;

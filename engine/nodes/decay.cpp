@@ -1,5 +1,7 @@
 #include "engine/nodes/decay.h"
 
+#include <algorithm>
+
 #include "engine/dsp/pulse.h"
 #include "engine/dsp/rise.h"
 #include "engine/dsp/time_constant.h"
@@ -13,17 +15,10 @@ class Decay final : public Node {
   explicit Decay(const NodeSetup& setup) : sample_rate_(setup.sample_rate.value), time_(setup.sample_rate) {}
 
   void process(const NodeBlock& block) noexcept override {
-    const Signal trigger = block.in[0], time = block.in[1], level = block.in[2], length = block.in[3];
-    double keep = time_.keep(time[0]);
-    Rise rise = rise_;
-    Pulse pulse = pulse_;
-    for (int i = 0; i < block.frames; ++i) {
-      if (!time.constant()) keep = time_.keep(time[i]);
-      if (rise.step(trigger[i])) pulse.start(level[i]);
-      block.out[0][i] = pulse.step(keep, length[i] * sample_rate_);
-    }
-    rise_ = rise;
-    pulse_ = pulse;
+    if (block.frames == 1)
+      step(block, 0, 1);
+    else
+      process_row(block);
   }
   void reset() noexcept override {
     rise_ = {};
@@ -31,6 +26,30 @@ class Decay final : public Node {
   }
 
  private:
+  static constexpr int kAtOnce = 8;
+
+  // Not inlined: what many frames need to be set up would delay a single one.
+  [[gnu::noinline]] void process_row(const NodeBlock& block) noexcept {
+    const Signal trigger = block.in[0], time = block.in[1], length = block.in[3];
+    const bool resting = time.constant() && length.constant() && !trigger.constant();
+    for (int n = 0; n < block.frames;) {
+      int count = block.frames - n;
+      if (resting && rise_.indifferent(trigger.data + n, count))
+        pulse_.run(block.out[0] + n, count, time_.keep(time[0]), length[0] * sample_rate_);
+      else
+        step(block, n, count = std::min(kAtOnce, count));
+      n += count;
+    }
+  }
+
+  void step(const NodeBlock& block, int from, int count) noexcept {
+    const Signal trigger = block.in[0], time = block.in[1], level = block.in[2], length = block.in[3];
+    for (int n = from; n < from + count; ++n) {
+      if (rise_.step(trigger[n])) pulse_.start(level[n]);
+      block.out[0][n] = pulse_.step(time_.keep(time[n]), length[n] * sample_rate_);
+    }
+  }
+
   double sample_rate_;
   TimeConstant time_;
   Rise rise_;

@@ -75,7 +75,7 @@ class DelayNode : public RememberingNode {
   void read(const NodeBlock& block, int written) noexcept {
     const auto time = block.in[kTime];
     double* y = block.out[0];
-    if (time.constant()) {
+    if (steady(time, block.frames)) {
       const double seconds = counted(time[0], block.frames);
       if (seconds != aimed_at_) aim_ = taps_.at(aimed_at_ = seconds);
       const double* newest = newest_tap(aim_, written);
@@ -90,6 +90,14 @@ class DelayNode : public RememberingNode {
       const double* newest = newest_tap(aim, written - n);
       y[n] = Order == 0 ? *newest : tap_sum(newest, aim.weights, 0);
     }
+  }
+
+  /// Also what is worked out from controls at rest, frame by frame.
+  static bool steady(const Signal& time, int frames) noexcept {
+    if (time.constant() || frames == 1) return true;
+    unsigned changes = 0;
+    for (int n = 1; n < frames; ++n) changes |= static_cast<unsigned>(time.data[n] != time.data[0]);
+    return changes == 0;
   }
 
   double counted(double seconds, int frames) noexcept {

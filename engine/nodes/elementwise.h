@@ -26,22 +26,10 @@ class ElementwiseNode final : public Node {
   explicit ElementwiseNode(Law law) : law_(std::move(law)) {}
 
   void process(const NodeBlock& block) noexcept override {
-    double* const out = block.out[0];
+    if (block.frames > 1) return process_row(block);
     Values in{};
-    for (int k = 0; k < Law::kInputs; ++k) in[k] = block.in[k][0];
-    if (only_first_moves(block)) {
-      // The same function of the same values, where the compiler can see that they rest.
-      const double* const moving = block.in[0].data;
-      for (int i = 0; i < block.frames; ++i) {
-        in[0] = moving[i];
-        out[i] = law_.value(in.data());
-      }
-      return;
-    }
-    for (int i = 0; i < block.frames; ++i) {
-      for (int k = 0; k < Law::kInputs; ++k) in[k] = block.in[k][i];
-      out[i] = law_.value(in.data());
-    }
+    for (int k = 0; k < Law::kInputs; ++k) in[k] = *block.in[k].data;
+    *block.out[0] = law_.value(in.data());
   }
   void reset() noexcept override {}
 
@@ -57,10 +45,37 @@ class ElementwiseNode final : public Node {
  private:
   using Values = std::array<double, static_cast<std::size_t>(Law::kInputs)>;
 
-  static bool only_first_moves(const NodeBlock& block) {
-    for (int k = 1; k < Law::kInputs; ++k)
-      if (!block.in[k].constant()) return false;
-    return block.in[0].stride == 1;
+  // Not inlined: what many frames need to be set up would delay a single one.
+  [[gnu::noinline]] void process_row(const NodeBlock& block) const noexcept {
+    if (only_first_move<1>(block)) return run<1>(block);
+    if constexpr (Law::kInputs > 1)
+      if (only_first_move<2>(block)) return run<2>(block);
+    Values in{};
+    for (int i = 0; i < block.frames; ++i) {
+      for (int k = 0; k < Law::kInputs; ++k) in[k] = block.in[k][i];
+      block.out[0][i] = law_.value(in.data());
+    }
+  }
+
+  template <int Moving>
+  static bool only_first_move(const NodeBlock& block) {
+    for (int k = 0; k < Law::kInputs; ++k)
+      if (block.in[k].constant() == (k < Moving)) return false;
+    return true;
+  }
+
+  /// The same function of the same values, where the compiler can see which of them rest.
+  template <int Moving>
+  void run(const NodeBlock& block) const noexcept {
+    double* const out = block.out[0];
+    Values in{};
+    for (int k = Moving; k < Law::kInputs; ++k) in[k] = block.in[k][0];
+    std::array<const double*, Moving> moving;
+    for (int k = 0; k < Moving; ++k) moving[k] = block.in[k].data;
+    for (int i = 0; i < block.frames; ++i) {
+      for (int k = 0; k < Moving; ++k) in[k] = moving[k][i];
+      out[i] = law_.value(in.data());
+    }
   }
 
   Law law_;

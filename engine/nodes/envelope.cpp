@@ -13,18 +13,11 @@ class Envelope final : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     const Signal in = block.in[0], attack = block.in[1], release = block.in[2];
-    const bool resting = attack.constant() && release.constant();
-    double attack_keep = attack_.keep(attack[0]);
-    double release_keep = release_.keep(release[0]);
-    EnvelopeFollower follower = follower_;
-    for (int i = 0; i < block.frames; ++i) {
-      if (!resting) {
-        attack_keep = attack_.keep(attack[i]);
-        release_keep = release_.keep(release[i]);
-      }
-      block.out[0][i] = follower.step(in[i], attack_keep, release_keep);
-    }
-    follower_ = follower;
+    if (attack.constant() && release.constant() && !in.constant())
+      return follower_.run(in.data, block.out[0], block.frames, attack_.keep(attack[0]),
+                           release_.keep(release[0]));
+    for (int i = 0; i < block.frames; ++i)
+      block.out[0][i] = follower_.step(in[i], attack_.keep(attack[i]), release_.keep(release[i]));
   }
   void reset() noexcept override { follower_ = {}; }
 

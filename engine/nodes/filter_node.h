@@ -11,7 +11,8 @@
 namespace tactus {
 
 /// A LinearFilter as a node. Inputs: `in`, then the parameters of its design. Outputs: the filtered signal
-/// and, where the type declares a second one, what the filter took away: in - filtered.
+/// and, where the type declares a second one, what the filter took away: in - filtered. May skip unread
+/// outputs.
 template <int Order, std::size_t ParameterCount>
 class FilterNode : public Node {
  public:
@@ -22,16 +23,35 @@ class FilterNode : public Node {
       : design_(design), sample_rate_(setup.sample_rate), has_rest_(setup.type->outputs.size() > 1) {}
 
   void process(const NodeBlock& block) noexcept override {
+    if (block.frames == 1)
+      process_single(block);
+    else
+      process_row(block);
+  }
+
+ private:
+  void process_single(const NodeBlock& block) noexcept {
+    const double x = *block.in[0].data;
+    const int position = steps_.single(block, [&] { update(block, 0); });
+    const double y = filter_.run_single(x, position);
+    if (block.out[0] != nullptr) *block.out[0] = y;
+    if (has_rest_ && block.out[1] != nullptr) *block.out[1] = x - y;
+  }
+
+  // Not inlined: what many frames need to be set up would delay a single one.
+  [[gnu::noinline]] void process_row(const NodeBlock& block) noexcept {
     InARow in_a_row;
     const double* x = in_a_row(block.in[0], block.frames);
-    double* y = block.out[0];
+    std::array<double, kMaxPiece> unread;
+    double* y = block.out[0] != nullptr ? block.out[0] : unread.data();
     steps_.go(
         block, constant(block), [&](int frame) { update(block, frame); },
         [&](int from, int to, int position) { filter_.run(x + from, y + from, to - from, position); });
-    if (!has_rest_) return;
+    if (!has_rest_ || block.out[1] == nullptr) return;
     for (int n = 0; n < block.frames; ++n) block.out[1][n] = x[n] - y[n];
   }
 
+ public:
   void reset() noexcept override {
     filter_.reset();
     steps_.reset();

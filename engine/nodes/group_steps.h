@@ -16,6 +16,15 @@ class GroupSteps {
  public:
   void reset() noexcept { fresh_ = true; }
 
+  /// For a block of one frame: updates where that is due, gives back the position.
+  template <class Update>
+  int single(const NodeBlock& block, Update update) noexcept {
+    const int position = group_position(block.first_frame);
+    if (position == 0 || fresh_) update();
+    fresh_ = false;
+    return position;
+  }
+
   template <class Update, class Run>
   void go(const NodeBlock& block, bool constant, Update update, Run run) noexcept {
     for (int from = 0; from < block.frames;) {

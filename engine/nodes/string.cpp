@@ -21,18 +21,9 @@ class StringNode : public Node {
         string_(filter_, setup.sample_rate, lowest_pitch_) {}
 
   void process(const NodeBlock& block) noexcept override {
-    InARow in_a_row;
-    const double* x = in_a_row(block.in[kIn], block.frames);
-    double* y = block.out[0];
-    const auto* in = block.in;
-    const bool constant = in[kPitch].constant() && in[kGain].constant() && in[kLoss].constant();
-    steps_.go(
-        block, constant,
-        [&](int n) {
-          const double pitch = std::max(lowest_pitch_, in[kPitch][n]);
-          string_.tune({.pitch_hz = pitch, .gain = in[kGain][n], .loss = in[kLoss][n]});
-        },
-        [&](int from, int to, int position) { string_.run(x + from, y + from, to - from, position); });
+    if (block.frames > 1) return process_row(block);
+    const int position = steps_.single(block, [&] { tune(block, 0); });
+    *block.out[0] = string_.run_single(*block.in[kIn].data, position);
   }
 
   void reset() noexcept override {
@@ -59,6 +50,24 @@ class StringNode : public Node {
   static double lowest_pitch(const NodeSetup& setup) {
     // Above 0.3 of the rate the pitch is clamped to that.
     return std::min(setup.input("pitch").range.low, 0.3 * setup.sample_rate.value);
+  }
+
+  void tune(const NodeBlock& block, int n) noexcept {
+    const auto* in = block.in;
+    string_.tune(
+        {.pitch_hz = std::max(lowest_pitch_, in[kPitch][n]), .gain = in[kGain][n], .loss = in[kLoss][n]});
+  }
+
+  // Not inlined: what many frames need to be set up would delay a single one.
+  [[gnu::noinline]] void process_row(const NodeBlock& block) noexcept {
+    InARow in_a_row;
+    const double* x = in_a_row(block.in[kIn], block.frames);
+    double* y = block.out[0];
+    const auto* in = block.in;
+    const bool constant = in[kPitch].constant() && in[kGain].constant() && in[kLoss].constant();
+    steps_.go(
+        block, constant, [&](int n) { tune(block, n); },
+        [&](int from, int to, int position) { string_.run(x + from, y + from, to - from, position); });
   }
 
   LossFilter filter_;

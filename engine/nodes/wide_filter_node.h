@@ -24,7 +24,7 @@ class WideFilterNode final : public Node {
     steps_.go(
         block, constant(block), [&](int frame) { update(block, frame); },
         [&](int from, int to, int) { filter_.run(x.from(from), y + from * kWide, to - from); });
-    if (!has_rest_) return;
+    if (!has_rest_ || block.out[1] == nullptr) return;
     for (int n = 0; n < block.frames; ++n)
       (x[n] - Lanes::load(y + n * kWide)).store(block.out[1] + n * kWide);
   }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "engine/dsp/lanes.h"
 #include "engine/runtime/operations.h"
 
 namespace tactus {
@@ -122,7 +123,7 @@ void Engine::load_inputs(const BlockIo& io, int block_offset, int piece_offset, 
       std::fill_n(buffer, frames, 0.0);
       continue;
     }
-    std::copy_n(io.in[c] + block_offset + piece_offset, frames, buffer);
+    copy_samples(io.in[c] + block_offset + piece_offset, frames, buffer);
     make_finite(buffer, frames);
   }
 }
@@ -137,7 +138,10 @@ void Engine::store_outputs(const BlockIo& io, int block_offset, int piece_offset
   for (std::size_t c = 0; c < channels; ++c) {
     const auto& signal = schedule_->channels[static_cast<std::size_t>(running_->outputs[c])].signal;
     double* out = io.out[c] + block_offset + piece_offset;
-    for (int n = 0; n < frames; ++n) out[n] = signal[piece_offset + n];
+    if (signal.stride == 1)
+      copy_samples(signal.data + piece_offset, frames, out);
+    else
+      for (int n = 0; n < frames; ++n) out[n] = signal[piece_offset + n];
     fades_[c].process(out, frames, now_ + piece_offset);
   }
 }
@@ -203,11 +207,12 @@ int Engine::run_operations(const Section& section, const Step& step, int offset,
     const Signal* operands = schedule_->inputs.data() + operation.first_in;
     const Signal moved[2] = {{operands[0].data + offset * operands[0].stride, operands[0].stride},
                              {operands[1].data + offset * operands[1].stride, operands[1].stride}};
-    run_operation(operation.op, moved, operation.out + offset, frames);
-    if (all_finite(operation.out + offset, frames)) continue;
+    double* out = operation.out + offset;
+    run_operation(operation.op, moved, out, frames);
+    if (all_finite(out, frames)) continue;
     if (section.loop) return operation.path;
     // It remembers nothing, so that only the bad frames themselves are lost.
-    clear_nonfinite(operation.out + offset, frames);
+    clear_nonfinite(out, frames);
     count_fault(operation.path);
   }
   return kSound;
@@ -215,18 +220,9 @@ int Engine::run_operations(const Section& section, const Step& step, int offset,
 
 int Engine::run_step(const Section& section, const Step& step, int offset, int frames) noexcept {
   if (step.kind == Step::Kind::Operations) return run_operations(section, step, offset, frames);
-  const Signal* in = schedule_->inputs.data() + step.first_in;
-  double* const* out = schedule_->outputs.data() + step.first_out;
-  if (offset > 0) {
-    for (int i = 0; i < step.inputs; ++i)
-      running_->moved_in[static_cast<std::size_t>(i)] = {in[i].data + offset * in[i].stride, in[i].stride};
-    for (int i = 0; i < step.outputs; ++i)
-      running_->moved_out[static_cast<std::size_t>(i)] =
-          out[i] == nullptr ? nullptr : out[i] + offset * step.width;
-    in = running_->moved_in.data();
-    out = running_->moved_out.data();
-  }
-  const NodeBlock block{in, out, frames, now_ + offset};
+  NodeBlock block{schedule_->inputs.data() + step.first_in, schedule_->outputs.data() + step.first_out,
+                  frames, now_ + offset};
+  if (offset > 0) move_operands(step, offset, block);
   Node& node = *schedule_->nodes[static_cast<std::size_t>(step.node)];
   if (step.kind == Step::Kind::Absorb) {
     node.absorb(block);
@@ -236,10 +232,21 @@ int Engine::run_step(const Section& section, const Step& step, int offset, int f
     node.emit(block);
   else
     node.process(block);
-  bool finite = true;
   for (int i = 0; i < step.outputs; ++i)
-    if (out[i] != nullptr) finite &= all_finite(out[i], frames * step.width);
-  return finite ? kSound : step.path;
+    if (block.out[i] != nullptr && !all_finite(block.out[i], frames * step.width)) return step.path;
+  return kSound;
+}
+
+/// What a step reads and writes `offset` frames into the piece.
+void Engine::move_operands(const Step& step, int offset, NodeBlock& block) noexcept {
+  for (int i = 0; i < step.inputs; ++i)
+    running_->moved_in[static_cast<std::size_t>(i)] = {block.in[i].data + offset * block.in[i].stride,
+                                                       block.in[i].stride};
+  for (int i = 0; i < step.outputs; ++i)
+    running_->moved_out[static_cast<std::size_t>(i)] =
+        block.out[i] == nullptr ? nullptr : block.out[i] + offset * step.width;
+  block.in = running_->moved_in.data();
+  block.out = running_->moved_out.data();
 }
 
 void Engine::count_fault(int path) noexcept {

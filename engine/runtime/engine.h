@@ -87,6 +87,7 @@ class Engine final : public BlockProcessor {
   void run_section(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept;
   static constexpr int kSound = -1;  ///< nothing went wrong; else the path of what did
   int run_step(const Section& section, const Step& step, int offset, int frames) noexcept;
+  [[gnu::noinline]] void move_operands(const Step& step, int offset, NodeBlock& block) noexcept;
   int run_operations(const Section& section, const Step& step, int offset, int frames) noexcept;
   void answer_outside(const BlockIo& io, int block_offset, int offset, int frames) noexcept;
   void count_fault(int path) noexcept;

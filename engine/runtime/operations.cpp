@@ -1,10 +1,7 @@
 #include "engine/runtime/operations.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
-
-#include "engine/dsp/lanes.h"
-#include "engine/graph/operators.h"
 
 namespace tactus {
 namespace {
@@ -40,7 +37,11 @@ void run(const Signal* in, double* out, int frames) noexcept {
 
 }  // namespace
 
-void run_operation(Term::Op op, const Signal* in, double* out, int frames) noexcept {
+void run_operation_row(Term::Op op, const Signal* in, double* out, int frames) noexcept {
+  if (in[0].constant() && in[1].constant()) {  // controls at rest
+    std::fill_n(out, frames, apply(op, in[0][0], in[1][0]));
+    return;
+  }
   switch (op) {
     case Term::Op::Negate:
       return run<Term::Op::Negate>(in, out, frames);
@@ -63,21 +64,12 @@ void run_operation(Term::Op op, const Signal* in, double* out, int frames) noexc
   }
 }
 
-bool all_finite(const double* samples, int frames) noexcept {
-  // A number times zero is zero, a NaN or infinity is not. Four sums, so that none waits for another one.
-  std::array<Lanes, 4> zeros;
-  zeros.fill(Lanes::same(0.0));
-  int n = 0;
-  for (; n + 4 * Lanes::kCount <= frames; n += 4 * Lanes::kCount)
-    for (int k = 0; k < 4; ++k)
-      zeros[static_cast<std::size_t>(k)] = fused_multiply_add(
-          Lanes::load(samples + n + k * Lanes::kCount), Lanes::same(0.0), zeros[static_cast<std::size_t>(k)]);
-  std::array<double, Lanes::kCount> lanes;
-  ((zeros[0] + zeros[1]) + (zeros[2] + zeros[3])).store(lanes.data());
-  double zero = 0;
-  for (const double lane : lanes) zero += lane;
-  for (; n < frames; ++n) zero += 0.0 * samples[n];
-  return zero == 0;
+bool row_is_finite(const double* samples, int frames) noexcept {
+  // A step of the exponent carries into the sign's place exactly where every bit of it was set.
+  std::uint64_t carried = 0;
+  for (int n = 0; n < frames; ++n)
+    carried |= (std::bit_cast<std::uint64_t>(samples[n]) & kExponentBits) + kExponentStep;
+  return (carried >> 63) == 0;
 }
 
 int clear_nonfinite(double* samples, int frames) noexcept {

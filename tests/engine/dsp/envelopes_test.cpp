@@ -1,5 +1,7 @@
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
 #include "engine/dsp/adsr.h"
 #include "engine/dsp/comparator.h"
@@ -91,6 +93,42 @@ TEST_CASE("comparator: lets go only below its hysteresis", "[dsp]") {
   CHECK_FALSE(comparator.step(0.79, 1, 0.2));
   CHECK_FALSE(comparator.high);
   CHECK(comparator.step(1.1, 1, 0.2));
+}
+
+TEST_CASE("comparator: waits, and fires late where it was reached in the meantime", "[dsp]") {
+  Comparator comparator;
+  CHECK(comparator.step(1, 1, 0.5));
+  comparator.wait = 3;
+  CHECK_FALSE(comparator.step(0, 1, 0.5));
+  CHECK_FALSE(comparator.step(1, 1, 0.5));
+  CHECK(comparator.step(0.9 + 0.1, 1, 0.5));
+  CHECK_FALSE(comparator.step(2, 1, 0.5));  // not below the hysteresis since
+}
+
+TEST_CASE("comparator: frames that change nothing may be left out", "[dsp]") {
+  std::mt19937 bits(5);
+  for (int run = 0; run < 2000; ++run) {
+    Comparator plain, quick;
+    std::array<double, 12> in;
+    const double spread = 0.2 + (run % 10) * 0.1;
+    int skipped = 0;
+    for (int piece = 0; piece < 20; ++piece) {
+      for (auto& x : in) x = 0.6 + spread * (static_cast<double>(bits()) / 2147483648.0 - 1);
+      const bool left_out = quick.indifferent(in.data(), 12, 1.0, 0.5);
+      skipped += left_out;
+      if (left_out) quick.pass(12);
+      for (const double x : in) {
+        const bool fired = plain.step(x, 1.0, 0.5);
+        if (fired) plain.wait = 30;
+        CHECK_FALSE((left_out && fired));
+        if (!left_out && quick.step(x, 1.0, 0.5)) quick.wait = 30;
+      }
+      CHECK(plain.high == quick.high);
+      CHECK(plain.armed == quick.armed);
+      CHECK(plain.wait == quick.wait);
+    }
+    if (run % 10 == 0) CHECK(skipped > 0);
+  }
 }
 
 TEST_CASE("quantise: multiples of the step, and no rounding where the step vanishes", "[dsp]") {

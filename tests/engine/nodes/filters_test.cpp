@@ -27,6 +27,7 @@ struct Case {
 
 std::vector<Case> cases() {
   return {{&one_pole_type(), {{"cutoff", 300.0}}},
+          {&one_pole_type(), {{"cutoff", 300.0}}, {{"form", "matched"}}},
           {&low_pass_type(), {{"cutoff", 3000.0}, {"q", 4.0}}},
           {&high_pass_type(), {{"cutoff", 200.0}}},
           {&band_pass_type(), {{"frequency", 1000.0}, {"q", 5.0}}},
@@ -52,8 +53,8 @@ std::vector<double> held(const Case& c) {
 }
 
 double stated_decibels(const NodeType& type, std::map<std::string, InputValue> parameters, double hertz,
-                       int output = 0) {
-  const Case c{&type, std::move(parameters)};
+                       int output = 0, std::map<std::string, std::string> settings = {}) {
+  const Case c{&type, std::move(parameters), std::move(settings)};
   auto runner = runner_for(c, 0.0);
   return decibels(stated_response(runner, hertz, held(c), output));
 }
@@ -119,6 +120,12 @@ TEST_CASE("filters: cutoffs from 0 to beyond the rate, and NaN, are made designa
     const auto out = runner_for(c, noise(1000, 5)).run(even_cutting(1000, 64));
     for (const double y : out[0]) REQUIRE(std::isfinite(y));
   }
+}
+
+TEST_CASE("one_pole: the matched form is at -3.01 dB at the cutoff too", "[nodes]") {
+  const auto cutoff = GENERATE(80.0, 3000.0, 10000.0);
+  CHECK(stated_decibels(one_pole_type(), {{"cutoff", cutoff}}, cutoff, 0, {{"form", "matched"}}) ==
+        Approx(kHalfPower).margin(1e-9));
 }
 
 TEST_CASE("one_pole: both outputs are at -3.01 dB at the cutoff and add up to the input", "[nodes]") {

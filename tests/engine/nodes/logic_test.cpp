@@ -24,6 +24,17 @@ TEST_CASE("threshold: fires for one frame, and its gate stays up until the hyste
   CHECK(out[1] == Samples{0, 1, 1, 1, 0, 1, 0});
 }
 
+TEST_CASE("threshold: does not trigger again within its hold, and then at once where it was reached",
+          "[nodes]") {
+  test::NodeRunner runner(threshold_type(), {{"in", Samples{0, 1, 0, 1, 1, 1, 1, 0, 1}},
+                                             {"level", 1.0},
+                                             {"hysteresis", 0.2},
+                                             {"hold", 5 / 48000.0}});
+  const auto out = runner.run(test::even_cutting(9, 9));
+  CHECK(out[0] == Samples{0, 1, 0, 0, 0, 0, 1, 0, 0});
+  CHECK(out[1] == Samples{0, 1, 0, 1, 1, 1, 1, 0, 1});
+}
+
 TEST_CASE("sample_hold: takes over in the frame of the trigger", "[nodes]") {
   CHECK(play_node(sample_hold_type(), 5,
                   {{"in", Samples{1, 2, 3, 4, 5}}, {"trigger", Samples{0, 1, 1, 0, 1}}}) ==
