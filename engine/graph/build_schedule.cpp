@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/graph/operators.h"
+
 namespace tactus {
 namespace {
 
@@ -179,6 +181,8 @@ class Builder {
                                             : Step::Kind::Process;
     step.node = node;
     step.width = vertex.width;
+    step.can_fail = vertex.kind != Vertex::Kind::Pack &&
+                    (vertex.kind != Vertex::Kind::Operation || can_overflow(vertex.op));
     step.first_in = add_inputs(vertex.in);
     step.inputs = static_cast<int>(vertex.in.size());
     step.first_out = static_cast<int>(schedule_->outputs.size());

@@ -31,4 +31,10 @@ inline double apply(Term::Op op, double a, double b) noexcept {
   }
 }
 
+/// Whether it can give what is not finite although its operands are.
+inline bool can_overflow(Term::Op op) noexcept {
+  return op == Term::Op::Add || op == Term::Op::Subtract || op == Term::Op::Multiply ||
+         op == Term::Op::Divide;
+}
+
 }  // namespace tactus

@@ -48,8 +48,9 @@ struct Step {
   int first_in = 0, inputs = 0;    ///< in Schedule::inputs
   int first_out = 0, outputs = 0;  ///< in Schedule::outputs
   int first_operation = 0, operations = 0;
-  int width = 1;  ///< numbers a frame of every output
-  int path = 0;   ///< in Schedule::paths
+  int width = 1;         ///< numbers a frame of every output
+  bool can_fail = true;  ///< may give what is not finite although all that it reads is
+  int path = 0;          ///< in Schedule::paths
 };
 
 /// Steps that run together, `sub_block` frames at a time. A section that is a loop is reset as a whole when

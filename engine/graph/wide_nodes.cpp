@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/core/transpose.h"
 #include "engine/graph/operators.h"
 
 namespace tactus {
@@ -68,14 +69,14 @@ void WideOperation::process(const NodeBlock& block) noexcept {
 }
 
 void Pack::process(const NodeBlock& block) noexcept {
-  std::array<Signal, kWide> in;
-  std::copy_n(block.in, kWide, in.begin());
   double* out = block.out[0];
+  if (std::all_of(block.in, block.in + kWide, [](const Signal& lane) { return lane.stride == 1; })) {
+    std::array<const double*, kWide> rows;
+    for (std::size_t lane = 0; lane < kWide; ++lane) rows[lane] = block.in[lane].data;
+    return Transpose::pack(rows, out, block.frames);
+  }
   for (int n = 0; n < block.frames; ++n)
-    for (auto& lane : in) {
-      *out++ = *lane.data;
-      lane.data += lane.stride;
-    }
+    for (int lane = 0; lane < kWide; ++lane) *out++ = block.in[lane][n];
 }
 
 void LaneSum::process(const NodeBlock& block) noexcept {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "engine/core/transpose.h"
 #include "engine/dsp/lanes.h"
 #include "engine/runtime/operations.h"
 
@@ -29,6 +30,8 @@ Status Engine::prepare(const StreamFormat& format) {
   schedule_ = running_->schedule.get();
   running_->start(format.max_frames);
   fades_.assign(running_->outputs.size(), {});
+  fading_until_ = 0;
+  last_frames_ = 0;
   outside_buffers_.assign(running_->outputs.size() + schedule_->input_names.size(),
                           std::vector<double>(kMaxPiece, 0.0));
   outside_in_.clear();
@@ -62,6 +65,7 @@ void Engine::run_block(const BlockIo& io) noexcept {
     run_piece<kTimed>(io, offset, piece);
     offset += piece;
     now_ += piece;
+    last_frames_ = piece;
   }
   frame_.store(now_, std::memory_order_relaxed);
 }
@@ -135,15 +139,22 @@ void Engine::make_finite(double* samples, int frames) noexcept {
 
 void Engine::store_outputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept {
   const auto channels = std::min(static_cast<std::size_t>(format_.out_channels), running_->outputs.size());
+  const int to = block_offset + piece_offset;
   for (std::size_t c = 0; c < channels; ++c) {
     const auto& signal = schedule_->channels[static_cast<std::size_t>(running_->outputs[c])].signal;
-    double* out = io.out[c] + block_offset + piece_offset;
-    if (signal.stride == 1)
-      copy_samples(signal.data + piece_offset, frames, out);
-    else
-      for (int n = 0; n < frames; ++n) out[n] = signal[piece_offset + n];
-    fades_[c].process(out, frames, now_ + piece_offset);
+    if (signal.stride == 1) {
+      copy_samples(signal.data + piece_offset, frames, io.out[c] + to);
+    } else if (running_->side_by_side[c] && c + kWide <= channels) {
+      std::array<double*, kWide> rows;
+      for (std::size_t lane = 0; lane < kWide; ++lane) rows[lane] = io.out[c + lane] + to;
+      Transpose::unpack(signal.data + piece_offset * kWide, rows, frames);
+      c += kWide - 1;
+    } else {
+      for (int n = 0; n < frames; ++n) io.out[c][to + n] = signal[piece_offset + n];
+    }
   }
+  if (now_ + piece_offset >= fading_until_) return;
+  for (std::size_t c = 0; c < channels; ++c) fades_[c].process(io.out[c] + to, frames, now_ + piece_offset);
 }
 
 void Engine::answer_outside(const BlockIo& io, int block_offset, int offset, int frames) noexcept {
@@ -152,7 +163,7 @@ void Engine::answer_outside(const BlockIo& io, int block_offset, int offset, int
     const auto& signal = schedule_->channels[static_cast<std::size_t>(running_->outputs[c])].signal;
     double* samples = outside_buffers_[c].data();
     for (int n = 0; n < frames; ++n) samples[n] = signal[offset + n];
-    fades_[c].process(samples, frames, now_ + offset);
+    if (now_ + offset < fading_until_) fades_[c].process(samples, frames, now_ + offset);
     if (static_cast<int>(c) < format_.out_channels)
       std::copy_n(samples, frames, io.out[c] + block_offset + offset);
   }
@@ -205,11 +216,15 @@ int Engine::run_operations(const Section& section, const Step& step, int offset,
   for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
     const auto& operation = schedule_->operations[static_cast<std::size_t>(i)];
     const Signal* operands = schedule_->inputs.data() + operation.first_in;
-    const Signal moved[2] = {{operands[0].data + offset * operands[0].stride, operands[0].stride},
-                             {operands[1].data + offset * operands[1].stride, operands[1].stride}};
     double* out = operation.out + offset;
-    run_operation(operation.op, moved, out, frames);
-    if (all_finite(out, frames)) continue;
+    if (offset == 0) {
+      run_operation(operation.op, operands, out, frames);
+    } else {
+      const Signal moved[2] = {{operands[0].data + offset * operands[0].stride, operands[0].stride},
+                               {operands[1].data + offset * operands[1].stride, operands[1].stride}};
+      run_operation(operation.op, moved, out, frames);
+    }
+    if (!can_overflow(operation.op) || all_finite(out, frames)) continue;
     if (section.loop) return operation.path;
     // It remembers nothing, so that only the bad frames themselves are lost.
     clear_nonfinite(out, frames);
@@ -232,6 +247,7 @@ int Engine::run_step(const Section& section, const Step& step, int offset, int f
     node.emit(block);
   else
     node.process(block);
+  if (!step.can_fail) return kSound;
   for (int i = 0; i < step.outputs; ++i)
     if (block.out[i] != nullptr && !all_finite(block.out[i], frames * step.width)) return step.path;
   return kSound;

@@ -97,6 +97,7 @@ class Engine final : public BlockProcessor {
   int frames_to_next_entry(int frames) noexcept;
   void apply(const JournalEntry& entry) noexcept;
   void take_over(Running& next) noexcept;
+  double last_output(std::size_t output) const noexcept;
   void collect();
   void make_finite(double* samples, int frames) noexcept;
   void load_inputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept;
@@ -116,6 +117,8 @@ class Engine final : public BlockProcessor {
   Schedule* schedule_;  // of `running_`
   StreamFormat format_;
   std::vector<OutputFade> fades_;
+  std::int64_t fading_until_ = 0;
+  int last_frames_ = 0;  // of the piece before
   std::vector<const double*> outside_in_;
   std::vector<double*> outside_out_;
   std::vector<std::vector<double>> outside_buffers_;

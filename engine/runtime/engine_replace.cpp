@@ -62,6 +62,13 @@ std::vector<FaultCount> Engine::faults() const {
 // ---- audio side
 // -------------------------------------------------------------------------------------------------
 
+/// What went out in the frame before this one.
+double Engine::last_output(std::size_t output) const noexcept {
+  if (last_frames_ == 0) return 0.0;
+  const auto channel = static_cast<std::size_t>(running_->outputs[output]);
+  return schedule_->channels[channel].signal[last_frames_ - 1] + fades_[output].at(now_ - 1);
+}
+
 void Engine::take_over(Running& next) noexcept {
   Schedule& schedule = *next.schedule;
   for (const auto [from, to] : next.handover.remade)
@@ -73,7 +80,8 @@ void Engine::take_over(Running& next) noexcept {
   const auto fade = static_cast<std::int64_t>(std::lround(kFadeSeconds * schedule.sample_rate.value));
   next.take_values(*running_, now_, fade);
   for (std::size_t c = 0; c < fades_.size(); ++c)
-    if (next.handover.jumps[c]) fades_[c].begin(now_, fade);
+    if (next.handover.jumps[c]) fades_[c].begin(now_, fade, last_output(c));
+  fading_until_ = now_ + fade;
   running_ = &next;
   schedule_ = &schedule;
   incoming_.store(nullptr, std::memory_order_relaxed);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 namespace tactus {
 
@@ -11,22 +12,24 @@ namespace tactus {
 class OutputFade {
  public:
   void reset() noexcept { *this = {}; }
-  /// [realtime] The next sample comes from another graph.
-  void begin(std::int64_t frame, std::int64_t frames) noexcept {
+  /// [realtime] The next sample comes from another graph; `last` is the one before it.
+  void begin(std::int64_t frame, std::int64_t frames, double last) noexcept {
     start_ = frame;
     length_ = frames;
+    last_ = last;
     jump_unknown_ = true;
   }
-  /// [realtime] In place. Remembers the last sample.
+  /// [realtime] What is added at a frame.
+  double at(std::int64_t frame) const noexcept {
+    const std::int64_t left = start_ + length_ - frame;
+    return left > 0 ? jump_ * (static_cast<double>(left) / static_cast<double>(length_)) : 0.0;
+  }
+  /// [realtime] In place.
   void process(double* samples, int frames, std::int64_t first_frame) noexcept {
-    if (jump_unknown_) {
-      jump_ = last_ - samples[0];
-      jump_unknown_ = false;
-    }
+    if (std::exchange(jump_unknown_, false)) jump_ = last_ - samples[0];
     const std::int64_t end = start_ + length_;
     for (std::int64_t n = first_frame; n < end && n < first_frame + frames; ++n)
-      samples[n - first_frame] += jump_ * (static_cast<double>(end - n) / static_cast<double>(length_));
-    last_ = samples[frames - 1];
+      samples[n - first_frame] += at(n);
   }
 
  private:

@@ -9,6 +9,7 @@ Running::Running(std::unique_ptr<Schedule> made, int max_frames)
     : schedule(std::move(made)), faults(schedule->paths.size()), step_ns(schedule->steps.size(), 0.0) {
   for (std::size_t i = 0; i < schedule->channels.size(); ++i)
     (schedule->channels[i].use == OutputUse::Tap ? tap_channels : outputs).push_back(static_cast<int>(i));
+  for (std::size_t c = 0; c < outputs.size(); ++c) side_by_side.push_back(begins_lanes(c));
   std::size_t most_in = 2;
   std::size_t most_out = 1;
   for (const auto& step : schedule->steps) {
@@ -28,6 +29,17 @@ Running::Running(std::unique_ptr<Schedule> made, int max_frames)
     controls.push_back(std::move(mover));
   }
   start(max_frames);
+}
+
+bool Running::begins_lanes(std::size_t output) const {
+  if (output + kWide > outputs.size()) return false;
+  const auto signal = [&](std::size_t c) {
+    return schedule->channels[static_cast<std::size_t>(outputs[c])].signal;
+  };
+  const double* first = signal(output).data;
+  for (std::size_t lane = 0; lane < kWide; ++lane)
+    if (const auto s = signal(output + lane); s.stride != kWide || s.data != first + lane) return false;
+  return true;
 }
 
 void Running::start(int max_frames) {

@@ -53,6 +53,7 @@ struct Running {
   std::vector<int> control_of;  ///< [number, which stays the same for ever] index in `controls`; -1: gone
   std::vector<std::string> control_names;  ///< [number]
   std::vector<int> outputs;                ///< channels that are not taps
+  std::vector<bool> side_by_side;          ///< [output] it and those behind it are the lanes of one signal
   std::vector<int> tap_channels;
   std::vector<std::vector<double>> taps;
   std::vector<Signal> moved_in;  ///< a step's operands at an offset into the piece
@@ -64,6 +65,7 @@ struct Running {
   Handover handover;
 
  private:
+  bool begins_lanes(std::size_t output) const;
   void rest(Mover& mover, bool resting) noexcept;
   void advance(Mover& mover, std::int64_t now, int frames) noexcept;
 
