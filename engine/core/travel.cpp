@@ -36,6 +36,12 @@ Travel::Travel(const TravelLimits& limits, double largest_step, Hertz sample_rat
 
 double Travel::sudden(Vector2 state, double y) const noexcept { return length(state) + return_push_ * y * y; }
 
+/// `sudden` without its root.
+bool Travel::surely_within(Vector2 state, double y) const noexcept {
+  const double room = limit_ - kRounding - return_push_ * y * y;
+  return room > 0.0 && state.x * state.x + state.y * state.y <= room * room;
+}
+
 double Travel::steady(Vector2 state, double y) const noexcept {
   return std::abs(static_ * y) + length({state.x - static_ * y, state.y});
 }
@@ -43,6 +49,7 @@ double Travel::steady(Vector2 state, double y) const noexcept {
 double Travel::allow(double wanted, double previous, int position) noexcept {
   catch_up(position);
   const auto there = after(wanted);
+  if (surely_within(there, wanted)) return wanted;
   const double suddenly = sudden(there, wanted), steadily = steady(there, wanted);
   if (suddenly <= limit_ || steadily <= limit_) return wanted;
   const double back = returned(previous, largest_step_);

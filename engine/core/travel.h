@@ -50,6 +50,7 @@ class Travel {
   static constexpr double kRounding = 1e-9;
 
   Vector2 after(double y) const noexcept { return free_ * now_ + y * held_; }
+  bool surely_within(Vector2 state, double y) const noexcept;
   double sudden(Vector2 state, double y) const noexcept;
   double steady(Vector2 state, double y) const noexcept;
   void catch_up(int position) noexcept;
