@@ -23,6 +23,7 @@ class Builder {
     take_nodes();
     for (const auto& section : sections) add_section(section);
     add_channels();
+    find_what_can_rest();
     return std::move(schedule_);
   }
 
@@ -242,6 +243,27 @@ class Builder {
       if (source.kind == Vertex::Kind::Control)
         schedule_->controls[static_cast<std::size_t>(source.index)].output_slots.push_back(vertex.index);
     }
+  }
+
+  void find_what_can_rest() {
+    std::map<const double*, int> found;
+    const auto rests = [&](const Signal& signal) { return signal.constant() || found.contains(signal.data); };
+    for (auto& operation : schedule_->operations) {
+      const Signal* in = schedule_->inputs.data() + operation.first_in;
+      if (!rests(in[0]) || !rests(in[1])) continue;
+      operation.can_rest = static_cast<int>(schedule_->can_rest.size());
+      found.emplace(operation.out, operation.can_rest);
+      schedule_->can_rest.emplace_back();
+    }
+    const auto reader_of = [&](const Signal& signal) {
+      const auto of = found.find(signal.data);
+      return of == found.end() ? nullptr : &schedule_->can_rest[static_cast<std::size_t>(of->second)];
+    };
+    for (std::size_t slot = 0; slot < schedule_->inputs.size(); ++slot)
+      if (auto* of = reader_of(schedule_->inputs[slot])) of->slots.push_back(static_cast<int>(slot));
+    for (std::size_t channel = 0; channel < schedule_->channels.size(); ++channel)
+      if (auto* of = reader_of(schedule_->channels[channel].signal))
+        of->channels.push_back(static_cast<int>(channel));
   }
 
   const VertexGraph& graph_;

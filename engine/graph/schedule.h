@@ -31,7 +31,14 @@ struct MicroOperation {
   Term::Op op;
   int first_in = 0;  ///< in Schedule::inputs
   double* out = nullptr;
-  int path = 0;  ///< in Schedule::paths
+  int path = 0;       ///< in Schedule::paths
+  int can_rest = -1;  ///< in Schedule::can_rest, or -1
+};
+
+/// An operation on nothing but controls and numbers: while they rest it is one number, which rests as well.
+struct CanRest {
+  std::vector<int> slots;     ///< in Schedule::inputs: the places that read it
+  std::vector<int> channels;  ///< in Schedule::channels
 };
 
 /// One entry of the flat list that a block runs through.
@@ -97,6 +104,7 @@ struct Schedule {
   std::vector<Signal> inputs;
   std::vector<double*> outputs;
   std::vector<MicroOperation> operations;
+  std::vector<CanRest> can_rest;
   std::vector<std::string> paths;
 
   std::vector<std::string> input_names;

@@ -216,6 +216,7 @@ int Engine::run_operations(const Section& section, const Step& step, int offset,
   for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
     const auto& operation = schedule_->operations[static_cast<std::size_t>(i)];
     const Signal* operands = schedule_->inputs.data() + operation.first_in;
+    if (operation.can_rest >= 0 && run_at_rest(operation, operands)) continue;
     double* out = operation.out + offset;
     if (offset == 0) {
       run_operation(operation.op, operands, out, frames);
@@ -231,6 +232,22 @@ int Engine::run_operations(const Section& section, const Step& step, int offset,
     count_fault(operation.path);
   }
   return kSound;
+}
+
+/// False if one of the operands moves.
+bool Engine::run_at_rest(const MicroOperation& operation, const Signal* operands) noexcept {
+  const bool rests = operands[0].constant() && operands[1].constant();
+  if (rests != (running_->at_rest[static_cast<std::size_t>(operation.can_rest)] != 0))
+    running_->rest(operation.can_rest, rests);
+  if (!rests) return false;
+  double value = 0;
+  run_operation(operation.op, operands, &value, 1);
+  if (!is_finite(value)) {
+    value = 0;
+    count_fault(operation.path);
+  }
+  std::fill_n(operation.out, kWide, value);
+  return true;
 }
 
 int Engine::run_step(const Section& section, const Step& step, int offset, int frames) noexcept {

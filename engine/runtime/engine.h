@@ -89,6 +89,7 @@ class Engine final : public BlockProcessor {
   int run_step(const Section& section, const Step& step, int offset, int frames) noexcept;
   [[gnu::noinline]] void move_operands(const Step& step, int offset, NodeBlock& block) noexcept;
   int run_operations(const Section& section, const Step& step, int offset, int frames) noexcept;
+  bool run_at_rest(const MicroOperation& operation, const Signal* operands) noexcept;
   void answer_outside(const BlockIo& io, int block_offset, int offset, int frames) noexcept;
   void count_fault(int path) noexcept;
   void silence(const Step& step, int offset, int frames) noexcept;

@@ -56,6 +56,8 @@ void Running::start(int max_frames) {
     ramp.mover.value = MovingValue::resting(ramp.mover.value.to);
     rest(ramp.mover, true);
   }
+  at_rest.assign(schedule->can_rest.size(), 0);
+  for (std::size_t i = 0; i < at_rest.size(); ++i) rest(static_cast<int>(i), false);
   for (auto& count : faults) count.store(0, std::memory_order_relaxed);
 }
 
@@ -98,10 +100,20 @@ void Running::rest(Mover& mover, bool resting) noexcept {
   mover.resting = resting;
   if (mover.buffer == nullptr) return;
   if (resting) std::fill_n(mover.buffer, kWide, mover.value.to);
-  for (const int slot : mover.slots)
-    schedule->inputs[static_cast<std::size_t>(slot)].stride = resting ? 0 : 1;
-  for (const int channel : mover.channels)
-    schedule->channels[static_cast<std::size_t>(channel)].signal.stride = resting ? 0 : 1;
+  set_strides(mover.slots, mover.channels, resting ? 0 : 1);
+}
+
+void Running::rest(int can_rest, bool rests) noexcept {
+  const auto& signal = schedule->can_rest[static_cast<std::size_t>(can_rest)];
+  at_rest[static_cast<std::size_t>(can_rest)] = rests;
+  set_strides(signal.slots, signal.channels, rests ? 0 : 1);
+}
+
+void Running::set_strides(const std::vector<int>& slots, const std::vector<int>& channels,
+                          int stride) noexcept {
+  for (const int slot : slots) schedule->inputs[static_cast<std::size_t>(slot)].stride = stride;
+  for (const int channel : channels)
+    schedule->channels[static_cast<std::size_t>(channel)].signal.stride = stride;
 }
 
 void Running::advance(std::int64_t now, int frames) noexcept {

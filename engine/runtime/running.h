@@ -44,6 +44,8 @@ struct Running {
   void move_control(std::size_t control, std::int64_t now, double target) noexcept;
   /// [realtime] Values of controls and ramps go on from where they are in the version before.
   void take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
+  /// [realtime] From here on the signal is one number, or a sample a frame.
+  void rest(int can_rest, bool resting) noexcept;
   /// [realtime] Moves on by `frames` from `now`.
   void advance(std::int64_t now, int frames) noexcept;
 
@@ -60,6 +62,7 @@ struct Running {
   std::vector<double*> moved_out;
   std::vector<std::atomic<std::int64_t>> faults;  ///< by path
   std::vector<double> step_ns;
+  std::vector<char> at_rest;  ///< as Schedule::can_rest
 
   std::int64_t frame = 0;  ///< the first that it is to run
   Handover handover;
@@ -67,6 +70,7 @@ struct Running {
  private:
   bool begins_lanes(std::size_t output) const;
   void rest(Mover& mover, bool resting) noexcept;
+  void set_strides(const std::vector<int>& slots, const std::vector<int>& channels, int stride) noexcept;
   void advance(Mover& mover, std::int64_t now, int frames) noexcept;
 
   int moving_ = 0;  ///< controls and ramps that do not rest: a file may have thousands that nobody moves
