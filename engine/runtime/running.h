@@ -60,6 +60,8 @@ struct Running {
   std::vector<double*> moved_out;
   std::vector<std::atomic<std::int64_t>> faults;  ///< by path
   std::vector<double> step_ns;
+  std::vector<std::int64_t>
+      silent_until;  ///< [step] the frame where a fault's silence ends; loops: first step
 
   std::int64_t frame = 0;  ///< the first that it is to run
   Handover handover;
