@@ -103,7 +103,19 @@ g = { value = [1, 2] }
 [controls]
 g = { value = "7000 dB" }
 )",
-     R"(test.toml:3:15: '7000 dB' is not a quantity; write a number and its unit, such as "15 ms")"},
+     R"(test.toml:3:15: '7000 dB' is not finite; give a number that is, in SI units, below 1e300)"},
+    {"a quantity that no number can hold",
+     R"(format = 1
+[controls]
+g = { value = "1e999 m" }
+)",
+     R"(test.toml:3:15: '1e999 m' is not finite; give a number that is, in SI units, below 1e300)"},
+    {"a quantity that is not a number",
+     R"(format = 1
+[controls]
+g = { value = "nan m" }
+)",
+     R"(test.toml:3:15: 'nan m' is not finite; give a number that is, in SI units, below 1e300)"},
     {"infinity",
      R"(format = 1
 [controls]
@@ -180,6 +192,16 @@ a = "1"
 a = "2"
 )",
      R"(test.toml:4:5: cannot redefine existing string 'a'; rename or remove one of them)"},
+    {"two headings of one name",
+     R"(format = 1
+[nodes]
+a = "1"
+[controls]
+g = { value = 1 }
+[nodes]
+b = "2"
+)",
+     R"(test.toml:6:1: cannot redefine existing table 'nodes'; put all that belongs to it under one heading, or rename one of them)"},
     {"both type and use",
      R"(format = 1
 [nodes]
@@ -317,7 +339,7 @@ x = {}
 a = { type = "quantiser", in = "x", step = 0.1, rounding = "up" }
 )",
      R"(test.toml:5:60: 'rounding' of quantiser 'a' cannot be "up"; choose one of "nearest", "floor")"},
-    {"a flag in quotes",
+    {"a seed in words",
      R"(format = 1
 [nodes]
 a = { type = "noise", seed = "seven" }
