@@ -159,6 +159,21 @@ Mix = "1"
 "größe" = "1"
 )",
      R"(test.toml:3:1: 'größe' cannot name a node; names begin with a small letter and go on with small letters, digits and _)"},
+    {"a letter with an accent outside of quotes",
+     R"(format = 1
+[controls]
+gain = { value ßoss, range = [0, 1] }
+)",
+     R"(test.toml:3:16: 'ß' (U+00DF) stands outside of quotes; put the text that it belongs to in quotes, or take it out)"},
+    {"a name in UTF-8 without quotes",
+     R"(format = 1
+[nodes]
+größe = "1"
+)",
+     R"(test.toml:3:3: 'ö' (U+00F6) stands outside of quotes; put the text that it belongs to in quotes, or take it out)"},
+    {"a blank that is none",
+     "format = 1\n[nodes]\na\xC2\xA0= 1\n",
+     "test.toml:3:2: '\xC2\xA0' (U+00A0) stands outside of quotes; put the text that it belongs to in quotes, or take it out"},
     {"a name with a dot",
      R"(format = 1
 [nodes]
