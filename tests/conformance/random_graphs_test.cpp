@@ -92,6 +92,9 @@ class RandomGraph {
     const auto in_range = [&](const std::string& s) {
       return number(middle) + unit + " + " + number(half) + unit + " * " + limited(s);
     };
+    // Upside down for certain is an error in the file.
+    if (port.name == "low") return "\"-0.6 + 0.4 * " + limited(signal()) + "\"";
+    if (port.name == "high") return "\"0.6 + 0.4 * " + limited(signal()) + "\"";
     if (port.late && pick(2) == 0) return "\"" + in_range("0.5 * " + back()) + "\"";
     if (free && port.low > -1) return "\"" + in_range(signal()) + "\"";
     if (free && pick(6) == 0) return list_of_lanes();
