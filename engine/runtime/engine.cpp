@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "engine/core/transpose.h"
 #include "engine/dsp/lanes.h"
@@ -157,6 +158,9 @@ void Engine::load_inputs(const BlockIo& io, int block_offset, int piece_offset, 
 void Engine::make_finite(double* samples, int frames) noexcept {
   if (!all_finite(samples, frames))
     bad_inputs_.fetch_add(clear_nonfinite(samples, frames), std::memory_order_relaxed);
+  // Denormals are 0 to arithmetic, but not to what only copies or chooses: nodes must not see any.
+  for (int n = 0; n < frames; ++n)
+    samples[n] = std::abs(samples[n]) < std::numeric_limits<double>::min() ? 0.0 : samples[n];
 }
 
 void Engine::store_outputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept {

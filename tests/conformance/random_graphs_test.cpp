@@ -29,6 +29,7 @@ class RandomGraph {
   RandomGraph(unsigned seed, int lanes) : bits_(seed), lanes_(lanes) {}
 
   std::string text(bool as_part) {
+    part_ = as_part;
     const int inputs = 2, controls = as_part ? 1 : pick(4);
     text_ = "format = 1\n[inputs]\n";
     for (int i = 0; i < inputs; ++i) declare("x" + std::to_string(i), "{}");
@@ -97,7 +98,8 @@ class RandomGraph {
     if (port.name == "high") return "\"0.6 + 0.4 * " + limited(signal()) + "\"";
     if (port.late && pick(2) == 0) return "\"" + in_range("0.5 * " + back()) + "\"";
     if (free && port.low > -1) return "\"" + in_range(signal()) + "\"";
-    if (free && pick(6) == 0) return list_of_lanes();
+    // A part's input may have lanes of its own, of which a list takes none.
+    if (free && !part_ && pick(6) == 0) return list_of_lanes();
     return free ? "\"" + signal() + "\"" : "\"" + in_range(signal()) + "\"";
   }
   std::string list_of_lanes() {
@@ -171,6 +173,7 @@ class RandomGraph {
 
   std::mt19937 bits_;
   int lanes_;
+  bool part_ = false;
   std::string text_, networks_;
   std::vector<std::string> signals_;
 };
