@@ -69,7 +69,10 @@ tl::unexpected<Error> explain(const toml::parse_error& error, std::string_view t
   Source at = place(file, error.source());
   std::string what{error.description()};
   if (what.find("redefine") != what.npos)
-    return fail(Errc::Duplicate, at.text(), what.substr(what.find("cannot")), "rename or remove one of them");
+    return fail(Errc::Duplicate, at.text(), what.substr(what.find("cannot")),
+                what.find("existing table") != what.npos
+                    ? "put all that belongs to it under one heading, or rename one of them"
+                    : "rename or remove one of them");
   if (const auto unquoted = find_unquoted(line_of(text, at.line), at.column)) {
     at.column = unquoted->column;
     const std::string value{unquoted->value};

@@ -1,6 +1,8 @@
 #include "engine/graph/quantity.h"
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -15,6 +17,15 @@ std::string example_of(const Dimension& dimension) {
   for (const auto* text : kExamples)
     if (parse_quantity(text)->unit.dimension == dimension) return std::string{"\""} + text + "\"";
   return dimension.plain() ? "a plain number, such as 0.5" : "a quantity in " + to_string(dimension);
+}
+
+/// It has the form of a quantity, whatever the size of its number.
+bool has_number_and_unit(std::string_view text) {
+  const auto start = std::min(text.find_first_not_of(" +"), text.size());
+  double value = 0;
+  const auto number = std::from_chars(text.data() + start, text.data() + text.size(), value);
+  if (number.ec == std::errc::invalid_argument) return false;
+  return parse_unit(text.substr(static_cast<std::size_t>(number.ptr - text.data()))).has_value();
 }
 
 }  // namespace
@@ -50,6 +61,9 @@ Result<QuantityValue> read_quantity(const Value& value) {
     return fail(Errc::WrongType, value.at.text(), "a quantity cannot be " + value.kind(),
                 "give a number, or a number with its unit in quotes, such as \"15 ms\"");
   const auto quantity = parse_quantity(*text);
+  if (!quantity && has_number_and_unit(*text))
+    return fail(Errc::OutOfRange, value.at.text(), "'" + *text + "' is not finite",
+                "give a number that is, in SI units, below 1e300");
   if (!quantity)
     return fail(Errc::Syntax, value.at.text(), "'" + *text + "' is not a quantity",
                 "write a number and its unit, such as \"15 ms\"");

@@ -1,6 +1,7 @@
 #include "engine/graph/toml_limits.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <optional>
 #include <string>
 
@@ -65,6 +66,8 @@ std::size_t skip_string(std::string_view text, std::size_t i) {
   return text.size();
 }
 
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 struct Trouble {
   std::size_t offset;
   std::string what, remedy;
@@ -85,6 +88,10 @@ class BracketScan {
         i = skip_string(text_, i);
       } else if (c == '#') {
         i = std::min(text_.find('\n', i), text_.size());
+      } else if (static_cast<unsigned char>(c) >= 0x80) {
+        // TOML knows none there, and the parser asks of some whether they are blanks, with no answer ready.
+        if (i > 0 || !text_.starts_with(kByteOrderMark)) return stray(i);
+        i = kByteOrderMark.size();
       } else {
         if (!fits(c)) return Trouble{i, "brackets or dots more than 64 deep", "close some of them before"};
         if (auto trouble = close(c, i)) return trouble;
@@ -98,6 +105,17 @@ class BracketScan {
   }
 
  private:
+  /// A character that may be a blank to the eye: so its number is given, too.
+  Trouble stray(std::size_t offset) const {
+    const auto character = text_.substr(offset, character_length(text_.substr(offset, 4)));
+    unsigned code = static_cast<unsigned char>(character[0]) & (0x7fu >> character.size());
+    for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned char>(c) & 0x3fu);
+    char number[16];
+    std::snprintf(number, sizeof number, "U+%04X", code);
+    return {offset, "'" + std::string{character} + "' (" + number + ") stands outside of quotes",
+            "put the text that it belongs to in quotes, or take it out"};
+  }
+
   bool fits(char c) {
     dots_ = c == '.' ? dots_ + 1 : std::string_view{"=,[]{}\n"}.find(c) != std::string_view::npos ? 0 : dots_;
     if (c == '[' || c == '{') open_ += c;

@@ -20,7 +20,8 @@ class WideFilterNode final : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     const WideSignal x{block.in[0]};
-    double* const y = block.out[0];
+    std::array<double, static_cast<std::size_t>(kMaxPiece * kWide)> unread;
+    double* const y = block.out[0] != nullptr ? block.out[0] : unread.data();
     steps_.go(
         block, constant(block), [&](int frame) { update(block, frame); },
         [&](int from, int to, int) { filter_.run(x.from(from), y + from * kWide, to - from); });

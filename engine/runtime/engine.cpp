@@ -3,12 +3,35 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "engine/core/transpose.h"
 #include "engine/dsp/lanes.h"
 #include "engine/runtime/operations.h"
 
 namespace tactus {
+namespace {
+
+/// Adds its lifetime to a step's nanoseconds, if somebody asked for them.
+template <bool kTimed>
+struct StepTimer {
+  explicit StepTimer(double&) {}
+};
+
+template <>
+struct StepTimer<true> {
+  explicit StepTimer(double& sum) : sum_ns(sum), before(std::chrono::steady_clock::now()) {}
+  ~StepTimer() {
+    sum_ns += std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - before).count();
+  }
+  StepTimer(const StepTimer&) = delete;
+  StepTimer& operator=(const StepTimer&) = delete;
+
+  double& sum_ns;
+  std::chrono::steady_clock::time_point before;
+};
+
+}  // namespace
 
 Engine::Engine(std::unique_ptr<Schedule> schedule)
     : newest_(std::make_unique<Running>(std::move(schedule), 1)),
@@ -135,6 +158,9 @@ void Engine::load_inputs(const BlockIo& io, int block_offset, int piece_offset, 
 void Engine::make_finite(double* samples, int frames) noexcept {
   if (!all_finite(samples, frames))
     bad_inputs_.fetch_add(clear_nonfinite(samples, frames), std::memory_order_relaxed);
+  // Denormals are 0 to arithmetic, but not to what only copies or chooses: nodes must not see any.
+  for (int n = 0; n < frames; ++n)
+    samples[n] = std::abs(samples[n]) < std::numeric_limits<double>::min() ? 0.0 : samples[n];
 }
 
 void Engine::store_outputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept {
@@ -181,42 +207,76 @@ void Engine::answer_outside(const BlockIo& io, int block_offset, int offset, int
 
 template <bool kTimed>
 void Engine::run_section(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept {
-  for (int offset = 0; offset < frames; offset += section.sub_block) {
-    const int part = std::min(section.sub_block, frames - offset);
+  if (section.loop) return run_loop<kTimed>(section, io, block_offset, frames);
+  for (int s = section.first_step; s < section.end_step; ++s) {
+    const StepTimer<kTimed> timer{running_->step_ns[static_cast<std::size_t>(s)]};
+    if (schedule_->steps[static_cast<std::size_t>(s)].kind == Step::Kind::Outside)
+      answer_outside(io, block_offset, 0, frames);
+    else
+      run_alone(s, frames);
+  }
+}
+
+// A fault silences from its own frame to the end of the cell that it lies in, on a grid of kMaxPiece frames:
+// so the output does not depend on the blocks either.
+std::int64_t Engine::end_of_cell(std::int64_t frame) { return frame - frame % kMaxPiece + kMaxPiece; }
+
+/// A step that lies in no loop.
+void Engine::run_alone(int s, int frames) noexcept {
+  const auto& step = schedule_->steps[static_cast<std::size_t>(s)];
+  auto& silent_until = running_->silent_until[static_cast<std::size_t>(s)];
+  for (int offset = 0; offset < frames;) {
+    if (silent_until > now_ + offset) {
+      const auto part = static_cast<int>(std::min<std::int64_t>(silent_until - now_, frames)) - offset;
+      silence(step, offset, part);
+      offset += part;
+      continue;
+    }
+    const Fault fault = run_step(step, false, offset, frames - offset);
+    if (fault.path == kSound) return;
+    count_fault(fault.path);
+    reset(step);
+    offset += fault.frame;
+    silent_until = end_of_cell(now_ + offset);
+  }
+}
+
+template <bool kTimed>
+void Engine::run_loop(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept {
+  const Step* const steps = schedule_->steps.data();
+  auto& silent_until = running_->silent_until[static_cast<std::size_t>(section.first_step)];
+  for (int offset = 0, part = 0; offset < frames; offset += part) {
+    // No sub-block lies across the end of a cell, since a silence may end there.
+    part = std::min(
+        {section.sub_block, frames - offset, static_cast<int>(end_of_cell(now_ + offset) - (now_ + offset))});
+    const bool silent = silent_until > now_ + offset;
+    Fault first;
     for (int s = section.first_step; s < section.end_step; ++s) {
-      const auto& step = schedule_->steps[static_cast<std::size_t>(s)];
-      [[maybe_unused]] std::chrono::steady_clock::time_point before;
-      if constexpr (kTimed) before = std::chrono::steady_clock::now();
-      int faulty_path = kSound;
-      if (step.kind == Step::Kind::Outside)
-        answer_outside(io, block_offset, offset, part);
-      else
-        faulty_path = run_step(section, step, offset, part);
-      if constexpr (kTimed)
-        running_->step_ns[static_cast<std::size_t>(s)] +=
-            std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - before).count();
-      if (faulty_path == kSound) continue;
-      count_fault(faulty_path);
-      if (!section.loop) {
-        silence(step, offset, part);
-        continue;
-      }
-      for (int t = section.first_step; t < section.end_step; ++t)
-        silence(schedule_->steps[static_cast<std::size_t>(t)], offset, part);
+      const StepTimer<kTimed> timer{running_->step_ns[static_cast<std::size_t>(s)]};
       // The world outside misses no frame, or it would be late from here on.
-      for (int t = s + 1; t < section.end_step; ++t)
-        if (schedule_->steps[static_cast<std::size_t>(t)].kind == Step::Kind::Outside)
-          answer_outside(io, block_offset, offset, part);
-      break;
+      if (steps[s].kind == Step::Kind::Outside)
+        answer_outside(io, block_offset, offset, part);
+      else if (silent)
+        silence(steps[s], offset, part);
+      else if (const Fault fault = run_step(steps[s], true, offset, part); fault.frame < first.frame)
+        first = fault;
+    }
+    if (first.path == kSound) continue;
+    count_fault(first.path);
+    silent_until = end_of_cell(now_ + offset);
+    for (int s = section.first_step; s < section.end_step; ++s) {
+      reset(steps[s]);
+      silence(steps[s], offset + first.frame, part - first.frame);
     }
   }
 }
 
-int Engine::run_operations(const Section& section, const Step& step, int offset, int frames) noexcept {
+Engine::Fault Engine::run_operations(const Step& step, bool loop, int offset, int frames) noexcept {
+  Fault first;
   for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
     const auto& operation = schedule_->operations[static_cast<std::size_t>(i)];
     const Signal* operands = schedule_->inputs.data() + operation.first_in;
-    if (operation.can_rest >= 0 && run_at_rest(operation, operands)) continue;
+    if (operation.can_rest >= 0 && run_at_rest(operation, operands, frames)) continue;
     double* out = operation.out + offset;
     if (offset == 0) {
       run_operation(operation.op, operands, out, frames);
@@ -226,16 +286,17 @@ int Engine::run_operations(const Section& section, const Step& step, int offset,
       run_operation(operation.op, moved, out, frames);
     }
     if (!can_overflow(operation.op) || all_finite(out, frames)) continue;
-    if (section.loop) return operation.path;
-    // It remembers nothing, so that only the bad frames themselves are lost.
-    clear_nonfinite(out, frames);
-    count_fault(operation.path);
+    const int bad = first_nonfinite(out, frames);
+    const int cleared = clear_nonfinite(out, frames);
+    // Outside loops it remembers nothing, so that only the bad frames themselves are lost.
+    if (!loop) count_fault(operation.path, cleared);
+    if (loop && bad < first.frame) first = {operation.path, bad};
   }
-  return kSound;
+  return first;
 }
 
 /// False if one of the operands moves.
-bool Engine::run_at_rest(const MicroOperation& operation, const Signal* operands) noexcept {
+bool Engine::run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept {
   const bool rests = operands[0].constant() && operands[1].constant();
   if (rests != (running_->at_rest[static_cast<std::size_t>(operation.can_rest)] != 0))
     running_->rest(operation.can_rest, rests);
@@ -244,30 +305,44 @@ bool Engine::run_at_rest(const MicroOperation& operation, const Signal* operands
   run_operation(operation.op, operands, &value, 1);
   if (!is_finite(value)) {
     value = 0;
-    count_fault(operation.path);
+    count_fault(operation.path, frames);
   }
   std::fill_n(operation.out, kWide, value);
   return true;
 }
 
-int Engine::run_step(const Section& section, const Step& step, int offset, int frames) noexcept {
-  if (step.kind == Step::Kind::Operations) return run_operations(section, step, offset, frames);
+/// In a loop, what the step gave is made finite from the bad frame on, for the steps that follow.
+Engine::Fault Engine::run_step(const Step& step, bool loop, int offset, int frames) noexcept {
+  if (step.kind == Step::Kind::Operations) return run_operations(step, loop, offset, frames);
   NodeBlock block{schedule_->inputs.data() + step.first_in, schedule_->outputs.data() + step.first_out,
                   frames, now_ + offset};
   if (offset > 0) move_operands(step, offset, block);
   Node& node = *schedule_->nodes[static_cast<std::size_t>(step.node)];
   if (step.kind == Step::Kind::Absorb) {
     node.absorb(block);
-    return kSound;
+    return {};
   }
   if (step.kind == Step::Kind::Emit)
     node.emit(block);
   else
     node.process(block);
-  if (!step.can_fail) return kSound;
+  if (!step.can_fail) return {};
   for (int i = 0; i < step.outputs; ++i)
-    if (block.out[i] != nullptr && !all_finite(block.out[i], frames * step.width)) return step.path;
-  return kSound;
+    if (block.out[i] != nullptr && !all_finite(block.out[i], frames * step.width)) {
+      const Fault fault = fault_of(step, block);
+      if (loop) silence(step, offset + fault.frame, frames - fault.frame);
+      return fault;
+    }
+  return {};
+}
+
+Engine::Fault Engine::fault_of(const Step& step, const NodeBlock& block) noexcept {
+  Fault fault{step.path, block.frames};
+  for (int i = 0; i < step.outputs; ++i)
+    if (block.out[i] != nullptr)
+      fault.frame =
+          std::min(fault.frame, first_nonfinite(block.out[i], block.frames * step.width) / step.width);
+  return fault;
 }
 
 /// What a step reads and writes `offset` frames into the piece.
@@ -282,12 +357,15 @@ void Engine::move_operands(const Step& step, int offset, NodeBlock& block) noexc
   block.out = running_->moved_out.data();
 }
 
-void Engine::count_fault(int path) noexcept {
-  running_->faults[static_cast<std::size_t>(path)].fetch_add(1, std::memory_order_relaxed);
+void Engine::count_fault(int path, int times) noexcept {
+  running_->faults[static_cast<std::size_t>(path)].fetch_add(times, std::memory_order_relaxed);
+}
+
+void Engine::reset(const Step& step) noexcept {
+  if (step.node >= 0) schedule_->nodes[static_cast<std::size_t>(step.node)]->reset();
 }
 
 void Engine::silence(const Step& step, int offset, int frames) noexcept {
-  if (step.node >= 0) schedule_->nodes[static_cast<std::size_t>(step.node)]->reset();
   for (int i = step.first_out; i < step.first_out + step.outputs; ++i)
     if (double* out = schedule_->outputs[static_cast<std::size_t>(i)])
       std::fill_n(out + offset * step.width, frames * step.width, 0.0);

@@ -85,13 +85,24 @@ class Engine final : public BlockProcessor {
   void run_piece(const BlockIo& io, int offset, int frames) noexcept;
   template <bool kTimed>
   void run_section(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept;
-  static constexpr int kSound = -1;  ///< nothing went wrong; else the path of what did
-  int run_step(const Section& section, const Step& step, int offset, int frames) noexcept;
+  static constexpr int kSound = -1;
+  /// The first frame of a step that is not finite, and whose it is.
+  struct Fault {
+    int path = kSound;
+    int frame = kMaxPiece;
+  };
+  static std::int64_t end_of_cell(std::int64_t frame);
+  void run_alone(int step, int frames) noexcept;
+  template <bool kTimed>
+  void run_loop(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept;
+  Fault run_step(const Step& step, bool loop, int offset, int frames) noexcept;
   [[gnu::noinline]] void move_operands(const Step& step, int offset, NodeBlock& block) noexcept;
-  int run_operations(const Section& section, const Step& step, int offset, int frames) noexcept;
-  bool run_at_rest(const MicroOperation& operation, const Signal* operands) noexcept;
+  static Fault fault_of(const Step& step, const NodeBlock& block) noexcept;
+  Fault run_operations(const Step& step, bool loop, int offset, int frames) noexcept;
+  bool run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept;
   void answer_outside(const BlockIo& io, int block_offset, int offset, int frames) noexcept;
-  void count_fault(int path) noexcept;
+  void count_fault(int path, int times = 1) noexcept;
+  void reset(const Step& step) noexcept;
   void silence(const Step& step, int offset, int frames) noexcept;
 
   // Journal, controls, other versions.

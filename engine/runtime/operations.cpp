@@ -72,6 +72,12 @@ bool row_is_finite(const double* samples, int frames) noexcept {
   return (carried >> 63) == 0;
 }
 
+int first_nonfinite(const double* samples, int frames) noexcept {
+  int n = 0;
+  while (n < frames && std::isfinite(samples[n])) ++n;
+  return n;
+}
+
 int clear_nonfinite(double* samples, int frames) noexcept {
   int cleared = 0;
   for (int n = 0; n < frames; ++n) {

@@ -34,6 +34,9 @@ inline bool all_finite(const double* samples, int frames) noexcept {
   return frames == 1 ? is_finite(*samples) : row_is_finite(samples, frames);
 }
 
+/// [realtime] `frames` if there is none.
+int first_nonfinite(const double* samples, int frames) noexcept;
+
 /// [realtime] Makes NaN and infinity 0. Returns how many there were.
 int clear_nonfinite(double* samples, int frames) noexcept;
 

@@ -6,7 +6,10 @@
 namespace tactus {
 
 Running::Running(std::unique_ptr<Schedule> made, int max_frames)
-    : schedule(std::move(made)), faults(schedule->paths.size()), step_ns(schedule->steps.size(), 0.0) {
+    : schedule(std::move(made)),
+      faults(schedule->paths.size()),
+      step_ns(schedule->steps.size(), 0.0),
+      silent_until(schedule->steps.size(), 0) {
   for (std::size_t i = 0; i < schedule->channels.size(); ++i)
     (schedule->channels[i].use == OutputUse::Tap ? tap_channels : outputs).push_back(static_cast<int>(i));
   for (std::size_t c = 0; c < outputs.size(); ++c) side_by_side.push_back(begins_lanes(c));
@@ -48,6 +51,7 @@ void Running::start(int max_frames) {
   if (schedule->system_delay != nullptr)
     std::fill_n(schedule->system_delay, kWide, schedule->system_delay_at_start.value);
   for (auto& node : schedule->nodes) node->reset();
+  std::fill(silent_until.begin(), silent_until.end(), 0);
   for (std::size_t i = 0; i < controls.size(); ++i) {
     controls[i].value = MovingValue::resting(schedule->controls[i].control.value);
     rest(controls[i], true);

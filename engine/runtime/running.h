@@ -63,6 +63,8 @@ struct Running {
   std::vector<std::atomic<std::int64_t>> faults;  ///< by path
   std::vector<double> step_ns;
   std::vector<char> at_rest;  ///< as Schedule::can_rest
+  /// [step, of a loop its first] the frame where the silence after a fault ends.
+  std::vector<std::int64_t> silent_until;
 
   std::int64_t frame = 0;  ///< the first that it is to run
   Handover handover;

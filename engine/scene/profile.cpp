@@ -51,9 +51,10 @@ class ProfileReader {
     profile_.fade_out = Seconds{required("fade_out", "s", 0, 1)};
   }
 
+  // clang 14 emplaces no empty one of a class inside a class.
   void read_heat() {
     if (!open("heat", {"power", "coil_time", "body_time", "coil_share", "rise"})) return;
-    auto& heat = profile_.heat.emplace();
+    auto& heat = profile_.heat.emplace(ActuatorProfile::Heat{});
     heat.watts = required("power", "W", 1e-3, 1e5);
     heat.coil_time = Seconds{required("coil_time", "s", 0.01, 1e5)};
     heat.body_time = Seconds{required("body_time", "s", 0.01, 1e6)};
@@ -63,7 +64,7 @@ class ProfileReader {
 
   void read_travel() {
     if (!open("travel", {"limit", "mass", "stiffness", "damping", "force_factor"})) return;
-    auto& travel = profile_.travel.emplace();
+    auto& travel = profile_.travel.emplace(ActuatorProfile::Travel{});
     travel.metres = required("limit", "m", 1e-6, 1);
     travel.mass_kg = required("mass", "kg", 1e-6, 100);
     travel.stiffness_n_per_m = required("stiffness", "N/m", 1e-3, 1e9);
@@ -73,7 +74,7 @@ class ProfileReader {
 
   void read_direct() {
     if (!open("direct", {"level", "time"})) return;
-    auto& direct = profile_.direct.emplace();
+    auto& direct = profile_.direct.emplace(ActuatorProfile::Direct{});
     direct.volts = required("level", "V", 1e-6, 1000);
     direct.time = Seconds{required("time", "s", 0, 3600)};
   }

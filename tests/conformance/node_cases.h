@@ -42,4 +42,8 @@ std::vector<NodeCase> ordinary_cases(const NodeType& type, int frames, unsigned 
 /// Full-scale squares, silence, and 1e30 of either sign at every port that has a bound and must clamp.
 std::vector<NodeCase> extreme_cases(const NodeType& type, int frames);
 
+/// An output of the given unit as a plain number, divided by its unit. "=in" follows a plain signal, and
+/// "=in/s" is one of it a second.
+std::string plain_signal(const std::string& name, std::string unit);
+
 }  // namespace tactus::test

@@ -169,6 +169,15 @@ std::string as_written(const Setting& setting, const std::string& value) {
   return text ? "\"" + value + "\"" : value;
 }
 
+std::string plain_signal(const std::string& name, std::string unit) {
+  if (!unit.empty() && unit[0] == '=') {
+    const auto factor = unit.find_first_of(" /");
+    unit = factor == std::string::npos ? "" : "1" + unit.substr(factor);
+  }
+  if (unit.empty() || unit == "any") return name;
+  return "(" + name + " / 1 " + (unit[0] == '1' ? "Hz" : unit) + ")";
+}
+
 NodeRunner NodeCase::runner() const { return {*type, inputs, settings, 48_kHz, typical_ranges(*type)}; }
 
 NodeSetup NodeCase::setup() const {

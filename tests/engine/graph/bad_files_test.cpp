@@ -103,7 +103,19 @@ g = { value = [1, 2] }
 [controls]
 g = { value = "7000 dB" }
 )",
-     R"(test.toml:3:15: '7000 dB' is not a quantity; write a number and its unit, such as "15 ms")"},
+     R"(test.toml:3:15: '7000 dB' is not finite; give a number that is, in SI units, below 1e300)"},
+    {"a quantity that no number can hold",
+     R"(format = 1
+[controls]
+g = { value = "1e999 m" }
+)",
+     R"(test.toml:3:15: '1e999 m' is not finite; give a number that is, in SI units, below 1e300)"},
+    {"a quantity that is not a number",
+     R"(format = 1
+[controls]
+g = { value = "nan m" }
+)",
+     R"(test.toml:3:15: 'nan m' is not finite; give a number that is, in SI units, below 1e300)"},
     {"infinity",
      R"(format = 1
 [controls]
@@ -147,6 +159,21 @@ Mix = "1"
 "größe" = "1"
 )",
      R"(test.toml:3:1: 'größe' cannot name a node; names begin with a small letter and go on with small letters, digits and _)"},
+    {"a letter with an accent outside of quotes",
+     R"(format = 1
+[controls]
+gain = { value ßoss, range = [0, 1] }
+)",
+     R"(test.toml:3:16: 'ß' (U+00DF) stands outside of quotes; put the text that it belongs to in quotes, or take it out)"},
+    {"a name in UTF-8 without quotes",
+     R"(format = 1
+[nodes]
+größe = "1"
+)",
+     R"(test.toml:3:3: 'ö' (U+00F6) stands outside of quotes; put the text that it belongs to in quotes, or take it out)"},
+    {"a blank that is none",
+     "format = 1\n[nodes]\na\xC2\xA0= 1\n",
+     "test.toml:3:2: '\xC2\xA0' (U+00A0) stands outside of quotes; put the text that it belongs to in quotes, or take it out"},
     {"a name with a dot",
      R"(format = 1
 [nodes]
@@ -180,6 +207,16 @@ a = "1"
 a = "2"
 )",
      R"(test.toml:4:5: cannot redefine existing string 'a'; rename or remove one of them)"},
+    {"two headings of one name",
+     R"(format = 1
+[nodes]
+a = "1"
+[controls]
+g = { value = 1 }
+[nodes]
+b = "2"
+)",
+     R"(test.toml:6:1: cannot redefine existing table 'nodes'; put all that belongs to it under one heading, or rename one of them)"},
     {"both type and use",
      R"(format = 1
 [nodes]
@@ -317,7 +354,7 @@ x = {}
 a = { type = "quantiser", in = "x", step = 0.1, rounding = "up" }
 )",
      R"(test.toml:5:60: 'rounding' of quantiser 'a' cannot be "up"; choose one of "nearest", "floor")"},
-    {"a flag in quotes",
+    {"a seed in words",
      R"(format = 1
 [nodes]
 a = { type = "noise", seed = "seven" }

@@ -148,4 +148,7 @@ TEST_CASE("hostile files: a file of a node does not lead out of its folder eithe
 TEST_CASE("hostile files: no character of a file reaches the terminal as a command", "[graph]") {
   CHECK(test::mistakes("format = 1\n[nodes]\na = { type = \"\\u001b[31mclip\\nall is well\" }\n") ==
         "test.toml:3:14: there is no node type '?[31mclip?all is well'; `tactus nodes` lists them all");
+  CHECK(test::mistakes("format = 1\n[nodes]\na = { type = \"\xC2\x9B"
+                       "31mclip\" }\n") ==
+        "test.toml:3:14: there is no node type '?31mclip'; `tactus nodes` lists them all");
 }

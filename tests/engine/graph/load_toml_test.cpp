@@ -56,7 +56,10 @@ TEST_CASE("toml: a syntax error is said in words, with its place", "[graph]") {
       {"in = microphone # why", "a.toml:1:6: 'microphone' stands without quotes; write \"microphone\""},
       {"range = [0, 60 dB]", "a.toml:1:13: '60 dB' stands without quotes; write \"60 dB\""},
       {"a = 1\na = 2", "a.toml:2:5: cannot redefine existing integer 'a'; rename or remove one of them"},
-      {"[n]\nx = 1\n[n]", "a.toml:3:1: cannot redefine existing table 'n'; rename or remove one of them"},
+      {"[n]\nx = 1\n[n]",
+       "a.toml:3:1: cannot redefine existing table 'n'; put all that belongs to it under one heading, or "
+       "rename "
+       "one of them"},
       {"[nodes\nx = 1",
        "a.toml:1:7: in this table header: expected ']', saw '\\n'; mend it to see what else there is"},
       {"a = [1,", "a.toml:1:8: in this array: encountered end-of-file; mend it to see what else there is"},

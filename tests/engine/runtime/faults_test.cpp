@@ -92,10 +92,10 @@ TEST_CASE("Engine: a node that breaks is counted, silent and starts again, the r
     const auto out = test::run(*engine, {x, poison_at(640, 200, poison)}, 640, {64});
     CHECK(faults_of(*engine) == "bad: 1; ");
     CHECK(test::first_difference({sound[1], sound[2]}, {out[1], out[2]}) == "");
-    // Frames 192 to 255 are one piece: the node gives 0 there, and starts from rest behind.
-    CHECK(std::all_of(out[0].begin() + 192, out[0].begin() + 256, [](double s) { return s == 1; }));
-    CHECK(test::first_difference({{sound[0].begin(), sound[0].begin() + 192}},
-                                 {{out[0].begin(), out[0].begin() + 192}}) == "");
+    // From the bad frame to the end of its cell of 64 the node gives 0, and starts from rest behind.
+    CHECK(std::all_of(out[0].begin() + 200, out[0].begin() + 256, [](double s) { return s == 1; }));
+    CHECK(test::first_difference({{sound[0].begin(), sound[0].begin() + 200}},
+                                 {{out[0].begin(), out[0].begin() + 200}}) == "");
     CHECK(out[0][256] == x[256] + 1);
     // 0.5^60 of the state is below the last bit.
     CHECK(test::first_difference({{sound[0].begin() + 320, sound[0].end()}},
@@ -103,7 +103,8 @@ TEST_CASE("Engine: a node that breaks is counted, silent and starts again, the r
   }
 }
 
-TEST_CASE("Engine: a loop that breaks is reset as a whole and silent for the sub-block", "[runtime]") {
+TEST_CASE("Engine: a loop that breaks is reset as a whole and silent to the end of its 64 frames",
+          "[runtime]") {
   const auto engine = engine_of(
       "[nodes]\nbad = { type = \"fragile\", in = \"x + 0.5 * line\", poison = \"poison\" }\n"
       "line = { type = \"delay\", in = \"y\", time = \"20 / system.rate\", interpolation = \"none\" }\n"
@@ -115,15 +116,45 @@ TEST_CASE("Engine: a loop that breaks is reset as a whole and silent for the sub
   const auto out = test::run(*engine, {x, poison_at(1280, 200, 1)}, 1280, {64});
   CHECK(faults_of(*engine) == "bad: 1; ");
   CHECK(test::first_difference({sound[1], sound[2]}, {out[1], out[2]}) == "");
-  // Sub-blocks of 20 frames from 192 on: the first one is silent.
-  CHECK(all_zero(out[0], 192, 212));
-  CHECK(out[0][212] == 0.9 * x[212]);
-  CHECK(test::first_difference({{sound[0].begin(), sound[0].begin() + 192}},
-                               {{out[0].begin(), out[0].begin() + 192}}) == "");
-  // Behind it the loop sounds as one that starts at frame 212.
-  auto later = test::Samples(x.begin() + 212, x.end());
-  const auto fresh = test::run(*engine, {later, test::Samples(later.size())}, 1280 - 212, {44, 64});
-  CHECK(test::first_difference({fresh[0]}, {{out[0].begin() + 212, out[0].end()}}) == "");
+  CHECK(all_zero(out[0], 200, 256));
+  CHECK(out[0][256] == 0.9 * x[256]);
+  CHECK(test::first_difference({{sound[0].begin(), sound[0].begin() + 200}},
+                               {{out[0].begin(), out[0].begin() + 200}}) == "");
+  // Behind it the loop sounds as one that starts at frame 256.
+  auto later = test::Samples(x.begin() + 256, x.end());
+  const auto fresh = test::run(*engine, {later, test::Samples(later.size())}, 1280 - 256, {64});
+  CHECK(test::first_difference({fresh[0]}, {{out[0].begin() + 256, out[0].end()}}) == "");
+}
+
+TEST_CASE("Engine: what a fault silences does not depend on the blocks", "[runtime]") {
+  const auto straight = engine_of(
+      "[nodes]\nbad = { type = \"fragile\", in = \"x\", poison = \"poison\" }\ny = \"bad + 1\"\n" + kBesides);
+  // The line stands before what breaks, and a second thing breaks a frame earlier in the second half.
+  const auto loop = engine_of(
+      "[nodes]\nline = { type = \"delay\", in = \"later\", time = \"20 / system.rate\", interpolation = "
+      "\"none\" "
+      "}\n"
+      "bad = { type = \"fragile\", in = \"x + 0.5 * line\", poison = \"max(0, poison)\" }\n"
+      "later = { type = \"fragile\", in = \"0.9 * bad\", poison = \"min(0, poison)\" }\n"
+      "y = \"bad\"\n" +
+      kBesides);
+  const auto x = test::noise(2000, 1);
+  auto poison = poison_at(2000, 200, 1);
+  poison[501] = 1;
+  poison[500] = -1;
+  poison[1000] = -1;
+  poison[1023] = 1;
+  poison[1024] = 1;
+  for (const auto* engine : {&straight, &loop}) {
+    const auto expected = test::run(**engine, {x, poison}, 2000, {64});
+    const auto faults = faults_of(**engine);
+    CHECK(faults == (engine == &loop ? "bad: 2; later: 2; " : "bad: 4; "));
+    for (const auto& blocks : std::vector<std::vector<int>>{{1}, {7}, {48}, {100}, {1, 63, 5, 200}}) {
+      INFO("blocks of " << blocks[0]);
+      CHECK(test::first_difference(expected, test::run(**engine, {x, poison}, 2000, blocks)) == "");
+      CHECK(faults_of(**engine) == faults);
+    }
+  }
 }
 
 TEST_CASE("Engine: a loop that grows beyond all bounds is counted under the first bad step", "[runtime]") {
@@ -134,8 +165,8 @@ TEST_CASE("Engine: a loop that grows beyond all bounds is counted under the firs
       kBesides);
   const auto x = test::noise(64, 1, 0.5, 1);
   const auto out = test::run(*engine, {x, test::Samples(64)}, 64, {64});
-  // 1e200, then 1e400 overflows: every other frame.
-  CHECK(faults_of(*engine) == "grown: 32; ");
+  // 1e200, then 1e400 overflows; silence to the end of the 64 frames.
+  CHECK(faults_of(*engine) == "grown: 1; ");
   for (const auto sample : out[0]) CHECK(std::isfinite(sample));
 }
 

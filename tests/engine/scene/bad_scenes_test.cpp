@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <filesystem>
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
@@ -493,4 +494,22 @@ TEST_CASE("bad files: a scene that is wrong says where, what, and what to do", "
     if (const auto at = told.find(name); at != std::string::npos) told.replace(at, name.size(), "FOLDER");
     CHECK(told == file.told);
   }
+}
+
+TEST_CASE("hostile files: a scene is read as carefully as a graph", "[scene]") {
+  const test::TemporaryFolder folder;
+  const auto told = [&](std::string_view text, std::uintmax_t bytes = 0) {
+    const auto file = folder.write("scene.toml", text);
+    if (bytes > 0) std::filesystem::resize_file(file, bytes);
+    const auto built = build_scene(load_scene_leniently(file), standard_nodes());
+    return built ? "" : folder.strip(to_string(built.error()));
+  };
+  CHECK(told("format = 1\n", 1u << 30) ==
+        "scene.toml: the file is larger than 16 MB; graph files are text of a few pages");
+  CHECK(told("format = 1\n\xff\xfe") == "scene.toml:2:1: this is not UTF-8 text; save the file as UTF-8");
+  CHECK(told("parts = " + std::string(100000, '[')) ==
+        "scene.toml:1:73: brackets or dots more than 64 deep; close some of them before");
+  CHECK(told("duration = nan\n")
+            .find("scene.toml:1:12: inf and nan are not numbers here; give a finite number") !=
+        std::string::npos);
 }
