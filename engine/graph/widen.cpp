@@ -5,25 +5,17 @@
 #include <numeric>
 
 #include "engine/graph/fingerprint.h"
+#include "engine/graph/lane_groups.h"
 #include "engine/graph/lane_sum.h"
 #include "engine/graph/wide_nodes.h"
 
 namespace tactus {
 namespace {
 
-/// From this many voices on, eight at once cost less than one after the other.
-constexpr std::ptrdiff_t kLeastLanes = 4;
+using Group = LaneGroup;
+using Row = LaneRow;
 
-constexpr int kNone = -1;
-
-/// Lanes that are to run side by side.
-struct Group {
-  std::vector<int> members;  ///< vertices, lane by lane; kNone where a lane was left out or never was
-  int first = 0;             ///< the first lane that is there
-  std::unique_ptr<Node> node;
-  bool remembers = false;
-  int vertex = kNone;  ///< the wide one
-};
+constexpr int kNone = Group::kNone;
 
 /// A node of a vertex that is new.
 struct Made {
@@ -35,17 +27,15 @@ struct Made {
 class Widening {
  public:
   Widening(VertexGraph& graph, const FlatGraph& flat, MadeNodes& made)
-      : graph_(graph), flat_(flat), made_(made) {}
+      : graph_(graph), made_(made), groups_(graph, flat, made) {}
 
   bool run() {
-    find_groups();
-    drop_groups_without_memory();
-    if (groups_.empty()) return false;
+    if (groups_.groups().empty()) return false;
     const auto scalars = graph_.vertices.size();
-    for (auto& group : groups_) add_wide(group);
-    for (auto& group : groups_) connect(group);
+    for (auto& group : groups_.groups()) add_wide(group);
+    for (auto& group : groups_.groups()) connect(group);
     for (std::size_t v = 0; v < scalars; ++v) connect_scalar(static_cast<int>(v));
-    for (const auto& group : groups_)
+    for (const auto& group : groups_.groups())
       for (const int member : group.members)
         if (member != kNone) at(member).alive = false;
     made_.nodes.resize(graph_.vertices.size());
@@ -65,108 +55,6 @@ class Widening {
     const int v = static_cast<int>(graph_.vertices.size()) - 1;
     if (node) nodes_.push_back({v, std::move(node), made_from});
     return v;
-  }
-
-  // ---- which lanes
-
-  void find_groups() {
-    std::map<std::pair<Origin, int>, std::vector<int>> rows;
-    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-      const auto& vertex = graph_.vertices[v];
-      const bool runs = vertex.kind == Vertex::Kind::Operation || vertex.kind == Vertex::Kind::Node;
-      if (!vertex.alive || !vertex.origin || !runs) continue;
-      auto& row = rows[{vertex.origin, vertex.lane / kWide}];
-      row.resize(kWide, kNone);
-      row[static_cast<std::size_t>(vertex.lane % kWide)] = static_cast<int>(v);
-    }
-    for (auto& [row, members] : rows) {
-      if (kWide - std::count(members.begin(), members.end(), kNone) < kLeastLanes) continue;
-      Group group;
-      group.members = std::move(members);
-      group.first =
-          *std::find_if(group.members.begin(), group.members.end(), [](int v) { return v != kNone; });
-      make_node(group);
-      if (group.node != nullptr) groups_.push_back(std::move(group));
-    }
-    number_members();
-  }
-
-  void make_node(Group& group) {
-    const auto& first = at(group.first);
-    if (first.kind == Vertex::Kind::Operation) {
-      group.node = std::make_unique<WideOperation>(first.op);
-      return;
-    }
-    group.remembers = !flat_.nodes[static_cast<std::size_t>(first.index)].type->stateless;
-    std::vector<const Node*> lanes;
-    for (const int v : group.members)
-      lanes.push_back(v == kNone ? nullptr : made_.nodes[static_cast<std::size_t>(v)].get());
-    group.node = made_.nodes[static_cast<std::size_t>(group.first)]->widened(lanes);
-  }
-
-  void number_members() {
-    group_of_.assign(graph_.vertices.size(), -1);
-    for (std::size_t g = 0; g < groups_.size(); ++g)
-      for (const int v : groups_[g].members)
-        if (v != kNone) group_of_[static_cast<std::size_t>(v)] = static_cast<int>(g);
-  }
-
-  int group_of(const Wire& wire) const { return group_of_[static_cast<std::size_t>(wire.vertex)]; }
-
-  /// What each lane reads; nothing where there is none.
-  using Row = std::vector<Wire>;
-
-  Row input(const Group& group, std::size_t i) {
-    Row row;
-    for (const int v : group.members) row.push_back(v == kNone ? Wire{} : at(v).in[i]);
-    return row;
-  }
-
-  static const Wire& first_of(const Row& row) {
-    return *std::find_if(row.begin(), row.end(), [](const Wire& wire) { return wire.vertex != kNone; });
-  }
-
-  /// Whether this holds for every wire that is there.
-  template <class Condition>
-  static bool all_of(const Row& row, Condition holds) {
-    return std::all_of(row.begin(), row.end(),
-                       [&](const Wire& wire) { return wire.vertex == kNone || holds(wire); });
-  }
-
-  /// The group whose lanes these are, each in its place; kNone if there is no such group.
-  int lined_up(const Row& row) const {
-    const int g = group_of(first_of(row));
-    if (g == kNone) return kNone;
-    const auto& members = groups_[static_cast<std::size_t>(g)].members;
-    for (std::size_t lane = 0; lane < row.size(); ++lane)
-      if (row[lane].vertex != kNone && row[lane] != Wire{members[lane], first_of(row).port}) return kNone;
-    return g;
-  }
-
-  /// Of groups that read one another, one must remember something.
-  void drop_groups_without_memory() {
-    std::vector<int> leader(groups_.size());
-    std::iota(leader.begin(), leader.end(), 0);
-    const auto find = [&](int g) {
-      while (leader[static_cast<std::size_t>(g)] != g) {
-        auto& next = leader[static_cast<std::size_t>(g)];
-        g = next = leader[static_cast<std::size_t>(next)];
-      }
-      return g;
-    };
-    for (std::size_t g = 0; g < groups_.size(); ++g)
-      for (std::size_t i = 0; i < at(groups_[g].first).in.size(); ++i)
-        if (const int read = lined_up(input(groups_[g], i)); read != kNone)
-          leader[static_cast<std::size_t>(find(read))] = find(static_cast<int>(g));
-    std::vector<bool> remembers(groups_.size(), false);
-    for (std::size_t g = 0; g < groups_.size(); ++g)
-      if (groups_[g].remembers) remembers[static_cast<std::size_t>(find(static_cast<int>(g)))] = true;
-    std::vector<Group> kept;
-    for (std::size_t g = 0; g < groups_.size(); ++g)
-      if (remembers[static_cast<std::size_t>(find(static_cast<int>(g)))])
-        kept.push_back(std::move(groups_[g]));
-    groups_ = std::move(kept);
-    number_members();
   }
 
   // ---- wide vertices
@@ -199,14 +87,14 @@ class Widening {
   void connect(const Group& group) {
     std::vector<Wire> in;
     for (std::size_t i = 0; i < at(group.first).in.size(); ++i)
-      in.push_back(wide_input(input(group, i), at(group.vertex).path));
+      in.push_back(wide_input(groups_.input(group, i), at(group.vertex).path));
     // Every operation has two operands to point at.
     if (at(group.vertex).kind == Vertex::Kind::Operation && in.size() == 1) in.push_back(in[0]);
     at(group.vertex).in = std::move(in);
   }
 
   Wire wide_input(const Row& row, const std::string& path) {
-    if (const int g = lined_up(row); g != kNone) return all_lanes(g, row);
+    if (const int g = groups_.lined_up(row); g != kNone) return all_lanes(g, row);
     if (all_of(row, [&](const Wire& wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; }))
       return constants(row);
     if (all_of(row, [&](const Wire& wire) { return wire == first_of(row); }))
@@ -215,7 +103,7 @@ class Widening {
   }
 
   Wire all_lanes(int group, const Row& row) const {
-    return {groups_[static_cast<std::size_t>(group)].vertex, first_of(row).port, Wire::kAllLanes};
+    return {groups_[group].vertex, first_of(row).port, Wire::kAllLanes};
   }
 
   Wire constants(const Row& row) {
@@ -250,16 +138,16 @@ class Widening {
 
   /// Where the signal is now: on its own, or a lane of what is wide.
   Wire lane_of(const Wire& wire) const {
-    const int g = group_of(wire);
+    const int g = groups_.group_of(wire);
     if (g == kNone) return wire;
-    const auto& group = groups_[static_cast<std::size_t>(g)];
+    const auto& group = groups_[g];
     const auto lane = std::find(group.members.begin(), group.members.end(), wire.vertex);
     return {group.vertex, wire.port, static_cast<int>(lane - group.members.begin())};
   }
 
   /// Its samples in a row.
   Wire scalar(const Wire& wire, const std::string& path) {
-    if (group_of(wire) == kNone) return wire;
+    if (groups_.group_of(wire) == kNone) return wire;
     const auto lane = lane_of(wire);
     const auto [known, fresh] = rows_.try_emplace(wires_of({lane}));
     if (!fresh) return known->second;
@@ -272,7 +160,7 @@ class Widening {
   }
 
   void connect_scalar(int v) {
-    if (!at(v).alive || group_of({v, 0}) != kNone) return;
+    if (!at(v).alive || groups_.group_of({v, 0}) != kNone) return;
     if (at(v).kind == Vertex::Kind::Sum && sum_wide(v)) return;
     const bool takes_lanes = at(v).kind == Vertex::Kind::Output;
     auto in = at(v).in;
@@ -288,11 +176,12 @@ class Widening {
       if (lane % kWide == 0) rows.emplace_back();
       rows.back().push_back(lanes[lane]);
     }
-    if (std::none_of(rows.begin(), rows.end(), [this](const Row& row) { return lined_up(row) != kNone; }))
+    if (std::none_of(rows.begin(), rows.end(),
+                     [this](const Row& row) { return groups_.lined_up(row) != kNone; }))
       return false;
     Row in;
     for (const auto& row : rows) {
-      const int g = lined_up(row);
+      const int g = groups_.lined_up(row);
       in.push_back(g == kNone ? packed(row, at(v).path) : all_lanes(g, row));
     }
     at(v).in = std::move(in);
@@ -301,10 +190,8 @@ class Widening {
   }
 
   VertexGraph& graph_;
-  const FlatGraph& flat_;
   MadeNodes& made_;
-  std::vector<Group> groups_;
-  std::vector<int> group_of_;  ///< [scalar vertex]
+  LaneGroups groups_;
   std::vector<Made> nodes_;
   std::map<std::vector<int>, Wire> packs_, rows_;
 };
