@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "apps/console.h"
 
 namespace tactus::app {
@@ -100,8 +102,10 @@ Json guard_json(const GuardReport& report, Hertz sample_rate) {
 }
 
 void print_guard(const GuardReport& report, Hertz sample_rate) {
-  fmt::print("  drive guard         {}\n", report.idle() ? "had nothing to do" : "");
-  for (const auto& line : in_words(report, sample_rate)) fmt::print("                      {}\n", line);
+  auto lines = in_words(report, sample_rate);
+  if (lines.empty()) lines.push_back("had nothing to do");
+  const char* heading = "drive guard";
+  for (const auto& line : lines) fmt::print("  {:<18}  {}\n", std::exchange(heading, ""), line);
 }
 
 }  // namespace tactus::app
