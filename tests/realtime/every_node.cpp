@@ -17,8 +17,8 @@ x = {}
 [controls]
 amount = { value = 0.5, range = [0, 1] }
 [outputs]
-drive = { from = "0.1 * within" }
-sound = { from = "0.1 * x", kind = "audio" }
+drive = { from = "2 * x" }
+sound = { from = "0.1 * echo", kind = "audio" }
 [networks.drum]
 frame  = { type = "ground" }
 shaker = { type = "motion", position = "1 mm * within" }
@@ -49,13 +49,17 @@ std::string unit_of(const InputPort& port) {
   return port.unit.empty() || port.unit == "any" || port.unit.front() == '=' ? "" : " " + port.unit;
 }
 
-std::string expression(const InputPort& port, const std::string& node) {
+/// What the numbers of a version are times those of the first; nodes take it wherever they are made from one.
+using Scale = double;
+constexpr Scale kFirst = 1.0, kEdited = 0.9;
+
+std::string expression(const InputPort& port, const std::string& node, Scale scale) {
   const auto range = useful_range(port);
   const auto unit = unit_of(port);
   const auto low = short_number(range.low) + unit, span = short_number(range.high - range.low) + unit;
-  if (port.fixed) return low + " + 0.65 * " + span;
+  if (port.fixed) return low + " + " + short_number(0.65 * scale) + " * " + span;
   const auto loop = port.late && unit.empty() ? " + 0.1 * " + node : "";
-  return low + " + " + span + " * within" + loop;
+  return low + " + " + short_number(scale) + " * " + span + " * within" + loop;
 }
 
 /// Only of settings that have no default.
@@ -80,25 +84,32 @@ std::string value(const Setting& setting, const std::string& sound_file) {
   return "\"" + sound_file + "\"";
 }
 
-std::string line(const NodeType& type, const std::string& name, const std::string& sound_file) {
+std::string line(const NodeType& type, const std::string& name, const std::string& sound_file, Scale scale) {
   auto text = name + " = { type = \"" + type.name + "\"";
-  for (const auto& port : type.inputs) text += ", " + port.name + " = \"" + expression(port, name) + "\"";
+  for (const auto& port : type.inputs)
+    text += ", " + port.name + " = \"" + expression(port, name, scale) + "\"";
   for (const auto& setting : type.settings)
     if (setting.fallback.empty() && !setting.optional)
       text += ", " + setting.name + " = " + value(setting, sound_file);
-  return text + " }\n";
+  return text;
 }
 
 }  // namespace
 
 Checked<std::unique_ptr<Schedule>> every_node(const NodeTable& table, const std::string& folder,
-                                              const std::string& sound_file) {
+                                              const std::string& sound_file, bool edited) {
+  const Scale scale = edited ? kEdited : kFirst;
   std::string text = kBegin;
+  if (edited) text.replace(text.find("12 g"), 4, "10 g");
+  text +=
+      "echo = " + std::string{edited ? R"({ type = "delay", in = "x", time = "1 ms" })" : R"("x")"} + "\n";
   CompileOptions options;
   options.taps = {"drum.stick", "drum.hand", "drum.coil"};
   for (const auto* type : table.types) {
     options.taps.push_back("the_" + type->name);
-    text += line(*type, options.taps.back(), sound_file);
+    text += line(*type, options.taps.back(), sound_file, scale) + " }\n";
+    options.taps.push_back("eight_" + type->name);
+    text += line(*type, options.taps.back(), sound_file, scale) + ", voices = 8 }\n";
   }
   return compile(parse_graph_leniently(text, folder + "/every_node.toml"), table, options);
 }

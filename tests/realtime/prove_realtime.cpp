@@ -1,7 +1,7 @@
 // Calls back everything that Tactus ships, on a thread of its own, while another thread moves the controls,
 // and counts what the audio thread asks of the heap and of the kernel. Exit code 0: nothing. 1: something.
 //   prove_realtime [callbacks = 10000000] [frames = 16] [break = nothing | heap | system-call]
-// With a third argument it breaks the promise itself in every thousandth callback, to show that it is seen.
+// With a third argument it breaks the promise itself in the last callback of each, to show that it is seen.
 
 #include <unistd.h>
 
@@ -39,9 +39,10 @@ Run on_audio_thread(Subject& subject, long callbacks, Break broken) {
   Run run;
   run.trapped = set_trap();
   for (long n = 0; n < callbacks; ++n) {
+    subject.await();
     watch();
     subject.callback();
-    if (n % 1000 == 999) break_promise(broken);
+    if (n + 1 == callbacks) break_promise(broken);
     look_away();
   }
   run.asked = asked();
@@ -71,27 +72,32 @@ int threads() {
   return count;
 }
 
+void print(const std::string& name, long callbacks, const Asked& asked, long edits) {
+  std::printf("  %-20s %12ld %12ld %14ld %8ld\n", name.c_str(), callbacks, asked.heap_calls,
+              asked.system_calls, edits);
+}
+
 int run(long callbacks, int frames, Break broken) {
   const auto subjects = all_subjects(TACTUS_SOURCE_DIR "/instruments", frames);
   const int started = threads() - 1;
-  std::printf("%zu scenes and a graph of every node, blocks of %d frames; threads that they started: %d\n\n",
-              subjects.size() - 1, frames, started);
-  std::printf("  %-20s %12s %12s %14s\n", "", "callbacks", "heap calls", "system calls");
+  std::printf("%zu subjects, blocks of %d frames; threads that they started: %d\n\n", subjects.size(), frames,
+              started);
+  std::printf("  %-20s %12s %12s %14s %8s\n", "", "callbacks", "heap calls", "system calls", "edits");
   Asked all;
-  long left = callbacks;
+  long left = callbacks, edits = 0;
   for (std::size_t i = 0; i < subjects.size(); ++i) {
     const long share = left / static_cast<long>(subjects.size() - i);
     left -= share;
     const auto result = prove(*subjects[i], share, broken);
     if (!result.trapped)
       return std::fprintf(stderr, "this kernel cannot trap system calls (Linux 5.11 can)\n"), 2;
-    std::printf("  %-20s %12ld %12ld %14ld\n", subjects[i]->name.c_str(), share, result.asked.heap_calls,
-                result.asked.system_calls);
+    print(subjects[i]->name, share, result.asked, subjects[i]->edits());
+    edits += subjects[i]->edits();
     all.heap_calls += result.asked.heap_calls;
     all.system_calls += result.asked.system_calls;
     if (result.asked.system_calls > 0) all.last_system_call = result.asked.last_system_call;
   }
-  std::printf("  %-20s %12ld %12ld %14ld\n", "all", callbacks, all.heap_calls, all.system_calls);
+  print("all", callbacks, all, edits);
   if (all.system_calls > 0) std::printf("  the last system call was number %ld\n", all.last_system_call);
   return all.heap_calls + all.system_calls + started == 0 ? 0 : 1;
 }

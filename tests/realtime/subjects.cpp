@@ -1,14 +1,18 @@
 #include "tests/realtime/subjects.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <stdexcept>
+#include <thread>
 
 #include "backends/wav_file.h"
 #include "engine/graph/load.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/closed_loop.h"
-#include "engine/scene/play_scene.h"
+#include "engine/scene/guard_report.h"
+#include "engine/scene/profile.h"
 #include "tests/realtime/every_node.h"
 
 namespace tactus::realtime {
@@ -28,11 +32,30 @@ void must_be(const Status& status) {
   if (!status) throw std::runtime_error(to_string(status.error()));
 }
 
+/// The graph of every_node.h, and the folder of its sound file.
+class EveryNode {
+ public:
+  EveryNode()
+      : folder_(fs::temp_directory_path() / ("tactus_every_node_" + std::to_string(std::random_device{}()))) {
+    fs::create_directory(folder_);
+    must_be(write_wav(folder_ / "sound.wav", {kRate, {{0.0, 0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5}}}));
+  }
+  ~EveryNode() { fs::remove_all(folder_); }
+  EveryNode(const EveryNode&) = delete;
+
+  std::unique_ptr<Schedule> version(bool edited) const {
+    return must(every_node(standard_nodes(), folder_.string(), "sound.wav", edited));
+  }
+
+ private:
+  fs::path folder_;
+};
+
 /// An engine behind its guard, and hands on both.
 class Player {
  public:
-  explicit Player(std::unique_ptr<Engine> engine)
-      : engine_(std::move(engine)), guarded_(*engine_, guarded_channels(engine_->schedule())) {}
+  Player(std::unique_ptr<Engine> engine, const DriveBook& drives)
+      : engine_(std::move(engine)), guarded_(*engine_, guarded_channels(engine_->schedule(), drives)) {}
 
   Engine& engine() { return *engine_; }
   Guarded& guarded() { return guarded_; }
@@ -51,7 +74,12 @@ class Player {
         {JournalEntry::kNow, kind, JournalEntry::kAllChannels, random() % 2 == 0 ? 1.0 : 0.0});
     JournalEntry applied;
     while (guarded_.take_applied(applied)) continue;
-    for (int c = 0; c < engine_->out_channels(); ++c) (void)guarded_.counts(c);
+    GuardEvent event;
+    while (guarded_.take_event(event)) continue;
+    for (int c = 0; c < engine_->out_channels(); ++c) {
+      (void)guarded_.counts(c);
+      (void)guarded_.thermal_state(c);
+    }
     (void)engine_->faults();
   }
 
@@ -64,7 +92,7 @@ class SceneSubject final : public Subject {
  public:
   SceneSubject(const SceneSpec& scene, BuiltScene built, int frames)
       : plant_(std::move(built.plant)),
-        player_(std::move(built.instrument)),
+        player_(std::move(built.instrument), scene.drives),
         loop_(player_.guarded(), *plant_, player_.engine().out_channels(), built.delay_frames,
               scene.converters),
         frames_(frames) {
@@ -81,12 +109,12 @@ class SceneSubject final : public Subject {
   int frames_;
 };
 
-/// A graph on noise, which comes round after `kNoise` frames.
-class GraphSubject final : public Subject {
+/// The graph of every_node.h on noise, which comes round after `kNoise` frames.
+class GraphSubject : public Subject {
  public:
-  GraphSubject(std::unique_ptr<Schedule> schedule, int frames)
-      : player_(std::make_unique<Engine>(std::move(schedule))), frames_(frames), noise_(kNoise) {
-    name = player_.engine().schedule().name;
+  GraphSubject(const DriveBook& drives, int frames)
+      : player_(std::make_unique<Engine>(every_.version(false)), drives), frames_(frames), noise_(kNoise) {
+    name = "every node";
     std::mt19937 random{1};
     for (auto& sample : noise_) sample = std::uniform_real_distribution{-1.0, 1.0}(random);
     in_.resize(static_cast<std::size_t>(player_.engine().in_channels()));
@@ -103,16 +131,44 @@ class GraphSubject final : public Subject {
   }
   void disturb(std::mt19937& random) override { player_.disturb(random); }
 
+ protected:
+  EveryNode every_;
+  Player player_;
+
  private:
   static constexpr std::size_t kNoise = 1 << 16;
 
-  Player player_;
   int frames_;
   std::vector<double> noise_;
   std::vector<const double*> in_;
   std::vector<std::vector<double>> silence_;
   std::vector<double*> out_;
   std::size_t at_ = 0;
+};
+
+/// The same, and the control side edits it whenever it can; the audio thread waits for one every
+/// `kCallbacksAnEdit` callbacks.
+class EditedSubject final : public GraphSubject {
+ public:
+  EditedSubject(const DriveBook& drives, int frames) : GraphSubject(drives, frames) { name += ", edited"; }
+  void await() override {
+    if (++calls_ % kCallbacksAnEdit != 0) return;
+    const long seen = edits_;
+    while (edits_ == seen) std::this_thread::yield();
+  }
+  void disturb(std::mt19937& random) override {
+    GraphSubject::disturb(random);
+    if (player_.engine().replacing()) return;
+    must_be(player_.engine().replace(every_.version(edits_ % 2 == 0)));
+    ++edits_;
+  }
+  long edits() const override { return edits_; }
+
+ private:
+  static constexpr long kCallbacksAnEdit = 1000;
+
+  long calls_ = 0;
+  std::atomic<long> edits_{0};
 };
 
 bool is_scene(const fs::path& file) {
@@ -134,22 +190,15 @@ void add_scenes(const fs::path& instruments, int frames, Subjects& subjects) {
   }
 }
 
-void add_every_node(int frames, Subjects& subjects) {
-  const auto folder =
-      fs::temp_directory_path() / ("tactus_every_node_" + std::to_string(std::random_device{}()));
-  fs::create_directory(folder);
-  must_be(write_wav(folder / "sound.wav", {kRate, {{0.0, 0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5}}}));
-  auto schedule = every_node(standard_nodes(), folder.string(), "sound.wav");
-  fs::remove_all(folder);
-  subjects.push_back(std::make_unique<GraphSubject>(must(std::move(schedule)), frames));
-}
-
 }  // namespace
 
 Subjects all_subjects(const fs::path& instruments, int frames) {
   Subjects subjects;
   add_scenes(instruments, frames, subjects);
-  add_every_node(frames, subjects);
+  DriveBook drives;
+  drives.others = limits_for(must(load_profile(must(find_profile("woofer", instruments, {})))), 10);
+  subjects.push_back(std::make_unique<GraphSubject>(drives, frames));
+  subjects.push_back(std::make_unique<EditedSubject>(drives, frames));
   return subjects;
 }
 

@@ -110,3 +110,78 @@ y = { from = "too_loud + x" }
   CHECK(engine->frame() == kFrames * blocks);
   CHECK(engine->bad_input_samples() == blocks);
 }
+
+namespace {
+
+/// The version says `gain` at its output: a number beside 16 combs and a string in their loops, an onset and
+/// a network. Every second one has a node more, every third one a mass of its own.
+std::unique_ptr<Schedule> version(int number) {
+  const auto gain = std::to_string(number);
+  std::string text = R"(format = 1
+name = "test"
+[inputs]
+x = {}
+[controls]
+loud  = { value = 0, range = [0, 1] }
+pitch = { value = "300 Hz", range = ["100 Hz", "1 kHz"] }
+[networks.drum]
+frame = { type = "ground" }
+cone  = { type = "mass", mass = "35 g" }
+hold  = { type = "spring", between = ["frame", "cone"], stiffness = "1000 N/m", damping = "1.2 kg/s" }
+push  = { type = "force", on = "cone", force = "1 N * x" }
+[nodes]
+combs = { type = "delay", voices = 16, in = "x + 0.5 * loss", time = { from = "1 ms", to = "9 ms" } }
+loss  = { type = "low_pass", in = "combs", cutoff = "pitch * 4", q = 0.7 }
+tuned = { type = "delay", in = "x + 0.9 * damped", time = "1 / pitch", compensate = ["damped"] }
+damped = { type = "one_pole", in = "tuned", cutoff = "4 kHz" }
+hit   = { type = "onset", in = "damped", threshold = "-34 dB" }
+all   = { type = "mix", in = "loss" }
+more  = ADDED
+[outputs]
+y = { from = "loud * (more + tuned + hit + drum.cone.position / 1 m) + " GAIN " }
+)";
+  const auto put = [&text](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  put("ADDED", number % 2 == 0 ? "\"all\"" : R"({ type = "one_pole", in = "all", cutoff = "1 kHz" })");
+  if (number % 3 == 0) put("35 g", "30 g");
+  put("\" GAIN \"", gain + "\"");
+  return *compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), {});
+}
+
+}  // namespace
+
+TEST_CASE("Engine: replaced from another thread, behind its guard, while controls move and counters are read",
+          "[runtime][replace]") {
+  constexpr int kVersions = 200;
+  Engine engine{version(0)};
+  Guarded guarded{engine, {{DriveGuard::Kind::Audio, {}}}};
+  REQUIRE(guarded.prepare({48_kHz, 1, 1, kFrames}));
+  AudioThread audio{guarded};
+  std::int64_t frame = 0;
+  bool rising = true;
+  for (int given = 0; given < kVersions || engine.replacing();) {
+    const auto at = given % 2 == 0 ? JournalEntry::kNow : engine.frame() + 5;
+    if (given < kVersions && !engine.replacing() && engine.replace(version(given + 1), at)) ++given;
+    for (const char* control : {"loud", "pitch"})
+      (void)engine.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, engine.control_index(control),
+                         given % 2 == 0 ? 1.0 : 500.0});
+    rising = rising && engine.frame() >= frame && engine.faults().empty();
+    frame = engine.frame();
+  }
+  const auto blocks = audio.finish();
+  CHECK(rising);
+  CHECK(engine.frame() == kFrames * blocks);
+  CHECK(engine.bad_input_samples() == blocks);
+  // The last version plays: with the control at 0 its number alone is left.
+  const std::array<double, kFrames> in{};
+  std::array<double, kFrames> out{};
+  const double* ins[] = {in.data()};
+  double* outs[] = {out.data()};
+  for (int block = 0; block < 200; ++block) {
+    engine.process({ins, outs, kFrames});
+    (void)engine.post(
+        {JournalEntry::kNow, JournalEntry::Kind::ControlChange, engine.control_index("loud"), 0});
+  }
+  CHECK(out[kFrames - 1] == kVersions);
+}
