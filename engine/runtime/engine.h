@@ -48,8 +48,9 @@ class Engine final : public BlockProcessor {
   /// changes no bit. Errors: BadArgument if inputs, outputs or sample rate differ, or if the last version
   /// still waits for its frame; the sounding graph then plays on.
   [[nodiscard]] Status replace(std::unique_ptr<Schedule> schedule, std::int64_t frame = JournalEntry::kNow);
-  /// [control, one thread] A version given to `replace` has not taken over yet.
-  bool replacing() const { return incoming_.load(std::memory_order_acquire) != nullptr; }
+  /// [control, one thread] A version given to `replace` has not taken over yet; the next one would be
+  /// refused.
+  bool replacing() const { return before_ != nullptr && !retired_.load(std::memory_order_acquire); }
   /// [control, one thread] The number that journal entries name a control by; it outlives every replacement.
   /// -1: there is none.
   int control_index(std::string_view control) const;

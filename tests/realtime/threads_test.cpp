@@ -159,10 +159,11 @@ TEST_CASE("Engine: replaced from another thread, behind its guard, while control
   REQUIRE(guarded.prepare({48_kHz, 1, 1, kFrames}));
   AudioThread audio{guarded};
   std::int64_t frame = 0;
-  bool rising = true;
+  bool rising = true, accepted = true;
   for (int given = 0; given < kVersions || engine.replacing();) {
     const auto at = given % 2 == 0 ? JournalEntry::kNow : engine.frame() + 5;
-    if (given < kVersions && !engine.replacing() && engine.replace(version(given + 1), at)) ++given;
+    if (given < kVersions && !engine.replacing())
+      accepted = engine.replace(version(++given), at).has_value() && accepted;
     for (const char* control : {"loud", "pitch"})
       (void)engine.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, engine.control_index(control),
                          given % 2 == 0 ? 1.0 : 500.0});
@@ -170,6 +171,7 @@ TEST_CASE("Engine: replaced from another thread, behind its guard, while control
     frame = engine.frame();
   }
   const auto blocks = audio.finish();
+  CHECK(accepted);
   CHECK(rising);
   CHECK(engine.frame() == kFrames * blocks);
   CHECK(engine.bad_input_samples() == blocks);
