@@ -14,7 +14,7 @@ class Level final : public BlockProcessor {
   explicit Level(double level) : level_(level) {}
   Status prepare(const StreamFormat& format) override {
     channels_ = format.out_channels;
-    blocks.reserve(1000);
+    blocks.reserve(10'000);
     return {};
   }
   void process(const BlockIo& io) noexcept override {
