@@ -146,15 +146,15 @@ class GraphSubject : public Subject {
   std::size_t at_ = 0;
 };
 
-/// The same, and the control side edits it whenever it can; the audio thread waits for one every
-/// `kCallbacksAnEdit` callbacks.
+/// The same, and the control side edits it whenever it can; the audio thread waits until it has a
+/// new one every `kCallbacksAnEdit` callbacks.
 class EditedSubject final : public GraphSubject {
  public:
   EditedSubject(const DriveBook& drives, int frames) : GraphSubject(drives, frames) { name += ", edited"; }
   void await() override {
-    if (++calls_ % kCallbacksAnEdit != 0) return;
-    const long seen = edits_;
-    while (edits_ == seen) std::this_thread::yield();
+    if (calls_++ % kCallbacksAnEdit != 0) return;
+    while (edits_ == met_) std::this_thread::yield();
+    met_ = edits_;
   }
   void disturb(std::mt19937& random) override {
     GraphSubject::disturb(random);
@@ -165,9 +165,9 @@ class EditedSubject final : public GraphSubject {
   long edits() const override { return edits_; }
 
  private:
-  static constexpr long kCallbacksAnEdit = 1000;
+  static constexpr long kCallbacksAnEdit = 5000;
 
-  long calls_ = 0;
+  long calls_ = 0, met_ = 0;
   std::atomic<long> edits_{0};
 };
 
