@@ -27,6 +27,8 @@ void SpeedReport::ReportRuns(const std::vector<Run>& runs) {
     list.push_back(items != run.counters.end()
                        ? 1 / items->second.value
                        : run.cpu_accumulated_time / static_cast<double>(run.iterations));
+    for (const auto& [what, counter] : run.counters)
+      if (what != "items_per_second") counters_[name + " " + what].push_back(counter.value);
   }
 }
 
@@ -62,6 +64,8 @@ void SpeedReport::Finalize() {
   for (const auto& work : works_) print_table(work, tables_[work]);
   if (!others_.empty()) fmt::print("\nOthers, ns\n");
   for (const auto& [name, ns] : others_) fmt::print("  {:<60}{:>14.1f}\n", name, ns);
+  if (!counters_.empty()) fmt::print("\nCounters\n");
+  for (const auto& [name, values] : counters_) fmt::print("  {:<60}{:>14.6g}\n", name, median(values));
 }
 
 void SpeedReport::print_table(const std::string& work, const Table& table) const {
@@ -94,6 +98,7 @@ void SpeedReport::print_json() const {
     for (const auto& [who, row] : tables_.at(work).rows)
       for (const auto& [block, ns] : row) all["ns_per_frame"][work][who][std::to_string(block)] = ns;
   for (const auto& [name, ns] : others_) all["ns"][name] = ns;
+  for (const auto& [name, values] : counters_) all["counters"][name] = median(values);
   fmt::print("{}\n", all.dump(2));
 }
 

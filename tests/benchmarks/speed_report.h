@@ -35,7 +35,8 @@ class SpeedReport : public benchmark::BenchmarkReporter {
   std::map<std::string, std::vector<double>> seconds_;  ///< of the repetitions, for one iteration
   std::vector<std::string> works_;
   std::map<std::string, Table> tables_;
-  std::vector<std::pair<std::string, double>> others_;  ///< what has no blocks, in nanoseconds
+  std::vector<std::pair<std::string, double>> others_;   ///< what has no blocks, in nanoseconds
+  std::map<std::string, std::vector<double>> counters_;  ///< of the repetitions, by "benchmark counter"
 };
 
 }  // namespace tactus::bench
