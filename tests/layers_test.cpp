@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 const std::map<std::string, std::vector<std::string>> kArrows = {
     {"engine/core", {}},
     {"engine/dsp", {"engine/core"}},
-    {"engine/physics", {"engine/core"}},
+    {"engine/physics", {"engine/dsp"}},
     {"engine/graph", {"engine/core"}},
     {"engine/nodes", {"engine/graph", "engine/physics", "engine/dsp"}},
     {"engine/runtime", {"engine/nodes"}},

@@ -17,6 +17,7 @@ struct Lanes {
   static constexpr int kCount = 8;
 
 #if defined(__AVX512F__)
+  static constexpr bool kInRegisters = true;
   __m512d all;
 
   static Lanes same(double x) noexcept { return {_mm512_set1_pd(x)}; }
@@ -32,6 +33,10 @@ struct Lanes {
   Lanes spread() const noexcept {
     return {__builtin_shufflevector(all, all, Lane, Lane, Lane, Lane, Lane, Lane, Lane, Lane)};
   }
+  /// Every lane from the one below it; the lowest from the highest of `before`.
+  Lanes moved_up(Lanes before) const noexcept {
+    return {__builtin_shufflevector(before.all, all, 7, 8, 9, 10, 11, 12, 13, 14)};
+  }
   friend Lanes operator+(Lanes a, Lanes b) noexcept { return {_mm512_add_pd(a.all, b.all)}; }
   friend Lanes operator-(Lanes a, Lanes b) noexcept { return {_mm512_sub_pd(a.all, b.all)}; }
   friend Lanes operator*(Lanes a, Lanes b) noexcept { return {_mm512_mul_pd(a.all, b.all)}; }
@@ -46,6 +51,7 @@ struct Lanes {
     return {_mm512_fmadd_pd(a.all, b.all, c.all)};
   }
 #elif defined(__AVX2__) && defined(__FMA__)
+  static constexpr bool kInRegisters = true;
   __m256d low, high;
 
   static Lanes same(double x) noexcept { return {_mm256_set1_pd(x), _mm256_set1_pd(x)}; }
@@ -62,6 +68,10 @@ struct Lanes {
   Lanes spread() const noexcept {
     const __m256d one = _mm256_permute4x64_pd(Lane < 4 ? low : high, (Lane % 4) * 0x55);
     return {one, one};
+  }
+  Lanes moved_up(Lanes before) const noexcept {
+    return {__builtin_shufflevector(before.high, low, 3, 4, 5, 6),
+            __builtin_shufflevector(low, high, 3, 4, 5, 6)};
   }
   friend Lanes operator+(Lanes a, Lanes b) noexcept {
     return {_mm256_add_pd(a.low, b.low), _mm256_add_pd(a.high, b.high)};
@@ -86,6 +96,7 @@ struct Lanes {
     return {_mm256_fmadd_pd(a.low, b.low, c.low), _mm256_fmadd_pd(a.high, b.high, c.high)};
   }
 #else
+  static constexpr bool kInRegisters = false;
   double lane[kCount];
 
   template <class F>
@@ -109,6 +120,9 @@ struct Lanes {
   template <int Lane>
   Lanes spread() const noexcept {
     return same(lane[Lane]);
+  }
+  Lanes moved_up(const Lanes& before) const noexcept {
+    return each([&](int i) { return i == 0 ? before.lane[kCount - 1] : lane[i - 1]; });
   }
   friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept {
     return each([&](int i) { return a.lane[i] + b.lane[i]; });

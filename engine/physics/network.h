@@ -10,6 +10,8 @@
 #include "engine/physics/critical_low_pass.h"
 #include "engine/physics/elements.h"
 #include "engine/physics/link_operator.h"
+#include "engine/physics/mass_row.h"
+#include "engine/physics/numbers.h"
 
 namespace tactus {
 
@@ -20,18 +22,18 @@ enum class Solver {
 
 /// Where a network is. Everything that `Network::step` changes. [m], [J^1/2], [A]
 struct NetworkState {
-  std::vector<double> position;                  ///< of every point: q
-  std::vector<double> moved;                     ///< in the last step: u = q - q-
-  std::vector<double> moved_before;              ///< in the step before it
-  std::vector<double> change;                    ///< workspace: e = u+ - u
-  std::vector<double> root;                      ///< of each contact's energy, half a step ago: psi
-  std::vector<double> loss;                      ///< of each contact: r [s/m]
-  std::vector<double> current;                   ///< of each coil, half a step ago
-  std::vector<double> mean_current;              ///< of each coil, centred on the last step
-  std::vector<double> voltage;                   ///< on each coil in the last step
-  std::vector<double> force;                     ///< of each applied force in the last step
+  Numbers position;                              ///< of every point: q
+  Numbers moved;                                 ///< in the last step: u = q - q-
+  Numbers moved_before;                          ///< in the step before it
+  Numbers change;                                ///< workspace: e = u+ - u
+  Numbers root;                                  ///< of each contact's energy, half a step ago: psi
+  Numbers loss;                                  ///< of each contact: r [s/m]
+  Numbers current;                               ///< of each coil, half a step ago
+  Numbers mean_current;                          ///< of each coil, centred on the last step
+  Numbers voltage;                               ///< on each coil in the last step
+  Numbers force;                                 ///< of each applied force in the last step
   std::vector<CriticalLowPass::State> low_pass;  ///< of each drive with a bandwidth
-  std::vector<double> held;                      ///< inputs of the last frame
+  Numbers held;                                  ///< inputs of the last frame
   bool settled = false;                          ///< driven points have found their first place
 
   /// With `audit` each step of the passive solver adds up what went in and what was lost [J], for about twice
@@ -46,7 +48,7 @@ struct NetworkState {
     double force;
   };
   std::vector<Touch> touching;
-  std::vector<double> matrix, right;
+  Numbers matrix, right;
 };
 
 /// Masses on a line, joined by springs, contacts and coils, stepped at a fixed rate k^-1 = rate * oversample.
@@ -147,12 +149,14 @@ class Network {
   Links assemble() const;
   Status factor(const Links& links);
   void couple_contacts();
+  void line_up(std::vector<double> constant);
   bool is_mass(int slot) const { return slot < masses_; }
 
   void start_moving(NetworkState& state) const noexcept;
   void store_energy(NetworkState& state) const noexcept;
   void settle(NetworkState& state, const double* inputs) const noexcept;
   void substep(NetworkState& state, const double* inputs, int part) const noexcept;
+  void start_forces(NetworkState& state) const noexcept;
   void move_driven(NetworkState& state, const double* inputs, int part) const noexcept;
   void add_forces(NetworkState& state, const double* inputs, int part) const noexcept;
   void add_coils(NetworkState& state, const double* inputs, int part) const noexcept;
@@ -174,13 +178,17 @@ class Network {
   bool averaged_ = false;
   // Slots: masses in the order of the elements, then driven points, then fixed ones.
   std::vector<int> slot_;
-  std::vector<double> mass_, scale_, start_position_, start_velocity_;
+  std::vector<double> mass_, scale_, constant_, start_position_, start_velocity_;
   std::vector<Spring> springs_;  // these and all that follow name slots
   std::vector<ContactModel> contacts_;
   std::vector<CoilModel> coils_;
   std::vector<Driven> forces_, motions_;
   std::vector<CriticalLowPass> low_passes_;
   LinkOperator links_;
+  // Of many masses and the explicit solver: links between neighbours, and those that jump or are driven.
+  bool in_row_ = false;
+  MassRow row_;
+  LinkOperator jumps_;
   std::vector<Coupling> couplings_;
   BandSolver solver_matrix_;
   // Column c of A^-1 D is what a force in contact c does to the masses; W = D^T A^-1 D, to the indentations.

@@ -9,13 +9,12 @@ namespace {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-constexpr std::size_t kAtOnce = 512;
-
 // Vector instructions whatever the compiler's mood; sums and products of single numbers, so the same bits.
-auto array(std::vector<double>& numbers, std::size_t from, std::size_t count) {
+auto array(Numbers& numbers, std::size_t from, std::size_t count) {
   return Eigen::Map<Eigen::ArrayXd>(numbers.data() + from, static_cast<Eigen::Index>(count));
 }
-auto array(const std::vector<double>& numbers, std::size_t from, std::size_t count) {
+template <class List>
+auto array(const List& numbers, std::size_t from, std::size_t count) {
   return Eigen::Map<const Eigen::ArrayXd>(numbers.data() + from, static_cast<Eigen::Index>(count));
 }
 
@@ -46,8 +45,8 @@ void Network::reset(NetworkState& state) const noexcept {
 }
 
 void Network::adopt(NetworkState& state, const NetworkState& before) const noexcept {
-  using Numbers = std::vector<double> NetworkState::*;
-  for (const Numbers list :
+  using Member = Numbers NetworkState::*;
+  for (const Member list :
        {&NetworkState::position, &NetworkState::moved, &NetworkState::moved_before, &NetworkState::current,
         &NetworkState::mean_current, &NetworkState::voltage, &NetworkState::force, &NetworkState::held})
     std::copy((before.*list).begin(), (before.*list).end(), (state.*list).begin());
@@ -110,7 +109,7 @@ void Network::step(NetworkState& state, const double* inputs) const noexcept {
 }
 
 void Network::substep(NetworkState& state, const double* inputs, int part) const noexcept {
-  links_.apply(state.position.data(), state.moved.data(), state.change.data());
+  start_forces(state);
   move_driven(state, inputs, part);
   add_forces(state, inputs, part);
   add_coils(state, inputs, part);
@@ -126,16 +125,24 @@ void Network::substep(NetworkState& state, const double* inputs, int part) const
   advance(state);
 }
 
+/// The forces of all links; of a row, those that its pass does not know.
+void Network::start_forces(NetworkState& state) const noexcept {
+  if (in_row_ && jumps_.entries().empty())
+    row_.fill(constant_.data(), state.change.data());
+  else
+    (in_row_ ? jumps_ : links_).apply(state.position.data(), state.moved.data(), state.change.data());
+}
+
 /// u+ = u + e, q+ = q + u+, where the explicit solver's e is still k^2/m away.
 void Network::advance(NetworkState& state) const noexcept {
   const auto masses = mass_.size(), moving = masses + motions_.size();
   const auto scaled = solver_ == Solver::Explicit ? masses : 0;
-  // Piece by piece, so that the second line finds in the nearest cache what the first has left there.
-  for (std::size_t from = 0; from < scaled; from += kAtOnce) {
-    const auto count = std::min(kAtOnce, scaled - from);
-    array(state.moved_before, from, count) =
-        array(state.moved, from, count) + array(scale_, from, count) * array(state.change, from, count);
-    array(state.position, from, count) += array(state.moved_before, from, count);
+  if (in_row_) {
+    row_.step(state.position.data(), state.moved.data(), state.moved_before.data(), state.change.data());
+  } else {
+    array(state.moved_before, 0, scaled) =
+        array(state.moved, 0, scaled) + array(scale_, 0, scaled) * array(state.change, 0, scaled);
+    array(state.position, 0, scaled) += array(state.moved_before, 0, scaled);
   }
   const auto rest = moving - scaled;
   array(state.moved_before, scaled, rest) =
