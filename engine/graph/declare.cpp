@@ -125,7 +125,8 @@ void Instance::declare_network(const NetworkSpec& network) {
     return scope_.hide(network.name);
   }
   // Thousands of ports: asked for one by one they would take a time with their square.
-  std::unordered_set<std::string> ports;
+  std::unordered_set<std::string_view> ports;
+  ports.reserve((*type)->inputs.size());
   for (const auto& port : (*type)->inputs) ports.insert(port.name);
   EntrySpec entry{network.name, network.at, {}};
   for (const auto& element : network.elements)

@@ -70,16 +70,22 @@ class LayoutReader {
   }
 
   void check_keys(const NodeSpec& element, const ElementType& type) {
-    std::vector<std::string> known = {"type"};
-    if (type.ends == Ends::On || type.ends == Ends::Against) known.push_back("on");
-    if (type.ends == Ends::Against) known.push_back("against");
-    if (type.ends == Ends::Between) known.push_back("between");
-    for (const auto& field : type.fields) known.push_back(field.name);
+    auto& known = keys_[&type];
+    if (known.empty()) known = keys_of(type);
     mistakes_.unknown_keys(element.fields, known);
     if (const auto* ratio = find(element.fields, "restitution");
         ratio != nullptr && find(element.fields, "loss"))
       mistakes_.add(Errc::Duplicate, ratio->at, owner(element, type) + " has both 'loss' and 'restitution'",
                     "remove one of them");
+  }
+
+  static std::vector<std::string> keys_of(const ElementType& type) {
+    std::vector<std::string> known = {"type"};
+    if (type.ends == Ends::On || type.ends == Ends::Against) known.push_back("on");
+    if (type.ends == Ends::Against) known.push_back("against");
+    if (type.ends == Ends::Between) known.push_back("between");
+    for (const auto& field : type.fields) known.push_back(field.name);
+    return known;
   }
 
   static std::string owner(const NodeSpec& element, const ElementType& type) {
@@ -159,6 +165,7 @@ class LayoutReader {
   NetworkLayout layout_;
   Mistakes mistakes_;
   std::unordered_map<std::string, int> index_;
+  std::unordered_map<const ElementType*, std::vector<std::string>> keys_;
 };
 
 }  // namespace
