@@ -66,6 +66,9 @@ Result<Samples> read_input(const RenderOptions& options) {
     if (!rate) return tl::unexpected(rate.error());
     samples.sample_rate = Hertz{*rate};
   }
+  if (!(samples.sample_rate.value >= 1e3 && samples.sample_rate.value <= 768e3))
+    return fail(Errc::OutOfRange, options.rate.empty() ? options.in : "--rate",
+                fmt::format("cannot run at {} Hz", samples.sample_rate.value), "choose 1 kHz to 768 kHz");
   if (!options.duration.empty() || options.in.empty()) {
     const auto duration =
         options.duration.empty() ? Result<double>{10.0} : parse_option(options.duration, "s", "duration");
@@ -87,7 +90,17 @@ int write_events(const std::string& path, const Json& events) {
       Error{Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written"});
 }
 
+/// A recording must not be lost to its own rendering.
+Status check_files(const RenderOptions& options) {
+  std::error_code none;
+  for (const auto& written : {options.out, options.events})
+    if (!written.empty() && !options.in.empty() && std::filesystem::equivalent(written, options.in, none))
+      return fail(Errc::BadArgument, written, "would overwrite what it is made from", "choose another name");
+  return {};
+}
+
 int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
+  if (const auto status = check_files(options); !status) return report(status.error()), kUsage;
   const auto loaded = load_graph_leniently(file, root_of(file));
   if (loaded.spec == nullptr) return report(loaded.mistakes);
   auto input = read_input(options);

@@ -99,6 +99,7 @@ Status run_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter)
   Planes in{job.in_channels, longest};
   Planes out{job.out_channels, longest};
   processor.skip_soft_start();
+  if (job.source.read) processor.trust_sensors();
   const auto played = play_blocks(processor, job, meter, in, out);
   processor.finish({in.data(), out.data(), job.block_frames.front()});
   const auto finished = job.sink.finish ? job.sink.finish(out.data(), job.block_frames.front()) : Status{};

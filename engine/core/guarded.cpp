@@ -23,6 +23,8 @@ struct Published {
 }  // namespace
 
 struct Guarded::Channel {
+  Channel(DriveGuard with, bool is_armed) : guard(std::move(with)), armed(is_armed) {}
+
   DriveGuard guard;
   bool armed;
   bool muted = false;
@@ -65,19 +67,24 @@ Status Guarded::prepare(const StreamFormat& format) {
   in_.assign(static_cast<std::size_t>(format.in_channels), nullptr);
   out_.assign(outputs, nullptr);
   sensors_.assign(in_.size(), SensorWatch{format.sample_rate});
-  std::vector<ThermalState> warm;
-  for (const auto& channel : channels_) warm.push_back(channel.guard.thermal_state());
-  warm.resize(outputs);
-  channels_.clear();
+  while (inbox_.front() != nullptr) inbox_.drop_front();
+  while (at_once_.front() != nullptr) at_once_.drop_front();
+  std::vector<Channel> before;
+  before.swap(channels_);
   for (std::size_t c = 0; c < outputs; ++c) {
     const auto config =
         c < config_.size() ? config_[c] : GuardedChannel{DriveGuard::Kind::Drive, cautious_limits()};
-    channels_.push_back({DriveGuard{config.kind, config.limits, format.sample_rate}, armed_at_start_});
-    if (warm[c] == ThermalState{}) continue;
-    channels_[c].guard.warm_to(warm[c]);
-    channels_[c].publish();
-    (void)applied_.push({0, JournalEntry::Kind::CoilHeat, static_cast<int>(c), warm[c].coil});
-    (void)applied_.push({0, JournalEntry::Kind::BodyHeat, static_cast<int>(c), warm[c].body});
+    auto& channel =
+        channels_.emplace_back(DriveGuard{config.kind, config.limits, format.sample_rate}, armed_at_start_);
+    if (c >= before.size()) continue;
+    channel.armed = before[c].armed;
+    channel.muted = before[c].muted;
+    const auto warm = before[c].guard.thermal_state();
+    if (warm == ThermalState{}) continue;
+    channel.guard.warm_to(warm);
+    channel.publish();
+    (void)applied_.push({0, JournalEntry::Kind::CoilHeat, static_cast<int>(c), warm.coil});
+    (void)applied_.push({0, JournalEntry::Kind::BodyHeat, static_cast<int>(c), warm.body});
   }
   open_guards(0);
   return {};
@@ -114,6 +121,7 @@ void Guarded::process_piece(const BlockIo& io, int offset, int frames) noexcept 
 
   const auto first = frame_.load(kRelaxed);
   int done = 0;
+  for (; const JournalEntry* entry = at_once_.front(); at_once_.drop_front()) apply(*entry, first);
   while (const JournalEntry* entry = inbox_.front()) {
     const auto due = std::max(entry->frame, first + done);
     if (due >= first + frames) break;
@@ -149,6 +157,7 @@ void Guarded::guard_outputs(int from, int to, std::int64_t first_frame) noexcept
 /// The frame at which the first sensor is found at fault, or `to`.
 int Guarded::first_sensor_fault(int from, int to, std::int64_t first_frame) noexcept {
   int first = to;
+  if (trusting_) return first;
   for (std::size_t c = 0; c < sensors_.size(); ++c) {
     const auto found = sensors_[c].hear(in_[c] + from, to - from);
     if (!found) continue;
@@ -178,7 +187,9 @@ void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
     if (entry.kind == Kind::Mute) channel.muted = entry.value > 0.5;
     channel.guard.set_open(channel.should_sound(), frame);
   }
-  if (entry.kind == Kind::Arm && entry.value > 0.5)
+  const bool known = entry.index == JournalEntry::kAllChannels ||
+                     (entry.index >= 0 && entry.index < static_cast<int>(channels_.size()));
+  if (known && entry.kind == Kind::Arm && entry.value > 0.5)
     for (auto& sensor : sensors_) sensor.forgive();
   entry.frame = frame;
   // Nobody may be listening; a take that needs every entry reads more often than a thousand are posted.
@@ -189,7 +200,7 @@ bool Guarded::post(const JournalEntry& entry) noexcept {
   using Kind = JournalEntry::Kind;
   const bool ours = entry.kind == Kind::Arm || entry.kind == Kind::Mute || entry.kind == Kind::CoilHeat ||
                     entry.kind == Kind::BodyHeat;
-  return ours && inbox_.push(entry);
+  return ours && (entry.frame == JournalEntry::kNow ? at_once_ : inbox_).push(entry);
 }
 
 GuardCounts Guarded::counts(int channel) const noexcept {

@@ -45,7 +45,8 @@ class Guarded final : public BlockProcessor {
   ~Guarded() override;
 
   /// [control & stopped] Prepares `inner` and starts again at frame 0, with every guard closed and its soft
-  /// start ahead of it. What was warm is as warm as it was: nobody knows how long the pause lasted. Errors:
+  /// start ahead of it. What was warm is as warm as it was: nobody knows how long the pause lasted. What was
+  /// muted or not armed stays so; entries that still waited are dropped. Errors:
   /// of `inner`; BadArgument for more guards than outputs; OutOfRange for a limit.
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
   /// [realtime & prepared]
@@ -57,8 +58,10 @@ class Guarded final : public BlockProcessor {
   /// run and time stands still; if `process` is called again, every guard starts softly.
   void finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;
 
+  /// [control & stopped] The sensors are recordings, which may hold silence: none is ever found at fault.
+  void trust_sensors() noexcept { trusting_ = true; }
   /// [control, one thread] Kinds Arm, Mute, CoilHeat and BodyHeat, in frame order; an entry that comes late
-  /// holds at once. A heat can only make warmer. False: the queue is full, try again after a block; or it is
+  /// holds at once, and one for kNow overtakes all that wait for their frame. A heat can only make warmer. False: the queue is full, try again after a block; or it is
   /// another kind.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
   /// [control, one thread] What was applied, with its true frame, oldest first. False: nothing new.
@@ -88,6 +91,7 @@ class Guarded final : public BlockProcessor {
   std::vector<GuardedChannel> config_;
   bool armed_at_start_;
   bool stopped_ = false;
+  bool trusting_ = false;
   StreamFormat format_;
   std::vector<Channel> channels_;
   std::vector<SensorWatch> sensors_;
@@ -95,6 +99,7 @@ class Guarded final : public BlockProcessor {
   std::vector<double*> out_;
   std::atomic<std::int64_t> frame_{0};
   SpscQueue<JournalEntry> inbox_{256};
+  SpscQueue<JournalEntry> at_once_{256};
   SpscQueue<JournalEntry> applied_{1024};
   SpscQueue<GuardEvent> events_{64};
 };

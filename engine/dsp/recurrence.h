@@ -67,6 +67,12 @@ class Recurrence {
     if (const int left = frames % kGroup; left > 0) part(v + groups * kGroup, y + groups * kGroup, left, 0);
   }
 
+  /// [realtime] Goes on from what `other` remembers, at the start of a group.
+  void adopt(const Recurrence& other) noexcept {
+    last_ = other.last_;
+    sums_ = other.sums_;
+  }
+
   /// [realtime] `run` for one frame: the output does not wait for the lanes.
   double run_single(double v, int position) noexcept {
     const auto k = static_cast<std::size_t>(position);

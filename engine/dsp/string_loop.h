@@ -65,6 +65,11 @@ class StringLoop {
   /// [realtime] `run` for one frame.
   double run_single(double x, int position) noexcept;
   void reset() noexcept;
+  /// [realtime] Goes on sounding as `other` did.
+  void adopt(StringLoop& other) noexcept {
+    line_.adopt(other.line_);
+    if (filter_ == other.filter_) losses_.adopt(other.losses_);
+  }
 
   static constexpr double kLowestPitch = 10;
   /// Frames that a string of this pitch remembers.

@@ -17,6 +17,8 @@ class WideDelayLine {
 
   /// [realtime]
   void reset() noexcept { line_.reset(); }
+  /// [realtime] See DelayLine::adopt.
+  void adopt(WideDelayLine& other) noexcept { line_.adopt(other.line_); }
   /// [realtime] At most `longest_run` interleaved frames.
   void write(const double* x, int frames) noexcept { line_.write(x, frames * Lanes::kCount); }
 

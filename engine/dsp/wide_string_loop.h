@@ -17,6 +17,11 @@ class WideStringLoop {
   /// [realtime] From the next frame on. Does nothing when nothing changed.
   void tune(int lane, const StringParameters& parameters) noexcept;
   void reset() noexcept;
+  /// [realtime] Goes on sounding as `other` did.
+  void adopt(WideStringLoop& other) noexcept {
+    line_.adopt(other.line_);
+    if (filter_ == other.filter_) loss_ = other.loss_;
+  }
 
   /// [realtime] `x` gives the Lanes of a frame (`x[n]`, `x.from(n)`), `y` is interleaved.
   template <class Input>

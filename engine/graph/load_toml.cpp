@@ -148,6 +148,8 @@ Result<std::string> read_text(const std::filesystem::path& file, const std::stri
     return fail(Errc::BadFile, name, "this is a folder", "name a file in it");
   if (!std::filesystem::exists(file, error))
     return fail(Errc::BadFile, name, "there is no such file", "check the path");
+  if (!std::filesystem::is_regular_file(file, error))
+    return fail(Errc::BadFile, name, "this is no ordinary file", "name one that is");
   std::ifstream stream(file, std::ios::binary);
   // One byte more than allowed shows that a file is too large, even one without an end.
   std::string text(kMaxFileBytes + 1, '\0');

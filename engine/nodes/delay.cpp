@@ -21,7 +21,7 @@ class RememberingNode : public Node {
  public:
   explicit RememberingNode(DelayLine line) : line_(std::move(line)) {}
   void adopt(Node& before) noexcept override {
-    if (const auto* other = dynamic_cast<const RememberingNode*>(&before)) line_.adopt(other->line_);
+    if (auto* other = dynamic_cast<RememberingNode*>(&before)) line_.adopt(other->line_);
   }
 
  protected:

@@ -18,6 +18,9 @@ class FirNode : public Node {
   }
 
   void reset() noexcept override { fir_.reset(); }
+  void adopt(Node& before) noexcept override {
+    if (const auto* other = dynamic_cast<const FirNode*>(&before)) fir_.adopt(other->fir_);
+  }
 
   std::optional<std::complex<double>> response(int, int, Hertz frequency,
                                                std::span<const double>) const override {

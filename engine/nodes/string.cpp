@@ -26,6 +26,10 @@ class StringNode : public Node {
     *block.out[0] = string_.run_single(*block.in[kIn].data, position);
   }
 
+  void adopt(Node& before) noexcept override {
+    if (auto* other = dynamic_cast<StringNode*>(&before)) string_.adopt(other->string_);
+  }
+
   void reset() noexcept override {
     string_.reset();
     steps_.reset();

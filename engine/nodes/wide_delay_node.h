@@ -36,6 +36,9 @@ class WideDelayNode final : public Node {
       line_.write(frame.data(), 1);
     }
   }
+  void adopt(Node& before) noexcept override {
+    if (auto* other = dynamic_cast<WideDelayNode*>(&before)) line_.adopt(other->line_);
+  }
   void reset() noexcept override {
     line_.reset();
     clamped_ = 0;

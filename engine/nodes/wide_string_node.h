@@ -27,6 +27,10 @@ class WideStringNode final : public Node {
         [&](int from, int to, int) { strings_.run(x.from(from), block.out[0] + from * kWide, to - from); });
   }
 
+  void adopt(Node& before) noexcept override {
+    if (auto* other = dynamic_cast<WideStringNode*>(&before)) strings_.adopt(other->strings_);
+  }
+
   void reset() noexcept override {
     strings_.reset();
     steps_.reset();

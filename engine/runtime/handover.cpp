@@ -41,6 +41,7 @@ class Planner {
     pair_controls();
     changed_.assign(is_.parts.size(), false);
     for (std::size_t p = 0; p < is_.parts.size(); ++p) compare(p);
+    pair_silences();
     spread_changes();
     for (std::size_t c = 0; c < new_.outputs.size(); ++c) {
       const auto channel = static_cast<std::size_t>(new_.outputs[c]);
@@ -51,6 +52,24 @@ class Planner {
   }
 
  private:
+  /// Which entry of `silent_until` holds for each node: that of its step, or of the loop that it is in.
+  static std::vector<int> silence_of_nodes(const Schedule& schedule) {
+    std::vector<int> found(schedule.nodes.size(), 0);
+    for (const auto& section : schedule.sections)
+      for (int s = section.first_step; s < section.end_step; ++s)
+        if (const int node = schedule.steps[static_cast<std::size_t>(s)].node; node >= 0)
+          found[static_cast<std::size_t>(node)] = section.loop ? section.first_step : s;
+    return found;
+  }
+
+  /// A fault's silence goes on.
+  void pair_silences() {
+    const auto was = silence_of_nodes(*old_.schedule), is = silence_of_nodes(*new_.schedule);
+    for (const auto [from, to] : new_.handover.nodes)
+      new_.handover.silences.push_back(
+          {was[static_cast<std::size_t>(from)], is[static_cast<std::size_t>(to)]});
+  }
+
   void pair_controls() {
     std::unordered_map<std::string, int> index;
     for (std::size_t c = 0; c < new_.controls.size(); ++c)

@@ -65,18 +65,24 @@ void Running::start(int max_frames) {
   for (auto& count : faults) count.store(0, std::memory_order_relaxed);
 }
 
-void Running::move_control(std::size_t control, std::int64_t now, double target) noexcept {
+void Running::move_control(std::size_t control, std::int64_t now, double target,
+                           std::int64_t least_frames) noexcept {
   const auto& scheduled = schedule->controls[control];
   if (scheduled.frozen) return;
   const auto& range = scheduled.control.range;
   const auto frames =
       static_cast<std::int64_t>(std::lround(scheduled.control.smooth_s * schedule->sample_rate.value));
   auto& mover = controls[control];
-  mover.value = {mover.value.at(now, mover.decibel), std::clamp(target, range.low, range.high), now, frames};
+  mover.value = {mover.value.at(now, mover.decibel), std::clamp(target, range.low, range.high), now,
+                 std::max(frames, least_frames)};
   rest(mover, false);
 }
 
 void Running::take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
+  for (const auto [from, to] : handover.silences) {
+    auto& until = silent_until[static_cast<std::size_t>(to)];
+    until = std::max(until, before.silent_until[static_cast<std::size_t>(from)]);
+  }
   for (std::size_t i = 0; i < handover.controls.size(); ++i) {
     const auto [from, to] = handover.controls[i];
     const auto c = static_cast<std::size_t>(to);
@@ -85,7 +91,7 @@ void Running::take_values(const Running& before, std::int64_t now, std::int64_t 
     controls[c].value = before.controls[static_cast<std::size_t>(from)].value;
     const double target = handover.new_value[i] ? of_the_file : controls[c].value.to;
     if (handover.new_value[i] || !range.contains(target))
-      move_control(c, now, target);
+      move_control(c, now, target, fade_frames);
     else
       rest(controls[c], controls[c].value.done(now));
   }

@@ -25,6 +25,7 @@ struct Handover {
   };
   std::vector<Pair> nodes;      ///< run on with their state
   std::vector<Pair> remade;     ///< made from other things: adopt what they can
+  std::vector<Pair> silences;   ///< in Running::silent_until, of nodes that run on
   std::vector<Pair> controls;   ///< keep their value
   std::vector<bool> new_value;  ///< [of `controls`] the file gives it another value: it moves there
   std::vector<bool> jumps;      ///< [output] what feeds it is not the same
@@ -39,9 +40,11 @@ struct Running {
 
   /// [control & stopped] Everything back to frame 0.
   void start(int max_frames);
-  /// [realtime] Sends a control from where it is to `target`, within its range and its time. Does nothing if
+  /// [realtime] Sends a control from where it is to `target`, within its range and its time (`least_frames` or
+  /// more). Does nothing if
   /// it is frozen.
-  void move_control(std::size_t control, std::int64_t now, double target) noexcept;
+  void move_control(std::size_t control, std::int64_t now, double target,
+                    std::int64_t least_frames = 0) noexcept;
   /// [realtime] Values of controls and ramps go on from where they are in the version before.
   void take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
   /// [realtime] From here on the signal is one number, or a sample a frame.
