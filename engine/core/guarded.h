@@ -61,8 +61,8 @@ class Guarded final : public BlockProcessor {
   /// [control & stopped] The sensors are recordings, which may hold silence: none is ever found at fault.
   void trust_sensors() noexcept { trusting_ = true; }
   /// [control, one thread] Kinds Arm, Mute, CoilHeat and BodyHeat, in frame order; an entry that comes late
-  /// holds at once, and one for kNow overtakes all that wait for their frame. A heat can only make warmer. False: the queue is full, try again after a block; or it is
-  /// another kind.
+  /// holds at once, and one for kNow overtakes all that wait for their frame. A heat can only make warmer.
+  /// False: the queue is full, try again after a block; or it is another kind.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
   /// [control, one thread] What was applied, with its true frame, oldest first. False: nothing new.
   [[nodiscard]] bool take_applied(JournalEntry& entry) noexcept { return applied_.pop(entry); }

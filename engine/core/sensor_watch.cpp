@@ -41,7 +41,8 @@ std::optional<SensorWatch::Found> SensorWatch::hear(const double* samples, int f
 
 std::optional<SensorWatch::Found> SensorWatch::hear_part(const double* samples, int frames) noexcept {
   const auto previous = [&](int n) { return n > 0 ? samples[n - 1] : last_; };
-  const auto same = follow(same_, patience_, frames, [&](int n) { return samples[n] == previous(n) || std::isnan(samples[n]); });
+  const auto same = follow(same_, patience_, frames,
+                           [&](int n) { return samples[n] == previous(n) || std::isnan(samples[n]); });
   const auto railed = follow(railed_, patience_, frames, [&](int n) {
     return std::abs(samples[n]) >= kRail && std::abs(previous(n) - samples[n]) < kRail;
   });

@@ -18,7 +18,8 @@ struct CloseFile {
 // 512 MB, which is what a whole graph may keep.
 constexpr std::size_t kMostFrames = 64 << 20;
 
-/// Reads to the end of the data, or a little beyond kMostFrames: the length in a damaged header cannot be trusted.
+/// Reads to the end of the data, or a little beyond kMostFrames: the length in a damaged header cannot be
+/// trusted.
 std::vector<double> read_channel(SNDFILE* file, int channels, int channel) {
   constexpr sf_count_t kFrames = 4096;
   std::vector<double> interleaved(static_cast<std::size_t>(kFrames * channels));
@@ -50,7 +51,8 @@ Result<Recording> read_recording(const std::string& path, int channel) {
   Recording recording{read_channel(file.get(), info.channels, channel),
                       Hertz{static_cast<double>(info.samplerate)}};
   if (recording.samples.size() > kMostFrames)
-    return fail(Errc::OutOfRange, {}, "'" + path + "' is longer than " + std::to_string(kMostFrames) + " frames",
+    return fail(Errc::OutOfRange, {},
+                "'" + path + "' is longer than " + std::to_string(kMostFrames) + " frames",
                 "take a shorter recording");
   if (!std::all_of(recording.samples.begin(), recording.samples.end(),
                    [](double x) { return std::isfinite(x); }))

@@ -40,9 +40,8 @@ struct Running {
 
   /// [control & stopped] Everything back to frame 0.
   void start(int max_frames);
-  /// [realtime] Sends a control from where it is to `target`, within its range and its time (`least_frames` or
-  /// more). Does nothing if
-  /// it is frozen.
+  /// [realtime] Sends a control from where it is to `target`, within its range and its time (`least_frames`
+  /// or more). Does nothing if it is frozen.
   void move_control(std::size_t control, std::int64_t now, double target,
                     std::int64_t least_frames = 0) noexcept;
   /// [realtime] Values of controls and ramps go on from where they are in the version before.

@@ -171,3 +171,42 @@ TEST_CASE("guarded: a restart is never cooler than the run before, and says so i
   CHECK(play(restored, 2, 48'000) == play(guarded, 2, 48'000));
   CHECK(restored.thermal_state(1) == guarded.thermal_state(1));
 }
+
+TEST_CASE("guarded: a restart keeps what was muted or disarmed, and forgets what still waited", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive, kDrive, kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 3}));
+  REQUIRE(guarded.post({0, Kind::Mute, 0, 1.0}));
+  REQUIRE(guarded.post({0, Kind::Arm, 1, 0.0}));
+  REQUIRE(guarded.post({100, Kind::Mute, 2, 1.0}));
+  play(guarded, 3, 8);
+  REQUIRE(guarded.prepare({.out_channels = 3}));
+  const auto out = play(guarded, 3, 200);
+  CHECK(out[0] == std::vector<double>(200, 0.0));
+  CHECK(out[1] == std::vector<double>(200, 0.0));
+  CHECK(out[2] == std::vector<double>(200, 1.0));
+}
+
+TEST_CASE("guarded: an order for now overtakes those that wait for their frame", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 1}));
+  REQUIRE(guarded.post({1'000'000, Kind::Arm, 0, 1.0}));
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::Mute, 0, 1.0}));
+  CHECK(play(guarded, 1, 8)[0] == std::vector<double>(8, 0.0));
+}
+
+TEST_CASE("guarded: recordings may hold silence after noise", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive}};
+  REQUIRE(guarded.prepare({.in_channels = 1, .out_channels = 1, .max_frames = 48'000}));
+  const bool trusted = GENERATE(false, true);
+  if (trusted) guarded.trust_sensors();
+  std::vector<double> in(48'000, 0.0), out(48'000);
+  for (std::size_t n = 0; n < 2000; ++n)
+    in[n] = static_cast<double>(n * 2654435761u % 1000) * 1e-4;  // noise enough
+  const double* from[] = {in.data()};
+  double* to[] = {out.data()};
+  guarded.process({from, to, 48'000});
+  CHECK(out.back() == (trusted ? 1.0 : 0.0));
+}

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -60,6 +61,13 @@ TEST_CASE("sensor_watch: a sensor at the end of full scale is found 40 ms later,
   CHECK(found(samples, block, fault) == Approx(1000 + kPatience).margin(1));
   CHECK(fault == SensorWatch::Fault::Railed);
   CHECK(found(std::vector<double>(4000, end), block, fault) == Approx(kPatience).margin(1));
+}
+
+TEST_CASE("sensor_watch: a sensor that gives no numbers any more is found 40 ms later", "[core]") {
+  SensorWatch::Fault fault{};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(found(then(noise(5000, 1e-3), 3000, nan), 64, fault) == Approx(5000 + kPatience).margin(1));
+  CHECK(fault == SensorWatch::Fault::Stuck);
 }
 
 TEST_CASE("sensor_watch: what may rest is left alone", "[core]") {

@@ -397,3 +397,60 @@ TEST_CASE("Engine: edits from another thread all arrive", "[runtime][replace]") 
   audio.join();
   CHECK(last == 300);
 }
+
+TEST_CASE("Engine: an edited string, comb or filter goes on sounding", "[runtime][replace]") {
+  constexpr int kFrames = 9600, kEdit = 4800;
+  const auto string = [](const std::string& voices, const std::string& pitch) {
+    return simple("s", "g = { type = \"string\", in = \"x\", pitch = \"" + pitch +
+                           "\", gain = 0.999, loss = 0.1" + voices +
+                           " }\ns = { type = \"mix\", in = \"g\" }");
+  };
+  const auto comb = [](const std::string& voices, const std::string& time) {
+    return simple("s", "d = { type = \"delay\", in = \"x + 0.999 * d\", time = \"" + time + "\"" + voices +
+                           " }\ns = { type = \"mix\", in = \"d\" }");
+  };
+  struct Case {
+    std::string before, after;
+  };
+  for (const auto& c : {Case{string("", "200 Hz"), string("", "201 Hz")},
+                        Case{string(", voices = 8", "200 Hz"), string(", voices = 8", "201 Hz")},
+                        Case{comb("", "5 ms"), comb("", "5.0625 ms")},
+                        Case{comb(", voices = 8", "5 ms"), comb(", voices = 8", "5.0625 ms")}}) {
+    INFO(c.after);
+    auto pluck = test::noise(kFrames, 5);
+    std::fill(pluck.begin() + 960, pluck.end(), 0.0);
+    const auto edited = play(c.before, {{kEdit, c.after}}, {pluck}, kFrames, 64)[0];
+    const auto alone = play(c.before, {}, {pluck}, kFrames, 64)[0];
+    double loud = 0, kept = 0;
+    for (int n = kEdit + 960; n < kFrames; ++n) {
+      loud += alone[static_cast<std::size_t>(n)] * alone[static_cast<std::size_t>(n)];
+      kept += edited[static_cast<std::size_t>(n)] * edited[static_cast<std::size_t>(n)];
+    }
+    CHECK(loud > 1e-3);
+    CHECK(kept > 0.5 * loud);
+  }
+}
+
+TEST_CASE("Engine: a control that jumps at once when it is played moves when the file is edited",
+          "[runtime][replace]") {
+  const auto with = [](const std::string& value) {
+    return graph("[inputs]\nx = {}\n[controls]\ng = { value = " + value +
+                 ", smooth = \"0 ms\" }\n[outputs]\ny = { from = \"g + 0 * x\" }\n");
+  };
+  const auto out = play(with("0.9"), {{500, with("0.1")}}, {test::Samples(2000)}, 2000, 64)[0];
+  CHECK(out.front() == 0.9);
+  CHECK(out.back() == 0.1);
+  CHECK(largest_step(out, 1, 2000) == Approx(0.8 / 480).epsilon(1e-6));
+}
+
+TEST_CASE("Engine: the silence after a fault outlasts an edit that changes nothing", "[runtime][replace]") {
+  const auto text = simple("d", "d = { type = \"delay\", in = \"x + 0.5 * d\", time = \"1 ms\" }");
+  auto burst = test::noise(1000, 3);
+  burst[200] = 1e308;
+  burst[248] = 1e308;
+  burst[296] = 1e308;
+  burst[344] = 1e308;
+  const auto plain = play(text, {}, {burst}, 1000, 1)[0];
+  for (int frame = 300; frame < 460; frame += 20)
+    CHECK(play(text, {{frame, text}}, {burst}, 1000, 1)[0] == plain);
+}
