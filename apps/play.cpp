@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
@@ -171,6 +173,15 @@ Result<std::vector<std::string>> write_files(const PlayOptions& options, const P
   return written;
 }
 
+/// The report beside the sound: what was played, what the guard did and what was expected.
+Result<std::string> write_report(const PlayOptions& options, const PlayedScene& played, const Json& json) {
+  const auto path = (std::filesystem::path{options.out} / slug(played.scene.name)).string() + ".json";
+  std::ofstream file{path};
+  file << json.dump(2) << "\n";
+  if (!file) return fail(Errc::BadFile, path, "cannot be written", "choose another folder with --out");
+  return path + "  this report, with what the guard did";
+}
+
 int run(const PlayOptions& options) {
   auto scene_run = options.run;
   scene_run.file = resolve_target(options.target, "scene.toml");
@@ -196,8 +207,11 @@ int run(const PlayOptions& options) {
                                 {"wanted", outcome.wanted},
                                 {"holds", outcome.holds}});
   }
-  const auto written = write_files(options, *played);
+  auto written = write_files(options, *played);
   if (!written) return report(written.error());
+  const auto kept = write_report(options, *played, json);
+  if (!kept) return report(kept.error());
+  written->push_back(*kept);
   if (options.json) {
     json["written"] = *written;
     fmt::print("{}\n", json.dump(2));
