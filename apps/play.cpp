@@ -117,7 +117,7 @@ std::string slug(const std::string& name) {
   std::string text;
   for (const char c : name)
     text += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '_';
-  return text;
+  return text.empty() ? "scene" : text;
 }
 
 Result<std::pair<double, double>> shown_times(const PlayOptions& options, const SceneRecording& recording) {
