@@ -1,6 +1,8 @@
 #include "engine/graph/build_schedule.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "engine/graph/operators.h"
 
@@ -24,6 +26,7 @@ class Builder {
     for (const auto& section : sections) add_section(section);
     add_channels();
     find_what_can_rest();
+    find_readers();
     return std::move(schedule_);
   }
 
@@ -47,7 +50,7 @@ class Builder {
     schedule_->input_names = graph_.inputs;
     schedule_->input_buffers.assign(graph_.inputs.size(), nullptr);
     for (std::size_t c = 0; c < flat_.controls.size(); ++c) {
-      schedule_->controls.push_back({flat_.controls[c], nullptr, {}, {}, made_.frozen_controls[c]});
+      schedule_->controls.push_back({flat_.controls[c], nullptr, {}, made_.frozen_controls[c]});
     }
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       const auto& vertex = graph_.vertices[v];
@@ -95,13 +98,7 @@ class Builder {
 
   int add_inputs(const std::vector<Wire>& wires) {
     const int first = static_cast<int>(schedule_->inputs.size());
-    for (const auto& wire : wires) {
-      const auto& source = at(wire.vertex);
-      if (source.kind == Vertex::Kind::Control)
-        schedule_->controls[static_cast<std::size_t>(source.index)].slots.push_back(
-            static_cast<int>(schedule_->inputs.size()));
-      schedule_->inputs.push_back(signal(wire));
-    }
+    for (const auto& wire : wires) schedule_->inputs.push_back(signal(wire));
     return first;
   }
 
@@ -239,30 +236,36 @@ class Builder {
       auto& channel = schedule_->channels[static_cast<std::size_t>(vertex.index)];
       const auto& output = graph_.outputs[static_cast<std::size_t>(vertex.index)];
       channel = {output.name, output.use, output.dimension, signal(vertex.in.front())};
-      const auto& source = at(vertex.in.front().vertex);
-      if (source.kind == Vertex::Kind::Control)
-        schedule_->controls[static_cast<std::size_t>(source.index)].output_slots.push_back(vertex.index);
     }
   }
 
   void find_what_can_rest() {
-    std::map<const double*, int> found;
+    std::set<const double*> found;
     const auto rests = [&](const Signal& signal) { return signal.constant() || found.contains(signal.data); };
     for (auto& operation : schedule_->operations) {
       const Signal* in = schedule_->inputs.data() + operation.first_in;
       if (!rests(in[0]) || !rests(in[1])) continue;
       operation.can_rest = static_cast<int>(schedule_->can_rest.size());
-      found.emplace(operation.out, operation.can_rest);
+      found.insert(operation.out);
       schedule_->can_rest.emplace_back();
     }
-    const auto reader_of = [&](const Signal& signal) {
-      const auto of = found.find(signal.data);
-      return of == found.end() ? nullptr : &schedule_->can_rest[static_cast<std::size_t>(of->second)];
+  }
+
+  void find_readers() {
+    std::map<const double*, Readers*> readers;
+    for (auto& control : schedule_->controls)
+      if (control.buffer != nullptr) readers.emplace(control.buffer, &control.readers);
+    for (const auto& operation : schedule_->operations)
+      if (operation.can_rest >= 0)
+        readers.emplace(operation.out, &schedule_->can_rest[static_cast<std::size_t>(operation.can_rest)]);
+    const auto readers_of = [&](const Signal& signal) {
+      const auto found = readers.find(signal.data);
+      return found == readers.end() ? nullptr : found->second;
     };
     for (std::size_t slot = 0; slot < schedule_->inputs.size(); ++slot)
-      if (auto* of = reader_of(schedule_->inputs[slot])) of->slots.push_back(static_cast<int>(slot));
+      if (auto* of = readers_of(schedule_->inputs[slot])) of->slots.push_back(static_cast<int>(slot));
     for (std::size_t channel = 0; channel < schedule_->channels.size(); ++channel)
-      if (auto* of = reader_of(schedule_->channels[channel].signal))
+      if (auto* of = readers_of(schedule_->channels[channel].signal))
         of->channels.push_back(static_cast<int>(channel));
   }
 

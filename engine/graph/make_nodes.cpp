@@ -1,6 +1,7 @@
 #include "engine/graph/make_nodes.h"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 
 #include "engine/graph/fingerprint.h"
@@ -147,7 +148,7 @@ class Maker {
       if (!value) return std::nullopt;
       values.push_back(*value);
     }
-    return add_lanes(values, [](double a, double b) { return a + b; });
+    return add_lanes(values, std::plus<>{});
   }
 
   /// False if a node that is compensated for could not be made: nothing is known of its delay.

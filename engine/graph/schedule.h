@@ -26,6 +26,12 @@ class Arena {
   std::size_t size_ = 0;
 };
 
+/// The places that read a signal which may rest: their stride is 0 while it does, else 1.
+struct Readers {
+  std::vector<int> slots;     ///< in Schedule::inputs
+  std::vector<int> channels;  ///< in Schedule::channels
+};
+
 /// One element-wise operation over the frames of a piece; operands are slots of the step.
 struct MicroOperation {
   Term::Op op;
@@ -33,12 +39,6 @@ struct MicroOperation {
   double* out = nullptr;
   int path = 0;       ///< in Schedule::paths
   int can_rest = -1;  ///< in Schedule::can_rest, or -1
-};
-
-/// An operation on nothing but controls and numbers: while they rest it is one number, which rests as well.
-struct CanRest {
-  std::vector<int> slots;     ///< in Schedule::inputs: the places that read it
-  std::vector<int> channels;  ///< in Schedule::channels
 };
 
 /// One entry of the flat list that a block runs through.
@@ -71,9 +71,8 @@ struct Section {
 
 struct ScheduledControl {
   FlatControl control;
-  double* buffer = nullptr;       ///< samples while it ramps; kWide times the same while it rests
-  std::vector<int> slots;         ///< in Schedule::inputs: the places that read it
-  std::vector<int> output_slots;  ///< in Schedule::channels
+  double* buffer = nullptr;  ///< samples while it ramps; kWide times the same while it rests
+  Readers readers;
   bool frozen = false;  ///< some node needed its value when it was made: it cannot change while running
 };
 
@@ -104,7 +103,8 @@ struct Schedule {
   std::vector<Signal> inputs;
   std::vector<double*> outputs;
   std::vector<MicroOperation> operations;
-  std::vector<CanRest> can_rest;
+  /// Of operations on nothing but controls and numbers: while those rest each is one number, which rests too.
+  std::vector<Readers> can_rest;
   std::vector<std::string> paths;
 
   std::vector<std::string> input_names;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "engine/graph/lane_sum.h"
@@ -92,7 +93,7 @@ class Simplifier {
     for (const auto& wire : at(v).in)
       if (const auto value = constant(wire)) values.push_back(*value);
     if (values.size() != at(v).in.size()) return false;
-    make_constant(v, add_lanes(values, [](double a, double b) { return a + b; }));
+    make_constant(v, add_lanes(values, std::plus<>{}));
     return true;
   }
 

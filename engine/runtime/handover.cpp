@@ -1,6 +1,7 @@
 #include "engine/runtime/handover.h"
 
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 
 #include "engine/graph/node.h"
@@ -34,7 +35,7 @@ class Planner {
   Planner(const Running& before, Running& after)
       : old_(before), new_(after), was_(anatomy(*before.schedule)), is_(anatomy(*after.schedule)) {
     for (std::size_t r = 0; r < old_.ramps.size(); ++r)
-      for (const int slot : old_.ramps[r].mover.slots) ramp_at_.emplace(slot, static_cast<int>(r));
+      for (const int slot : old_.ramps[r].mover.readers.slots) ramp_at_.emplace(slot, static_cast<int>(r));
   }
 
   void run() {
@@ -131,15 +132,21 @@ class Planner {
     auto& ramp = new_.ramps.emplace_back();
     ramp.before = ramp_before;
     ramp.samples.assign(kMaxPiece, 0.0);
-    ramp.mover.slots = {now.slot};
+    ramp.mover.readers.slots = {now.slot};
     ramp.mover.value = {before, *now.constant, 0, 0};
     ramp.mover.buffer = ramp.samples.data();
     new_.schedule->inputs[static_cast<std::size_t>(now.slot)].data = ramp.samples.data();
   }
 
-  bool is_changed(const Operand& operand) const {
+  /// The part that an operand comes from, if it is one's.
+  std::optional<std::size_t> part_of(const Operand& operand) const {
     const auto part = is_.index.find(operand.source.substr(0, operand.source.find_last_of(':')));
-    return part != is_.index.end() && changed_[part->second];
+    return part == is_.index.end() ? std::nullopt : std::optional{part->second};
+  }
+
+  bool is_changed(const Operand& operand) const {
+    const auto part = part_of(operand);
+    return part && changed_[*part];
   }
 
   /// Whoever reads what changed has changed.
@@ -148,10 +155,8 @@ class Planner {
     std::vector<std::size_t> work;
     for (std::size_t p = 0; p < is_.parts.size(); ++p) {
       if (changed_[p]) work.push_back(p);
-      for (const auto& operand : is_.parts[p].operands) {
-        const auto source = is_.index.find(operand.source.substr(0, operand.source.find_last_of(':')));
-        if (source != is_.index.end()) readers[source->second].push_back(p);
-      }
+      for (const auto& operand : is_.parts[p].operands)
+        if (const auto source = part_of(operand)) readers[*source].push_back(p);
     }
     while (!work.empty()) {
       const auto p = work.back();

@@ -2,7 +2,8 @@
 
 #include <cmath>
 #include <cstdint>
-#include <vector>
+
+#include "engine/graph/schedule.h"
 
 namespace tactus {
 
@@ -26,9 +27,8 @@ struct MovingValue {
 /// while it moves.
 struct Mover {
   MovingValue value;
-  double* buffer = nullptr;   ///< nullptr: nobody reads it
-  std::vector<int> slots;     ///< in Schedule::inputs
-  std::vector<int> channels;  ///< in Schedule::channels
+  double* buffer = nullptr;  ///< nullptr: nobody reads it
+  Readers readers;
   bool decibel = false;
   bool resting = true;
 };

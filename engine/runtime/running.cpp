@@ -24,8 +24,7 @@ Running::Running(std::unique_ptr<Schedule> made, int max_frames)
   for (const auto& scheduled : schedule->controls) {
     Mover mover;
     mover.buffer = scheduled.buffer;
-    mover.slots = scheduled.slots;
-    mover.channels = scheduled.output_slots;
+    mover.readers = scheduled.readers;
     mover.decibel = scheduled.control.decibel;
     control_of.push_back(static_cast<int>(controls.size()));
     control_names.push_back(scheduled.control.name);
@@ -110,19 +109,17 @@ void Running::rest(Mover& mover, bool resting) noexcept {
   mover.resting = resting;
   if (mover.buffer == nullptr) return;
   if (resting) std::fill_n(mover.buffer, kWide, mover.value.to);
-  set_strides(mover.slots, mover.channels, resting ? 0 : 1);
+  set_strides(mover.readers, resting ? 0 : 1);
 }
 
 void Running::rest(int can_rest, bool rests) noexcept {
-  const auto& signal = schedule->can_rest[static_cast<std::size_t>(can_rest)];
   at_rest[static_cast<std::size_t>(can_rest)] = rests;
-  set_strides(signal.slots, signal.channels, rests ? 0 : 1);
+  set_strides(schedule->can_rest[static_cast<std::size_t>(can_rest)], rests ? 0 : 1);
 }
 
-void Running::set_strides(const std::vector<int>& slots, const std::vector<int>& channels,
-                          int stride) noexcept {
-  for (const int slot : slots) schedule->inputs[static_cast<std::size_t>(slot)].stride = stride;
-  for (const int channel : channels)
+void Running::set_strides(const Readers& readers, int stride) noexcept {
+  for (const int slot : readers.slots) schedule->inputs[static_cast<std::size_t>(slot)].stride = stride;
+  for (const int channel : readers.channels)
     schedule->channels[static_cast<std::size_t>(channel)].signal.stride = stride;
 }
 

@@ -74,7 +74,7 @@ struct Running {
  private:
   bool begins_lanes(std::size_t output) const;
   void rest(Mover& mover, bool resting) noexcept;
-  void set_strides(const std::vector<int>& slots, const std::vector<int>& channels, int stride) noexcept;
+  void set_strides(const Readers& readers, int stride) noexcept;
   void advance(Mover& mover, std::int64_t now, int frames) noexcept;
 
   int moving_ = 0;  ///< controls and ramps that do not rest: a file may have thousands that nobody moves
