@@ -92,7 +92,7 @@ class DelayNode : public RememberingNode {
     }
   }
 
-  /// Also what is worked out from controls at rest, frame by frame.
+  /// Also where a phase delay gives the same in every frame.
   static bool steady(const Signal& time, int frames) noexcept {
     if (time.constant() || frames == 1) return true;
     unsigned changes = 0;

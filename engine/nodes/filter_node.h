@@ -29,29 +29,6 @@ class FilterNode : public Node {
       process_row(block);
   }
 
- private:
-  void process_single(const NodeBlock& block) noexcept {
-    const double x = *block.in[0].data;
-    const int position = steps_.single(block, [&] { update(block, 0); });
-    const double y = filter_.run_single(x, position);
-    if (block.out[0] != nullptr) *block.out[0] = y;
-    if (has_rest_ && block.out[1] != nullptr) *block.out[1] = x - y;
-  }
-
-  // Not inlined: what many frames need to be set up would delay a single one.
-  [[gnu::noinline]] void process_row(const NodeBlock& block) noexcept {
-    InARow in_a_row;
-    const double* x = in_a_row(block.in[0], block.frames);
-    std::array<double, kMaxPiece> unread;
-    double* y = block.out[0] != nullptr ? block.out[0] : unread.data();
-    steps_.go(
-        block, constant(block), [&](int frame) { update(block, frame); },
-        [&](int from, int to, int position) { filter_.run(x + from, y + from, to - from, position); });
-    if (!has_rest_ || block.out[1] == nullptr) return;
-    for (int n = 0; n < block.frames; ++n) block.out[1][n] = x[n] - y[n];
-  }
-
- public:
   void reset() noexcept override {
     filter_.reset();
     steps_.reset();
@@ -78,10 +55,25 @@ class FilterNode : public Node {
   }
 
  private:
-  static bool constant(const NodeBlock& block) noexcept {
-    bool all = true;
-    for (std::size_t i = 0; i < ParameterCount; ++i) all = all && block.in[i + 1].constant();
-    return all;
+  void process_single(const NodeBlock& block) noexcept {
+    const double x = *block.in[0].data;
+    const int position = steps_.single(block, [&] { update(block, 0); });
+    const double y = filter_.run_single(x, position);
+    if (block.out[0] != nullptr) *block.out[0] = y;
+    if (has_rest_ && block.out[1] != nullptr) *block.out[1] = x - y;
+  }
+
+  // Not inlined: what many frames need to be set up would delay a single one.
+  [[gnu::noinline]] void process_row(const NodeBlock& block) noexcept {
+    InARow in_a_row;
+    const double* x = in_a_row(block.in[0], block.frames);
+    std::array<double, kMaxPiece> unread;
+    double* y = block.out[0] != nullptr ? block.out[0] : unread.data();
+    steps_.go(
+        block, rest(block, 1, ParameterCount), [&](int frame) { update(block, frame); },
+        [&](int from, int to, int position) { filter_.run(x + from, y + from, to - from, position); });
+    if (!has_rest_ || block.out[1] == nullptr) return;
+    for (int n = 0; n < block.frames; ++n) block.out[1][n] = x[n] - y[n];
   }
 
   void update(const NodeBlock& block, int frame) noexcept {

@@ -42,6 +42,13 @@ class GroupSteps {
   bool fresh_ = true;
 };
 
+/// Whether `count` inputs from `first` on rest.
+inline bool rest(const NodeBlock& block, std::size_t first, std::size_t count) noexcept {
+  bool all = true;
+  for (std::size_t i = first; i < first + count; ++i) all = all && block.in[i].constant();
+  return all;
+}
+
 /// The samples of a signal in a row; a constant is written out.
 class InARow {
  public:

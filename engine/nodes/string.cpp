@@ -67,10 +67,8 @@ class StringNode : public Node {
     InARow in_a_row;
     const double* x = in_a_row(block.in[kIn], block.frames);
     double* y = block.out[0];
-    const auto* in = block.in;
-    const bool constant = in[kPitch].constant() && in[kGain].constant() && in[kLoss].constant();
     steps_.go(
-        block, constant, [&](int n) { tune(block, n); },
+        block, rest(block, kPitch, 3), [&](int n) { tune(block, n); },
         [&](int from, int to, int position) { string_.run(x + from, y + from, to - from, position); });
   }
 

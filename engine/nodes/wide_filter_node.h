@@ -23,7 +23,7 @@ class WideFilterNode final : public Node {
     std::array<double, static_cast<std::size_t>(kMaxPiece * kWide)> unread;
     double* const y = block.out[0] != nullptr ? block.out[0] : unread.data();
     steps_.go(
-        block, constant(block), [&](int frame) { update(block, frame); },
+        block, rest(block, 1, ParameterCount), [&](int frame) { update(block, frame); },
         [&](int from, int to, int) { filter_.run(x.from(from), y + from * kWide, to - from); });
     if (!has_rest_ || block.out[1] == nullptr) return;
     for (int n = 0; n < block.frames; ++n)
@@ -37,12 +37,6 @@ class WideFilterNode final : public Node {
   }
 
  private:
-  static bool constant(const NodeBlock& block) noexcept {
-    bool all = true;
-    for (std::size_t i = 0; i < ParameterCount; ++i) all = all && block.in[i + 1].constant();
-    return all;
-  }
-
   void update(const NodeBlock& block, int frame) noexcept {
     for (int lane = 0; lane < kWide; ++lane) {
       Parameters now;

@@ -17,7 +17,7 @@ class WideStringNode final : public Node {
   void process(const NodeBlock& block) noexcept override {
     const WideSignal x{block.in[0]}, pitch{block.in[1]}, gain{block.in[2]}, loss{block.in[3]};
     steps_.go(
-        block, pitch.constant() && gain.constant() && loss.constant(),
+        block, rest(block, 1, 3),
         [&](int n) {
           for (int l = 0; l < kWide; ++l)
             strings_.tune(l, {.pitch_hz = std::max(lowest_pitch_, pitch.lane(l, n)),
