@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
@@ -120,6 +119,11 @@ std::string slug(const std::string& name) {
   return text.empty() ? "scene" : text;
 }
 
+/// What all files of a run begin with.
+std::string base_of(const PlayOptions& options, const PlayedScene& played) {
+  return (std::filesystem::path{options.out} / slug(played.scene.name)).string();
+}
+
 Result<std::pair<double, double>> shown_times(const PlayOptions& options, const SceneRecording& recording) {
   if (options.show.empty()) return std::pair{0.0, std::min(1.0, recording.seconds())};
   const auto from = parse_option(options.show[0], "s", "show");
@@ -136,7 +140,7 @@ Result<std::pair<double, double>> shown_times(const PlayOptions& options, const 
 Result<std::vector<std::string>> write_files(const PlayOptions& options, const PlayedScene& played) {
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
-  const auto base = std::filesystem::path{options.out} / slug(played.scene.name);
+  const auto base = base_of(options, played);
   std::vector<std::string> written;
   const auto write = [&](const std::string& suffix,
                          const std::vector<const RecordedSignal*>& signals) -> Status {
@@ -149,7 +153,7 @@ Result<std::vector<std::string>> write_files(const PlayOptions& options, const P
       names += (names.empty() ? "" : ", ") + signal->name.substr(signal->name.find('.') + 1);
       if (!signal->dimension.plain()) names += " [" + to_string(signal->dimension) + "]";
     }
-    const auto path = base.string() + suffix;
+    const auto path = base + suffix;
     written.push_back(path + "  " + names);
     return write_wav(path, samples);
   };
@@ -165,21 +169,12 @@ Result<std::vector<std::string>> write_files(const PlayOptions& options, const P
   if (auto status = write("_motion.wav", motion); !status) return tl::unexpected(status.error());
   const auto times = shown_times(options, played.recording);
   if (!times) return tl::unexpected(times.error());
-  const auto picture = base.string() + ".svg";
+  const auto picture = base + ".svg";
   if (auto status = write_svg(picture, story(played.scene, played.recording, times->first, times->second));
       !status)
     return tl::unexpected(status.error());
   written.push_back(picture + fmt::format("  the picture, {:g} s to {:g} s", times->first, times->second));
   return written;
-}
-
-/// The report beside the sound: what was played, what the guard did and what was expected.
-Result<std::string> write_report(const PlayOptions& options, const PlayedScene& played, const Json& json) {
-  const auto path = (std::filesystem::path{options.out} / slug(played.scene.name)).string() + ".json";
-  std::ofstream file{path};
-  file << json.dump(2) << "\n";
-  if (!file) return fail(Errc::BadFile, path, "cannot be written", "choose another folder with --out");
-  return path + "  this report, with what the guard did";
 }
 
 int run(const PlayOptions& options) {
@@ -209,9 +204,9 @@ int run(const PlayOptions& options) {
   }
   auto written = write_files(options, *played);
   if (!written) return report(written.error());
-  const auto kept = write_report(options, *played, json);
-  if (!kept) return report(kept.error());
-  written->push_back(*kept);
+  const auto kept = base_of(options, *played) + ".json";
+  if (auto status = write_json(kept, json); !status) return report(status.error());
+  written->push_back(kept + "  this report, with what the guard did");
   if (options.json) {
     json["written"] = *written;
     fmt::print("{}\n", json.dump(2));

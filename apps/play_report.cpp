@@ -102,6 +102,13 @@ Json events_json(const std::vector<std::string>& names, const std::vector<std::v
   return json;
 }
 
+Status write_json(const std::string& path, const Json& json) {
+  std::ofstream file{path};
+  file << json.dump(2) << "\n";
+  if (file) return {};
+  return fail(Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written");
+}
+
 Json events_of(const PlayedScene& played) {
   std::vector<std::string> names;
   std::vector<std::vector<double>> taps;

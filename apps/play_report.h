@@ -37,6 +37,9 @@ nlohmann::ordered_json events_json(const std::vector<std::string>& names,
                                    const std::vector<std::vector<double>>& taps, Hertz sample_rate);
 nlohmann::ordered_json events_of(const PlayedScene& played);
 
+/// Errors: BadFile.
+Status write_json(const std::string& path, const nlohmann::ordered_json& json);
+
 /// What the instrument gave out, behind the guard, channel by channel.
 Samples drives_of(const PlayedScene& played);
 

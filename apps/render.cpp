@@ -82,14 +82,6 @@ Result<Samples> read_input(const RenderOptions& options) {
   return samples;
 }
 
-int write_events(const std::string& path, const Json& events) {
-  std::ofstream file{path};
-  file << events.dump(2) << "\n";
-  if (file) return kDone;
-  return report(
-      Error{Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written"});
-}
-
 /// A recording must not be lost to its own rendering.
 Status check_files(const RenderOptions& options) {
   std::error_code none;
@@ -157,7 +149,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
     if (auto status = write_wav(options.out, output, encoding); !status) return report(status.error());
   }
   if (!options.events.empty())
-    if (const int code = write_events(options.events, events); code != kDone) return code;
+    if (auto status = write_json(options.events, events); !status) return report(status.error());
 
   Json summary{{"instrument", loaded.spec->name},
                {"sample_rate_hz", input->sample_rate.value},
@@ -210,7 +202,7 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   }
   const auto events = events_of(*played);
   if (!options.events.empty())
-    if (const int code = write_events(options.events, events); code != kDone) return code;
+    if (auto status = write_json(options.events, events); !status) return report(status.error());
   if (options.json)
     fmt::print("{}\n", Json{{"scene", played->scene.name},
                             {"events", events["events"].size()},
