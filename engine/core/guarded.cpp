@@ -178,8 +178,10 @@ void Guarded::disarm_drives(std::int64_t frame) noexcept {
 
 void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
   using Kind = JournalEntry::Kind;
+  bool known = entry.index == JournalEntry::kAllChannels;
   for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
     if (entry.index != JournalEntry::kAllChannels && entry.index != c) continue;
+    known = true;
     auto& channel = channels_[static_cast<std::size_t>(c)];
     if (entry.kind == Kind::CoilHeat) channel.guard.warm_to({entry.value, 0.0});
     if (entry.kind == Kind::BodyHeat) channel.guard.warm_to({0.0, entry.value});
@@ -187,8 +189,6 @@ void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
     if (entry.kind == Kind::Mute) channel.muted = entry.value > 0.5;
     channel.guard.set_open(channel.should_sound(), frame);
   }
-  const bool known = entry.index == JournalEntry::kAllChannels ||
-                     (entry.index >= 0 && entry.index < static_cast<int>(channels_.size()));
   if (known && entry.kind == Kind::Arm && entry.value > 0.5)
     for (auto& sensor : sensors_) sensor.forgive();
   entry.frame = frame;

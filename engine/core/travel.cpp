@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tactus {
 namespace {
-
-constexpr double kPi = 3.141592653589793;
 
 double length(Vector2 v) noexcept { return std::sqrt(v.x * v.x + v.y * v.y); }
 
@@ -19,7 +18,7 @@ double returned(double y, double step) noexcept {
 
 Travel::Travel(const TravelLimits& limits, double largest_step, Hertz sample_rate)
     : static_(limits.metres_at_full_scale / limits.metres), largest_step_(largest_step) {
-  const double turn = 2.0 * kPi * limits.resonance.value / sample_rate.value;
+  const double turn = 2.0 * std::numbers::pi * limits.resonance.value / sample_rate.value;
   free_ = exponential({0.0, 1.0, -1.0, -1.0 / limits.q}, turn);
   const Vector2 rest{static_, 0.0};
   held_ = rest - free_ * rest;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -14,8 +15,6 @@
 
 namespace tactus {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 /// Reads the sections of one profile.
 class ProfileReader {
@@ -162,7 +161,7 @@ DriveLimits limits_for(const ActuatorProfile& profile, double volts) {
         t->damping_kg_per_s + t->force_factor_tm * t->force_factor_tm / profile.resistance_ohm;
     limits.travel =
         TravelLimits{t->metres, t->force_factor_tm * volts / profile.resistance_ohm / t->stiffness_n_per_m,
-                     Hertz{std::sqrt(t->stiffness_n_per_m / t->mass_kg) / kTwoPi},
+                     Hertz{std::sqrt(t->stiffness_n_per_m / t->mass_kg) / (2.0 * std::numbers::pi)},
                      std::sqrt(t->stiffness_n_per_m * t->mass_kg) / damping};
   }
   return limits;
