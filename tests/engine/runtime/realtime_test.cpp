@@ -2,6 +2,7 @@
 #include <thread>
 
 #include "tests/support/allocation_count.h"
+#include "tests/support/busy_graph.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/node_runner.h"
 
@@ -9,33 +10,7 @@ using namespace tactus;
 
 namespace {
 
-/// Loops, lanes, a network, expressions, ramps and events.
-const std::string kBig = R"(format = 1
-name = "test"
-[inputs]
-x = {}
-go = {}
-[controls]
-gain  = { value = 0.4, range = [-0.5, 0.5] }
-pitch = { value = "300 Hz", range = ["100 Hz", "1 kHz"] }
-[networks.drum]
-frame = { type = "ground" }
-cone  = { type = "mass", mass = "35 g" }
-stick = { type = "mass", mass = "12 g", at = "1 mm" }
-hold  = { type = "spring", between = ["frame", "cone"], stiffness = "1000 N/m", damping = "1.2 kg/s" }
-lens  = { type = "contact", between = ["cone", "stick"], stiffness = "5e6 N/m^1.5", loss = "0.15 s/m" }
-coil  = { type = "coil", on = "cone", voltage = "10 V * back", force_factor = "6 T m", resistance = "6 ohm" }
-fall  = { type = "force", on = "stick", force = "-1 N" }
-[nodes]
-heard  = { type = "band_pass", in = "drum.lens.force / 1 N", frequency = "3 kHz", q = 0.7 }
-hit    = { type = "onset", in = "heard", threshold = "-34 dB", hold = "15 ms" }
-back   = { type = "decay", trigger = "hit + go", time = "12 ms" }
-combs  = { type = "delay", voices = 8, in = "x + gain * loss", time = { from = "1 ms", to = "9 ms" } }
-loss   = { type = "low_pass", in = "combs", cutoff = "pitch * 4", q = 0.7 }
-tuned  = { type = "delay", in = "heard + 0.9 * damped", time = "1 / pitch", compensate = ["damped"] }
-damped = { type = "one_pole", in = "tuned", cutoff = "4 kHz" }
-all    = { type = "mix", in = "loss" }
-[outputs]
+const std::string kBig = test::kBusyGraph + R"([outputs]
 y = { from = "all + tuned" }
 z = { from = "back" }
 )";

@@ -3,31 +3,11 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
-#include "tests/engine/graph/temporary_folder.h"
+#include "tests/engine/scene/scene_folder.h"
 
 using namespace tactus;
 
 namespace {
-
-constexpr auto kInstrument = R"(format = 1
-[inputs]
-mic = { unit = "full scale" }
-pedal = { unit = "full scale" }
-[controls]
-strength = { value = 0.5, range = [0, 1] }
-[nodes]
-hit = { type = "onset", in = "mic", threshold = 0.1, hold = "15 ms" }
-[outputs]
-woofer = { from = "strength * hit" }
-)";
-constexpr auto kPlant = R"(format = 1
-[inputs]
-drive = { unit = "full scale" }
-lift = { unit = "m" }
-[outputs]
-mic = { from = "drive" }
-stick = { from = "lift", unit = "m" }
-)";
 
 struct BadFile {
   const char* what;
@@ -482,9 +462,7 @@ strength = 9
 }  // namespace
 
 TEST_CASE("bad files: a scene that is wrong says where, what, and what to do", "[scene]") {
-  const test::TemporaryFolder folder;
-  folder.write("instrument.toml", kInstrument);
-  folder.write("plant.toml", kPlant);
+  const test::SceneFolder folder;
   for (const auto& file : kBadFiles) {
     INFO(file.what);
     folder.write("scene.toml", file.text);

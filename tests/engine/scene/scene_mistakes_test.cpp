@@ -2,37 +2,13 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
-#include "tests/engine/graph/temporary_folder.h"
+#include "tests/engine/scene/scene_folder.h"
 
 using namespace tactus;
-using test::TemporaryFolder;
 
 namespace {
 
-/// A scene in a folder with an instrument and a plant.
-struct Folder : TemporaryFolder {
-  Folder() {
-    write("instrument.toml", R"(format = 1
-[inputs]
-mic = { unit = "full scale" }
-pedal = { unit = "full scale" }
-[controls]
-strength = { value = 0.5, range = [0, 1] }
-[nodes]
-hit = { type = "onset", in = "mic", threshold = 0.1, hold = "15 ms" }
-[outputs]
-woofer = { from = "strength * hit" }
-)");
-    write("plant.toml", R"(format = 1
-[inputs]
-drive = { unit = "full scale" }
-lift = { unit = "m" }
-[outputs]
-mic = { from = "drive" }
-stick = { from = "lift", unit = "m" }
-)");
-  }
-
+struct Folder : test::SceneFolder {
   std::string mistakes(const std::string& text) const {
     const auto file = (path() / "scene.toml").string();
     const auto built = build_scene(parse_scene_leniently(text, file, path()), standard_nodes());
