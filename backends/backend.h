@@ -21,32 +21,44 @@ struct Device {
   int out_channels = 0;
   std::vector<Hertz> sample_rates;  ///< empty: any
   Hertz default_rate;
+  std::optional<int> block_frames;  ///< that it runs at now, or prefers
+  /// What the driver says of its own delay [frames], where it can be asked without opening the device.
+  std::optional<double> input_latency_frames, output_latency_frames;
   bool is_default = false;
 };
 
 /// What is asked for. Whatever is left out, the backend chooses.
 struct StreamRequest {
   std::string device;                ///< Device::id; empty: the default device
+  std::string input_device;          ///< where another one listens; empty: `device`
   std::optional<Hertz> sample_rate;  ///< a rate that cannot be had is an error, never another rate
   int in_channels = 0;
   int out_channels = 0;
+  /// Which channels of the device they are, from 0 on; empty: the first ones. As long as there are channels.
+  std::vector<int> in_map, out_map;
   std::optional<int> block_frames;  ///< a wish: see StreamGranted
+  std::optional<int> periods;       ///< blocks in the driver's buffer; a wish, where a driver has it
   std::string client_name = "tactus";
 };
 
 /// What was granted. Only this counts: drivers round block sizes and add buffers of their own.
 struct StreamGranted {
-  std::string device;
+  std::string device;        ///< Device::id of the outputs, or of the inputs where there are no outputs
+  std::string input_device;  ///< where it is another one; otherwise empty
   StreamFormat format;
-  int block_frames = 0;  ///< 0: changes from block to block, within format.max_frames
+  int block_frames = 0;  ///< 0: changes from block to block
+  int periods = 0;       ///< 0: not known
   /// What the driver says about its own delay [frames]. It may be wrong: see `tactus latency`.
   std::optional<double> input_latency_frames;
   std::optional<double> output_latency_frames;
+  bool xruns_move_delay = false;  ///< a gap may change the delay from then on
+  bool comes_back = true;         ///< when it is Lost, opening it again may work in this process
 };
 
 enum class StreamState {
   Stopped,
   Running,
+  Stalled,   ///< no block for half a second; it may go on by itself
   Finished,  ///< came to the end of what there was to do
   Lost,      ///< the device or its server went away; only destroying the stream is left to do
 };

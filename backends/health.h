@@ -1,21 +1,41 @@
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 
+#include "backends/load_histogram.h"
+
 namespace tactus {
+
+/// Who noticed a gap in the sound, and where it is.
+enum class Gap : std::uint8_t {
+  Input,   ///< the driver had to drop what came in
+  Output,  ///< the driver ran out of what goes out
+  Server,  ///< the sound server says that somebody was late
+  Unsaid,  ///< nobody said anything, but frames are missing
+};
+inline constexpr std::size_t kGaps = 4;
+/// [any] "input", "output", "server", "unsaid".
+const char* name_of(Gap gap);
 
 /// How a stream fares, counted since it was opened.
 struct Health {
   std::int64_t blocks = 0;
   std::int64_t frames = 0;
-  std::int64_t xruns = 0;        ///< times that the driver reported a gap
-  std::int64_t lost_frames = 0;  ///< frames missing in those gaps, as far as they are known
-  std::int64_t bad_input = 0;    ///< input samples that were NaN or infinite and became 0
-  int shortest_block = 0;        ///< [frames]
-  int longest_block = 0;         ///< [frames]
-  double mean_load = 0.0;        ///< time in `process` over the block's duration
-  double peak_load = 0.0;        ///< above 1 the block came late
+  std::int64_t xruns = 0;                  ///< gaps, whoever noticed them
+  std::array<std::int64_t, kGaps> gaps{};  ///< of them, by Gap
+  std::int64_t lost_frames = 0;            ///< frames missing in those gaps, as far as they are known
+  std::int64_t late_blocks = 0;            ///< that took longer to make than they last
+  std::int64_t bad_input = 0;              ///< input samples that were NaN or infinite and became 0
+  int shortest_block = 0;                  ///< [frames]
+  int longest_block = 0;                   ///< [frames]
+  double mean_load = 0.0;                  ///< time in `process` over the block's duration
+  double median_load = 0.0;                ///< p50, within 3 %
+  double high_load = 0.0;                  ///< p99.9, within 3 %
+  double peak_load = 0.0;                  ///< above 1 the block came late
+  int realtime_priority = 0;               ///< of the thread that brings the blocks; 0: an ordinary thread
 
   bool operator==(const Health&) const = default;
 };
@@ -34,12 +54,15 @@ class HealthMeter {
     if (frames > longest_.load(kRelaxed)) longest_.store(frames, kRelaxed);
     load_sum_.store(load_sum_.load(kRelaxed) + load, kRelaxed);
     if (load > peak_load_.load(kRelaxed)) peak_load_.store(load, kRelaxed);
+    if (load > 1.0) add(late_, 1);
+    loads_.add(load);
   }
-  /// [realtime, any thread] `lost_frames` 0: not known.
-  void xrun(std::int64_t lost_frames) noexcept {
-    xruns_.fetch_add(1, kRelaxed);
-    lost_.fetch_add(lost_frames, kRelaxed);
-  }
+  /// [realtime, any thread]
+  void gap(Gap gap) noexcept { gaps_[static_cast<std::size_t>(gap)].fetch_add(1, kRelaxed); }
+  /// [realtime, any thread] They went missing in a gap that is counted.
+  void lost(std::int64_t frames) noexcept { lost_.fetch_add(frames, kRelaxed); }
+  /// [realtime, one thread]
+  void realtime_priority(int priority) noexcept { priority_.store(priority, kRelaxed); }
   /// [realtime, one thread]
   void bad_input(std::int64_t samples) noexcept { add(bad_input_, samples); }
 
@@ -48,13 +71,17 @@ class HealthMeter {
     Health health;
     health.blocks = blocks_.load(kRelaxed);
     health.frames = frames_.load(kRelaxed);
-    health.xruns = xruns_.load(kRelaxed);
+    for (std::size_t g = 0; g < kGaps; ++g) health.xruns += health.gaps[g] = gaps_[g].load(kRelaxed);
     health.lost_frames = lost_.load(kRelaxed);
     health.bad_input = bad_input_.load(kRelaxed);
     health.shortest_block = shortest_.load(kRelaxed);
     health.longest_block = longest_.load(kRelaxed);
     if (health.blocks > 0) health.mean_load = load_sum_.load(kRelaxed) / static_cast<double>(health.blocks);
     health.peak_load = peak_load_.load(kRelaxed);
+    health.median_load = loads_.quantile(0.5);
+    health.high_load = loads_.quantile(0.999);
+    health.late_blocks = late_.load(kRelaxed);
+    health.realtime_priority = priority_.load(kRelaxed);
     return health;
   }
 
@@ -65,9 +92,11 @@ class HealthMeter {
     counter.store(counter.load(kRelaxed) + more, kRelaxed);
   }
 
-  std::atomic<std::int64_t> blocks_{0}, frames_{0}, xruns_{0}, lost_{0}, bad_input_{0};
-  std::atomic<int> shortest_{0}, longest_{0};
+  std::atomic<std::int64_t> blocks_{0}, frames_{0}, late_{0}, lost_{0}, bad_input_{0};
+  std::array<std::atomic<std::int64_t>, kGaps> gaps_{};
+  std::atomic<int> shortest_{0}, longest_{0}, priority_{0};
   std::atomic<double> load_sum_{0.0}, peak_load_{0.0};
+  LoadHistogram loads_;
 };
 
 }  // namespace tactus

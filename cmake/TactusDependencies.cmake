@@ -7,6 +7,23 @@ find_package(CLI11 REQUIRED)
 find_package(tl-expected REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(SNDFILE REQUIRED IMPORTED_TARGET sndfile)
+
+# Libraries that reach sound cards and MIDI keyboards, and where pkg-config finds them. One that is not installed
+# is left out, and `tactus devices` says so.
+set(TACTUS_CARDS jack rtaudio portaudio rtmidi CACHE STRING "Libraries for sound cards and MIDI")
+set(TACTUS_PACKAGE_portaudio portaudio-2.0)
+foreach(card jack rtaudio portaudio rtmidi)
+  set(TACTUS_HAS_${card} OFF)
+  if(NOT card IN_LIST TACTUS_CARDS)
+    continue()
+  endif()
+  if(NOT DEFINED TACTUS_PACKAGE_${card})
+    set(TACTUS_PACKAGE_${card} ${card})
+  endif()
+  pkg_check_modules(${card} QUIET IMPORTED_TARGET ${TACTUS_PACKAGE_${card}})
+  set(TACTUS_HAS_${card} ${${card}_FOUND})
+endforeach()
+
 find_path(TOMLPLUSPLUS_INCLUDE_DIR toml++/toml.h REQUIRED)
 
 add_library(tactus_tomlplusplus INTERFACE)

@@ -26,8 +26,9 @@ const std::map<std::string, std::vector<std::string>> kArrows = {
     {"engine/analysis", {"engine/scene"}},
     {"backends", {"engine/core"}},
     {"backends/simulated", {"backends", "engine/scene"}},
+    {"backends/take", {"backends"}},
     {"latency", {"backends"}},
-    {"apps", {"latency", "engine/analysis", "backends/simulated"}},
+    {"apps", {"latency", "engine/analysis", "backends/simulated", "backends/take"}},
 };
 
 /// Where the headers that begin like this may be included, as beginnings of paths.
@@ -44,18 +45,20 @@ const std::vector<ThirdParty> kThirdParty = {
     {"fmt/",
      {"engine/graph/", "engine/nodes/", "engine/runtime/", "engine/scene/", "engine/analysis/", "backends/",
       "latency/", "apps/"}},
-    {"nlohmann/", {"engine/analysis/", "latency/", "apps/"}},
+    {"nlohmann/", {"engine/analysis/", "backends/take/", "latency/", "apps/"}},
     {"CLI/", {"apps/"}},
     {"jack/", {"backends/jack/"}},
     {"RtAudio.h", {"backends/rtaudio/"}},
     {"rtaudio/", {"backends/rtaudio/"}},
     {"portaudio.h", {"backends/portaudio/"}},
     {"pa_", {"backends/portaudio/"}},
+    {"RtMidi.h", {"backends/rtmidi/"}},
+    {"rtmidi/", {"backends/rtmidi/"}},
 };
 
 /// Of the sound libraries only the .cpp may know, so that no user of a backend needs their headers.
-const std::vector<std::string> kOnlyInSources = {"sndfile.h", "jack/",       "RtAudio.h",
-                                                 "rtaudio/",  "portaudio.h", "pa_"};
+const std::vector<std::string> kOnlyInSources = {"sndfile.h",   "jack/", "RtAudio.h", "rtaudio/",
+                                                 "portaudio.h", "pa_",   "RtMidi.h",  "rtmidi/"};
 
 /// Vector intrinsics exist wherever the compiler's macros say so; the system's own headers only at the rim.
 const std::set<std::string> kIntrinsics = {"xmmintrin.h", "immintrin.h", "arm_neon.h"};

@@ -100,10 +100,12 @@ void Guarded::skip_soft_start() noexcept {
 
 void Guarded::process(const BlockIo& io) noexcept {
   const NoDenormals no_denormals;
-  if (std::exchange(stopped_, false)) open_guards(frame_.load(kRelaxed));
+  const auto first_frame = frame_.load(kRelaxed);
+  if (std::exchange(stopped_, false)) open_guards(first_frame);
   for (int offset = 0; offset < io.frames; offset += format_.max_frames)
     process_piece(io, offset, std::min(format_.max_frames, io.frames - offset));
   for (auto& channel : channels_) channel.publish();
+  if (tap_ != nullptr) tap_->hear(io, first_frame);
 }
 
 void Guarded::finish(const BlockIo& io) noexcept {

@@ -33,6 +33,14 @@ struct GuardEvent {
   bool operator==(const GuardEvent&) const = default;
 };
 
+/// Hears every block as it went by, for a take or a meter.
+class BlockTap {
+ public:
+  virtual ~BlockTap() = default;
+  /// [realtime & prepared] What came in and what goes out behind the guard; its first frame since `prepare`.
+  virtual void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING = 0;
+};
+
 /// Any BlockProcessor with the drive guard behind every output channel and a watch at every input. Backends
 /// accept nothing else, so nothing reaches an actuator unguarded. It also turns denormals off around
 /// `process`, and cuts a block that is longer than promised, so that the processor inside never sees one.
@@ -60,6 +68,8 @@ class Guarded final : public BlockProcessor {
 
   /// [control & stopped] The sensors are recordings, which may hold silence: none is ever found at fault.
   void trust_sensors() noexcept { trusting_ = true; }
+  /// [control & stopped] `tap` outlives this, or is taken away with nullptr.
+  void set_tap(BlockTap* tap) noexcept { tap_ = tap; }
   /// [control, one thread] Kinds Arm, Mute, CoilHeat and BodyHeat, in frame order; an entry that comes late
   /// holds at once, and one for kNow overtakes all that wait for their frame. A heat can only make warmer.
   /// False: the queue is full, try again after a block; or it is another kind.
@@ -92,6 +102,7 @@ class Guarded final : public BlockProcessor {
   bool armed_at_start_;
   bool stopped_ = false;
   bool trusting_ = false;
+  BlockTap* tap_ = nullptr;
   StreamFormat format_;
   std::vector<Channel> channels_;
   std::vector<SensorWatch> sensors_;

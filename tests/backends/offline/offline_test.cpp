@@ -192,13 +192,14 @@ TEST_CASE("offline: behaves as a backend", "[backends]") {
         "there is no device 'offline:tape'; the only one here is 'offline:files'");
 }
 
-TEST_CASE("health: load is a mean and a peak, xruns add up", "[backends]") {
+TEST_CASE("health: load is a mean and a peak, gaps add up", "[backends]") {
   HealthMeter meter;
   CHECK(meter.read() == Health{});
   meter.block(64, 0.25);
   meter.block(128, 0.75);
-  meter.xrun(100);
-  meter.xrun(0);
+  meter.gap(Gap::Output);
+  meter.gap(Gap::Server);
+  meter.lost(100);
   const auto health = meter.read();
   CHECK(health.blocks == 2);
   CHECK(health.frames == 192);
@@ -206,6 +207,21 @@ TEST_CASE("health: load is a mean and a peak, xruns add up", "[backends]") {
   CHECK(health.longest_block == 128);
   CHECK(health.mean_load == 0.5);
   CHECK(health.peak_load == 0.75);
+  CHECK(health.late_blocks == 0);
   CHECK(health.xruns == 2);
+  CHECK(health.gaps == std::array<std::int64_t, kGaps>{0, 1, 1, 0});
   CHECK(health.lost_frames == 100);
+}
+
+TEST_CASE("health: half of the blocks are below the median, one in a thousand above the high load",
+          "[backends]") {
+  HealthMeter meter;
+  for (int n = 1; n <= 10000; ++n) meter.block(64, 1e-4 * n);
+  const auto health = meter.read();
+  CHECK(health.median_load == Approx(0.5).epsilon(0.03));
+  CHECK(health.high_load == Approx(0.999).epsilon(0.03));
+  CHECK(health.peak_load == 1.0);
+  CHECK(health.late_blocks == 0);
+  meter.block(64, 1.5);
+  CHECK(meter.read().late_blocks == 1);
 }

@@ -1,0 +1,138 @@
+#include "backends/card_callback.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <thread>
+
+#include "backends/realtime_thread.h"
+
+namespace tactus {
+namespace {
+
+constexpr auto kStall = std::chrono::milliseconds{500};
+
+std::vector<int> map_of(const std::vector<int>& map, int channels) {
+  if (!map.empty()) return map;
+  std::vector<int> first(static_cast<std::size_t>(channels));
+  std::iota(first.begin(), first.end(), 0);
+  return first;
+}
+
+std::int64_t nanoseconds(std::chrono::steady_clock::time_point time) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+}
+
+}  // namespace
+
+CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted,
+                           bool watch_clock)
+    : processor_(processor),
+      format_(granted.format),
+      watch_clock_(watch_clock),
+      in_map_(map_of(request.in_map, granted.format.in_channels)),
+      out_map_(map_of(request.out_map, granted.format.out_channels)),
+      clock_(granted.format.sample_rate.value) {
+  const std::vector<double> zeros(static_cast<std::size_t>(format_.max_frames));
+  in_samples_.assign(in_map_.size(), zeros);
+  out_samples_.assign(out_map_.size(), zeros);
+  for (auto& channel : in_samples_) in_.push_back(channel.data());
+  for (auto& channel : out_samples_) out_.push_back(channel.data());
+  last_block_ns_ = nanoseconds(Clock::now());
+}
+
+bool CardCallback::finish(std::chrono::milliseconds patience) {
+  auto expected = Stage::Playing;
+  if (!stage_.compare_exchange_strong(expected, Stage::Finishing)) return true;
+  const auto deadline = Clock::now() + patience;
+  while (stage_.load() == Stage::Finishing) {
+    if (Clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  }
+  return true;
+}
+
+// `block` says that it is busy before it looks at the stage, so one of the two sees the other.
+void CardCallback::abandon() noexcept {
+  stage_.store(Stage::Silent);
+  while (busy_.load()) std::this_thread::yield();
+}
+
+void CardCallback::block(const float* const* in, float* const* out, int device_outputs, int frames) noexcept {
+  busy_.store(true);
+  const auto stage = stage_.load();
+  for (int c = 0; c < device_outputs; ++c)
+    if (out[c] != nullptr) std::fill_n(out[c], std::max(0, frames), 0.0f);
+  if (stage != Stage::Silent && frames > 0) {
+    const auto begin = Clock::now();
+    if (std::exchange(first_, false)) meter_.realtime_priority(realtime_priority());
+    watch(frames, begin);
+    for (int offset = 0; offset < frames; offset += format_.max_frames)
+      run(in, out, offset, std::min(format_.max_frames, frames - offset), stage);
+    const std::chrono::duration<double> took = Clock::now() - begin;
+    if (stage == Stage::Playing) meter_.block(frames, took.count() * format_.sample_rate.value / frames);
+    if (stage == Stage::Finishing) stage_.store(Stage::Silent);
+  }
+  busy_.store(false);
+}
+
+void CardCallback::run(const float* const* in, float* const* out, int offset, int frames,
+                       Stage stage) noexcept {
+  take_input(in, offset, frames);
+  const BlockIo io{in_.data(), out_.data(), frames};
+  if (stage == Stage::Finishing)
+    processor_.finish(io);
+  else
+    processor_.process(io);
+  for (std::size_t c = 0; c < out_map_.size(); ++c) {
+    auto* plane = out[out_map_[c]];
+    if (plane == nullptr) continue;
+    std::transform(out_samples_[c].data(), out_samples_[c].data() + frames, plane + offset,
+                   [](double sample) { return static_cast<float>(sample); });
+  }
+}
+
+void CardCallback::take_input(const float* const* in, int offset, int frames) noexcept {
+  std::int64_t bad = 0;
+  for (std::size_t c = 0; c < in_map_.size(); ++c) {
+    const auto* plane = in == nullptr ? nullptr : in[in_map_[c]];
+    auto* samples = in_samples_[c].data();
+    if (plane == nullptr) {
+      std::fill_n(samples, frames, 0.0);
+      continue;
+    }
+    for (int n = 0; n < frames; ++n) {
+      const bool finite = std::isfinite(plane[offset + n]);
+      samples[n] = finite ? static_cast<double>(plane[offset + n]) : 0.0;
+      bad += finite ? 0 : 1;
+    }
+  }
+  if (bad > 0) meter_.bad_input(bad);
+}
+
+/// Frames that are missing belong to a gap that was reported since the last look; if none was, nobody
+/// noticed.
+void CardCallback::watch(int frames, Clock::time_point now) noexcept {
+  const auto now_ns = nanoseconds(now);
+  last_block_ns_.store(now_ns, std::memory_order_relaxed);
+  if (!watch_clock_) return;
+  const auto missing = clock_.block(frames_, frames, 1e-9 * static_cast<double>(now_ns));
+  frames_ += frames;
+  if (missing == 0) return;
+  const auto told = told_gaps_.load(std::memory_order_relaxed);
+  if (told == known_gaps_) meter_.gap(Gap::Unsaid);
+  known_gaps_ = told;
+  meter_.lost(missing);
+}
+
+void CardCallback::gap(Gap gap) noexcept {
+  meter_.gap(gap);
+  told_gaps_.fetch_add(1, std::memory_order_relaxed);
+}
+
+bool CardCallback::stalled() const noexcept {
+  const auto since = nanoseconds(Clock::now()) - last_block_ns_.load(std::memory_order_relaxed);
+  return playing() && since > std::chrono::nanoseconds{kStall}.count();
+}
+
+}  // namespace tactus

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "backends/backend.h"
+#include "backends/frame_watch.h"
+#include "backends/health.h"
+
+namespace tactus {
+
+/// What the thread of a sound library works on, the same for every library: samples become doubles, the
+/// processor answers, and the answer goes out as floats. It holds nothing of the library.
+///
+/// A library that hangs may call back long after its stream was given up: keep the callback by shared_ptr
+/// until the library is closed for sure. Once abandoned it gives out zeros and leaves the processor alone.
+class CardCallback {
+ public:
+  /// [control] `processor` is prepared for `granted.format` and outlives `abandon`. `request` has the channel
+  /// maps; `watch_clock`: the library does not say how many frames it lost.
+  CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted,
+               bool watch_clock);
+
+  /// [control] Blocks reach the processor from now on.
+  void play() noexcept { stage_.store(Stage::Playing); }
+  /// [control] The next block is the last, zeros from Guarded::finish. Returns when it went out; false when
+  /// none came for `patience`.
+  bool finish(std::chrono::milliseconds patience = std::chrono::milliseconds{500});
+  /// [control] When it returns no block is in the processor, and none ever will be. Zeros go out.
+  void abandon() noexcept;
+
+  /// [realtime] One block. `in` and `out`: planes of the device, at least as many as the channel maps name;
+  /// `in` may be nullptr, as may any plane: silence. `device_outputs`: how many planes to fill.
+  void block(const float* const* in, float* const* out, int device_outputs, int frames) noexcept;
+
+  /// [realtime, any thread] A gap that the library reported. [realtime] Frames that it says it lost.
+  void gap(Gap gap) noexcept;
+  void lost(std::int64_t frames) noexcept { meter_.lost(frames); }
+
+  /// [any]
+  Health health() const noexcept { return meter_.read(); }
+  /// [any] Blocks should flow, and none came for half a second.
+  bool stalled() const noexcept;
+  bool playing() const noexcept { return stage_.load() == Stage::Playing; }
+
+ private:
+  enum class Stage {
+    Silent,  ///< zeros; the processor is left alone
+    Playing,
+    Finishing,  ///< the next block is the last
+  };
+  using Clock = std::chrono::steady_clock;
+
+  void run(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
+  void take_input(const float* const* in, int offset, int frames) noexcept;
+  void watch(int frames, Clock::time_point now) noexcept;
+
+  Guarded& processor_;
+  const StreamFormat format_;
+  const bool watch_clock_;
+  std::vector<int> in_map_, out_map_;
+  std::vector<std::vector<double>> in_samples_, out_samples_;
+  std::vector<const double*> in_;
+  std::vector<double*> out_;
+  std::atomic<Stage> stage_{Stage::Silent};
+  std::atomic<bool> busy_{false};
+  std::atomic<std::int64_t> last_block_ns_{0};  ///< of the steady clock; when `play` began, until the first
+  std::atomic<std::int64_t> told_gaps_{0};
+  std::int64_t known_gaps_ = 0;
+  std::int64_t frames_ = 0;
+  FrameWatch clock_;
+  bool first_ = true;
+  HealthMeter meter_;
+};
+
+}  // namespace tactus

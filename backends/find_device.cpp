@@ -1,0 +1,92 @@
+#include "backends/find_device.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace tactus {
+namespace {
+
+constexpr int kLongestBlock = 8192;
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+std::string listed(const std::vector<Device>& devices) {
+  std::string text;
+  for (const auto& device : devices) text += (text.empty() ? "'" : ", '") + device.id + "'";
+  return text;
+}
+
+Status fits(int channels, const std::vector<int>& map, int there, const char* what,
+            const std::string& device) {
+  const auto at = "'" + device + "'";
+  if (channels < 0) return fail(Errc::BadArgument, "", fmt::format("there are no {} {}", channels, what), "");
+  if (!map.empty() && map.size() != static_cast<std::size_t>(channels))
+    return fail(Errc::BadArgument, "", fmt::format("{} {} are named for {}", map.size(), what, channels), "");
+  const int last = map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
+  if (last > there || (!map.empty() && *std::min_element(map.begin(), map.end()) < 0))
+    return fail(Errc::OutOfRange, "",
+                fmt::format("{} has {} {}, and number {} is asked for", at, there, what, last),
+                there == 0 ? "choose another device" : fmt::format("choose channels from 1 to {}", there));
+  return {};
+}
+
+Status fits(const StreamRequest& request, const Device& device) {
+  if (!request.sample_rate) return {};
+  const double rate = request.sample_rate->value;
+  if (!(std::isfinite(rate) && rate >= 8e3 && rate <= 192e3))
+    return fail(Errc::OutOfRange, "", fmt::format("{} Hz is no rate of a sound card", rate),
+                "choose 8 kHz to 192 kHz");
+  const auto& rates = device.sample_rates;
+  if (rates.empty() || std::count(rates.begin(), rates.end(), *request.sample_rate) > 0) return {};
+  std::string text;
+  for (const auto& there : rates) text += fmt::format("{}{:g}", text.empty() ? "" : ", ", there.value);
+  return fail(Errc::BadArgument, "", fmt::format("'{}' does not run at {:g} Hz", device.id, rate),
+              "it runs at " + text + " Hz; leave the rate out, or set the device to another");
+}
+
+}  // namespace
+
+Result<Device> find_device(const std::vector<Device>& devices, const std::string& text) {
+  const auto there = devices.empty()
+                         ? std::string{"there is none; is it plugged in, is the sound server running?"}
+                         : "there is " + listed(devices);
+  const auto chosen = [&](const Device& device) {
+    return text.empty() ? device.is_default : device.id == text;
+  };
+  if (const auto found = std::find_if(devices.begin(), devices.end(), chosen); found != devices.end())
+    return *found;
+  if (text.empty()) return fail(Errc::UnknownName, "", "there is no default device", there);
+  std::vector<Device> meant;
+  std::copy_if(devices.begin(), devices.end(), std::back_inserter(meant), [&](const Device& device) {
+    return lower(device.id + "\n" + device.name).find(lower(text)) != std::string::npos;
+  });
+  if (meant.size() == 1) return meant.front();
+  if (meant.empty()) return fail(Errc::UnknownName, "", "there is no device '" + text + "'", there);
+  return fail(Errc::BadArgument, "", "'" + text + "' may be several devices",
+              "write one of " + listed(meant));
+}
+
+Status fits(const StreamRequest& request, const Device& input, const Device& output) {
+  if (auto status = fits(request.in_channels, request.in_map, input.in_channels, "inputs", input.id); !status)
+    return status;
+  if (auto status = fits(request.out_channels, request.out_map, output.out_channels, "outputs", output.id);
+      !status)
+    return status;
+  if (request.block_frames && (*request.block_frames < 1 || *request.block_frames > kLongestBlock))
+    return fail(Errc::OutOfRange, "", fmt::format("no block has {} frames", *request.block_frames),
+                fmt::format("choose 1 to {}", kLongestBlock));
+  if (request.periods && (*request.periods < 1 || *request.periods > 64))
+    return fail(Errc::OutOfRange, "", fmt::format("no buffer has {} periods", *request.periods),
+                "choose 2 or 3");
+  if (auto status = fits(request, input); !status) return status;
+  return fits(request, output);
+}
+
+}  // namespace tactus

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "backends/backend.h"
+
+namespace tactus {
+
+/// [any] The device that a person means by `text`: its id, or a part of its id or name, in any case; nothing
+/// means the default. Errors: UnknownName, listing what there is; BadArgument, listing those that it may
+/// mean.
+Result<Device> find_device(const std::vector<Device>& devices, const std::string& text);
+
+/// [any] Can `device` give what is asked for? Looks at rate, block, channels and channel maps of one
+/// direction or both. Errors: BadArgument, OutOfRange.
+Status fits(const StreamRequest& request, const Device& input, const Device& output);
+
+}  // namespace tactus
