@@ -1,0 +1,160 @@
+#include "tests/support/sound_server.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <stdexcept>
+#include <thread>
+
+namespace tactus::test {
+namespace {
+
+namespace fs = std::filesystem;
+using std::to_string;
+
+constexpr const char* kDefaultServer = "JACK_DEFAULT_SERVER";
+constexpr int kNames = 4;  // JACK has room for eight servers of all users, and keeps the place of a dead one
+
+std::string own_name(const std::string& client) { return client + "-" + to_string(::getpid()); }
+
+fs::path lock_file(const std::string& name) { return fs::temp_directory_path() / (name + ".lock"); }
+
+/// The open and locked file, or -1. It is removed by whoever holds it, so one that is gone by now is no lock.
+int try_lock(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
+  struct stat opened {
+  }, there{};
+  if (file >= 0 && ::flock(file, LOCK_EX | LOCK_NB) == 0 && ::fstat(file, &opened) == 0 &&
+      ::stat(path.c_str(), &there) == 0 && opened.st_ino == there.st_ino)
+    return file;
+  if (file >= 0) ::close(file);
+  return -1;
+}
+
+/// The first name that no running test has. It is used again and again, so that whatever a test that crashed
+/// left under it goes away with the next.
+std::string free_name(int& lock) {
+  for (int n = 0; n < kNames; ++n) {
+    const auto name = "tactus-test-" + to_string(::getuid()) + "-" + to_string(n);
+    if ((lock = try_lock(lock_file(name))) >= 0) return name;
+  }
+  throw std::runtime_error{"every name for a test's sound server is in use"};
+}
+
+/// What a server that was killed leaves, and the next one of its name does not take over.
+void remove_leftovers(const std::string& name) {
+  const auto mark = "_" + name + "_";
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator("/dev/shm", ignored))
+    if (entry.path().filename().string().find(mark) != std::string::npos) fs::remove(entry, ignored);
+}
+
+/// Our helper program leaves the server before that ends: JACK dies of clients that vanish with it.
+void leave(ChildProcess& client) {
+  client.hang_up();
+  client.wait(std::chrono::seconds{3});
+}
+
+}  // namespace
+
+std::unique_ptr<SoundServer> start_sound_server(const SoundServer::Settings& settings) {
+  std::unique_ptr<SoundServer> server{new SoundServer};
+  server->settings_ = settings;
+  server->name_ = free_name(server->lock_);
+  ::setenv(kDefaultServer, server->name_.c_str(), 1);
+  if (server->begin()) return server;
+  const bool missing = server->server_->wait(std::chrono::milliseconds{0}) == ChildProcess::kCannotRun;
+  WARN("SKIPPED: " << (missing ? "jackd is not installed (Debian: apt-get install jackd2)"
+                               : "jackd does not start here; it says:\n" + server->server_->log()));
+  return nullptr;
+}
+
+SoundServer::~SoundServer() {
+  end();
+  ::unsetenv(kDefaultServer);
+  fs::remove(lock_file(name_));
+  ::close(lock_);
+}
+
+bool SoundServer::begin() {
+  const auto channels = to_string(settings_.channels);
+  // -p 64: room for 64 ports takes 40 MB of shared memory, the usual 2048 take 107.
+  std::vector<std::string> command{"jackd", "-n", name_, "-p", "64", "-R", "-P", "80", "-L", "2"};
+  if (settings_.synchronous) command.push_back("-S");
+  for (const auto& word : {"-d", "dummy", "-r"}) command.emplace_back(word);
+  for (const auto& word : {to_string(settings_.rate), std::string{"-p"}, to_string(settings_.period),
+                           std::string{"-C"}, channels, std::string{"-P"}, channels})
+    command.push_back(word);
+  server_ = std::make_unique<ChildProcess>(command, ChildProcess::Stdout::Logged);
+  hand_ = std::make_unique<ChildProcess>(
+      std::vector<std::string>{TACTUS_DELAY_CLIENT, "--hand", own_name("hand")});
+  while (server_->running() && hand_->running())
+    if (hand_->hear(std::chrono::milliseconds{50}) == "ready") return true;
+  return false;
+}
+
+/// A server that dies instead of ending leaves its shared memory; the next one of its name frees it.
+void SoundServer::end() {
+  for (int turn = 0; turn < 2; ++turn) {
+    go_on();
+    leave(*hand_);
+    if (const bool died = server_->terminate() < 0; !died || turn > 0) break;
+    begin();
+  }
+  remove_leftovers(name_);
+}
+
+void SoundServer::kill() {
+  server_->kill();
+  hand_->kill();
+}
+void SoundServer::stop_answering() { server_->send(SIGSTOP); }
+void SoundServer::go_on() { server_->send(SIGCONT); }
+void SoundServer::restart() {
+  if (!begin()) throw std::runtime_error{"jackd does not start again: " + server_->log()};
+}
+
+std::string SoundServer::ask(const std::string& question) {
+  std::string answer;
+  if (hand_->say(question))
+    for (std::string line; (line = hand_->hear()) != "done";) {
+      if (line.empty() || line == "failed") throw std::runtime_error{"jackd: no to '" + question + "'"};
+      answer += line + "\n";
+    }
+  return answer;
+}
+
+void SoundServer::set_period(int frames) { ask("period " + to_string(frames)); }
+void SoundServer::disconnect(const std::string& client) { ask("disconnect " + client); }
+void SoundServer::connect(const std::string& from_port, const std::string& to_port) {
+  ask("connect " + from_port + " " + to_port);
+}
+std::string SoundServer::connections(const std::string& port) { return ask("connections " + port); }
+
+DelayClient::DelayClient(const Settings& settings) : name_(own_name(settings.name)) {
+  process_ = std::make_unique<ChildProcess>(std::vector<std::string>{
+      TACTUS_DELAY_CLIENT, "--card", name_, to_string(settings.channels), to_string(settings.delay_frames),
+      to_string(settings.gain), to_string(settings.noise), to_string(settings.input_latency),
+      to_string(settings.output_latency)});
+  if (process_->hear() != "ready")
+    throw std::runtime_error{"the delay client '" + name_ + "' does not start"};
+}
+
+DelayClient::~DelayClient() { leave(*process_); }
+
+void DelayClient::sleep_once(std::chrono::milliseconds time) {
+  process_->say("sleep " + to_string(time.count()));
+  if (process_->hear() != "done") throw std::runtime_error{"the delay client did not sleep"};
+}
+
+std::int64_t DelayClient::xruns() {
+  process_->say("xruns");
+  return std::stoll(process_->hear());
+}
+
+}  // namespace tactus::test
