@@ -197,7 +197,8 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
 }
 
 const DriveLimits& DriveBook::of(const std::string& channel) const {
-  const auto found = named.find(channel.substr(0, channel.find('[')));
+  auto found = named.find(channel);
+  if (found == named.end()) found = named.find(channel.substr(0, channel.find('[')));
   return found == named.end() ? others : found->second;
 }
 

@@ -56,7 +56,7 @@ DriveLimits limits_for(const ActuatorProfile& profile, double volts_per_full_sca
 Status raise_limit(DriveLimits& limits, const std::string& name, const std::string& text,
                    const std::string& where);
 
-/// Limits of the drives of an instrument, by the name of the output.
+/// Limits of the drives of an instrument, by the name of the output or of one of its lanes.
 struct DriveBook {
   std::map<std::string, DriveLimits> named;
   DriveLimits others = cautious_limits();

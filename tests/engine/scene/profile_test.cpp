@@ -143,7 +143,7 @@ TEST_CASE("profile: a scene says what its drives move, may ask for less, and not
         "");
   CHECK(drives_mistakes("woofer = { ceiling = 0.3 }") == "");
   CHECK(drives_mistakes("woofer = { ceiling = 0.8 }") ==
-        "test.toml:4:22: a scene cannot raise a limit: the ceiling of 'woofer' is 0.5; lower it, or say "
+        "test.toml:4:22: a file cannot raise a limit: the ceiling of 'woofer' is 0.5; lower it, or say "
         "--raise-limit ceiling=0.8 on the command line, if you must");
   CHECK(drives_mistakes(R"(woofer = { profile = "wofer", volts_per_full_scale = "10 V" })") ==
         "test.toml:4:22: there is no profile 'wofer'; did you mean 'woofer'?");
