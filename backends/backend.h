@@ -83,6 +83,8 @@ class Stream {
   virtual StreamState state() const = 0;
   /// [any]
   virtual Health health() const = 0;
+  /// [control] Something happened that neither state nor health tells: the next of it in words, or nothing.
+  virtual std::string take_note() { return {}; }
 };
 
 /// A way to reach devices: a sound server, a driver library, a file.

@@ -41,6 +41,14 @@ CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, con
   last_block_ns_ = nanoseconds(Clock::now());
 }
 
+// No block is being played, so nobody else looks at the clock.
+void CardCallback::play() noexcept {
+  clock_ = FrameWatch{format_.sample_rate.value};
+  frames_ = 0;
+  last_block_ns_ = nanoseconds(Clock::now());
+  stage_.store(Stage::Playing);
+}
+
 bool CardCallback::finish(std::chrono::milliseconds patience) {
   auto expected = Stage::Playing;
   if (!stage_.compare_exchange_strong(expected, Stage::Finishing)) return true;
@@ -110,8 +118,8 @@ void CardCallback::take_input(const float* const* in, int offset, int frames) no
   if (bad > 0) meter_.bad_input(bad);
 }
 
-/// Frames that are missing belong to a gap that was reported since the last look; if none was, nobody
-/// noticed.
+/// The clock finds missing frames at the end of the half second after the gap: if none was reported in this
+/// time, nobody noticed.
 void CardCallback::watch(int frames, Clock::time_point now) noexcept {
   const auto now_ns = nanoseconds(now);
   last_block_ns_.store(now_ns, std::memory_order_relaxed);
@@ -119,15 +127,19 @@ void CardCallback::watch(int frames, Clock::time_point now) noexcept {
   const auto missing = clock_.block(frames_, frames, 1e-9 * static_cast<double>(now_ns));
   frames_ += frames;
   if (missing == 0) return;
-  const auto told = told_gaps_.load(std::memory_order_relaxed);
-  if (told == known_gaps_) meter_.gap(Gap::Unsaid);
-  known_gaps_ = told;
+  const double since_gap = 1e-9 * static_cast<double>(now_ns - last_gap_ns_.load(std::memory_order_relaxed));
+  if (since_gap > 3 * FrameWatch::kWindowSeconds) meter_.gap(Gap::Unsaid);
   meter_.lost(missing);
+}
+
+void CardCallback::lost(std::int64_t frames) noexcept {
+  meter_.lost(frames);
+  frames_ += frames;  // the clock need not find them again
 }
 
 void CardCallback::gap(Gap gap) noexcept {
   meter_.gap(gap);
-  told_gaps_.fetch_add(1, std::memory_order_relaxed);
+  last_gap_ns_.store(nanoseconds(Clock::now()), std::memory_order_relaxed);
 }
 
 bool CardCallback::stalled() const noexcept {

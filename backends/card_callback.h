@@ -23,8 +23,8 @@ class CardCallback {
   CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted,
                bool watch_clock);
 
-  /// [control] Blocks reach the processor from now on.
-  void play() noexcept { stage_.store(Stage::Playing); }
+  /// [control & not playing] Blocks reach the processor from now on.
+  void play() noexcept;
   /// [control] The next block is the last, zeros from Guarded::finish. Returns when it went out; false when
   /// none came for `patience`.
   bool finish(std::chrono::milliseconds patience = std::chrono::milliseconds{500});
@@ -37,7 +37,7 @@ class CardCallback {
 
   /// [realtime, any thread] A gap that the library reported. [realtime] Frames that it says it lost.
   void gap(Gap gap) noexcept;
-  void lost(std::int64_t frames) noexcept { meter_.lost(frames); }
+  void lost(std::int64_t frames) noexcept;
 
   /// [any]
   Health health() const noexcept { return meter_.read(); }
@@ -67,9 +67,8 @@ class CardCallback {
   std::atomic<Stage> stage_{Stage::Silent};
   std::atomic<bool> busy_{false};
   std::atomic<std::int64_t> last_block_ns_{0};  ///< of the steady clock; when `play` began, until the first
-  std::atomic<std::int64_t> told_gaps_{0};
-  std::int64_t known_gaps_ = 0;
-  std::int64_t frames_ = 0;
+  std::atomic<std::int64_t> last_gap_ns_{0};
+  std::int64_t frames_ = 0;  ///< since `play`, with those that the library said it lost
   FrameWatch clock_;
   bool first_ = true;
   HealthMeter meter_;

@@ -53,22 +53,26 @@ Status fits(const StreamRequest& request, const Device& device) {
 
 }  // namespace
 
-Result<Device> find_device(const std::vector<Device>& devices, const std::string& text) {
+Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id) {
   const auto there = devices.empty()
                          ? std::string{"there is none; is it plugged in, is the sound server running?"}
                          : "there is " + listed(devices);
-  const auto chosen = [&](const Device& device) {
-    return text.empty() ? device.is_default : device.id == text;
-  };
+  const auto chosen = [&](const Device& device) { return id.empty() ? device.is_default : device.id == id; };
   if (const auto found = std::find_if(devices.begin(), devices.end(), chosen); found != devices.end())
     return *found;
-  if (text.empty()) return fail(Errc::UnknownName, "", "there is no default device", there);
+  return fail(Errc::UnknownName, "",
+              id.empty() ? "there is no default device" : "there is no device '" + id + "'", there);
+}
+
+Result<Device> find_device(const std::vector<Device>& devices, const std::string& text) {
+  auto exact = device_with_id(devices, text);
+  if (exact || text.empty()) return exact;
   std::vector<Device> meant;
   std::copy_if(devices.begin(), devices.end(), std::back_inserter(meant), [&](const Device& device) {
     return lower(device.id + "\n" + device.name).find(lower(text)) != std::string::npos;
   });
   if (meant.size() == 1) return meant.front();
-  if (meant.empty()) return fail(Errc::UnknownName, "", "there is no device '" + text + "'", there);
+  if (meant.empty()) return exact;
   return fail(Errc::BadArgument, "", "'" + text + "' may be several devices",
               "write one of " + listed(meant));
 }

@@ -7,6 +7,10 @@
 
 namespace tactus {
 
+/// [any] The device with this id, or the default one where it is empty. Errors: UnknownName, listing what
+/// there is.
+Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id);
+
 /// [any] The device that a person means by `text`: its id, or a part of its id or name, in any case; nothing
 /// means the default. Errors: UnknownName, listing what there is; BadArgument, listing those that it may
 /// mean.

@@ -40,6 +40,10 @@ struct Health {
   bool operator==(const Health&) const = default;
 };
 
+/// [any] Both one after the other. The quantiles of the load cannot be joined: they are those of `after`,
+/// where it has any blocks.
+Health together(const Health& before, const Health& after);
+
 /// Counted on the real-time thread, read on any other. Each number is whole, but they may be of neighbouring
 /// blocks: health is for people to look at, not for decisions that must agree.
 class HealthMeter {

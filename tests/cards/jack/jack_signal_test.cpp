@@ -1,0 +1,191 @@
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+
+#include "backends/jack/jack.h"
+#include "tests/support/noise_probe.h"
+#include "tests/support/sound_server.h"
+#include "tests/support/wait_until.h"
+
+// JACK against a real server and a card of known delay: every sample, and its frame.
+
+using namespace tactus;
+using test::DelayClient;
+using test::GuardedProbe;
+using test::start_sound_server;
+using test::wait_until;
+
+namespace {
+
+StreamRequest request_for(const std::string& client, int inputs, int outputs) {
+  StreamRequest request;
+  request.device = "jack:" + client;
+  request.in_channels = inputs;
+  request.out_channels = outputs;
+  request.client_name = "tactus-" + std::to_string(::getpid());
+  return request;
+}
+
+/// Plays until the probe has heard enough. What was granted.
+StreamGranted play(const StreamRequest& request, GuardedProbe& probe) {
+  JackBackend jack;
+  auto stream = jack.open(request, probe.guarded);
+  if (!stream) throw std::runtime_error{to_string(stream.error())};
+  probe.guarded.skip_soft_start();
+  REQUIRE((*stream)->start());
+  CHECK((*stream)->state() == StreamState::Running);
+  REQUIRE(wait_until([&] { return probe.probe.full(); }, std::chrono::seconds{20}));
+  CHECK((*stream)->stop());
+  CHECK((*stream)->state() == StreamState::Stopped);
+  CHECK((*stream)->health().frames == probe.probe.frames());
+  CHECK((*stream)->health().bad_input == 0);
+  return (*stream)->granted();
+}
+
+}  // namespace
+
+TEST_CASE("jack: every sample comes back, the card's delay and one period later", "[cards][jack]") {
+  const int period = GENERATE(256, 1024);
+  const auto server = start_sound_server({.period = period});
+  if (!server) return;
+  DelayClient card{{.delay_frames = 960, .input_latency = 37, .output_latency = 923}};
+  GuardedProbe probe{2};
+  const auto granted = play(request_for(card.name(), 2, 2), probe);
+  CHECK(probe.probe.delay(0, 0) == 960 + period);
+  CHECK(probe.probe.delay(1, 1) == 960 + period);
+  CHECK(probe.probe.delay(0, 1) == std::nullopt);
+  CHECK(granted.device == "jack:" + card.name());
+  CHECK(granted.block_frames == period);
+  CHECK(granted.input_latency_frames == 37.0);
+  CHECK(granted.output_latency_frames == 923.0);
+}
+
+TEST_CASE("jack: the loop-back of the server itself is two periods long", "[cards][jack]") {
+  const auto server = start_sound_server();
+  if (!server) return;
+  GuardedProbe probe{1};
+  play(request_for("loopback", 1, 1), probe);
+  const auto delay = probe.probe.delay(0, 0);
+  REQUIRE(delay);
+  CHECK(*delay % 256 == 0);
+  CHECK(*delay <= 512);
+}
+
+TEST_CASE("jack: any channels of a card, in any order", "[cards][jack]") {
+  const auto server = start_sound_server();
+  if (!server) return;
+  DelayClient card{{.channels = 6, .delay_frames = 100}};
+  GuardedProbe probe{2};
+  auto request = request_for(card.name(), 3, 2);
+  request.out_map = {1, 4};  // the card's channels 2 and 5
+  request.in_map = {4, 1, 0};
+  play(request, probe);
+  CHECK(probe.probe.delay(0, 1) == 100 + 256);
+  CHECK(probe.probe.delay(1, 0) == 100 + 256);
+  CHECK(probe.probe.heard(2) == std::vector<double>(48000, 0.0));
+}
+
+TEST_CASE("jack: one input and sixteen outputs, and the reverse", "[cards][jack]") {
+  const auto server = start_sound_server({.channels = 2});
+  if (!server) return;
+  DelayClient card{{.channels = 16, .delay_frames = 0}};
+  {
+    GuardedProbe probe{16, 4800};
+    auto request = request_for(card.name(), 1, 16);
+    request.in_map = {15};
+    play(request, probe);
+    CHECK(probe.probe.delay(0, 15) == 256);
+  }
+  GuardedProbe probe{1, 4800};
+  play(request_for(card.name(), 16, 1), probe);
+  CHECK(probe.probe.delay(0, 0) == 256);
+  CHECK(probe.probe.heard(15) == std::vector<double>(4800, 0.0));
+}
+
+TEST_CASE("jack: inputs without outputs, and outputs without inputs", "[cards][jack]") {
+  const auto server = start_sound_server();
+  if (!server) return;
+  DelayClient card;
+  GuardedProbe deaf{2, 4800}, mute{0, 4800};
+  CHECK(play(request_for(card.name(), 0, 2), deaf).input_latency_frames == std::nullopt);
+  const auto granted = play(request_for(card.name(), 2, 0), mute);
+  CHECK(granted.device == "jack:" + card.name());
+  CHECK(granted.output_latency_frames == std::nullopt);
+}
+
+TEST_CASE("jack: it listens to one device and plays to another", "[cards][jack]") {
+  const auto server = start_sound_server();
+  if (!server) return;
+  DelayClient near{{.name = "near", .delay_frames = 10}}, far{{.name = "far", .delay_frames = 500}};
+  server->connect(near.name() + ":capture_1", far.name() + ":playback_2");
+  GuardedProbe probe{1};
+  auto request = request_for(near.name(), 1, 1);
+  request.input_device = "jack:" + far.name();
+  request.in_map = {1};
+  const auto granted = play(request, probe);
+  CHECK(probe.probe.delay(0, 0) == 10 + 500 + 256);
+  CHECK(granted.device == "jack:" + near.name());
+  CHECK(granted.input_device == "jack:" + far.name());
+}
+
+TEST_CASE("jack: runs at every rate of the server from 8 kHz to 192 kHz", "[cards][jack]") {
+  const int rate = GENERATE(8000, 22050, 44100, 96000, 192000);
+  const auto server = start_sound_server({.rate = rate});
+  if (!server) return;
+  DelayClient card{{.delay_frames = 64}};
+  GuardedProbe probe{1, rate / 8};
+  auto request = request_for(card.name(), 1, 1);
+  request.sample_rate = Hertz{static_cast<double>(rate)};
+  CHECK(play(request, probe).format.sample_rate == *request.sample_rate);
+  CHECK(probe.probe.delay(0, 0) == 64 + 256);
+  request.sample_rate = 48_kHz;
+  const auto other = JackBackend{}.open(request, probe.guarded);
+  REQUIRE_FALSE(other);
+  CHECK(to_string(other.error()).find("it runs at " + std::to_string(rate) + " Hz") != std::string::npos);
+}
+
+TEST_CASE("jack: runs with every block of the server from 16 to 4096 frames", "[cards][jack]") {
+  const int period = GENERATE(16, 32, 64, 128, 512, 2048, 4096);
+  const auto server = start_sound_server({.period = period});
+  if (!server) return;
+  DelayClient card{{.delay_frames = 64}};
+  GuardedProbe probe{1, 16384};
+  CHECK(play(request_for(card.name(), 1, 1), probe).block_frames == period);
+  CHECK(probe.probe.delay(0, 0) == 64 + period);
+}
+
+TEST_CASE("jack: starts and stops a hundred times, each end a block of zeros", "[cards][jack]") {
+  const auto server = start_sound_server({.period = 64});
+  if (!server) return;
+  DelayClient card;
+  GuardedProbe probe{2, 64};
+  JackBackend jack;
+  auto stream = jack.open(request_for(card.name(), 2, 2), probe.guarded);
+  REQUIRE(stream);
+  for (int turn = 0; turn < 100; ++turn) {
+    CAPTURE(turn);
+    const auto before = probe.probe.frames();
+    REQUIRE((*stream)->start());
+    REQUIRE(wait_until([&] { return probe.probe.frames() > before; }));
+    REQUIRE((*stream)->stop());
+    REQUIRE((*stream)->state() == StreamState::Stopped);
+  }
+  CHECK(probe.probe.prepared == 1);
+  CHECK((*stream)->health().frames == probe.probe.frames());
+  CHECK((*stream)->health().gaps[static_cast<std::size_t>(Gap::Unsaid)] == 0);
+}
+
+TEST_CASE("jack: a device is opened and closed a hundred times", "[cards][jack]") {
+  const auto server = start_sound_server({.period = 64});
+  if (!server) return;
+  DelayClient card;
+  GuardedProbe probe{2, 64};
+  JackBackend jack;
+  for (int turn = 0; turn < 100; ++turn) {
+    CAPTURE(turn);
+    auto stream = jack.open(request_for(card.name(), 2, 2), probe.guarded);
+    REQUIRE(stream);
+    if (turn % 2 == 0) REQUIRE((*stream)->start());  // closed while it runs, and before it ever ran
+  }
+  CHECK(probe.probe.prepared == 100);
+}
