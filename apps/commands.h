@@ -12,5 +12,6 @@ void add_play(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
 void add_nodes(CLI::App& app, int& exit_code);
+void add_devices(CLI::App& app, int& exit_code);
 
 }  // namespace tactus::app

@@ -5,6 +5,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/live/live_options.h"
 #include "apps/play_report.h"
 #include "engine/analysis/story.h"
 #include "engine/scene/measure.h"
@@ -19,6 +20,8 @@ struct PlayOptions {
   std::string out = "out";
   std::vector<std::string> show;
   SceneRun run;
+  LiveOptions live;
+  std::optional<int> block;
   bool json = false;
 };
 
@@ -177,8 +180,24 @@ Result<std::vector<std::string>> write_files(const PlayOptions& options, const P
   return written;
 }
 
+/// On a sound card the options that both ways have mean the same.
+int play_on_card(const PlayOptions& options) {
+  auto live = options.live;
+  live.target = options.target;
+  live.rate = options.run.rate;
+  live.duration = options.run.duration;
+  live.delay = options.run.delay;
+  live.block = options.block;
+  live.set = options.run.set;
+  live.guard = options.run.guard;
+  live.json = options.json;
+  return play_live(live);
+}
+
 int run(const PlayOptions& options) {
+  if (options.live.live()) return play_on_card(options);
   auto scene_run = options.run;
+  scene_run.block = options.block.value_or(scene_run.block);
   scene_run.file = resolve_target(options.target, "scene.toml");
   const auto played = play_file(scene_run);
   if (!played) return report(played.error());
@@ -232,9 +251,8 @@ void add_play(CLI::App& app, int& exit_code) {
                       "system delay instead of the scene's, such as \"10 ms\"");
   command->add_option("--rate", options->run.rate, "sample rate instead of the scene's");
   command->add_option("--duration", options->run.duration, "duration instead of the scene's");
-  command->add_option("--block", options->run.block, "frames a block (the result does not depend on it)")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
+  command->add_option("--block", options->block, "frames a block (the result does not depend on it); [64]")
+      ->check(CLI::Range(1, 8192));
   command->add_option("--set", options->run.set,
                       "NAME=VALUE: a control of the instrument, or plant.NAME=VALUE");
   add_guard_options(*command, options->run.guard);
@@ -245,6 +263,7 @@ void add_play(CLI::App& app, int& exit_code) {
                    "FROM TO: times that the picture shows, such as --show \"2 s\" \"3 s\"")
       ->expected(2);
   command->add_flag("--json", options->json, "for machines");
+  add_live_options(*command, options->live);
   command->footer(
       "Examples:\n  tactus play instruments/haptic_drum\n  tactus play instruments/haptic_drum --delay \"40 "
       "ms\" --set strength=0.5\n"

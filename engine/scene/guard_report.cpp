@@ -62,20 +62,26 @@ std::vector<GuardedChannel> guarded_channels(const Schedule& schedule, const Dri
   return channels;
 }
 
-GuardReport report_of(Guarded& guarded, const Schedule& schedule, const DriveBook& drives) {
+GuardReport report_of(Guarded& guarded, const std::vector<GuardedChannel>& channels,
+                      std::vector<std::string> inputs, const std::vector<std::string>& outputs) {
   GuardReport report;
-  report.input_names = schedule.input_names;
-  for (const auto& channel : schedule.channels) {
-    if (channel.use == OutputUse::Tap) continue;
-    const int index = static_cast<int>(report.outputs.size());
-    const auto& heat = drives.of(channel.name).heat;
-    GuardedOutput output{channel.name, guarded.counts(index), guarded.thermal_state(index)};
-    if (heat) output.rise_kelvin = heat->rise_kelvin * output.heat.coil;
+  report.input_names = std::move(inputs);
+  for (std::size_t c = 0; c < outputs.size(); ++c) {
+    const int index = static_cast<int>(c);
+    GuardedOutput output{outputs[c], guarded.counts(index), guarded.thermal_state(index)};
+    if (const auto& heat = channels[c].limits.heat) output.rise_kelvin = heat->rise_kelvin * output.heat.coil;
     report.outputs.push_back(std::move(output));
   }
   GuardEvent event;
   while (guarded.take_event(event)) report.events.push_back(event);
   return report;
+}
+
+GuardReport report_of(Guarded& guarded, const Schedule& schedule, const DriveBook& drives) {
+  std::vector<std::string> outputs;
+  for (const auto& channel : schedule.channels)
+    if (channel.use != OutputUse::Tap) outputs.push_back(channel.name);
+  return report_of(guarded, guarded_channels(schedule, drives), schedule.input_names, outputs);
 }
 
 std::vector<std::string> in_words(const GuardReport& report, Hertz sample_rate) {

@@ -35,7 +35,10 @@ const char* name_of(GuardEvent::Kind kind);
 /// The guard of each output that a schedule gives to the outside.
 std::vector<GuardedChannel> guarded_channels(const Schedule& schedule, const DriveBook& drives);
 
-/// [control & stopped] Takes the events out of `guarded`.
+/// [control, one thread] Names stand for channels, in their order. Takes the events out of `guarded`.
+GuardReport report_of(Guarded& guarded, const std::vector<GuardedChannel>& channels,
+                      std::vector<std::string> inputs, const std::vector<std::string>& outputs);
+/// The same for what `guarded_channels` gave.
 GuardReport report_of(Guarded& guarded, const Schedule& schedule, const DriveBook& drives);
 
 /// In words, a line each: "woofer: the travel limit held it back for 0.42 s, by up to 0.3 full scale".

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "backends/backend.h"
+
+namespace tactus::app {
+
+/// Names of the backends for sound cards that this program was built with, the best first.
+std::vector<std::string> card_backends();
+/// One of them. Errors: UnknownName, with what there is and how to have it.
+Result<std::unique_ptr<Backend>> make_card_backend(const std::string& name);
+
+/// All that a backend can open now, or why it cannot tell.
+struct BackendDevices {
+  std::string backend;
+  Result<std::vector<Device>> devices;
+};
+/// Asks `backend`, or all if it is empty.
+std::vector<BackendDevices> list_devices(const std::string& backend = {});
+
+/// Where a stream is to be opened.
+struct ChosenDevices {
+  std::unique_ptr<Backend> backend;
+  Device output, input;
+};
+/// `output` and `input`: ids, or parts of them; an empty `input` means the output's device, an empty `output`
+/// the default of `backend`, which may be empty too: then the first backend that has a device. Errors: of
+/// find_device; Device if no backend has any; BadArgument for two devices of different backends.
+Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
+                                     const std::string& input);
+
+}  // namespace tactus::app

@@ -1,0 +1,96 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/backends.h"
+#include "apps/commands.h"
+#include "apps/console.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Device& device) {
+  Json rates = Json::array();
+  for (const auto& rate : device.sample_rates) rates.push_back(rate.value);
+  Json json{{"id", device.id},
+            {"name", device.name},
+            {"inputs", device.in_channels},
+            {"outputs", device.out_channels},
+            {"default_rate_hz", device.default_rate.value},
+            {"rates_hz", rates},
+            {"default", device.is_default}};
+  if (device.block_frames) json["block_frames"] = *device.block_frames;
+  if (device.input_latency_frames) json["driver_input_latency_frames"] = *device.input_latency_frames;
+  if (device.output_latency_frames) json["driver_output_latency_frames"] = *device.output_latency_frames;
+  return json;
+}
+
+std::string latency_text(const Device& device) {
+  if (!device.input_latency_frames && !device.output_latency_frames) return "";
+  const auto ms = [&](const std::optional<double>& frames) {
+    return frames ? fmt::format("{:.2f}", 1e3 * *frames / device.default_rate.value) : std::string{"?"};
+  };
+  return fmt::format(", driver says {} ms in, {} ms out", ms(device.input_latency_frames),
+                     ms(device.output_latency_frames));
+}
+
+void print(const Device& device) {
+  fmt::print("  {}{}\n", device.id, device.is_default ? "  (default)" : "");
+  std::string rates;
+  for (const auto& rate : device.sample_rates)
+    rates += fmt::format("{}{:g}", rates.empty() ? "" : ", ", rate.value / 1e3);
+  fmt::print("      {}: {} in, {} out, {} kHz{}{}\n", device.name, device.in_channels, device.out_channels,
+             rates.empty() ? fmt::format("{:g}, others too", device.default_rate.value / 1e3) : rates,
+             device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
+             latency_text(device));
+}
+
+int run(const std::string& backend, bool as_json) {
+  if (!backend.empty())
+    if (const auto known = make_card_backend(backend); !known) return report(known.error()), kUsage;
+  const auto all = list_devices(backend);
+  bool any = false;
+  Json json{{"devices", Json::array()}, {"unavailable", Json::array()}};
+  for (const auto& [name, devices] : all) {
+    if (!as_json) fmt::print("{}\n", name);
+    if (!devices) {
+      json["unavailable"].push_back(
+          {{"backend", name}, {"reason", devices.error().what}, {"remedy", devices.error().remedy}});
+      if (!as_json) fmt::print("  not now: {}\n", to_string(devices.error()));
+      continue;
+    }
+    if (!as_json && devices->empty()) fmt::print("  sees no device\n");
+    for (const auto& device : *devices) {
+      any = true;
+      json["devices"].push_back(json_of(device));
+      if (!as_json) print(device);
+    }
+  }
+  if (as_json) fmt::print("{}\n", json.dump(2));
+  if (all.empty())
+    fmt::print(stderr,
+               "this program was built without any library for sound cards: install JACK, RtAudio or "
+               "PortAudio and build it again\n");
+  return any ? kDone : kDevice;
+}
+
+}  // namespace
+
+void add_devices(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("devices", "List the sound devices that instruments can play on");
+  auto backend = std::make_shared<std::string>();
+  auto as_json = std::make_shared<bool>(false);
+  command->add_option("--backend", *backend, "only those of one: jack, rtaudio or portaudio");
+  command->add_flag("--json", *as_json, "for machines");
+  command->footer(
+      "Examples:\n  tactus devices\n  tactus devices --backend jack --json\n"
+      "An id, or a part of a name that only one device has, goes into:\n"
+      "  tactus play instruments/haptic_drum --device jack:system\n"
+      "Exit code 4: there is none.");
+  command->callback([=, &exit_code] { exit_code = run(*backend, *as_json); });
+}
+
+}  // namespace tactus::app

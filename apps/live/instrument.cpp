@@ -1,0 +1,81 @@
+#include "apps/live/performer.h"
+#include "engine/nodes/table.h"
+#include "engine/scene/guard_report.h"
+
+namespace tactus::app {
+namespace {
+
+class LiveInstrument final : public Performer {
+ public:
+  static Checked<std::unique_ptr<Performer>> open(InstrumentSetup setup) {
+    std::unique_ptr<LiveInstrument> made{new LiveInstrument{std::move(setup)}};
+    auto schedule = made->compile_files();
+    if (!schedule) return tl::unexpected(schedule.error());
+    made->engine_ = std::make_unique<Engine>(std::move(*schedule));
+    return made;
+  }
+
+  const std::string& name() const override { return name_; }
+  BlockProcessor& processor() override { return *engine_; }
+  Engine& instrument() override { return *engine_; }
+  const Engine& instrument() const override { return *engine_; }
+  std::vector<std::string> inputs() const override { return engine_->schedule().input_names; }
+  std::vector<std::string> outputs() const override {
+    std::vector<std::string> names;
+    for (const auto& channel : engine_->schedule().channels)
+      if (channel.use != OutputUse::Tap) names.push_back(channel.name);
+    return names;
+  }
+  std::vector<GuardedChannel> guards() const override {
+    return guarded_channels(engine_->schedule(), setup_.drives);
+  }
+  std::vector<std::filesystem::path> files() const override { return files_; }
+
+  Checked<void> edit() override {
+    auto schedule = compile_files();
+    if (!schedule) return tl::unexpected(schedule.error());
+    if (auto status = engine_->replace(std::move(*schedule)); !status)
+      return tl::unexpected(std::vector{status.error()});
+    return {};
+  }
+
+ private:
+  explicit LiveInstrument(InstrumentSetup setup) : setup_(std::move(setup)) { files_ = {setup_.file}; }
+
+  Checked<std::unique_ptr<Schedule>> compile_files() {
+    const auto loaded = load_graph_leniently(setup_.file, setup_.root);
+    if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
+    files_ = files_of(*loaded.spec);
+    name_ = loaded.spec->name;
+    CompileOptions options;
+    options.sample_rate = setup_.rate;
+    options.system_delay = setup_.delay;
+    options.controls = setup_.controls;
+    return compile(loaded, standard_nodes(), options);
+  }
+
+  InstrumentSetup setup_;
+  std::string name_;
+  std::vector<std::filesystem::path> files_;
+  std::unique_ptr<Engine> engine_;
+};
+
+void collect(const GraphSpec& graph, std::vector<std::filesystem::path>& files) {
+  if (graph.file.file) files.emplace_back(*graph.file.file);
+  for (const auto& [use, part] : graph.parts)
+    if (part != nullptr) collect(*part, files);
+}
+
+}  // namespace
+
+Checked<std::unique_ptr<Performer>> make_instrument(InstrumentSetup setup) {
+  return LiveInstrument::open(std::move(setup));
+}
+
+std::vector<std::filesystem::path> files_of(const GraphSpec& graph) {
+  std::vector<std::filesystem::path> files;
+  collect(graph, files);
+  return files;
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/guard_options.h"
+
+namespace tactus::app {
+
+/// What the command line says about playing on a sound card.
+struct LiveOptions {
+  std::string target;
+  std::string rig, backend, device, input_device;
+  std::vector<int> in, out;  ///< channels, from 1
+  std::string rate, duration, delay, pad_delay;
+  std::optional<int> block, periods;
+  std::vector<std::string> set;
+  GuardOptions guard;
+  std::string record, save_rig;
+  bool arm = false, listen = false, learn = false, yes = false, force = false, json = false;
+
+  /// Is a sound card asked for at all?
+  bool live() const {
+    return listen || !rig.empty() || !backend.empty() || !device.empty() || !input_device.empty();
+  }
+};
+
+/// The options that only a sound card has.
+void add_live_options(CLI::App& command, LiveOptions& options);
+
+/// Plays until the user, the duration or the device ends it. The program's exit status.
+int play_live(const LiveOptions& options);
+
+}  // namespace tactus::app

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/guarded.h"
+#include "engine/graph/compile.h"
+#include "engine/runtime/engine.h"
+#include "engine/scene/profile.h"
+
+namespace tactus::app {
+
+/// What sounds in a live session: an instrument, or an instrument in its simulated world.
+class Performer {
+ public:
+  virtual ~Performer() = default;
+
+  virtual const std::string& name() const = 0;
+  /// What a Guarded is put around.
+  virtual BlockProcessor& processor() = 0;
+  /// Whose controls, faults and edits are shown.
+  virtual Engine& instrument() = 0;
+  virtual const Engine& instrument() const = 0;
+  /// Channels of `processor`, and what stands behind each output.
+  virtual std::vector<std::string> inputs() const = 0;
+  virtual std::vector<std::string> outputs() const = 0;
+  virtual std::vector<GuardedChannel> guards() const = 0;
+  /// The files that it was read from.
+  virtual std::vector<std::filesystem::path> files() const = 0;
+  /// [control, while it plays] Reads its files again and puts what they say in the place of what sounds.
+  /// Errors: what is wrong with them; the old version then plays on.
+  virtual Checked<void> edit() = 0;
+  /// [control, while it plays] Strikes once, where there is something to strike.
+  virtual bool strike() { return false; }
+};
+
+/// An instrument on a sound card.
+struct InstrumentSetup {
+  std::filesystem::path file, root;
+  Hertz rate = 48_kHz;
+  Seconds delay;  ///< system delay, as far as it is known
+  std::map<std::string, ControlValue> controls;
+  DriveBook drives;
+};
+Checked<std::unique_ptr<Performer>> make_instrument(InstrumentSetup setup);
+
+/// The files of a graph and its parts.
+std::vector<std::filesystem::path> files_of(const GraphSpec& graph);
+
+}  // namespace tactus::app

@@ -1,0 +1,238 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "apps/backends.h"
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "apps/live/keyboard.h"
+#include "apps/live/live_options.h"
+#include "apps/live/performer.h"
+#include "apps/live/session.h"
+#include "apps/live/status_line.h"
+#include "backends/realtime_thread.h"
+
+namespace tactus::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+volatile std::sig_atomic_t interrupted = 0;
+extern "C" void interrupt(int) { interrupted = 1; }
+
+constexpr const char* kHelp =
+    "keys: a arm or disarm | m mute | space strike | up, down choose a control | left, right turn it | q "
+    "quit";
+
+/// What the keys do, and what they have chosen.
+class Player {
+ public:
+  Player(Session& session, Performer& performer, StatusLine& line)
+      : session_(session), performer_(performer), line_(line) {}
+
+  /// False: the user wants to end it.
+  bool press(const Key& key) {
+    switch (key.kind) {
+      case Key::Kind::Up:
+        choose(-1);
+        break;
+      case Key::Kind::Down:
+        choose(1);
+        break;
+      case Key::Kind::Left:
+        turn(-0.05);
+        break;
+      case Key::Kind::Right:
+        turn(0.05);
+        break;
+      case Key::Kind::Character:
+        return press(key.character);
+      default:
+        break;
+    }
+    return true;
+  }
+
+  std::string knob() const {
+    return chosen_ < session_.knobs().all().size() ? session_.knobs().text(chosen_) : "";
+  }
+
+ private:
+  bool press(char key) {
+    switch (key) {
+      case 'q':
+        return false;
+      case 'a':
+        session_.arm(!session_.armed());
+        break;
+      case 'm':
+        session_.mute(!session_.muted());
+        break;
+      case ' ':
+        if (!performer_.strike()) line_.say("there is nothing to strike here; m mutes, a arms");
+        break;
+      case '?':
+      case 'h':
+        line_.say(kHelp);
+        break;
+      default:
+        break;
+    }
+    return true;
+  }
+  void choose(int step) {
+    const auto knobs = static_cast<int>(session_.knobs().all().size());
+    if (knobs > 0) chosen_ = static_cast<std::size_t>((static_cast<int>(chosen_) + step + knobs) % knobs);
+  }
+  void turn(double share) {
+    if (chosen_ >= session_.knobs().all().size()) return;
+    if (!session_.knobs().nudge(chosen_, share))
+      line_.say(session_.knobs().all()[chosen_].name + " cannot be turned while it plays");
+  }
+
+  Session& session_;
+  Performer& performer_;
+  StatusLine& line_;
+  std::size_t chosen_ = 0;
+};
+
+std::vector<int> from_zero(std::vector<int> channels) {
+  for (auto& channel : channels) --channel;
+  return channels;
+}
+
+std::string in_words(const StreamRequest& asked, const StreamGranted& granted) {
+  const auto& format = granted.format;
+  const double ms = 1e3 / format.sample_rate.value;
+  std::string text = fmt::format("device    {}", granted.device);
+  if (!granted.input_device.empty()) text += fmt::format(", inputs from {}", granted.input_device);
+  text += fmt::format("\nrate      {:g} Hz{}", format.sample_rate.value,
+                      asked.sample_rate ? fmt::format(", as asked") : "");
+  text += granted.block_frames > 0 ? fmt::format("\nblock     {} frames, {:.2f} ms", granted.block_frames,
+                                                 granted.block_frames * ms)
+                                   : "\nblock     changes from block to block";
+  if (asked.block_frames && *asked.block_frames != granted.block_frames)
+    text += fmt::format(" ({} were asked for)", *asked.block_frames);
+  if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
+  if (asked.periods && *asked.periods != granted.periods)
+    text += fmt::format(" ({} were asked for)", *asked.periods);
+  if (granted.input_latency_frames && granted.output_latency_frames)
+    text += fmt::format("\ndriver    says {:.2f} ms in and {:.2f} ms out; tactus latency measures it",
+                        *granted.input_latency_frames * ms, *granted.output_latency_frames * ms);
+  return text;
+}
+
+Json json_of(const Health& health) {
+  Json gaps = Json::object();
+  for (std::size_t g = 0; g < kGaps; ++g) gaps[name_of(static_cast<Gap>(g))] = health.gaps[g];
+  return {{"blocks", health.blocks},
+          {"frames", health.frames},
+          {"xruns", health.xruns},
+          {"xruns_by_cause", gaps},
+          {"lost_frames", health.lost_frames},
+          {"late_blocks", health.late_blocks},
+          {"bad_input_samples", health.bad_input},
+          {"load_median", health.median_load},
+          {"load_p999", health.high_load},
+          {"load_worst", health.peak_load},
+          {"realtime_priority", health.realtime_priority}};
+}
+
+Result<double> seconds_of(const std::string& text, const char* option) {
+  if (text.empty()) return 0.0;
+  const auto seconds = parse_option(text, "s", option);
+  if (seconds && !(*seconds > 0))
+    return fail(Errc::OutOfRange, std::string{"--"} + option, "must be above 0 s", "");
+  return seconds;
+}
+
+/// Everything but the sound: keys, edits, the status line. Returns why it ended.
+int run(Session& session, Performer& performer, double seconds) {
+  using namespace std::chrono_literals;
+  StatusLine line;
+  Keyboard keyboard;
+  Player player{session, performer, line};
+  if (keyboard.is_terminal()) line.say(kHelp);
+  const auto begin = Clock::now();
+  auto drawn = begin - 1s;
+  while (true) {
+    if (interrupted != 0) return kInterrupted;
+    if (seconds > 0 && std::chrono::duration<double>(Clock::now() - begin).count() >= seconds) return kDone;
+    if (const auto key = keyboard.wait(20ms); key && !player.press(*key)) return kDone;
+    for (const auto& words : session.tick()) line.say(words);
+    if (Clock::now() - drawn < 100ms) continue;
+    drawn = Clock::now();
+    line.draw(session.look(), player.knob());
+  }
+}
+
+}  // namespace
+
+int play_live(const LiveOptions& options) {
+  const auto seconds = seconds_of(options.duration, "duration");
+  if (!seconds) return report(seconds.error()), kUsage;
+  auto devices = choose_devices(options.backend, options.device, options.input_device);
+  if (!devices) return report(devices.error()), kDevice;
+
+  StreamRequest request;
+  request.device = devices->output.id;
+  if (devices->input.id != devices->output.id) request.input_device = devices->input.id;
+  request.sample_rate = devices->output.default_rate;
+  if (!options.rate.empty()) {
+    const auto rate = parse_option(options.rate, "Hz", "rate");
+    if (!rate) return report(rate.error()), kUsage;
+    request.sample_rate = Hertz{*rate};
+  }
+  request.block_frames = options.block;
+  request.periods = options.periods;
+  request.in_map = from_zero(options.in);
+  request.out_map = from_zero(options.out);
+
+  const auto settings = parse_settings(options.set);
+  if (!settings) return report(settings.error()), kUsage;
+  InstrumentSetup setup;
+  setup.file = resolve_target(options.target, "instrument.toml");
+  setup.root = root_of(setup.file);
+  setup.rate = *request.sample_rate;
+  setup.controls = *settings;
+  auto drives = apply(options.guard, {}, setup.root);
+  if (!drives) return report(drives.error());
+  setup.drives = std::move(*drives);
+  auto performer = make_instrument(std::move(setup));
+  if (!performer) return report(performer.error());
+  request.in_channels = static_cast<int>((*performer)->inputs().size());
+  request.out_channels = static_cast<int>((*performer)->outputs().size());
+
+  if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
+  Session session{**performer, *devices->backend, request, options.arm, nullptr};
+  if (const auto started = session.start(); !started) return report(started.error()), kDevice;
+  fmt::print(stderr, "{}\n{}\n", (*performer)->name(), in_words(request, session.granted()));
+  if (!options.arm) fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
+
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  const int ended = run(session, **performer, *seconds);
+  const auto view = session.look();
+  const auto stopped = session.stop();
+  const auto guard = session.guard_report();
+  if (options.json) {
+    fmt::print("{}\n", Json{{"instrument", (*performer)->name()},
+                            {"device", session.granted().device},
+                            {"sample_rate_hz", session.granted().format.sample_rate.value},
+                            {"block_frames", session.granted().block_frames},
+                            {"health", json_of(view.health)},
+                            {"guard", guard_json(guard, session.granted().format.sample_rate)}}
+                           .dump(2));
+  } else {
+    fmt::print("  load                {}\n", load_text(view.health));
+    fmt::print("  gaps                {}\n", xrun_text(view.health));
+    print_guard(guard, session.granted().format.sample_rate);
+  }
+  if (!stopped) return report(stopped.error()), kDevice;
+  return ended;
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,153 @@
+#include "apps/live/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+namespace tactus::app {
+namespace {
+
+using Kind = JournalEntry::Kind;
+
+/// The longest that a guard takes to close.
+Seconds fade_of(const std::vector<GuardedChannel>& guards) {
+  Seconds longest{0.0};
+  for (const auto& guard : guards) longest = std::max(longest, guard.limits.fade_out);
+  return longest;
+}
+
+}  // namespace
+
+Session::Session(Performer& performer, Backend& backend, StreamRequest request, bool armed, BlockTap* tap)
+    : performer_(performer),
+      backend_(backend),
+      request_(std::move(request)),
+      guards_(performer.guards()),
+      guarded_(performer.processor(), guards_, armed),
+      meter_(request_.in_channels, request_.out_channels, tap),
+      knobs_(performer.instrument()),
+      armed_(armed),
+      seen_guards_(guards_.size()) {
+  guarded_.set_tap(&meter_);
+  files_.watch(performer_.files());
+}
+
+Session::~Session() { (void)stop(); }
+
+Status Session::start() {
+  auto opened = backend_.open(request_, guarded_);
+  if (!opened) return tl::unexpected(opened.error());
+  stream_ = std::move(*opened);
+  granted_ = stream_->granted();
+  return stream_->start();
+}
+
+Status Session::stop() {
+  if (stream_ == nullptr) return {};
+  if (stream_->state() == StreamState::Running) {
+    mute(true);
+    const double block_s = granted_.format.max_frames / granted_.format.sample_rate.value;
+    const double fade_s = fade_of(guards_).value + std::min(0.2, 2 * block_s);
+    std::this_thread::sleep_for(std::chrono::duration<double>{fade_s});
+  }
+  const auto stopped = stream_->stop();
+  stream_.reset();
+  return stopped;
+}
+
+void Session::arm(bool on) {
+  if (guarded_.post({JournalEntry::kNow, Kind::Arm, JournalEntry::kAllChannels, on ? 1.0 : 0.0})) armed_ = on;
+}
+
+void Session::mute(bool on) {
+  if (guarded_.post({JournalEntry::kNow, Kind::Mute, JournalEntry::kAllChannels, on ? 1.0 : 0.0}))
+    muted_ = on;
+}
+
+void Session::set_system_delay(double frames) {
+  (void)performer_.instrument().post({JournalEntry::kNow, Kind::SystemDelay, 0, frames});
+}
+
+std::vector<std::string> Session::tick() {
+  std::vector<std::string> words;
+  tell_guard_events(words);
+  tell_faults(words);
+  follow_edits(words);
+  return words;
+}
+
+/// An edit waits while the one before it has not taken over.
+void Session::follow_edits(std::vector<std::string>& words) {
+  edit_waits_ = files_.changed() || edit_waits_;
+  if (!edit_waits_ || performer_.instrument().replacing()) return;
+  edit_waits_ = false;
+  if (const auto edited = performer_.edit(); !edited) {
+    words.push_back(to_string(edited.error()) + "\nthe version before plays on");
+  } else {
+    knobs_.renew();
+    words.push_back("the edited " + performer_.name() + " plays");
+  }
+  files_.watch(performer_.files());
+}
+
+void Session::tell_guard_events(std::vector<std::string>& words) {
+  GuardReport names;
+  names.input_names = performer_.inputs();
+  for (const auto& output : performer_.outputs()) names.outputs.push_back({output, {}, {}, 0.0});
+  GuardEvent event;
+  while (guarded_.take_event(event)) {
+    armed_ = false;
+    events_.push_back(event);
+    names.events = {event};
+    for (auto& line : in_words(names, granted_.format.sample_rate)) words.push_back(std::move(line));
+  }
+}
+
+void Session::tell_faults(std::vector<std::string>& words) {
+  for (const auto& fault : performer_.instrument().faults()) {
+    const auto told = std::find_if(told_faults_.begin(), told_faults_.end(),
+                                   [&](const FaultCount& known) { return known.path == fault.path; });
+    if (told != told_faults_.end()) {
+      told->count = fault.count;
+      continue;
+    }
+    told_faults_.push_back(fault);
+    words.push_back(fault.path +
+                    ": gave something that is not a number; it was reset and is silent until it gives one");
+  }
+}
+
+SessionView Session::look() {
+  SessionView view;
+  view.armed = armed_;
+  view.muted = muted_;
+  view.state = stream_ == nullptr ? StreamState::Stopped : stream_->state();
+  const auto levels = [](const std::vector<std::string>& names, const std::vector<double>& peaks) {
+    std::vector<SessionView::Level> all;
+    for (std::size_t c = 0; c < names.size() && c < peaks.size(); ++c) all.push_back({names[c], peaks[c]});
+    return all;
+  };
+  const auto outputs = performer_.outputs();
+  view.inputs = levels(performer_.inputs(), meter_.take_inputs());
+  view.outputs = levels(outputs, meter_.take_outputs());
+  if (stream_ != nullptr) view.health = stream_->health();
+  for (std::size_t c = 0; c < guards_.size(); ++c) {
+    const auto counts = guarded_.counts(static_cast<int>(c));
+    for (std::size_t s = 0; s < kGuardStages; ++s)
+      if (counts.stages[s].frames > seen_guards_[c].stages[s].frames)
+        view.guard.push_back(outputs[c] + " " + name_of(static_cast<GuardStage>(s)));
+    seen_guards_[c] = counts;
+  }
+  for (const auto& fault : told_faults_) view.faults += fault.count;
+  return view;
+}
+
+GuardReport Session::guard_report() {
+  auto report = report_of(guarded_, guards_, performer_.inputs(), performer_.outputs());
+  report.events.insert(report.events.begin(), events_.begin(), events_.end());
+  return report;
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/live/knobs.h"
+#include "apps/live/level_meter.h"
+#include "apps/live/performer.h"
+#include "apps/live/watched_files.h"
+#include "backends/backend.h"
+#include "engine/scene/guard_report.h"
+
+namespace tactus::app {
+
+/// How a session stands, for a status line.
+struct SessionView {
+  bool armed = false, muted = false;
+  StreamState state = StreamState::Stopped;
+  struct Level {
+    std::string name;
+    double peak = 0;  ///< since the last look, full scale = 1
+  };
+  std::vector<Level> inputs, outputs;
+  Health health;
+  std::vector<std::string> guard;  ///< what it was busy with since the last look: "woofer ceiling"
+  std::int64_t faults = 0;         ///< of nodes, so far
+};
+
+/// Something that sounds on a device: opens it, plays, follows its files, and stops without a click. All
+/// functions are for one control thread.
+class Session {
+ public:
+  /// All must outlive it. `tap` (nullptr: none) hears every block.
+  Session(Performer& performer, Backend& backend, StreamRequest request, bool armed, BlockTap* tap);
+  ~Session();
+
+  /// Errors: of Backend::open and Stream::start.
+  [[nodiscard]] Status start();
+  /// Fades out, plays a block of zeros, and closes the device.
+  Status stop();
+  /// Call it about 20 times a second. What happened, in words.
+  std::vector<std::string> tick();
+
+  void arm(bool on);
+  void mute(bool on);
+  bool armed() const { return armed_; }
+  bool muted() const { return muted_; }
+  Knobs& knobs() { return knobs_; }
+  const StreamGranted& granted() const { return granted_; }
+  Guarded& guarded() { return guarded_; }
+  /// The delay that the instrument reckons with from now on.
+  void set_system_delay(double frames);
+
+  /// Levels and the guard's work start anew with every look.
+  SessionView look();
+  /// What the guards had to do in all.
+  GuardReport guard_report();
+
+ private:
+  void follow_edits(std::vector<std::string>& words);
+  void tell_guard_events(std::vector<std::string>& words);
+  void tell_faults(std::vector<std::string>& words);
+
+  Performer& performer_;
+  Backend& backend_;
+  StreamRequest request_;
+  std::vector<GuardedChannel> guards_;
+  Guarded guarded_;
+  LevelMeter meter_;
+  Knobs knobs_;
+  WatchedFiles files_;
+  StreamGranted granted_;
+  std::unique_ptr<Stream> stream_;
+  bool armed_, muted_ = false;
+  bool edit_waits_ = false;
+  std::vector<GuardCounts> seen_guards_;
+  std::vector<FaultCount> told_faults_;
+  std::vector<GuardEvent> events_;
+};
+
+}  // namespace tactus::app
