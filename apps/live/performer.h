@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/guard_options.h"
 #include "engine/core/guarded.h"
 #include "engine/graph/compile.h"
 #include "engine/runtime/engine.h"
@@ -47,6 +48,18 @@ struct InstrumentSetup {
   DriveBook drives;
 };
 Checked<std::unique_ptr<Performer>> make_instrument(InstrumentSetup setup);
+
+/// A scene, its simulated world run in real time: the instrument's audio outputs go to `speakers` channels,
+/// the sensors where it has none. Edits of what both sides read are followed.
+struct WorldSetup {
+  std::filesystem::path file, root;
+  Hertz rate = 48_kHz;
+  std::optional<Seconds> delay;  ///< instead of the scene's
+  std::map<std::string, ControlValue> set;
+  GuardOptions guard;
+  int speakers = 2;
+};
+Checked<std::unique_ptr<Performer>> make_world(WorldSetup setup);
 
 /// The files of a graph and its parts.
 std::vector<std::filesystem::path> files_of(const GraphSpec& graph);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <nlohmann/json.hpp>
@@ -149,6 +150,26 @@ Result<double> seconds_of(const std::string& text, const char* option) {
   return seconds;
 }
 
+Checked<std::unique_ptr<Performer>> make_performer(const LiveOptions& options, Hertz rate,
+                                                   int device_outputs) {
+  auto settings = parse_settings(options.set);
+  if (!settings) return tl::unexpected(std::vector{settings.error()});
+  std::optional<Seconds> delay;
+  if (!options.delay.empty()) {
+    const auto value = parse_option(options.delay, "s", "delay");
+    if (!value) return tl::unexpected(std::vector{value.error()});
+    delay = Seconds{*value};
+  }
+  const auto file = resolve_target(options.target, options.listen ? "scene.toml" : "instrument.toml");
+  const auto root = root_of(file);
+  if (options.listen)
+    return make_world(
+        {file, root, rate, delay, std::move(*settings), options.guard, std::min(2, device_outputs)});
+  auto drives = apply(options.guard, {}, root);
+  if (!drives) return tl::unexpected(drives.error());
+  return make_instrument({file, root, rate, delay.value_or(0_s), std::move(*settings), std::move(*drives)});
+}
+
 /// Everything but the sound: keys, edits, the status line. Returns why it ended.
 int run(Session& session, Performer& performer, double seconds) {
   using namespace std::chrono_literals;
@@ -191,17 +212,7 @@ int play_live(const LiveOptions& options) {
   request.in_map = from_zero(options.in);
   request.out_map = from_zero(options.out);
 
-  const auto settings = parse_settings(options.set);
-  if (!settings) return report(settings.error()), kUsage;
-  InstrumentSetup setup;
-  setup.file = resolve_target(options.target, "instrument.toml");
-  setup.root = root_of(setup.file);
-  setup.rate = *request.sample_rate;
-  setup.controls = *settings;
-  auto drives = apply(options.guard, {}, setup.root);
-  if (!drives) return report(drives.error());
-  setup.drives = std::move(*drives);
-  auto performer = make_instrument(std::move(setup));
+  auto performer = make_performer(options, *request.sample_rate, devices->output.out_channels);
   if (!performer) return report(performer.error());
   request.in_channels = static_cast<int>((*performer)->inputs().size());
   request.out_channels = static_cast<int>((*performer)->outputs().size());
@@ -210,7 +221,8 @@ int play_live(const LiveOptions& options) {
   Session session{**performer, *devices->backend, request, options.arm, nullptr};
   if (const auto started = session.start(); !started) return report(started.error()), kDevice;
   fmt::print(stderr, "{}\n{}\n", (*performer)->name(), in_words(request, session.granted()));
-  if (!options.arm) fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
+  if (!options.arm && !options.listen)
+    fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
 
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);

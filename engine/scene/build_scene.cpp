@@ -15,6 +15,9 @@
 namespace tactus {
 namespace {
 
+/// The control of a part that a person strikes it with.
+const std::string kStrike = "strike";
+
 Value text_value(std::string text, const Source& at) { return {std::move(text), at}; }
 
 const char* curve_name(Gesture::Curve curve) {
@@ -40,6 +43,13 @@ NodeSpec gesture_node(const Gesture& gesture) {
   return node;
 }
 
+int inputs_of(const Schedule& schedule) { return static_cast<int>(schedule.input_names.size()); }
+
+int outputs_of(const Schedule& schedule) {
+  return static_cast<int>(std::count_if(schedule.channels.begin(), schedule.channels.end(),
+                                        [](const auto& channel) { return channel.use != OutputUse::Tap; }));
+}
+
 class SceneBuilder {
  public:
   /// `earlier`: what is already known to be wrong.
@@ -55,7 +65,7 @@ class SceneBuilder {
     mistakes_.add(std::move(earlier));
   }
 
-  Checked<BuiltScene> run() {
+  Checked<CompiledScene> run() {
     built_.delay_frames = static_cast<int>(std::lround(frames_in(delay_, rate_)));
     route_set();
     make_world();
@@ -104,7 +114,10 @@ class SceneBuilder {
       node.at = part.at;
       node.use = part.name;
       node.fields = part.wires;
-      for (const auto& [port, value] : overwritten_[part.name]) overwrite(node.fields, port, value, part.at);
+      for (const auto& [port, value] : overwritten_[part.name])
+        overwrite(node.fields, port, written(value, part.at));
+      if (options_.by_hand && part.graph != nullptr && find_entry(part.graph->controls, kStrike) != nullptr)
+        strike_by_hand(node.fields, part.at);
       node.broken = part.graph == nullptr;
       world_.nodes.push_back(std::move(node));
       if (part.graph == nullptr) continue;
@@ -128,20 +141,31 @@ class SceneBuilder {
       world_.inputs.push_back({"instrument." + output.name, output.at, {}});
   }
 
-  static void overwrite(Value::Table& fields, const std::string& port, const ControlValue& value,
-                        const Source& at) {
-    Value written{value.si, at};
-    if (value.dimension && !value.dimension->plain()) {
-      char number[32];
-      std::snprintf(number, sizeof number, "%.17g ", value.si);
-      written.data = number + to_string(*value.dimension);
-    }
+  static Value written(const ControlValue& value, const Source& at) {
+    if (!value.dimension || value.dimension->plain()) return {value.si, at};
+    char number[32];
+    std::snprintf(number, sizeof number, "%.17g ", value.si);
+    return text_value(number + to_string(*value.dimension), at);
+  }
+
+  static void overwrite(Value::Table& fields, const std::string& port, const Value& value) {
     for (auto& field : fields)
       if (field.key == port) {
-        field.value = written;
+        field.value = value;
         return;
       }
-    fields.push_back({port, at, written});
+    fields.push_back({port, value.at, value});
+  }
+
+  void strike_by_hand(Value::Table& fields, const Source& at) {
+    if (find_entry(world_.controls, kStrike) == nullptr) {
+      const Value::List ends{{0.0, at}, {1.0, at}};
+      world_.controls.push_back(
+          {kStrike,
+           at,
+           {{"value", at, {0.0, at}}, {"range", at, {ends, at}}, {"smooth", at, text_value("0 ms", at)}}});
+    }
+    overwrite(fields, kStrike, text_value(kStrike, at));
   }
 
   void wire_instrument() {
@@ -208,15 +232,14 @@ class SceneBuilder {
     if (compiled == nullptr) return;
     for (const auto& channel : compiled->channels)
       if (channel.use == OutputUse::Tap) built_.plant_taps.push_back({channel.name, channel.dimension});
-    built_.plant = std::make_unique<Engine>(std::move(compiled));
+    built_.plant = std::move(compiled);
   }
 
   /// All that is recorded must fit into memory.
   void check_size() {
     constexpr double kMostSamples = 1u << 29;
-    const double signals =
-        static_cast<double>(built_.plant->tap_count() + built_.instrument->tap_count() +
-                            built_.instrument->in_channels() + built_.instrument->out_channels());
+    const auto signals =
+        static_cast<double>(built_.plant->channels.size() + built_.instrument->channels.size());
     const double samples = signals * frames_in(scene_.duration, rate_);
     if (samples > kMostSamples)
       mistakes_.add(Errc::OutOfRange, scene_.file,
@@ -235,8 +258,8 @@ class SceneBuilder {
                           std::to_string(to) + " are wired",
                       "in a scene, give each lane an input or output of its own, or 'mix' them");
     };
-    check(built_.plant->out_channels(), built_.instrument->in_channels(), "the wires to the instrument");
-    check(built_.instrument->out_channels(), built_.plant->in_channels(), "the instrument's outputs");
+    check(outputs_of(*built_.plant), inputs_of(*built_.instrument), "the wires to the instrument");
+    check(outputs_of(*built_.instrument), inputs_of(*built_.plant), "the instrument's outputs");
   }
 
   void compile_instrument() {
@@ -250,8 +273,8 @@ class SceneBuilder {
     for (const auto& channel : compiled->channels)
       if (channel.use == OutputUse::Tap)
         built_.instrument_taps.push_back({"instrument." + channel.name, channel.dimension});
-    built_.instrument = std::make_unique<Engine>(std::move(compiled));
-    built_.instrument->set_journal(gesture_journal(moved_, built_.instrument->schedule()));
+    built_.journal = gesture_journal(moved_, *compiled);
+    built_.instrument = std::move(compiled);
   }
 
   const SceneSpec& scene_;
@@ -266,19 +289,42 @@ class SceneBuilder {
   std::map<std::string, std::map<std::string, ControlValue>> overwritten_;
   std::vector<MovedControl> moved_;
   Mistakes mistakes_;
-  BuiltScene built_;
+  CompiledScene built_;
 };
 
 }  // namespace
 
-Checked<BuiltScene> build_scene(const SceneSpec& scene, const NodeTable& table, const SceneOptions& options) {
+Checked<CompiledScene> compile_scene(const SceneSpec& scene, const NodeTable& table,
+                                     const SceneOptions& options) {
   return SceneBuilder{scene, table, options, {}}.run();
+}
+
+Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable& table,
+                                     const SceneOptions& options) {
+  if (!loaded.scene) return tl::unexpected(loaded.mistakes);
+  return SceneBuilder{*loaded.scene, table, options, loaded.mistakes}.run();
+}
+
+BuiltScene::BuiltScene(CompiledScene compiled)
+    : instrument(std::make_unique<Engine>(std::move(compiled.instrument))),
+      plant(std::make_unique<Engine>(std::move(compiled.plant))),
+      delay_frames(compiled.delay_frames),
+      plant_taps(std::move(compiled.plant_taps)),
+      instrument_taps(std::move(compiled.instrument_taps)) {
+  instrument->set_journal(std::move(compiled.journal));
+}
+
+Checked<BuiltScene> build_scene(const SceneSpec& scene, const NodeTable& table, const SceneOptions& options) {
+  return compile_scene(scene, table, options).map([](CompiledScene made) {
+    return BuiltScene{std::move(made)};
+  });
 }
 
 Checked<BuiltScene> build_scene(const LoadedScene& loaded, const NodeTable& table,
                                 const SceneOptions& options) {
-  if (!loaded.scene) return tl::unexpected(loaded.mistakes);
-  return SceneBuilder{*loaded.scene, table, options, loaded.mistakes}.run();
+  return compile_scene(loaded, table, options).map([](CompiledScene made) {
+    return BuiltScene{std::move(made)};
+  });
 }
 
 std::vector<std::string> event_taps(const GraphSpec& graph, const NodeTable& table) {

@@ -19,6 +19,9 @@ struct SceneOptions {
   std::optional<Hertz> rate;     ///< instead of the scene's
   std::map<std::string, ControlValue>
       set;  ///< "strength" of the instrument, "plant.gain" of another part; SI
+  /// A person strikes: the world gets a control `strike`, from 0 to 1, which every control of this name of a
+  /// part follows, whatever the scene says about it.
+  bool by_hand = false;
 };
 
 /// A signal that is recorded while a scene plays.
@@ -27,19 +30,34 @@ struct SceneTap {
   Dimension dimension;
 };
 
-/// A scene turned into two engines: the instrument as it would run on a card, and the world around it: the
+/// A scene turned into two schedules: the instrument as it would run on a card, and the world around it: the
 /// plant, every other part, the gestures, and the wires from them to the instrument's inputs.
-struct BuiltScene {
-  std::unique_ptr<Engine> instrument, plant;
+struct CompiledScene {
+  std::unique_ptr<Schedule> instrument, plant;
+  std::vector<JournalEntry> journal;  ///< what gestures do to the instrument's controls
   int delay_frames = 0;
   std::vector<SceneTap> plant_taps;       ///< every output of every part, in the order of Engine::tap
   std::vector<SceneTap> instrument_taps;  ///< triggers of the instrument ("instrument.hit") and their levels
 };
 
+/// The same as two engines, ready to be prepared.
+struct BuiltScene {
+  explicit BuiltScene(CompiledScene compiled);
+
+  std::unique_ptr<Engine> instrument, plant;
+  int delay_frames = 0;
+  std::vector<SceneTap> plant_taps, instrument_taps;
+};
+
 /// [control] All mistakes of the wiring, of both graphs and of what is to be measured, in file order.
+Checked<CompiledScene> compile_scene(const SceneSpec& scene, const NodeTable& table,
+                                     const SceneOptions& options = {});
+/// [control] The same for a scene just loaded, together with the mistakes of its text.
+Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable& table,
+                                     const SceneOptions& options = {});
+/// [control] The same as engines.
 Checked<BuiltScene> build_scene(const SceneSpec& scene, const NodeTable& table,
                                 const SceneOptions& options = {});
-/// [control] The same for a scene just loaded, together with the mistakes of its text.
 Checked<BuiltScene> build_scene(const LoadedScene& loaded, const NodeTable& table,
                                 const SceneOptions& options = {});
 
