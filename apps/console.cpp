@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "apps/commands.h"
+#include "engine/graph/entry_fields.h"
 #include "engine/graph/quantity.h"
 
 #if defined(_WIN32)
@@ -51,6 +52,14 @@ void Progress::operator()(double share) {
   const int full = percent * 30 / 100;
   fmt::print(stderr, "\r{} [{:=<{}}{: <{}}] {:3} %", what_, "", full, "", 30 - full, percent);
   std::fflush(stderr);
+}
+
+void announce_delay(const GraphSpec& instrument, double delay_s) {
+  const auto tested = tested_delays(instrument);
+  if (!tested || tested->contains(delay_s)) return;
+  const auto text = [](double si) { return short_quantity(si, Dimension{.second = 1}); };
+  fmt::print(stderr, "warning: {} was tried with delays from {} to {}; with {} it may not be playable\n",
+             instrument.name, text(tested->low), text(tested->high), text(delay_s));
 }
 
 std::filesystem::path resolve_target(const std::string& target, const char* name) {

@@ -29,6 +29,9 @@ class Progress {
   int percent_ = -1;
 };
 
+/// Warns on stderr when an instrument was never tried with such a system delay.
+void announce_delay(const GraphSpec& instrument, double delay_s);
+
 /// Which file a person means: a file, or the `name` (scene.toml, instrument.toml) of a folder.
 std::filesystem::path resolve_target(const std::string& target, const char* name);
 /// The folder that the parts of a file may not leave: the "instruments" above it, or its own.

@@ -34,7 +34,7 @@ Checked<DriveLimits> limits_of(const GuardOptions& options, const std::filesyste
   return limits;
 }
 
-Status raise(DriveBook& drives, const std::string& text) {
+Status raise(DriveBook& drives, const std::string& text, bool said) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     return fail(Errc::Syntax, "--raise-limit", "'" + text + "' is not NAME=VALUE",
@@ -45,10 +45,12 @@ Status raise(DriveBook& drives, const std::string& text) {
   // Where every drive has limits of its own, the cautious ones need not have what is raised.
   auto others = raise_limit(drives.others, name, value, "--raise-limit");
   if (!others && drives.named.empty()) return others;
-  fmt::print(stderr,
-             "warning: the drive guard's limit '{}' is raised to {}, beyond what the profile or the cautious "
-             "default allows; keep hands away until you know what it does\n",
-             name, value);
+  if (!said)
+    fmt::print(
+        stderr,
+        "warning: the drive guard's limit '{}' is raised to {}, beyond what the profile or the cautious "
+        "default allows; keep hands away until you know what it does\n",
+        name, value);
   return {};
 }
 
@@ -65,14 +67,16 @@ void add_guard_options(CLI::App& command, GuardOptions& options) {
       "slew, power, travel, direct_level or direct_time");
 }
 
-Checked<DriveBook> apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root) {
+Checked<DriveBook> apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
+                         bool said) {
   if (!options.profile.empty() || !options.volts.empty()) {
     const auto limits = limits_of(options, root);
     if (!limits) return tl::unexpected(limits.error());
     drives = DriveBook{{}, *limits};
   }
   for (const auto& text : options.raise)
-    if (const auto status = raise(drives, text); !status) return tl::unexpected(std::vector{status.error()});
+    if (const auto status = raise(drives, text, said); !status)
+      return tl::unexpected(std::vector{status.error()});
   return drives;
 }
 

@@ -206,6 +206,7 @@ int run(const PlayOptions& options) {
   std::optional<PlayedScene> compared;
   if (played->scene.compare) {
     scene_run.overrides = played->scene.compare->set;
+    scene_run.said = true;
     auto other = play_file(scene_run);
     if (!other) return report(other.error());
     compared = std::move(*other);

@@ -54,11 +54,14 @@ Checked<PlayedScene> play_file(const SceneRun& run) {
   }
   const auto options = scene_options(run);
   if (!options) return tl::unexpected(std::vector{options.error()});
-  auto drives = apply(run.guard, std::move(scene->drives), root_of(run.file));
+  auto drives = apply(run.guard, std::move(scene->drives), root_of(run.file), run.said);
   if (!drives) return tl::unexpected(drives.error());
   scene->drives = std::move(*drives);
   auto built = build_scene(loaded, standard_nodes(), *options);
   if (!built) return tl::unexpected(built.error());
+  const auto* instrument = scene->part("instrument");
+  if (!run.said && options->delay && instrument != nullptr && instrument->graph != nullptr)
+    announce_delay(*instrument->graph, options->delay->value);
   Progress progress{"playing " + scene->name};
   auto recording = play_scene(*scene, *built, run.block, [&](double share) {
     if (run.show_progress) progress(share);

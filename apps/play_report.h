@@ -22,6 +22,7 @@ struct SceneRun {
   std::string delay, rate, duration;        ///< empty: as the scene says
   GuardOptions guard;
   bool show_progress = true;
+  bool said = false;  ///< it was played before: what that warned of is known
 };
 
 struct PlayedScene {

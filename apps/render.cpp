@@ -111,6 +111,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   compile_options.taps = event_taps(*loaded.spec, standard_nodes());
   auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
+  if (!options.delay.empty()) announce_delay(*loaded.spec, *delay);
   Engine engine{std::move(*schedule)};
   const auto drives = apply(options.guard, {}, root_of(file));
   if (!drives) return report(drives.error());

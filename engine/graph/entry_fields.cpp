@@ -169,4 +169,11 @@ void check_tested_delays(const EntrySpec& entry, Mistakes& mistakes) {
     read_ends({"tested", {}, *tested}, seconds(), " of [delay]", mistakes);
 }
 
+std::optional<Interval> tested_delays(const GraphSpec& graph) {
+  const auto* tested = graph.delay ? find(graph.delay->fields, "tested") : nullptr;
+  if (tested == nullptr) return std::nullopt;
+  Mistakes told_elsewhere{graph.file};
+  return read_ends({"tested", {}, *tested}, seconds(), " of [delay]", told_elsewhere);
+}
+
 }  // namespace tactus

@@ -37,6 +37,8 @@ OutputUse read_use(const EntrySpec& entry, Mistakes& mistakes);
 
 /// `[delay]`: the system delays between which the instrument was tried.
 void check_tested_delays(const EntrySpec& entry, Mistakes& mistakes);
+/// What it says, in seconds; nothing if it says nothing that can be read.
+std::optional<Interval> tested_delays(const GraphSpec& graph);
 
 /// A control's value as its unit shows it: "-34 dB", "0.012 m".
 std::string in_unit(double si, const Unit& unit);

@@ -127,8 +127,9 @@ int Engine::frames_to_next_entry(int frames) noexcept {
 }
 
 void Engine::apply(const JournalEntry& entry) noexcept {
-  if (entry.kind == JournalEntry::Kind::SystemDelay && schedule_->system_delay != nullptr)
-    std::fill_n(schedule_->system_delay, kWide, std::max(0.0, entry.value) / schedule_->sample_rate.value);
+  // Where it is no longer known, the last one that was is the best guess.
+  if (entry.kind == JournalEntry::Kind::SystemDelay && schedule_->system_delay != nullptr && entry.value >= 0)
+    std::fill_n(schedule_->system_delay, kWide, entry.value / schedule_->sample_rate.value);
   if (entry.kind != JournalEntry::Kind::ControlChange) return;
   if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
   const int index = running_->control_of[static_cast<std::size_t>(entry.index)];
