@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -82,8 +83,8 @@ class HealthMeter {
     health.longest_block = longest_.load(kRelaxed);
     if (health.blocks > 0) health.mean_load = load_sum_.load(kRelaxed) / static_cast<double>(health.blocks);
     health.peak_load = peak_load_.load(kRelaxed);
-    health.median_load = loads_.quantile(0.5);
-    health.high_load = loads_.quantile(0.999);
+    health.median_load = std::min(health.peak_load, loads_.quantile(0.5));  // a step may end above the peak
+    health.high_load = std::min(health.peak_load, loads_.quantile(0.999));
     health.late_blocks = late_.load(kRelaxed);
     health.realtime_priority = priority_.load(kRelaxed);
     return health;

@@ -111,7 +111,9 @@ std::string in_words(const StreamRequest& asked, const StreamGranted& granted) {
   std::string text = fmt::format("device    {}", granted.device);
   if (!granted.input_device.empty()) text += fmt::format(", inputs from {}", granted.input_device);
   text += fmt::format("\nrate      {:g} Hz{}", format.sample_rate.value,
-                      asked.sample_rate ? fmt::format(", as asked") : "");
+                      asked.sample_rate && !(*asked.sample_rate == format.sample_rate)
+                          ? fmt::format(" ({:g} were asked for)", asked.sample_rate->value)
+                          : "");
   text += granted.block_frames > 0 ? fmt::format("\nblock     {} frames, {:.2f} ms", granted.block_frames,
                                                  granted.block_frames * ms)
                                    : "\nblock     changes from block to block";
@@ -181,6 +183,7 @@ int run(Session& session, Performer& performer, double seconds) {
   auto drawn = begin - 1s;
   while (true) {
     if (interrupted != 0) return kInterrupted;
+    if (session.over()) return kDevice;
     if (seconds > 0 && std::chrono::duration<double>(Clock::now() - begin).count() >= seconds) return kDone;
     if (const auto key = keyboard.wait(20ms); key && !player.press(*key)) return kDone;
     for (const auto& words : session.tick()) line.say(words);

@@ -37,10 +37,9 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
 Session::~Session() { (void)stop(); }
 
 Status Session::start() {
-  auto opened = backend_.open(request_, guarded_);
+  auto opened = KeptStream::open(backend_, request_, guarded_);
   if (!opened) return tl::unexpected(opened.error());
   stream_ = std::move(*opened);
-  granted_ = stream_->granted();
   return stream_->start();
 }
 
@@ -48,13 +47,11 @@ Status Session::stop() {
   if (stream_ == nullptr) return {};
   if (stream_->state() == StreamState::Running) {
     mute(true);
-    const double block_s = granted_.format.max_frames / granted_.format.sample_rate.value;
+    const double block_s = granted().format.max_frames / granted().format.sample_rate.value;
     const double fade_s = fade_of(guards_).value + std::min(0.2, 2 * block_s);
     std::this_thread::sleep_for(std::chrono::duration<double>{fade_s});
   }
-  const auto stopped = stream_->stop();
-  stream_.reset();
-  return stopped;
+  return stream_->stop();
 }
 
 void Session::arm(bool on) {
@@ -72,6 +69,8 @@ void Session::set_system_delay(double frames) {
 
 std::vector<std::string> Session::tick() {
   std::vector<std::string> words;
+  stream_->tick();
+  while (auto event = stream_->take_event()) words.push_back(std::move(*event));
   tell_guard_events(words);
   tell_faults(words);
   follow_edits(words);
@@ -101,7 +100,7 @@ void Session::tell_guard_events(std::vector<std::string>& words) {
     armed_ = false;
     events_.push_back(event);
     names.events = {event};
-    for (auto& line : in_words(names, granted_.format.sample_rate)) words.push_back(std::move(line));
+    for (auto& line : in_words(names, granted().format.sample_rate)) words.push_back(std::move(line));
   }
 }
 

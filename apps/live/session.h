@@ -9,7 +9,7 @@
 #include "apps/live/level_meter.h"
 #include "apps/live/performer.h"
 #include "apps/live/watched_files.h"
-#include "backends/backend.h"
+#include "backends/kept_stream.h"
 #include "engine/scene/guard_report.h"
 
 namespace tactus::app {
@@ -36,9 +36,9 @@ class Session {
   Session(Performer& performer, Backend& backend, StreamRequest request, bool armed, BlockTap* tap);
   ~Session();
 
-  /// Errors: of Backend::open and Stream::start.
+  /// Errors: of KeptStream.
   [[nodiscard]] Status start();
-  /// Fades out, plays a block of zeros, and closes the device.
+  /// Fades out and plays a block of zeros. The device is closed with the session.
   Status stop();
   /// Call it about 20 times a second. What happened, in words.
   std::vector<std::string> tick();
@@ -48,7 +48,11 @@ class Session {
   bool armed() const { return armed_; }
   bool muted() const { return muted_; }
   Knobs& knobs() { return knobs_; }
-  const StreamGranted& granted() const { return granted_; }
+  const StreamGranted& granted() const { return stream_->granted(); }
+  /// The device went away for good: only ending is left.
+  bool over() const {
+    return stream_ != nullptr && stream_->state() == StreamState::Lost && !granted().comes_back;
+  }
   Guarded& guarded() { return guarded_; }
   /// The delay that the instrument reckons with from now on.
   void set_system_delay(double frames);
@@ -71,8 +75,7 @@ class Session {
   LevelMeter meter_;
   Knobs knobs_;
   WatchedFiles files_;
-  StreamGranted granted_;
-  std::unique_ptr<Stream> stream_;
+  std::unique_ptr<KeptStream> stream_;
   bool armed_, muted_ = false;
   bool edit_waits_ = false;
   std::vector<GuardCounts> seen_guards_;
