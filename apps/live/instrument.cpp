@@ -1,6 +1,9 @@
+#include "apps/console.h"
 #include "apps/live/performer.h"
 #include "engine/nodes/table.h"
+#include "engine/scene/check_rig.h"
 #include "engine/scene/guard_report.h"
+#include "engine/scene/rig_inputs.h"
 
 namespace tactus::app {
 namespace {
@@ -11,12 +14,18 @@ class LiveInstrument final : public Performer {
     std::unique_ptr<LiveInstrument> made{new LiveInstrument{std::move(setup)}};
     auto schedule = made->compile_files();
     if (!schedule) return tl::unexpected(schedule.error());
+    if (auto wired = made->wire(**schedule); !wired) return tl::unexpected(wired.error());
     made->engine_ = std::make_unique<Engine>(std::move(*schedule));
+    if (RigInputs::needed(made->wiring_.input_scales, made->setup_.padding_frames))
+      made->rig_inputs_.emplace(*made->engine_, made->wiring_.input_scales, made->setup_.padding_frames);
     return made;
   }
 
   const std::string& name() const override { return name_; }
-  BlockProcessor& processor() override { return *engine_; }
+  BlockProcessor& processor() override {
+    if (rig_inputs_) return *rig_inputs_;
+    return *engine_;
+  }
   Engine& instrument() override { return *engine_; }
   const Engine& instrument() const override { return *engine_; }
   std::vector<std::string> inputs() const override { return engine_->schedule().input_names; }
@@ -27,8 +36,14 @@ class LiveInstrument final : public Performer {
     return names;
   }
   std::vector<GuardedChannel> guards() const override {
-    return guarded_channels(engine_->schedule(), setup_.drives);
+    auto channels = guarded_channels(engine_->schedule(), wiring_.drives);
+    if (setup_.rig) return channels;
+    for (auto& channel : channels)
+      if (channel.kind == DriveGuard::Kind::Audio) channel = {DriveGuard::Kind::Drive, cautious_limits()};
+    return channels;
   }
+  std::vector<int> in_map() const override { return wiring_.in_map; }
+  std::vector<int> out_map() const override { return wiring_.out_map; }
   std::vector<std::filesystem::path> files() const override { return files_; }
 
   Checked<void> edit() override {
@@ -43,10 +58,16 @@ class LiveInstrument final : public Performer {
   explicit LiveInstrument(InstrumentSetup setup) : setup_(std::move(setup)) { files_ = {setup_.file}; }
 
   Checked<std::unique_ptr<Schedule>> compile_files() {
-    const auto loaded = load_graph_leniently(setup_.file, setup_.root);
+    auto loaded = load_graph_leniently(setup_.file, setup_.root);
     if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
     files_ = files_of(*loaded.spec);
     name_ = loaded.spec->name;
+    if (setup_.rig) {
+      for (auto& mistake : check_rig(*setup_.rig, *loaded.spec))
+        loaded.mistakes.push_back(std::move(mistake));
+      loaded.spec = without_left_out(*setup_.rig, loaded.spec);
+    }
+    if (setup_.delay.value > 0) announce_delay(*loaded.spec, setup_.delay.value);
     CompileOptions options;
     options.sample_rate = setup_.rate;
     options.system_delay = setup_.delay;
@@ -54,10 +75,24 @@ class LiveInstrument final : public Performer {
     return compile(loaded, standard_nodes(), options);
   }
 
+  Checked<void> wire(const Schedule& schedule) {
+    if (setup_.rig) {
+      auto wired = wire_rig(*setup_.rig, schedule);
+      if (!wired) return tl::unexpected(wired.error());
+      wiring_ = std::move(*wired);
+    }
+    auto drives = apply(setup_.guard, std::move(wiring_.drives), setup_.root);
+    if (!drives) return tl::unexpected(drives.error());
+    wiring_.drives = std::move(*drives);
+    return {};
+  }
+
   InstrumentSetup setup_;
+  RigWiring wiring_;
   std::string name_;
   std::vector<std::filesystem::path> files_;
   std::unique_ptr<Engine> engine_;
+  std::optional<RigInputs> rig_inputs_;
 };
 
 void collect(const GraphSpec& graph, std::vector<std::filesystem::path>& files) {

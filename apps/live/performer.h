@@ -11,7 +11,7 @@
 #include "engine/core/guarded.h"
 #include "engine/graph/compile.h"
 #include "engine/runtime/engine.h"
-#include "engine/scene/profile.h"
+#include "engine/scene/rig.h"
 
 namespace tactus::app {
 
@@ -30,6 +30,9 @@ class Performer {
   virtual std::vector<std::string> inputs() const = 0;
   virtual std::vector<std::string> outputs() const = 0;
   virtual std::vector<GuardedChannel> guards() const = 0;
+  /// Channels of the card, from 0 on; empty: the first ones.
+  virtual std::vector<int> in_map() const { return {}; }
+  virtual std::vector<int> out_map() const { return {}; }
   /// The files that it was read from.
   virtual std::vector<std::filesystem::path> files() const = 0;
   /// [control, while it plays] Reads its files again and puts what they say in the place of what sounds.
@@ -39,13 +42,16 @@ class Performer {
   virtual bool strike() { return false; }
 };
 
-/// An instrument on a sound card.
+/// An instrument on a sound card. Without a rig nobody says what hangs on a channel: all outputs, sound too,
+/// then have the guard of a drive with `drives`.
 struct InstrumentSetup {
   std::filesystem::path file, root;
   Hertz rate = 48_kHz;
-  Seconds delay;  ///< system delay, as far as it is known
+  Seconds delay;           ///< system delay, padding included, as far as it is known
+  int padding_frames = 0;  ///< to be added to the card's own delay
   std::map<std::string, ControlValue> controls;
-  DriveBook drives;
+  std::optional<Rig> rig;
+  GuardOptions guard;
 };
 Checked<std::unique_ptr<Performer>> make_instrument(InstrumentSetup setup);
 

@@ -1,16 +1,14 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
-#include "apps/backends.h"
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/live/keyboard.h"
 #include "apps/live/live_options.h"
-#include "apps/live/performer.h"
+#include "apps/live/plan.h"
 #include "apps/live/session.h"
 #include "apps/live/status_line.h"
 #include "backends/realtime_thread.h"
@@ -100,34 +98,6 @@ class Player {
   std::size_t chosen_ = 0;
 };
 
-std::vector<int> from_zero(std::vector<int> channels) {
-  for (auto& channel : channels) --channel;
-  return channels;
-}
-
-std::string in_words(const StreamRequest& asked, const StreamGranted& granted) {
-  const auto& format = granted.format;
-  const double ms = 1e3 / format.sample_rate.value;
-  std::string text = fmt::format("device    {}", granted.device);
-  if (!granted.input_device.empty()) text += fmt::format(", inputs from {}", granted.input_device);
-  text += fmt::format("\nrate      {:g} Hz{}", format.sample_rate.value,
-                      asked.sample_rate && !(*asked.sample_rate == format.sample_rate)
-                          ? fmt::format(" ({:g} were asked for)", asked.sample_rate->value)
-                          : "");
-  text += granted.block_frames > 0 ? fmt::format("\nblock     {} frames, {:.2f} ms", granted.block_frames,
-                                                 granted.block_frames * ms)
-                                   : "\nblock     changes from block to block";
-  if (asked.block_frames && *asked.block_frames != granted.block_frames)
-    text += fmt::format(" ({} were asked for)", *asked.block_frames);
-  if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
-  if (asked.periods && *asked.periods != granted.periods)
-    text += fmt::format(" ({} were asked for)", *asked.periods);
-  if (granted.input_latency_frames && granted.output_latency_frames)
-    text += fmt::format("\ndriver    says {:.2f} ms in and {:.2f} ms out; tactus latency measures it",
-                        *granted.input_latency_frames * ms, *granted.output_latency_frames * ms);
-  return text;
-}
-
 Json json_of(const Health& health) {
   Json gaps = Json::object();
   for (std::size_t g = 0; g < kGaps; ++g) gaps[name_of(static_cast<Gap>(g))] = health.gaps[g];
@@ -150,26 +120,6 @@ Result<double> seconds_of(const std::string& text, const char* option) {
   if (seconds && !(*seconds > 0))
     return fail(Errc::OutOfRange, std::string{"--"} + option, "must be above 0 s", "");
   return seconds;
-}
-
-Checked<std::unique_ptr<Performer>> make_performer(const LiveOptions& options, Hertz rate,
-                                                   int device_outputs) {
-  auto settings = parse_settings(options.set);
-  if (!settings) return tl::unexpected(std::vector{settings.error()});
-  std::optional<Seconds> delay;
-  if (!options.delay.empty()) {
-    const auto value = parse_option(options.delay, "s", "delay");
-    if (!value) return tl::unexpected(std::vector{value.error()});
-    delay = Seconds{*value};
-  }
-  const auto file = resolve_target(options.target, options.listen ? "scene.toml" : "instrument.toml");
-  const auto root = root_of(file);
-  if (options.listen)
-    return make_world(
-        {file, root, rate, delay, std::move(*settings), options.guard, std::min(2, device_outputs)});
-  auto drives = apply(options.guard, {}, root);
-  if (!drives) return tl::unexpected(drives.error());
-  return make_instrument({file, root, rate, delay.value_or(0_s), std::move(*settings), std::move(*drives)});
 }
 
 /// Everything but the sound: keys, edits, the status line. Returns why it ended.
@@ -198,43 +148,26 @@ int run(Session& session, Performer& performer, double seconds) {
 int play_live(const LiveOptions& options) {
   const auto seconds = seconds_of(options.duration, "duration");
   if (!seconds) return report(seconds.error()), kUsage;
-  auto devices = choose_devices(options.backend, options.device, options.input_device);
-  if (!devices) return report(devices.error()), kDevice;
-
-  StreamRequest request;
-  request.device = devices->output.id;
-  if (devices->input.id != devices->output.id) request.input_device = devices->input.id;
-  request.sample_rate = devices->output.default_rate;
-  if (!options.rate.empty()) {
-    const auto rate = parse_option(options.rate, "Hz", "rate");
-    if (!rate) return report(rate.error()), kUsage;
-    request.sample_rate = Hertz{*rate};
-  }
-  request.block_frames = options.block;
-  request.periods = options.periods;
-  request.in_map = from_zero(options.in);
-  request.out_map = from_zero(options.out);
-
-  auto performer = make_performer(options, *request.sample_rate, devices->output.out_channels);
-  if (!performer) return report(performer.error());
-  request.in_channels = static_cast<int>((*performer)->inputs().size());
-  request.out_channels = static_cast<int>((*performer)->outputs().size());
+  auto plan = make_plan(options);
+  if (!plan) return report(plan.error().errors), plan.error().exit;
+  auto& performer = *plan->performer;
 
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
-  Session session{**performer, *devices->backend, request, options.arm, nullptr};
+  Session session{performer, *plan->devices.backend, plan->request, options.arm, nullptr};
   if (const auto started = session.start(); !started) return report(started.error()), kDevice;
-  fmt::print(stderr, "{}\n{}\n", (*performer)->name(), in_words(request, session.granted()));
+  fmt::print(stderr, "{}\n{}\n{}\n", performer.name(), granted_in_words(*plan, session.granted()),
+             delay_in_words(*plan));
   if (!options.arm && !options.listen)
     fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
 
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
-  const int ended = run(session, **performer, *seconds);
+  const int ended = run(session, performer, *seconds);
   const auto view = session.look();
   const auto stopped = session.stop();
   const auto guard = session.guard_report();
   if (options.json) {
-    fmt::print("{}\n", Json{{"instrument", (*performer)->name()},
+    fmt::print("{}\n", Json{{"instrument", performer.name()},
                             {"device", session.granted().device},
                             {"sample_rate_hz", session.granted().format.sample_rate.value},
                             {"block_frames", session.granted().block_frames},

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/backends.h"
+#include "apps/live/live_options.h"
+#include "apps/live/performer.h"
+
+namespace tactus::app {
+
+/// All that a session is made from.
+struct Plan {
+  ChosenDevices devices;
+  StreamRequest request;
+  std::unique_ptr<Performer> performer;
+  std::optional<double> delay_s;  ///< of the card, measured
+  int padding_frames = 0;
+};
+
+/// Exit status of what goes wrong beside it.
+struct Refusal {
+  std::vector<Error> errors;
+  int exit = 0;
+};
+
+/// The command line and the rig, the former first, turned into what a session needs. Opens nothing yet.
+tl::expected<Plan, Refusal> make_plan(const LiveOptions& options);
+
+/// What was granted, and beside it what was asked for where it is something else.
+std::string granted_in_words(const Plan& plan, const StreamGranted& granted);
+/// The system delay that the instrument reckons with, and where it comes from.
+std::string delay_in_words(const Plan& plan);
+
+}  // namespace tactus::app
