@@ -154,10 +154,11 @@ int play_live(const LiveOptions& options) {
 
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
   Session session{performer, *plan->devices.backend, plan->request, options.arm, nullptr};
+  if (plan->delay_s) session.know_delay();
   if (const auto started = session.start(); !started) return report(started.error()), kDevice;
-  fmt::print(stderr, "{}\n{}\n{}\n", performer.name(), granted_in_words(*plan, session.granted()),
-             delay_in_words(*plan));
-  if (!options.arm && !options.listen)
+  fmt::print(stderr, "{}\n{}\n", performer.name(), granted_in_words(*plan, session.granted()));
+  if (!options.listen) fmt::print(stderr, "{}\n", delay_in_words(*plan));
+  if (!options.arm && session.has_drives())
     fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
 
   std::signal(SIGINT, interrupt);

@@ -54,6 +54,11 @@ Status Session::stop() {
   return stream_->stop();
 }
 
+bool Session::has_drives() const {
+  return std::any_of(guards_.begin(), guards_.end(),
+                     [](const GuardedChannel& channel) { return channel.kind == DriveGuard::Kind::Drive; });
+}
+
 void Session::arm(bool on) {
   if (guarded_.post({JournalEntry::kNow, Kind::Arm, JournalEntry::kAllChannels, on ? 1.0 : 0.0})) armed_ = on;
 }
@@ -63,18 +68,24 @@ void Session::mute(bool on) {
     muted_ = on;
 }
 
-void Session::set_system_delay(double frames) {
-  (void)performer_.instrument().post({JournalEntry::kNow, Kind::SystemDelay, 0, frames});
-}
-
 std::vector<std::string> Session::tick() {
   std::vector<std::string> words;
   stream_->tick();
   while (auto event = stream_->take_event()) words.push_back(std::move(*event));
   tell_guard_events(words);
   tell_faults(words);
+  doubt_delay(words);
   follow_edits(words);
   return words;
+}
+
+/// Some drivers come out of a gap with a buffer more or less than before.
+void Session::doubt_delay(std::vector<std::string>& words) {
+  if (!delay_known_ || !granted().xruns_move_delay || stream_->health().xruns == 0) return;
+  delay_known_ = false;
+  (void)performer_.instrument().post({JournalEntry::kNow, Kind::SystemDelay, 0, -1.0});
+  words.push_back(
+      "a gap may have moved the card's round trip: its delay is no longer known, until it is opened again");
 }
 
 /// An edit waits while the one before it has not taken over.
@@ -120,6 +131,7 @@ void Session::tell_faults(std::vector<std::string>& words) {
 
 SessionView Session::look() {
   SessionView view;
+  view.drives = has_drives();
   view.armed = armed_;
   view.muted = muted_;
   view.state = stream_ == nullptr ? StreamState::Stopped : stream_->state();

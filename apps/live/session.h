@@ -16,6 +16,7 @@ namespace tactus::app {
 
 /// How a session stands, for a status line.
 struct SessionView {
+  bool drives = false;  ///< there is something to arm
   bool armed = false, muted = false;
   StreamState state = StreamState::Stopped;
   struct Level {
@@ -45,6 +46,8 @@ class Session {
 
   void arm(bool on);
   void mute(bool on);
+  /// Does anything move? Sound alone needs no arming.
+  bool has_drives() const;
   bool armed() const { return armed_; }
   bool muted() const { return muted_; }
   Knobs& knobs() { return knobs_; }
@@ -54,8 +57,8 @@ class Session {
     return stream_ != nullptr && stream_->state() == StreamState::Lost && !granted().comes_back;
   }
   Guarded& guarded() { return guarded_; }
-  /// The delay that the instrument reckons with from now on.
-  void set_system_delay(double frames);
+  /// [before `start`] The card's delay was measured: it is told when it may be another.
+  void know_delay() { delay_known_ = true; }
 
   /// Levels and the guard's work start anew with every look.
   SessionView look();
@@ -66,6 +69,7 @@ class Session {
   void follow_edits(std::vector<std::string>& words);
   void tell_guard_events(std::vector<std::string>& words);
   void tell_faults(std::vector<std::string>& words);
+  void doubt_delay(std::vector<std::string>& words);
 
   Performer& performer_;
   Backend& backend_;
@@ -78,6 +82,7 @@ class Session {
   std::unique_ptr<KeptStream> stream_;
   bool armed_, muted_ = false;
   bool edit_waits_ = false;
+  bool delay_known_ = false;
   std::vector<GuardCounts> seen_guards_;
   std::vector<FaultCount> told_faults_;
   std::vector<GuardEvent> events_;

@@ -15,6 +15,7 @@ const char* state_text(const SessionView& view) {
   if (view.state == StreamState::Lost) return "DEVICE LOST";
   if (view.state == StreamState::Stalled) return "NO BLOCKS COME";
   if (view.muted) return "muted";
+  if (!view.drives) return "playing";
   return view.armed ? "armed" : "not armed";
 }
 
@@ -58,7 +59,7 @@ std::string load_text(const Health& health) {
 
 std::string status_line(const SessionView& view, const std::string& knob, int columns) {
   std::string text = state_text(view);
-  text += " | " + levels_text(view.inputs) + (view.inputs.empty() ? "> " : " > ") + levels_text(view.outputs);
+  text += " | " + levels_text(view.inputs) + (view.inputs.empty() ? "" : " > ") + levels_text(view.outputs);
   for (std::size_t g = 0; g < view.guard.size(); ++g) text += (g == 0 ? " | guard: " : ", ") + view.guard[g];
   if (view.faults > 0) text += fmt::format(" | {} faults", view.faults);
   if (!knob.empty()) text += " | " + knob;
