@@ -66,9 +66,11 @@ class Player {
         return false;
       case 'a':
         session_.arm(!session_.armed());
+        line_.say(session_.armed() ? "the drives are armed" : "the drives are not armed");
         break;
       case 'm':
         session_.mute(!session_.muted());
+        line_.say(session_.muted() ? "muted" : "no longer muted");
         break;
       case ' ':
         if (!performer_.strike()) line_.say("there is nothing to strike here; m mutes, a arms");
@@ -112,6 +114,12 @@ Json json_of(const Health& health) {
           {"load_p999", health.high_load},
           {"load_worst", health.peak_load},
           {"realtime_priority", health.realtime_priority}};
+}
+
+Json json_of(const std::vector<SessionView::Level>& levels) {
+  Json json = Json::object();
+  for (const auto& level : levels) json[level.name] = level.peak;
+  return json;
 }
 
 Result<double> seconds_of(const std::string& text, const char* option) {
@@ -172,10 +180,16 @@ int play_live(const LiveOptions& options) {
                             {"device", session.granted().device},
                             {"sample_rate_hz", session.granted().format.sample_rate.value},
                             {"block_frames", session.granted().block_frames},
+                            {"highest_input", json_of(view.highest_inputs)},
+                            {"highest_output", json_of(view.highest_outputs)},
                             {"health", json_of(view.health)},
                             {"guard", guard_json(guard, session.granted().format.sample_rate)}}
                            .dump(2));
   } else {
+    for (const auto& level : view.highest_inputs)
+      fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
+    for (const auto& level : view.highest_outputs)
+      fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
     fmt::print("  load                {}\n", load_text(view.health));
     fmt::print("  gaps                {}\n", xrun_text(view.health));
     print_guard(guard, session.granted().format.sample_rate);

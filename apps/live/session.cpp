@@ -18,6 +18,18 @@ Seconds fade_of(const std::vector<GuardedChannel>& guards) {
   return longest;
 }
 
+std::vector<SessionView::Level> levels(const std::vector<std::string>& names,
+                                       const std::vector<double>& peaks) {
+  std::vector<SessionView::Level> all;
+  for (std::size_t c = 0; c < names.size() && c < peaks.size(); ++c) all.push_back({names[c], peaks[c]});
+  return all;
+}
+
+void raise(std::vector<double>& highest, const std::vector<double>& peaks) {
+  highest.resize(peaks.size(), 0.0);
+  for (std::size_t c = 0; c < peaks.size(); ++c) highest[c] = std::max(highest[c], peaks[c]);
+}
+
 }  // namespace
 
 Session::Session(Performer& performer, Backend& backend, StreamRequest request, bool armed, BlockTap* tap)
@@ -135,14 +147,14 @@ SessionView Session::look() {
   view.armed = armed_;
   view.muted = muted_;
   view.state = stream_ == nullptr ? StreamState::Stopped : stream_->state();
-  const auto levels = [](const std::vector<std::string>& names, const std::vector<double>& peaks) {
-    std::vector<SessionView::Level> all;
-    for (std::size_t c = 0; c < names.size() && c < peaks.size(); ++c) all.push_back({names[c], peaks[c]});
-    return all;
-  };
-  const auto outputs = performer_.outputs();
-  view.inputs = levels(performer_.inputs(), meter_.take_inputs());
-  view.outputs = levels(outputs, meter_.take_outputs());
+  const auto inputs = performer_.inputs(), outputs = performer_.outputs();
+  const auto in = meter_.take_inputs(), out = meter_.take_outputs();
+  raise(highest_in_, in);
+  raise(highest_out_, out);
+  view.inputs = levels(inputs, in);
+  view.outputs = levels(outputs, out);
+  view.highest_inputs = levels(inputs, highest_in_);
+  view.highest_outputs = levels(outputs, highest_out_);
   if (stream_ != nullptr) view.health = stream_->health();
   for (std::size_t c = 0; c < guards_.size(); ++c) {
     const auto counts = guarded_.counts(static_cast<int>(c));

@@ -24,6 +24,7 @@ struct SessionView {
     double peak = 0;  ///< since the last look, full scale = 1
   };
   std::vector<Level> inputs, outputs;
+  std::vector<Level> highest_inputs, highest_outputs;  ///< since the start
   Health health;
   std::vector<std::string> guard;  ///< what it was busy with since the last look: "woofer ceiling"
   std::int64_t faults = 0;         ///< of nodes, so far
@@ -83,6 +84,7 @@ class Session {
   bool armed_, muted_ = false;
   bool edit_waits_ = false;
   bool delay_known_ = false;
+  std::vector<double> highest_in_, highest_out_;
   std::vector<GuardCounts> seen_guards_;
   std::vector<FaultCount> told_faults_;
   std::vector<GuardEvent> events_;

@@ -1,0 +1,152 @@
+// The program itself, played by keys on a real server.
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "tests/engine/graph/temporary_folder.h"
+#include "tests/support/sound_server.h"
+#include "tests/support/wait_until.h"
+
+using namespace tactus;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Gives out a constant, and hears what comes back.
+std::string constant(const std::string& level) {
+  return "format = 1\nname = \"constant\"\n[inputs]\nheard = {}\n[nodes]\nsame = \"0 * heard + " + level +
+         "\"\n[outputs]\ntone = { from = \"same\" }\n";
+}
+
+/// `tactus play` with keys for stdin and one log for what it says.
+class Playing {
+ public:
+  explicit Playing(const std::vector<std::string>& arguments) : process_(command(arguments), Logged) {}
+
+  void press(const std::string& key) { REQUIRE(process_.say(key)); }
+  /// It said this within five seconds.
+  bool says(const std::string& words) {
+    return test::wait_until([&] { return process_.log().find(words) != std::string::npos; });
+  }
+  int ends() { return process_.wait(10s).value_or(-1000); }
+  /// The object that --json prints at the end.
+  nlohmann::json report() const {
+    const auto log = process_.log();
+    return nlohmann::json::parse(log.substr(log.find("\n{\n") + 1), nullptr, false);
+  }
+  std::string log() const { return process_.log(); }
+  test::ChildProcess& process() { return process_; }
+
+ private:
+  static constexpr auto Logged = test::ChildProcess::Stdout::Logged;
+  static std::vector<std::string> command(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {TACTUS_PROGRAM, "play"});
+    return arguments;
+  }
+  test::ChildProcess process_;
+};
+
+}  // namespace
+
+TEST_CASE("play: drives are silent until a key arms them", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const test::DelayClient card;
+  const test::TemporaryFolder folder;
+  folder.write("tone.toml", constant("0.2"));
+  for (const bool armed : {false, true}) {
+    CAPTURE(armed);
+    Playing play{
+        {(folder.path() / "tone.toml").string(), "--device", card.name(), "--json", "--duration", "2 s"}};
+    REQUIRE(play.says("the drives are not armed"));
+    if (armed) {
+      play.press("a");
+      CHECK(play.says("the drives are armed"));
+    }
+    REQUIRE(play.ends() == 0);
+    const auto report = play.report();
+    INFO(play.log());
+    REQUIRE(report.is_object());
+    CHECK((report["highest_input"]["heard"].get<double>() > 0.01) == armed);
+    CHECK(report["health"]["xruns"] == 0);
+  }
+}
+
+TEST_CASE("play: an edit is heard while it plays, and a broken one is told and changes nothing", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const test::DelayClient card;
+  const test::TemporaryFolder folder;
+  folder.write("tone.toml", constant("0"));
+  Playing play{{(folder.path() / "tone.toml").string(), "--device", card.name(), "--arm", "--json",
+                "--duration", "4 s"}};
+  REQUIRE(play.says("delay "));
+  folder.write("tone.toml", constant("0.2 + nothing"));
+  CHECK(play.says("tone.toml:6:"));
+  CHECK(play.says("the version before plays on"));
+  folder.write("tone.toml", constant("0.2"));
+  CHECK(play.says("the edited constant plays"));
+  CHECK(play.ends() == 0);
+  CHECK(play.report()["highest_input"]["heard"].get<double>() > 0.01);
+}
+
+TEST_CASE("play: ports go to the channels that were asked for", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const test::TemporaryFolder folder;
+  folder.write("tone.toml", constant("0.2"));
+  Playing play{
+      {(folder.path() / "tone.toml").string(), "--device", "jack:system", "--inputs", "2", "--outputs", "5"}};
+  REQUIRE(play.says("delay "));
+  CHECK(server->connections("system:capture_2") == "tactus:in_1\n");
+  CHECK(server->connections("system:playback_5") == "tactus:out_1\n");
+  CHECK(server->connections("system:playback_1").empty());
+  play.process().send(SIGINT);
+  CHECK(play.ends() == 5);
+}
+
+TEST_CASE("play: it waits for a server that died, plays on when it is back, and ends when told", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const test::TemporaryFolder folder;
+  folder.write("tone.toml", constant("0.2"));
+  Playing play{{(folder.path() / "tone.toml").string(), "--device", "jack:system"}};
+  REQUIRE(play.says("delay "));
+  server->kill();
+  CHECK(play.says("has gone away"));
+  server->restart();
+  CHECK(play.says("is back after"));
+  play.press("q");
+  CHECK(play.ends() == 0);
+}
+
+TEST_CASE("play: a device that is not there, or not one alone, is refused with those that are", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const test::DelayClient one{{.name = "twin"}}, two{{.name = "twins"}};
+  const test::TemporaryFolder folder;
+  folder.write("tone.toml", constant("0.2"));
+  const auto refused = [&](const std::string& device) {
+    Playing play{{(folder.path() / "tone.toml").string(), "--device", device}};
+    CHECK(play.ends() == 4);
+    return play.log();
+  };
+  const auto missing = refused("jack:soundblaster");
+  CHECK(missing.find("there is no device 'jack:soundblaster'") != std::string::npos);
+  CHECK(missing.find("'jack:system'") != std::string::npos);
+  const auto both = refused("twin");
+  CHECK(both.find("'twin' may be several devices") != std::string::npos);
+  CHECK(both.find("'jack:" + two.name() + "'") != std::string::npos);
+}
+
+TEST_CASE("play: a simulated world is heard, and space strikes in it", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const std::string scene = TACTUS_SOURCE_DIR "/instruments/haptic_drum/single_strike.toml";
+  Playing play{{scene, "--listen", "--device", "jack:system", "--json", "--duration", "1 s"}};
+  REQUIRE(play.says("block "));
+  play.press(" ");
+  REQUIRE(play.ends() == 0);
+  CHECK(play.report()["highest_output"]["sound"].get<double>() > 1e-3);
+  CHECK(play.log().find("nothing to strike") == std::string::npos);
+}
