@@ -1,0 +1,7 @@
+#include "tests/backends/every_backend.h"
+
+namespace tactus::test {
+
+std::vector<MakeSubject> every_backend() { return {offline_subject, simulated_subject}; }
+
+}  // namespace tactus::test
