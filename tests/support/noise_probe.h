@@ -1,15 +1,17 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "engine/core/guarded.h"
 
 namespace tactus::test {
 
-/// Plays noise that tells channel and frame, and keeps what it hears of the first frames. Its samples are
+/// Plays noise that tells channel and frame, and keeps what it hears from one frame on. Its samples are
 /// floats of at most 0.5 and never 0, so that a way that changes no bit can be told from any other.
 class NoiseProbe final : public BlockProcessor {
  public:
@@ -26,44 +28,60 @@ class NoiseProbe final : public BlockProcessor {
   Status prepare(const StreamFormat& format) override {
     ++prepared;
     outputs_ = format.out_channels;
-    frames_ = 0;
+    frames_ = from_ = 0;
     heard_.assign(static_cast<std::size_t>(format.in_channels),
                   std::vector<double>(static_cast<std::size_t>(kept_)));
     return {};
   }
   void process(const BlockIo& io) noexcept override {
     const auto first = frames_.load();
+    if (const int ms = sleep_ms; ms > 0) {
+      again_ = true;
+      sleep_ms = 0;
+      std::this_thread::sleep_for(std::chrono::milliseconds{ms});
+    } else if (again_.exchange(false)) {
+      from_ = first;
+    }
+    const auto at = first - from_;
     for (std::size_t c = 0; c < heard_.size(); ++c)
-      for (int n = 0; n < io.frames && first + n < kept_; ++n)
-        heard_[c][static_cast<std::size_t>(first + n)] = io.in[c][n];
+      for (int n = 0; n < io.frames && at + n < kept_; ++n)
+        heard_[c][static_cast<std::size_t>(at + n)] = io.in[c][n];
     for (int c = 0; c < outputs_; ++c)
       for (int n = 0; n < io.frames; ++n) io.out[c][n] = noise(c, first + n);
     frames_ = first + io.frames;
   }
 
   /// [any] Frames since it was prepared.
-  std::int64_t frames() const { return frames_.load(); }
-  bool full() const { return frames() >= kept_; }
-  /// [control & stopped] After how many frames this input heard this output, sample for sample from the first
-  /// sound on and for at least half of what is kept; empty: it heard something else.
+  std::int64_t frames() const { return frames_; }
+  /// [control] What it hears from now on is kept instead.
+  void listen_again() { again_ = true; }
+  bool full() const { return !again_ && sleep_ms == 0 && frames_ - from_ >= kept_; }
+  /// [control & full] After how many frames this input hears this output, sample for sample in all that is
+  /// kept; empty: it hears something else. At most half of what is kept, or 16384 frames.
   std::optional<int> delay(int input, int output) const {
     const auto& heard = heard_[static_cast<std::size_t>(input)];
-    int first = 0;
-    while (first < kept_ && heard[static_cast<std::size_t>(first)] == 0.0) ++first;
-    if (first > kept_ / 2) return std::nullopt;
-    for (int n = first; n < kept_; ++n)
-      if (heard[static_cast<std::size_t>(n)] != noise(output, n - first)) return std::nullopt;
-    return first;
+    const auto fits = [&](int delay) {
+      for (int n = 0; n < kept_; ++n) {
+        const auto sent = from_ + n - delay;
+        if (heard[static_cast<std::size_t>(n)] != (sent < 0 ? 0.0 : noise(output, sent))) return false;
+      }
+      return true;
+    };
+    for (int delay = 0; delay <= (from_ == 0 ? kept_ / 2 : 16384); ++delay)
+      if (fits(delay)) return delay;
+    return std::nullopt;
   }
   const std::vector<double>& heard(int input) const { return heard_[static_cast<std::size_t>(input)]; }
 
   int prepared = 0;
+  std::atomic<int> sleep_ms{0};  ///< its next block takes this long, and what it hears after that is kept
 
  private:
   int kept_;
   int outputs_ = 0;
   std::vector<std::vector<double>> heard_;
-  std::atomic<std::int64_t> frames_{0};
+  std::atomic<std::int64_t> frames_{0}, from_{0};
+  std::atomic<bool> again_{false};
 };
 
 /// Behind guards that let everything through, so that a test hears the way and not the guard.
