@@ -11,6 +11,7 @@ const char* name_of(Gap gap) {
 
 Health together(const Health& before, const Health& after) {
   if (after.blocks == 0 && after.xruns == 0) return before;
+  if (before.blocks == 0 && before.xruns == 0) return after;
   Health both = after;
   both.blocks += before.blocks;
   both.frames += before.frames;

@@ -1,0 +1,183 @@
+#include "backends/card_callback.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+// What every sound library calls, called by the test instead.
+
+using namespace tactus;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using Plane = std::vector<float>;
+
+/// Output c is input c (or the sum of all inputs, where there are fewer) plus (c + 1) / 8.
+class Adder final : public BlockProcessor {
+ public:
+  Status prepare(const StreamFormat& format) override { return format_ = format, Status{}; }
+  void process(const BlockIo& io) noexcept override {
+    lengths.push_back(io.frames);
+    for (int c = 0; c < format_.out_channels; ++c)
+      for (int n = 0; n < io.frames; ++n)
+        io.out[c][n] = (c < format_.in_channels ? io.in[c][n] : 0.0) + 0.125 * (c + 1);
+  }
+  std::vector<int> lengths;
+
+ private:
+  StreamFormat format_;
+};
+
+/// A callback on a device of some planes, behind guards that let everything through.
+struct Card {
+  Card(int inputs, int outputs, int max_frames, StreamRequest request = {})
+      : guarded(adder, std::vector<GuardedChannel>(static_cast<std::size_t>(outputs),
+                                                   {DriveGuard::Kind::Audio, DriveLimits{}})) {
+    StreamGranted granted;
+    granted.format = {48_kHz, inputs, outputs, max_frames};
+    REQUIRE(guarded.prepare(granted.format));
+    guarded.trust_sensors();
+    guarded.skip_soft_start();
+    callback = std::make_unique<CardCallback>(guarded, request, granted, false);
+  }
+  /// One block; the planes that went out, which held 9 before.
+  std::vector<Plane> block(const std::vector<Plane>& in, int outputs, int frames) {
+    std::vector<const float*> in_planes;
+    for (const auto& plane : in) in_planes.push_back(plane.empty() ? nullptr : plane.data());
+    std::vector<Plane> out(static_cast<std::size_t>(outputs), Plane(static_cast<std::size_t>(frames), 9.0f));
+    std::vector<float*> out_planes;
+    for (auto& plane : out) out_planes.push_back(plane.data());
+    callback->block(in.empty() ? nullptr : in_planes.data(), out_planes.data(), outputs, frames);
+    return out;
+  }
+
+  Adder adder;
+  Guarded guarded;
+  std::unique_ptr<CardCallback> callback;
+};
+
+Plane plane(int frames, double value) {
+  return Plane(static_cast<std::size_t>(frames), static_cast<float>(value));
+}
+
+}  // namespace
+
+TEST_CASE("card callback: gives zeros and leaves the processor alone until it plays", "[backends]") {
+  Card card{1, 1, 16};
+  CHECK(card.block({plane(8, 0.5)}, 2, 8) == std::vector<Plane>{plane(8, 0), plane(8, 0)});
+  CHECK(card.adder.lengths.empty());
+  CHECK(card.callback->health() == Health{});
+  card.callback->play();
+  CHECK(card.block({plane(8, 0.5)}, 2, 8) == std::vector<Plane>{plane(8, 0.625), plane(8, 0)});
+}
+
+TEST_CASE("card callback: channels go where the maps say, and other outputs are silent", "[backends]") {
+  StreamRequest request;
+  request.in_map = {4, 1};
+  request.out_map = {1, 4};
+  Card card{2, 2, 16, request};
+  card.callback->play();
+  std::vector<Plane> in;
+  for (int c = 0; c < 5; ++c) in.push_back(plane(4, 0.03125 * c));
+  const auto out = card.block(in, 6, 4);
+  CHECK(out[1] == plane(4, 4 * 0.03125 + 0.125));
+  CHECK(out[4] == plane(4, 1 * 0.03125 + 0.25));
+  for (const int c : {0, 2, 3, 5}) CHECK(out[static_cast<std::size_t>(c)] == plane(4, 0));
+}
+
+TEST_CASE("card callback: a block that is longer than promised is cut, and loses nothing", "[backends]") {
+  Card card{1, 1, 4};
+  card.callback->play();
+  Plane in;
+  for (int n = 0; n < 10; ++n) in.push_back(0.01f * static_cast<float>(n));
+  const auto out = card.block({in}, 1, 10);
+  CHECK(card.adder.lengths == std::vector<int>{4, 4, 2});
+  for (std::size_t n = 0; n < 10; ++n) CHECK(out[0][n] == Approx(0.125 + 0.01 * static_cast<double>(n)));
+  card.block({in}, 1, 3);
+  const auto health = card.callback->health();
+  CHECK(health.blocks == 2);
+  CHECK(health.frames == 13);
+  CHECK(health.shortest_block == 3);
+  CHECK(health.longest_block == 10);
+}
+
+TEST_CASE("card callback: an empty block, missing planes and no inputs at all are silence", "[backends]") {
+  Card card{2, 1, 16};
+  card.callback->play();
+  card.block({}, 1, 0);
+  CHECK(card.adder.lengths.empty());
+  CHECK(card.block({}, 1, 4) == std::vector<Plane>{plane(4, 0.125)});
+  CHECK(card.block({{}, plane(4, 0.3)}, 1, 4) == std::vector<Plane>{plane(4, 0.125)});
+}
+
+TEST_CASE("card callback: input that is no number becomes 0 and is counted", "[backends]") {
+  Card card{1, 1, 16};
+  card.callback->play();
+  const Plane in{0.5f, kNan, -std::numeric_limits<float>::infinity(), 0.25f};
+  const auto out = card.block({in}, 1, 4);
+  CHECK(out[0] == Plane{0.625f, 0.125f, 0.125f, 0.375f});
+  CHECK(card.callback->health().bad_input == 2);
+}
+
+TEST_CASE("card callback: the last block is zeros without the processor, and silence follows", "[backends]") {
+  Card card{1, 1, 16};
+  card.callback->play();
+  card.block({plane(8, 0.5)}, 1, 8);
+  std::vector<Plane> heard;
+  std::atomic<bool> done{false};
+  std::thread library{[&] {
+    while (!done) heard.push_back(card.block({plane(8, 0.5)}, 1, 8)[0]);
+  }};
+  const bool finished = card.callback->finish();
+  const auto played = card.adder.lengths.size();
+  done = true;
+  library.join();
+  CHECK(finished);
+  CHECK_FALSE(card.callback->playing());
+  CHECK(card.adder.lengths.size() == played);
+  REQUIRE_FALSE(heard.empty());
+  for (std::size_t b = played - 1; b < heard.size(); ++b) CHECK(heard[b] == plane(8, 0));
+  CHECK(card.callback->health().blocks == static_cast<std::int64_t>(played));
+}
+
+TEST_CASE("card callback: whoever waits for the last block of a dead device is told that none came",
+          "[backends]") {
+  Card card{1, 1, 16};
+  CHECK(card.callback->finish(1ms));  // nothing played, so nothing must end
+  card.callback->play();
+  CHECK_FALSE(card.callback->finish(1ms));
+  card.callback->abandon();
+  CHECK(card.block({plane(8, 0.5)}, 1, 8) == std::vector<Plane>{plane(8, 0)});
+  CHECK(card.adder.lengths.empty());
+}
+
+TEST_CASE("card callback: an abandoned one never touches the processor again", "[backends]") {
+  Card card{1, 1, 16};
+  card.callback->play();
+  std::atomic<bool> done{false};
+  std::thread library{[&] {
+    while (!done) card.block({plane(8, 0.5)}, 1, 8);
+  }};
+  card.callback->abandon();
+  const auto played = card.adder.lengths.size();  // a race, if the processor still ran: the sanitizer tells
+  done = true;
+  library.join();
+  CHECK(card.adder.lengths.size() == played);
+}
+
+TEST_CASE("card callback: gaps are counted by cause, and lost frames once", "[backends]") {
+  Card card{1, 1, 16};
+  card.callback->play();
+  for (int n = 0; n < 3; ++n) card.callback->gap(Gap::Input);
+  card.callback->gap(Gap::Output);
+  card.callback->gap(Gap::Server);
+  card.callback->lost(512);
+  const auto health = card.callback->health();
+  CHECK(health.gaps == std::array<std::int64_t, kGaps>{3, 1, 1, 0});
+  CHECK(health.xruns == 5);
+  CHECK(health.lost_frames == 512);
+}
