@@ -63,11 +63,16 @@ void KeptStream::lose(Clock::time_point now) {
 void KeptStream::try_again(Clock::time_point now) {
   if (!wanted_ || now < next_try_) return;
   next_try_ = now + kRetry;
+  const int block = granted_.block_frames;
   auto status = reopen();
   if (status) status = stream_->start();
   if (status) {
     ++returns_;
-    return tell(fmt::format("is back after {:.1f} s", seconds(now - lost_at_)));
+    tell(fmt::format("is back after {:.1f} s", seconds(now - lost_at_)));
+    if (granted_.block_frames != block)
+      tell(fmt::format("its blocks have {} frames now and had {}: the delay has changed",
+                       granted_.block_frames, block));
+    return;
   }
   stream_.reset();
   if (auto why = to_string(status.error()); why != last_refusal_) {

@@ -17,7 +17,7 @@ struct World {
   std::vector<std::string> notes;
   std::string default_device = "fake:one";
   std::vector<std::string> opened;
-  int destroyed = 0, tried = 0;
+  int block = 64, destroyed = 0, tried = 0;
 };
 
 class FakeStream final : public Stream {
@@ -56,6 +56,7 @@ class FakeBackend final : public Backend {
     StreamGranted granted;
     granted.device = request.device.empty() ? world_.default_device : request.device;
     granted.format = {request.sample_rate.value_or(48_kHz), 0, 1, 64};
+    granted.block_frames = world_.block;
     granted.comes_back = world_.comes_back;
     if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
     world_.opened.push_back(granted.device);
@@ -129,6 +130,15 @@ TEST_CASE("kept stream: never another device than the one that was opened", "[ba
   f.world.state = StreamState::Lost;
   f.run(500ms);
   CHECK(f.world.opened == Events{"fake:one", "fake:one"});
+}
+
+TEST_CASE("kept stream: a device that comes back with another block tells it", "[backends]") {
+  Fixture f;
+  f.world.block = 128;
+  f.world.state = StreamState::Lost;
+  f.run(500ms);
+  CHECK(f.stream->granted().block_frames == 128);
+  CHECK(f.events().back() == "'fake:one': its blocks have 128 frames now and had 64: the delay has changed");
 }
 
 TEST_CASE("kept stream: a device that opens but does not start is tried again", "[backends]") {

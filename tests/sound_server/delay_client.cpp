@@ -43,7 +43,7 @@ struct Card {
 
   double heard(const Channel& channel, std::size_t at) const {
     const auto frame = [&](std::size_t back) { return channel.ring[(at - back) & (kRing - 1)]; };
-    if (taps.empty()) return frame(whole_delay);
+    if (taps.empty()) return static_cast<double>(frame(whole_delay));
     double sum = 0.0;
     for (std::size_t t = 0; t < taps.size(); ++t)
       sum += taps[t] * static_cast<double>(frame(whole_delay - kTaps / 2 + t));

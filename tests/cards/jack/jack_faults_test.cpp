@@ -146,6 +146,13 @@ Outcome stop_server(Player& player) {
   return {true, seconds_since(mended), ""};
 }
 
+Outcome stop_and_kill_server(Player& player) {
+  player.server.stop_answering();
+  const auto begin = Clock::now();
+  player.run_until([&] { return seconds_since(begin) > 0.1; });
+  return kill_server(player);
+}
+
 Outcome change_period(Player& player) {
   for (const int period : {2 * kPeriod, kPeriod}) {
     player.server.set_period(period);
@@ -178,6 +185,7 @@ struct Fault {
 };
 constexpr Fault kFaults[] = {{"server killed", kill_server},
                              {"server stopped for 300 ms", stop_server},
+                             {"server killed while stopped", stop_and_kill_server},
                              {"block size changed and back", change_period},
                              {"ports pulled and connected", pull_ports},
                              {"device gone", kill_card}};
@@ -249,6 +257,23 @@ TEST_CASE("jack: each time that a client is late is counted, on a synchronous se
   CHECK(health.xruns == 10);
   CHECK(health.gaps[static_cast<std::size_t>(Gap::Server)] == 10);
   CHECK(player.sounds());
+}
+
+TEST_CASE("jack: the time that everybody waits for a late client is found by the clock", "[cards][jack]") {
+  const auto server = start_sound_server();
+  if (!server) return;
+  Player player{*server};
+  REQUIRE(wait_until([&] { return player.stream->health().frames > 0; }));
+  const auto begin = Clock::now();
+  const auto begun = player.stream->health().frames;
+  for (int turn = 0; turn < 10; ++turn) player.card->sleep_once(100ms);  // 10 * 4544 frames
+  const auto frames = player.probe.probe.frames();
+  REQUIRE(wait_until([&] { return player.probe.probe.frames() > frames + 60000; }));  // two half seconds
+  const auto health = player.stream->health();
+  const double expected = 48000 * seconds_since(begin);
+  CHECK(static_cast<double>(health.frames - begun + health.lost_frames) == Approx(expected).epsilon(0.05));
+  CHECK(static_cast<double>(health.frames - begun) < 0.8 * expected);
+  CHECK(health.gaps[static_cast<std::size_t>(Gap::Unsaid)] == 0);
 }
 
 TEST_CASE("jack: frames that the server did not wait for are counted to the frame", "[cards][jack]") {
