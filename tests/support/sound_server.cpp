@@ -54,6 +54,10 @@ void remove_leftovers(const std::string& name) {
     if (entry.path().filename().string().find(mark) != std::string::npos) fs::remove(entry, ignored);
 }
 
+/// Where all JACK servers and clients of a user keep what they say of themselves. One that is killed may
+/// leave it locked, and then no other ever starts.
+fs::path metadata() { return "/dev/shm/jack_db-" + to_string(::getuid()); }
+
 /// Our helper program leaves the server before that ends: JACK dies of clients that vanish with it.
 void leave(ChildProcess& client) {
   client.hang_up();
@@ -66,11 +70,10 @@ std::unique_ptr<SoundServer> start_sound_server(const SoundServer::Settings& set
   std::unique_ptr<SoundServer> server{new SoundServer};
   server->settings_ = settings;
   server->name_ = free_name(server->lock_);
+  server->first_of_user_ = !fs::exists(metadata());
   ::setenv(kDefaultServer, server->name_.c_str(), 1);
   if (server->begin()) return server;
-  const bool missing = server->server_->wait(std::chrono::milliseconds{0}) == ChildProcess::kCannotRun;
-  WARN("SKIPPED: " << (missing ? "jackd is not installed (Debian: apt-get install jackd2)"
-                               : "jackd does not start here; it says:\n" + server->server_->log()));
+  WARN("SKIPPED: " << server->why_not());
   return nullptr;
 }
 
@@ -79,6 +82,17 @@ SoundServer::~SoundServer() {
   ::unsetenv(kDefaultServer);
   fs::remove(lock_file(name_));
   ::close(lock_);
+}
+
+std::string SoundServer::why_not() {
+  if (server_->wait(std::chrono::milliseconds{0}) == ChildProcess::kCannotRun)
+    return "jackd is not installed (Debian: apt-get install jackd2)";
+  const auto said = server_->log();
+  const bool full = said.find("Too many servers") != std::string::npos;
+  return "jackd does not start here; it says:\n" + said +
+         (full ? "It keeps the places of servers that were killed. When none runs: rm "
+                 "/dev/shm/jack-shm-registry"
+               : "");
 }
 
 bool SoundServer::begin() {
@@ -112,20 +126,21 @@ void SoundServer::end() {
 void SoundServer::kill() {
   server_->kill();
   hand_->kill();
+  if (first_of_user_) fs::remove_all(metadata());
 }
 void SoundServer::stop_answering() { server_->send(SIGSTOP); }
 void SoundServer::go_on() { server_->send(SIGCONT); }
 void SoundServer::restart() {
-  if (!begin()) throw std::runtime_error{"jackd does not start again: " + server_->log()};
+  if (!begin()) throw std::runtime_error{why_not()};
 }
 
 std::string SoundServer::ask(const std::string& question) {
+  hand_->say(question);
   std::string answer;
-  if (hand_->say(question))
-    for (std::string line; (line = hand_->hear()) != "done";) {
-      if (line.empty() || line == "failed") throw std::runtime_error{"jackd: no to '" + question + "'"};
-      answer += line + "\n";
-    }
+  for (std::string line; (line = hand_->hear()) != "done";) {
+    if (line.empty() || line == "failed") throw std::runtime_error{"jackd: no to '" + question + "'"};
+    answer += line + "\n";
+  }
   return answer;
 }
 

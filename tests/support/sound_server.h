@@ -43,12 +43,14 @@ class SoundServer {
   SoundServer() = default;
 
   bool begin();
+  std::string why_not();
   void end();
   std::string ask(const std::string& question);
 
   Settings settings_;
   std::string name_;
-  int lock_ = -1;  ///< no other test has this name while it is open
+  int lock_ = -1;               ///< no other test has this name while it is open
+  bool first_of_user_ = false;  ///< no other server of the user was there before
   std::unique_ptr<ChildProcess> server_;
   std::unique_ptr<ChildProcess> hand_;  ///< a client that does to others what it is told
 };
