@@ -54,8 +54,9 @@ void remove_leftovers(const std::string& name) {
     if (entry.path().filename().string().find(mark) != std::string::npos) fs::remove(entry, ignored);
 }
 
-/// Where all JACK servers and clients of a user keep what they say of themselves. One that is killed may
-/// leave it locked, and then no other ever starts.
+/// Where all JACK servers and clients of a user keep what they say of themselves. One that is killed leaves
+/// its part for ever; one that is killed while it makes the files leaves them too short, and from then on
+/// every JACK program of the user dies of SIGBUS.
 fs::path metadata() { return "/dev/shm/jack_db-" + to_string(::getuid()); }
 
 /// Our helper program leaves the server before that ends: JACK dies of clients that vanish with it.
@@ -96,6 +97,17 @@ std::string SoundServer::why_not() {
 }
 
 bool SoundServer::begin() {
+  if (try_to_begin()) return true;
+  const auto died = [](ChildProcess& program) {
+    return program.wait(std::chrono::milliseconds{200}) == -SIGBUS;
+  };
+  if (!died(*server_) && !died(*hand_)) return false;
+  server_->kill();
+  fs::remove_all(metadata());
+  return try_to_begin();
+}
+
+bool SoundServer::try_to_begin() {
   const auto channels = to_string(settings_.channels);
   // -p 64: room for 64 ports takes 40 MB of shared memory, the usual 2048 take 107.
   std::vector<std::string> command{"jackd", "-n", name_, "-p", "64", "-R", "-P", "80", "-L", "2"};

@@ -43,6 +43,7 @@ class SoundServer {
   SoundServer() = default;
 
   bool begin();
+  bool try_to_begin();
   std::string why_not();
   void end();
   std::string ask(const std::string& question);
