@@ -36,14 +36,14 @@ int try_lock(const fs::path& path) {
   return -1;
 }
 
-/// The first name that no running test has. It is used again and again, so that whatever a test that crashed
-/// left under it goes away with the next.
+/// The first name that no running test has, or none. It is used again and again, so that whatever a test that
+/// crashed left under it goes away with the next.
 std::string free_name(int& lock) {
   for (int n = 0; n < kNames; ++n) {
     const auto name = "tactus-test-" + to_string(::getuid()) + "-" + to_string(n);
     if ((lock = try_lock(lock_file(name))) >= 0) return name;
   }
-  throw std::runtime_error{"every name for a test's sound server is in use"};
+  return "";
 }
 
 /// What a server that was killed leaves, and the next one of its name does not take over.
@@ -71,6 +71,10 @@ std::unique_ptr<SoundServer> start_sound_server(const SoundServer::Settings& set
   std::unique_ptr<SoundServer> server{new SoundServer};
   server->settings_ = settings;
   server->name_ = free_name(server->lock_);
+  if (server->name_.empty()) {
+    WARN("SKIPPED: " << kNames << " other tests have a sound server at this moment");
+    return nullptr;
+  }
   server->first_of_user_ = !fs::exists(metadata());
   ::setenv(kDefaultServer, server->name_.c_str(), 1);
   if (server->begin()) return server;
@@ -79,6 +83,7 @@ std::unique_ptr<SoundServer> start_sound_server(const SoundServer::Settings& set
 }
 
 SoundServer::~SoundServer() {
+  if (name_.empty()) return;
   end();
   ::unsetenv(kDefaultServer);
   fs::remove(lock_file(name_));
