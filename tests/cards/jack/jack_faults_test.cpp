@@ -78,9 +78,10 @@ struct Player {
     return wait_until([&] { return probe.probe.full(); }) && stream->returns() == turn &&
            probe.probe.delay(0, 0) == delay;
   }
+  /// Until all that was under way in the card has come out of it.
   bool plays_on() {
     const auto frames = probe.probe.frames();
-    return run_until([&] { return probe.probe.frames() > frames + kPeriod; });
+    return run_until([&] { return probe.probe.frames() > frames + 4 * (kDelay + kPeriod); });
   }
 
   SoundServer& server;
