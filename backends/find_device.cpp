@@ -93,4 +93,30 @@ Status fits(const StreamRequest& request, const Device& input, const Device& out
   return fits(request, output);
 }
 
+Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request) {
+  if (request.in_channels == 0 && request.out_channels == 0)
+    return fail(Errc::BadArgument, "", "a stream needs an input or an output", "ask for a channel");
+  const auto output = find_device(devices, request.device);
+  if (!output) return tl::unexpected(output.error());
+  const auto input = request.input_device.empty() ? output : find_device(devices, request.input_device);
+  if (!input) return tl::unexpected(input.error());
+  DeviceChoice choice{
+      request.in_channels == 0 ? *output : *input, request.out_channels == 0 ? *input : *output, {}};
+  choice.sample_rate = request.sample_rate.value_or(choice.output.default_rate);
+  auto asked = request;
+  asked.sample_rate = choice.sample_rate;
+  if (auto status = fits(asked, choice.input, choice.output); !status) return tl::unexpected(status.error());
+  return choice;
+}
+
+StreamGranted granted_for(const DeviceChoice& choice, const StreamRequest& request) {
+  StreamGranted granted;
+  granted.device = choice.output.id;
+  if (choice.input.id != choice.output.id) granted.input_device = choice.input.id;
+  granted.format.sample_rate = choice.sample_rate;
+  granted.format.in_channels = request.in_channels;
+  granted.format.out_channels = request.out_channels;
+  return granted;
+}
+
 }  // namespace tactus

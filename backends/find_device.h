@@ -20,4 +20,16 @@ Result<Device> find_device(const std::vector<Device>& devices, const std::string
 /// direction or both. Errors: BadArgument, OutOfRange.
 Status fits(const StreamRequest& request, const Device& input, const Device& output);
 
+/// What a request comes to. Where one direction has no channels, both are the device of the other.
+struct DeviceChoice {
+  Device input, output;
+  Hertz sample_rate;
+};
+
+/// [any] The devices that `request` means, at the rate it asks for or else at the default one of the outputs.
+/// Errors: those of `find_device` and `fits`; BadArgument when neither inputs nor outputs are asked for.
+Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request);
+/// [any] What is granted for `choice`, but for what only the driver knows.
+StreamGranted granted_for(const DeviceChoice& choice, const StreamRequest& request);
+
 }  // namespace tactus

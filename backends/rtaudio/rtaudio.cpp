@@ -1,0 +1,310 @@
+#include "backends/rtaudio/rtaudio.h"
+
+#include <RtAudio.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <thread>
+#include <utility>
+
+#include "backends/card_callback.h"
+#include "backends/find_device.h"
+#include "backends/patient_call.h"
+#include "backends/realtime_thread.h"
+#include "backends/rtaudio/rtaudio_devices.h"
+
+namespace tactus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr int kPriority = 70;      // below a sound server's, above everything ordinary
+constexpr int kUsualBlock = 256;   // [frames] where the driver lets us choose and the request does not
+constexpr int kUsualPeriods = 2;   // the fewest that a driver takes
+constexpr int kErrorsInARow = 16;  // a device that is still there recovers sooner
+
+/// "RtApiAlsa::probeDeviceOpen: the device won't open." -> "the device won't open"
+std::string plain_words(std::string text) {
+  if (const auto colon = text.find(": "); colon != std::string::npos) text.erase(0, colon + 2);
+  text.erase(text.find_last_not_of(".! ") + 1);
+  return text;
+}
+
+/// All that RtAudio touches, kept alive by any call that hangs. Destroying it closes the devices.
+class Line {
+ public:
+  Line(const std::string& api, const StreamRequest& request)
+      : in_(planes(request.in_channels, request.in_map)),
+        out_(planes(request.out_channels, request.out_map)),
+        library_{RtAudio::getCompiledApiByName(api)} {
+    library_.showWarnings(false);
+    const auto which = library_.getCurrentApi();
+    jack_ = which == RtAudio::UNIX_JACK;
+    own_thread_ = which == RtAudio::LINUX_ALSA || which == RtAudio::LINUX_PULSE;
+  }
+  ~Line() {
+    // The library's own thread may be closing what a dead server left, and two at once crash.
+    if (abandoned) std::this_thread::sleep_for(milliseconds{500});
+  }
+
+  /// [control] `granted` has the rate, and gets what the driver says.
+  Status open(const RtAudioDevice& input, const RtAudioDevice& output, const StreamRequest& request,
+              StreamGranted& granted);
+  /// [control & stopped] Blocks begin to flow.
+  Status start();
+  /// [control] They end. Waits until what has gone out was heard.
+  Status halt(milliseconds buffered);
+  /// [control] Neither of the two may be called any more.
+  bool lost() const { return lost_ || !library_.isStreamOpen(); }
+
+  std::unique_ptr<CardCallback> card;  ///< before the start
+  std::atomic<bool> abandoned{false};
+
+ private:
+  static std::size_t planes(int channels, const std::vector<int>& map) {
+    return static_cast<std::size_t>(map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1);
+  }
+  static int bring_block(void* out, void* in, unsigned frames, double, RtAudioStreamStatus status,
+                         void* line) noexcept;
+  static void on_error(RtAudioError::Type type, const std::string& text);
+  template <class Call>
+  static Status heard(Call call);
+  void open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options);
+  unsigned now_at(const std::string& name);
+  bool keeps_pace(unsigned frames) noexcept;
+
+  std::vector<const float*> in_;
+  std::vector<float*> out_;
+  bool jack_ = false;
+  bool own_thread_ = false;  ///< that RtAudio made; others are the driver's
+  unsigned rate_ = 48000;
+  std::atomic<bool> lost_{false};
+  // Of the library's thread:
+  bool begun_ = false;
+  bool failed_ = false;  // since the last block
+  int failures_ = 0;
+  Clock::time_point last_block_;
+  RtAudio library_;  // closed before the rest goes
+};
+
+// RtAudio's error callback does not say which stream it is about. Where it calls on a control thread, the
+// words are wanted; on a stream's own thread, the stream is.
+thread_local std::string* listener = nullptr;
+thread_local Line* at_work = nullptr;
+
+void Line::on_error(RtAudioError::Type type, const std::string& text) {
+  const bool warning = type == RtAudioError::WARNING || type == RtAudioError::DEBUG_WARNING;
+  if (listener != nullptr && !warning) *listener = text;
+  if (at_work == nullptr) return;
+  at_work->failed_ = true;
+  // It will never call again, although the stream counts as running.
+  if (text.find("buffer size has changed") != std::string::npos) at_work->lost_ = true;
+}
+
+template <class Call>
+Status Line::heard(Call call) {
+  std::string said;
+  listener = &said;
+  try {
+    call();
+  } catch (const std::exception& error) {
+    said = error.what();
+  }
+  listener = nullptr;
+  if (said.empty()) return {};
+  return fail(Errc::Device, "", "RtAudio says: " + plain_words(said), "see tactus doctor");
+}
+
+void Line::open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options) {
+  RtAudio::StreamParameters in{input, static_cast<unsigned>(in_.size()), 0};
+  RtAudio::StreamParameters out{output, static_cast<unsigned>(out_.size()), 0};
+  library_.openStream(out_.empty() ? nullptr : &out, in_.empty() ? nullptr : &in, RTAUDIO_FLOAT32, rate_,
+                      &block, bring_block, this, &options, on_error);
+}
+
+/// The index of the JACK client `name`, now that our own is in the list too; one beyond the list: it is gone.
+unsigned Line::now_at(const std::string& name) {
+  unsigned index = 0;
+  for (const unsigned count = library_.getDeviceCount(); index < count; ++index)
+    if (library_.getDeviceInfo(index).name == name) break;
+  return index;
+}
+
+Status Line::open(const RtAudioDevice& input, const RtAudioDevice& output, const StreamRequest& request,
+                  StreamGranted& granted) {
+  return heard([&] {
+    rate_ = static_cast<unsigned>(granted.format.sample_rate.value);
+    auto block = static_cast<unsigned>(request.block_frames.value_or(kUsualBlock));
+    RtAudio::StreamOptions options;
+    // Asked for a real-time thread, those that RtAudio makes itself write to stderr: they are raised here.
+    options.flags = RTAUDIO_NONINTERLEAVED | (own_thread_ ? 0 : RTAUDIO_SCHEDULE_REALTIME);
+    options.priority = kPriority;
+    options.numberOfBuffers = static_cast<unsigned>(request.periods.value_or(kUsualPeriods));
+    options.streamName = request.client_name;
+    open_once(input.index, output.index, block, options);
+    // With JACK the outputs are open before the inputs are looked for, and shift the list.
+    if (jack_ && !in_.empty() && !out_.empty()) {
+      if (const auto there = now_at(input.name); there != input.index) {
+        library_.closeStream();
+        open_once(there, output.index, block, options);
+        if (now_at(input.name) != there) throw RtAudioError{"JACK's clients come and go; try again"};
+      }
+    }
+    granted.block_frames = granted.format.max_frames = static_cast<int>(block);
+    granted.periods = jack_ ? 0 : static_cast<int>(options.numberOfBuffers);
+    granted.xruns_move_delay = own_thread_;
+    const auto latency = static_cast<double>(library_.getStreamLatency());
+    if (latency > 0 && in_.empty()) granted.output_latency_frames = latency;
+    if (latency > 0 && out_.empty()) granted.input_latency_frames = latency;
+  });
+}
+
+Status Line::start() {
+  return heard([this] { library_.startStream(); });
+}
+
+/// Never `stopStream`, which waits for blocks that may not come.
+Status Line::halt(milliseconds buffered) {
+  return heard([&] {
+    if (own_thread_) std::this_thread::sleep_for(buffered);
+    if (!lost() && library_.isStreamRunning()) library_.abortStream();
+  });
+}
+
+/// RtAudio's own threads do not notice that their device is gone: every call fails at once, and they turn as
+/// fast as they can.
+bool Line::keeps_pace(unsigned frames) noexcept {
+  const std::chrono::duration<double> lasts{frames / static_cast<double>(rate_)};
+  const auto now = Clock::now();
+  failures_ = failed_ && now - last_block_ < lasts / 2 ? failures_ + 1 : 0;
+  failed_ = false;
+  last_block_ = now;
+  if (failures_ >= kErrorsInARow) lost_ = true;
+  if (lost_) std::this_thread::sleep_for(lasts);
+  return !lost_;
+}
+
+int Line::bring_block(void* out, void* in, unsigned frames, double, RtAudioStreamStatus status,
+                      void* line) noexcept {
+  auto& self = *static_cast<Line*>(line);
+  at_work = &self;
+  if (self.own_thread_ && !std::exchange(self.begun_, true)) static_cast<void>(become_realtime(kPriority));
+  auto* const in_samples = static_cast<const float*>(in);
+  auto* const out_samples = static_cast<float*>(out);
+  for (std::size_t c = 0; c < self.in_.size(); ++c)
+    self.in_[c] = in_samples == nullptr ? nullptr : in_samples + c * frames;
+  for (std::size_t c = 0; c < self.out_.size(); ++c) self.out_[c] = out_samples + c * frames;
+  if (!self.keeps_pace(frames)) {
+    std::fill_n(out_samples, self.out_.size() * frames, 0.0f);
+    return 0;
+  }
+  if (self.jack_) {  // it does not say where: both flags are always there
+    if (status != 0) self.card->gap(Gap::Server);
+  } else {
+    if ((status & RTAUDIO_INPUT_OVERFLOW) != 0) self.card->gap(Gap::Input);
+    if ((status & RTAUDIO_OUTPUT_UNDERFLOW) != 0) self.card->gap(Gap::Output);
+  }
+  self.card->block(self.in_.data(), self.out_.data(), static_cast<int>(self.out_.size()),
+                   static_cast<int>(frames));
+  return 0;
+}
+
+/// A call that may hang. What hangs is left to itself.
+template <class Call>
+Status in_time(const std::shared_ptr<Line>& line, Call call) {
+  const auto status = std::make_shared<Status>();
+  if (returns_in_time([line, status, call] { *status = call(*line); })) return *status;
+  line->abandoned = true;
+  return fail(Errc::Device, "", "RtAudio does not answer", "restart the sound server");
+}
+
+/// Devices close with the last who holds the line, which is a thread that may hang.
+void close(std::shared_ptr<Line> line) {
+  returns_in_time([line = std::move(line)] {});
+}
+
+class RtAudioStream final : public Stream {
+ public:
+  RtAudioStream(std::shared_ptr<Line> line, StreamGranted granted)
+      : line_(std::move(line)), granted_(std::move(granted)) {}
+  ~RtAudioStream() override {
+    static_cast<void>(stop());
+    close(std::move(line_));
+  }
+
+  const StreamGranted& granted() const override { return granted_; }
+  Status start() override {
+    if (state() == StreamState::Lost)
+      return fail(Errc::Device, "", "'" + granted_.device + "' went away", "open it again");
+    if (running_) return {};
+    if (auto status = in_time(line_, [](Line& line) { return line.start(); }); !status) return status;
+    running_ = true;
+    line_->card->play();
+    return {};
+  }
+  Status stop() override {
+    if (!std::exchange(running_, false)) return {};
+    const auto buffered = milliseconds{static_cast<int>(
+        1e3 * granted_.periods * granted_.block_frames / granted_.format.sample_rate.value + 1)};
+    const bool flows = !line_->lost() && line_->card->finish();
+    auto status = in_time(line_, [=](Line& line) { return line.halt(flows ? buffered : milliseconds{0}); });
+    line_->card->abandon();
+    return status;
+  }
+  StreamState state() const override {
+    if (line_->abandoned || line_->lost()) return StreamState::Lost;
+    if (!running_) return StreamState::Stopped;
+    return line_->card->stalled() ? StreamState::Stalled : StreamState::Running;
+  }
+  Health health() const override { return line_->card->health(); }
+
+ private:
+  std::shared_ptr<Line> line_;
+  StreamGranted granted_;
+  bool running_ = false;
+};
+
+}  // namespace
+
+Result<std::vector<Device>> RtAudioBackend::devices() {
+  return rtaudio_devices().map([](const std::vector<RtAudioDevice>& found) {
+    std::vector<Device> devices;
+    for (const auto& one : found) devices.push_back(one.device);
+    return devices;
+  });
+}
+
+Result<std::unique_ptr<Stream>> RtAudioBackend::open(const StreamRequest& request, Guarded& processor) {
+  const auto found = rtaudio_devices(request.device);
+  if (!found) return tl::unexpected(found.error());
+  std::vector<Device> devices;
+  for (const auto& one : *found) devices.push_back(one.device);
+  const auto choice = choose(devices, request);
+  if (!choice) return tl::unexpected(choice.error());
+  const auto found_as = [&](const Device& device) {
+    return *std::find_if(found->begin(), found->end(),
+                         [&](const RtAudioDevice& one) { return one.device.id == device.id; });
+  };
+  const auto input = found_as(choice->input), output = found_as(choice->output);
+  if (input.api != output.api)
+    return fail(Errc::BadArgument, "",
+                "'" + input.device.id + "' and '" + output.device.id + "' cannot be opened together",
+                "choose devices of one API, or JACK");
+
+  auto line = std::make_shared<Line>(output.api, request);
+  const auto granted = std::make_shared<StreamGranted>(granted_for(*choice, request));
+  if (auto status =
+          in_time(line, [=](Line& opened) { return opened.open(input, output, request, *granted); });
+      !status)
+    return tl::unexpected(status.error());
+  if (auto status = processor.prepare(granted->format); !status) {
+    close(std::move(line));
+    return tl::unexpected(status.error());
+  }
+  line->card = std::make_unique<CardCallback>(processor, request, *granted, true);
+  return std::make_unique<RtAudioStream>(std::move(line), *granted);
+}
+
+}  // namespace tactus
