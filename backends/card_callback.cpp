@@ -10,8 +10,6 @@
 namespace tactus {
 namespace {
 
-constexpr auto kStall = std::chrono::milliseconds{500};
-
 std::vector<int> map_of(const std::vector<int>& map, int channels) {
   if (!map.empty()) return map;
   std::vector<int> first(static_cast<std::size_t>(channels));
@@ -142,9 +140,9 @@ void CardCallback::gap(Gap gap) noexcept {
   last_gap_ns_.store(nanoseconds(Clock::now()), std::memory_order_relaxed);
 }
 
-bool CardCallback::stalled() const noexcept {
+bool CardCallback::stalled(std::chrono::milliseconds silence) const noexcept {
   const auto since = nanoseconds(Clock::now()) - last_block_ns_.load(std::memory_order_relaxed);
-  return playing() && since > std::chrono::nanoseconds{kStall}.count();
+  return playing() && since > std::chrono::nanoseconds{silence}.count();
 }
 
 }  // namespace tactus

@@ -41,8 +41,8 @@ class CardCallback {
 
   /// [any]
   Health health() const noexcept { return meter_.read(); }
-  /// [any] Blocks should flow, and none came for half a second.
-  bool stalled() const noexcept;
+  /// [any] Blocks should flow, and none came for so long.
+  bool stalled(std::chrono::milliseconds silence = std::chrono::milliseconds{500}) const noexcept;
   bool playing() const noexcept { return stage_.load() == Stage::Playing; }
 
  private:

@@ -25,6 +25,9 @@ constexpr int kUsualBlock = 256;   // [frames] where the driver lets us choose a
 constexpr int kUsualPeriods = 2;   // the fewest that a driver takes
 constexpr int kErrorsInARow = 16;  // a device that is still there recovers sooner
 
+constexpr milliseconds kGone{1000};
+constexpr milliseconds kGiveUp{100};  // for closing what is lost anyway
+
 /// "RtApiAlsa::probeDeviceOpen: the device won't open." -> "the device won't open"
 std::string plain_words(std::string text) {
   if (const auto colon = text.find(": "); colon != std::string::npos) text.erase(0, colon + 2);
@@ -57,7 +60,10 @@ class Line {
   /// [control] They end. Waits until what has gone out was heard.
   Status halt(milliseconds buffered);
   /// [control] Neither of the two may be called any more.
-  bool lost() const { return lost_ || !library_.isStreamOpen(); }
+  bool lost() const {
+    // ALSA's JACK plugin waits for ever when its server is gone.
+    return lost_ || !library_.isStreamOpen() || (own_thread_ && card && card->stalled(kGone));
+  }
 
   std::unique_ptr<CardCallback> card;  ///< before the start
   std::atomic<bool> abandoned{false};

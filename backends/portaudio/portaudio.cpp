@@ -1,0 +1,216 @@
+#include "backends/portaudio/portaudio.h"
+
+#include <portaudio.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "backends/card_callback.h"
+#include "backends/find_device.h"
+#include "backends/portaudio/portaudio_session.h"
+#include "backends/realtime_thread.h"
+
+namespace tactus {
+namespace {
+
+constexpr int kPriority = 70;        // below a sound server's, above everything ordinary
+constexpr int kLongestBlock = 4096;  // [frames] where the driver chooses; longer ones are cut
+constexpr int kUsualPeriods = 2;
+
+int planes(int channels, const std::vector<int>& map) {
+  return map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
+}
+
+/// All that PortAudio touches, kept alive by any call that hangs.
+struct Line {
+  std::shared_ptr<PortAudioSession> session;
+  PaStream* stream = nullptr;
+  std::unique_ptr<CardCallback> card;  ///< before the start
+  bool jack = false;
+  bool own_thread = false;  ///< that PortAudio made; others are the driver's
+  int out_planes = 0;
+  // Of the library's thread:
+  bool begun = false;
+  double told_at = -1.0;  ///< [s]
+};
+
+/// What was given up, for the rest of the program's life.
+std::vector<std::shared_ptr<Line>>& left_behind() {
+  static auto& lines = *new std::vector<std::shared_ptr<Line>>;
+  return lines;
+}
+
+/// A driver's buffer may be cut into several blocks, which all carry its flags and its time.
+void count_gaps(Line& line, double time, PaStreamCallbackFlags flags) noexcept {
+  const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
+  const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
+  if ((!input && !output) || time == std::exchange(line.told_at, time)) return;
+  if (line.jack) {  // it does not say where: both are always there
+    line.card->gap(Gap::Server);
+    return;
+  }
+  if (input) line.card->gap(Gap::Input);
+  if (output) line.card->gap(Gap::Output);
+}
+
+int bring_block(const void* in, void* out, unsigned long frames, const PaStreamCallbackTimeInfo* time,
+                PaStreamCallbackFlags flags, void* user) {
+  auto& line = *static_cast<Line*>(user);
+  if (line.own_thread && !std::exchange(line.begun, true)) static_cast<void>(become_realtime(kPriority));
+  count_gaps(line, time->currentTime, flags);
+  line.card->block(static_cast<const float* const*>(in), static_cast<float* const*>(out), line.out_planes,
+                   static_cast<int>(frames));
+  return paContinue;
+}
+
+/// [frames] PortAudio's JACK client reports a port's latency less a block, which may be below zero and is
+/// then taken for a day.
+std::optional<double> believable(double seconds, double rate) {
+  if (std::isfinite(seconds) && seconds > 0.0 && seconds < 10.0) return seconds * rate;
+  return std::nullopt;
+}
+
+PaStreamParameters parameters(const PortAudioDevice& at, int channels, bool input,
+                              const StreamRequest& request, double rate) {
+  const auto* info = Pa_GetDeviceInfo(at.index);
+  PaStreamParameters wanted{};
+  wanted.device = at.index;
+  wanted.channelCount = channels;
+  wanted.sampleFormat = paFloat32 | paNonInterleaved;
+  wanted.suggestedLatency = input ? info->defaultLowInputLatency : info->defaultLowOutputLatency;
+  // Latency is what waits besides the block in work.
+  if (request.block_frames)
+    wanted.suggestedLatency = (request.periods.value_or(kUsualPeriods) - 1) * *request.block_frames / rate;
+  return wanted;
+}
+
+Status open_line(const std::shared_ptr<Line>& line, const PortAudioDevice& input,
+                 const PortAudioDevice& output, const StreamRequest& request, StreamGranted& granted) {
+  const double rate = granted.format.sample_rate.value;
+  const int ins = planes(request.in_channels, request.in_map);
+  line->out_planes = planes(request.out_channels, request.out_map);
+  const auto from = parameters(input, ins, true, request, rate);
+  const auto to = parameters(output, line->out_planes, false, request, rate);
+  const auto block = static_cast<unsigned long>(request.block_frames.value_or(paFramesPerBufferUnspecified));
+  line->session->occupied(true);
+  if (auto status = in_portaudio([=] {
+        return Pa_OpenStream(&line->stream, from.channelCount > 0 ? &from : nullptr,
+                             to.channelCount > 0 ? &to : nullptr, rate, block, paNoFlag, bring_block,
+                             line.get());
+      });
+      !status)
+    return status;
+  const auto* info = Pa_GetStreamInfo(line->stream);
+  granted.block_frames = request.block_frames.value_or(0);
+  granted.format.max_frames = request.block_frames.value_or(kLongestBlock);
+  if (ins > 0) granted.input_latency_frames = believable(info->inputLatency, rate);
+  if (line->out_planes > 0) granted.output_latency_frames = believable(info->outputLatency, rate);
+  granted.xruns_move_delay = line->own_thread;
+  granted.comes_back = !line->session->has_jack();
+  if (std::abs(info->sampleRate - rate) < 0.5) return {};
+  return fail(Errc::BadArgument, "", "'" + granted.device + "' does not run at this rate",
+              "leave the rate out");
+}
+
+/// A stream of a JACK server that died is left as it is.
+void close(std::shared_ptr<Line> line) {
+  const auto session = line->session;
+  if (session->answers() && in_portaudio([line] { return Pa_CloseStream(line->stream); }))
+    session->occupied(false);
+  else
+    left_behind().push_back(std::move(line));
+}
+
+class PortAudioStream final : public Stream {
+ public:
+  PortAudioStream(std::shared_ptr<Line> line, StreamGranted granted)
+      : line_(std::move(line)), granted_(std::move(granted)) {}
+  ~PortAudioStream() override {
+    static_cast<void>(stop());
+    close(std::move(line_));
+  }
+
+  const StreamGranted& granted() const override { return granted_; }
+  Status start() override {
+    if (running_) return {};
+    if (auto status = in_portaudio([line = line_] { return Pa_StartStream(line->stream); }); !status)
+      return status;
+    running_ = true;
+    line_->card->play();
+    return {};
+  }
+  Status stop() override {
+    const bool lost = state() == StreamState::Lost;
+    if (!std::exchange(running_, false)) return {};
+    if (!lost) line_->card->finish();
+    auto status = lost ? Status{} : in_portaudio([line = line_] { return Pa_StopStream(line->stream); });
+    line_->card->abandon();
+    return status;
+  }
+  StreamState state() const override {
+    if (lost_ || portaudio_is_over()) return StreamState::Lost;
+    if (!running_) return StreamState::Stopped;
+    if (Pa_IsStreamActive(line_->stream) != 1) {
+      lost_ = true;
+      if (line_->jack) portaudio_lost_jack();
+      return StreamState::Lost;
+    }
+    return line_->card->stalled() ? StreamState::Stalled : StreamState::Running;
+  }
+  Health health() const override { return line_->card->health(); }
+
+ private:
+  std::shared_ptr<Line> line_;
+  StreamGranted granted_;
+  bool running_ = false;
+  mutable bool lost_ = false;
+};
+
+std::vector<Device> devices_of(const std::vector<PortAudioDevice>& found) {
+  std::vector<Device> devices;
+  for (const auto& one : found) devices.push_back(one.device);
+  return devices;
+}
+
+}  // namespace
+
+Result<std::vector<Device>> PortAudioBackend::devices() {
+  const auto session = PortAudioSession::enter("tactus-devices");
+  if (!session) return tl::unexpected(session.error());
+  return devices_of((*session)->devices());
+}
+
+Result<std::unique_ptr<Stream>> PortAudioBackend::open(const StreamRequest& request, Guarded& processor) {
+  const auto session = PortAudioSession::enter(request.client_name);
+  if (!session) return tl::unexpected(session.error());
+  const auto found = (*session)->devices();
+  const auto choice = choose(devices_of(found), request);
+  if (!choice) return tl::unexpected(choice.error());
+  const auto found_as = [&](const Device& device) {
+    return *std::find_if(found.begin(), found.end(),
+                         [&](const PortAudioDevice& one) { return one.device.id == device.id; });
+  };
+  const auto input = found_as(choice->input), output = found_as(choice->output);
+  if (input.api != output.api)
+    return fail(Errc::BadArgument, "",
+                "'" + input.device.id + "' and '" + output.device.id + "' cannot be opened together",
+                "choose devices of one API, or JACK");
+
+  auto line = std::make_shared<Line>();
+  line->session = *session;
+  line->jack = output.api == "jack";
+  line->own_thread = output.api == "alsa" || output.api == "oss";
+  auto granted = granted_for(*choice, request);
+  auto status = open_line(line, input, output, request, granted);
+  if (status) status = processor.prepare(granted.format);
+  if (!status) {
+    if (line->stream != nullptr) close(std::move(line));
+    return tl::unexpected(status.error());
+  }
+  line->card = std::make_unique<CardCallback>(processor, request, granted, true);
+  return std::make_unique<PortAudioStream>(std::move(line), std::move(granted));
+}
+
+}  // namespace tactus
