@@ -18,6 +18,7 @@ namespace {
 constexpr int kPriority = 70;        // below a sound server's, above everything ordinary
 constexpr int kLongestBlock = 4096;  // [frames] where the driver chooses; longer ones are cut
 constexpr int kUsualPeriods = 2;
+constexpr std::chrono::milliseconds kGone{1000};
 
 int planes(int channels, const std::vector<int>& map) {
   return map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
@@ -152,7 +153,9 @@ class PortAudioStream final : public Stream {
   StreamState state() const override {
     if (lost_ || portaudio_is_over()) return StreamState::Lost;
     if (!running_) return StreamState::Stopped;
-    if (Pa_IsStreamActive(line_->stream) != 1) {
+    // ALSA's JACK plugin waits for ever when its server is gone.
+    const bool silent = line_->own_thread && line_->card->stalled(kGone);
+    if (silent || Pa_IsStreamActive(line_->stream) != 1) {
       lost_ = true;
       if (line_->jack) portaudio_lost_jack();
       return StreamState::Lost;
