@@ -96,9 +96,10 @@ Status fits(const StreamRequest& request, const Device& input, const Device& out
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request) {
   if (request.in_channels == 0 && request.out_channels == 0)
     return fail(Errc::BadArgument, "", "a stream needs an input or an output", "ask for a channel");
-  const auto output = find_device(devices, request.device);
+  const auto at_input = request.input_device.empty() ? request.device : request.input_device;
+  const auto output = device_with_id(devices, request.out_channels == 0 ? at_input : request.device);
+  const auto input = request.in_channels == 0 ? output : device_with_id(devices, at_input);
   if (!output) return tl::unexpected(output.error());
-  const auto input = request.input_device.empty() ? output : find_device(devices, request.input_device);
   if (!input) return tl::unexpected(input.error());
   DeviceChoice choice{
       request.in_channels == 0 ? *output : *input, request.out_channels == 0 ? *input : *output, {}};

@@ -27,7 +27,7 @@ struct DeviceChoice {
 };
 
 /// [any] The devices that `request` means, at the rate it asks for or else at the default one of the outputs.
-/// Errors: those of `find_device` and `fits`; BadArgument when neither inputs nor outputs are asked for.
+/// Errors: those of `device_with_id` and `fits`; BadArgument when neither inputs nor outputs are asked for.
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request);
 /// [any] What is granted for `choice`, but for what only the driver knows.
 StreamGranted granted_for(const DeviceChoice& choice, const StreamRequest& request);

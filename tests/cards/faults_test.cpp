@@ -1,0 +1,290 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstdio>
+
+#include "backends/kept_stream.h"
+#include "tests/cards/ways.h"
+#include "tests/support/child_process.h"
+#include "tests/support/noise_probe.h"
+#include "tests/support/wait_until.h"
+
+// What a server can do to RtAudio and PortAudio, over JACK and ALSA, three times each. The hidden ones tagged
+// [.thousand] do it a thousand times and print how long it took.
+
+using namespace tactus;
+using std::chrono::seconds;
+using test::CardOnServer;
+using test::every_way;
+using test::GuardedProbe;
+using test::start_card;
+using test::wait_until;
+using test::Way;
+
+namespace {
+
+constexpr int kPeriod = 256, kKept = 9600;
+constexpr std::chrono::milliseconds kPatience = seconds{10};
+
+/// A stream that is looked after, as an app does it.
+struct Player {
+  Player(const Way& way, const StreamRequest& request) : backend(way.backend()) {
+    auto opened = KeptStream::open(*backend, request, probe.guarded);
+    if (!opened) throw std::runtime_error{to_string(opened.error())};
+    stream = std::move(*opened);
+    probe.guarded.skip_soft_start();
+    REQUIRE(stream->start());
+    REQUIRE(plays_on());
+  }
+  template <class Condition>
+  bool until(Condition holds) {
+    return wait_until(
+        [&] {
+          stream->tick();
+          return holds();
+        },
+        kPatience);
+  }
+  bool until(StreamState state) {
+    return until([&] { return stream->state() == state; });
+  }
+  bool plays_on() {
+    const auto before = stream->health().frames;
+    return until([&] { return stream->state() == StreamState::Running && stream->health().frames > before; });
+  }
+  bool comes_back(int returns) {
+    return until([&] { return stream->returns() == returns; }) && plays_on();
+  }
+
+  std::unique_ptr<Backend> backend;
+  GuardedProbe probe{1, kKept};
+  std::unique_ptr<KeptStream> stream;
+};
+
+/// How long it took from when the server was there, for those who want to know.
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::string what) : what_(std::move(what)) {}
+  ~Stopwatch() {
+    std::sort(times_.begin(), times_.end());
+    if (times_.size() > 3)
+      std::printf("%s: %zu times; came back after %.2f s (p50), %.2f s (worst)\n", what_.c_str(),
+                  times_.size(), times_[times_.size() / 2], times_.back());
+  }
+  void begin() { since_ = std::chrono::steady_clock::now(); }
+  void end() {
+    times_.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - since_).count());
+  }
+
+ private:
+  std::string what_;
+  std::chrono::steady_clock::time_point since_;
+  std::vector<double> times_;
+};
+
+template <class Fault>
+void each_way(const char* what, int turns, Fault fault) {
+  for (const auto& way : every_way()) {
+    CAPTURE(way.name);
+    const auto rig = start_card();
+    if (!rig) return;
+    Player player{way, rig->request(way, 1, 1)};
+    Stopwatch watch{way.name + ", " + what};
+    for (int turn = 1; turn <= turns; ++turn) {
+      CAPTURE(turn);
+      fault(way, *rig, player, turn, watch);
+    }
+    CHECK(player.stream->stop());
+  }
+}
+
+void kill_server(int turns) {
+  each_way("kill -9", turns,
+           [](const Way& way, CardOnServer& rig, Player& player, int turn, Stopwatch& watch) {
+             if (way.name.starts_with("portaudio")) return;
+             rig.server->kill();
+             REQUIRE(player.until(StreamState::Lost));
+             rig.restart();
+             watch.begin();
+             REQUIRE(player.comes_back(turn));
+             watch.end();
+             REQUIRE(player.until([&] { return player.probe.probe.full(); }));
+             CHECK(player.probe.probe.prepared == turn + 1);
+           });
+}
+
+void stall_server(int turns) {
+  each_way("SIGSTOP", turns, [](const Way&, CardOnServer& rig, Player& player, int, Stopwatch& watch) {
+    rig.server->stop_answering();
+    REQUIRE(player.until(StreamState::Stalled));
+    rig.server->go_on();
+    watch.begin();
+    REQUIRE(player.plays_on());
+    watch.end();
+    CHECK(player.stream->returns() == 0);
+  });
+}
+
+/// RtAudio over JACK cannot go on and is opened again; the others do.
+void change_block(int turns) {
+  each_way("new block", turns,
+           [](const Way& way, CardOnServer& rig, Player& player, int turn, Stopwatch& watch) {
+             const bool ends = way.name == "rtaudio:jack";
+             rig.server->set_period(turn % 2 == 1 ? 2 * kPeriod : kPeriod);
+             watch.begin();
+             if (ends) REQUIRE(player.until([&] { return player.stream->returns() == turn; }));
+             REQUIRE(player.plays_on());
+             watch.end();
+             CHECK(player.stream->returns() == (ends ? turn : 0));
+             if (ends) CHECK(player.stream->granted().block_frames == (turn % 2 == 1 ? 512 : 256));
+           });
+}
+
+void pull_ports(int turns) {
+  each_way("ports", turns, [](const Way& way, CardOnServer& rig, Player&, int, Stopwatch&) {
+    GuardedProbe probe{1, 48000};
+    const auto stream = way.backend()->open(rig.request(way, 1, 1), probe.guarded);
+    REQUIRE(stream);
+    REQUIRE((*stream)->start());
+    REQUIRE(wait_until([&] { return probe.probe.frames() > 4800; }));
+    rig.server->disconnect(rig.card->name());
+    const auto at = probe.probe.frames() + 4 * kPeriod;  // what was on its way
+    REQUIRE(wait_until([&] { return probe.probe.frames() > at + 4800; }));
+    CHECK((*stream)->state() == StreamState::Running);
+    CHECK((*stream)->stop());
+    const auto& heard = probe.probe.heard(0);
+    CHECK(heard[4000] != 0.0);
+    CHECK(std::count(heard.begin() + at, heard.begin() + at + 4800, 0.0) == 4800);
+  });
+}
+
+/// PortAudio may not be called any more in a process where it lost its JACK server.
+void in_own_process(const std::string& test_case) {
+  test::ChildProcess child{{TACTUS_CARD_TESTS, test_case}, test::ChildProcess::Stdout::Logged};
+  const auto ended = child.wait(seconds{60});
+  const auto log = child.log();
+  if (log.find("SKIPPED") != std::string::npos) WARN(log);
+  INFO(log);
+  CHECK(ended == 0);
+}
+
+}  // namespace
+
+TEST_CASE("libraries: RtAudio comes back when a server that was killed does", "[cards]") { kill_server(3); }
+TEST_CASE("libraries: a server that does not answer for a while is waited for", "[cards]") {
+  stall_server(3);
+}
+TEST_CASE("libraries: a server may change its block", "[cards]") { change_block(3); }
+TEST_CASE("libraries: ports that are pulled are silent", "[cards]") { pull_ports(3); }
+
+TEST_CASE("libraries: a thousand servers are killed", "[.thousand]") { kill_server(1000); }
+TEST_CASE("libraries: a server does not answer a thousand times", "[.thousand]") { stall_server(1000); }
+TEST_CASE("libraries: a server changes its block a thousand times", "[.thousand]") { change_block(1000); }
+TEST_CASE("libraries: ports are pulled a thousand times", "[.thousand]") { pull_ports(1000); }
+
+TEST_CASE("libraries: closing is over soon though the server does not answer, and RtAudio opens again after",
+          "[cards]") {
+  for (const auto& way : every_way()) {
+    if (way.name.starts_with("portaudio")) continue;
+    CAPTURE(way.name);
+    const auto rig = start_card();
+    if (!rig) return;
+    GuardedProbe probe{1, kKept};
+    const auto backend = way.backend();
+    auto stream = backend->open(rig->request(way, 1, 1), probe.guarded);
+    REQUIRE(stream);
+    REQUIRE((*stream)->start());
+    REQUIRE(wait_until([&] { return probe.probe.frames() > 0; }));
+    rig->server->stop_answering();
+    REQUIRE_FALSE((*stream)->stop());
+    stream->reset();
+    const auto refused = backend->open(rig->request(way, 1, 1), probe.guarded);
+    CHECK_FALSE(refused);
+    rig->server->go_on();
+    REQUIRE(wait_until([&] { return backend->open(rig->request(way, 1, 1), probe.guarded).has_value(); },
+                       kPatience));
+  }
+}
+
+TEST_CASE("libraries: PortAudio says that it cannot come back when its server was killed", "[cards]") {
+  for (const auto* test : {"portaudio:jack loses its server", "portaudio:alsa loses its server",
+                           "portaudio loses a server while no stream runs",
+                           "portaudio is closed while its server does not answer"})
+    for (int turn = 0; turn < 3; ++turn) {
+      CAPTURE(test, turn);
+      in_own_process(test);
+    }
+}
+
+namespace {
+
+const Way* way_called(const std::vector<Way>& ways, const std::string& name) {
+  const auto found = std::find_if(ways.begin(), ways.end(), [&](const Way& way) { return way.name == name; });
+  return found == ways.end() ? nullptr : &*found;
+}
+
+/// From here on every call answers at once, in words.
+void is_over(const Way& way, const CardOnServer& rig, const std::string& why) {
+  GuardedProbe probe{1};
+  const auto devices = way.backend()->devices();
+  REQUIRE_FALSE(devices);
+  CHECK(to_string(devices.error()).find(why) != std::string::npos);
+  const auto stream = way.backend()->open(rig.request(way, 1, 1), probe.guarded);
+  REQUIRE_FALSE(stream);
+  CHECK(to_string(stream.error()) == to_string(devices.error()));
+}
+
+void loses_server(const char* name) {
+  const auto ways = every_way();
+  const auto* way = way_called(ways, name);
+  const auto rig = way == nullptr ? nullptr : start_card();
+  if (!rig) return;
+  {
+    Player player{*way, rig->request(*way, 1, 1)};
+    CHECK_FALSE(player.stream->granted().comes_back);
+    rig->server->kill();
+    REQUIRE(player.until(StreamState::Lost));
+    const auto frames = player.probe.probe.frames();
+    rig->restart();
+    player.stream->tick();
+    CHECK(player.stream->state() == StreamState::Lost);
+    CHECK(player.stream->stop());
+    CHECK(player.probe.probe.frames() == frames);
+  }
+  is_over(*way, *rig, "PortAudio's JACK client cannot come back");
+}
+
+}  // namespace
+
+TEST_CASE("portaudio:jack loses its server", "[.own_process]") { loses_server("portaudio:jack"); }
+TEST_CASE("portaudio:alsa loses its server", "[.own_process]") { loses_server("portaudio:alsa"); }
+
+TEST_CASE("portaudio loses a server while no stream runs", "[.own_process]") {
+  const auto ways = every_way();
+  const auto* way = way_called(ways, "portaudio:jack");
+  const auto rig = way == nullptr ? nullptr : start_card();
+  if (!rig) return;
+  GuardedProbe probe{1};
+  auto stream = way->backend()->open(rig->request(*way, 1, 1), probe.guarded);
+  REQUIRE(stream);
+  rig->server->kill();
+  REQUIRE_FALSE((*stream)->start());
+  stream->reset();
+  is_over(*way, *rig, "PortAudio's JACK client cannot come back");
+}
+
+TEST_CASE("portaudio is closed while its server does not answer", "[.own_process]") {
+  const auto ways = every_way();
+  const auto* way = way_called(ways, "portaudio:jack");
+  const auto rig = way == nullptr ? nullptr : start_card();
+  if (!rig) return;
+  GuardedProbe probe{1, kKept};
+  auto stream = way->backend()->open(rig->request(*way, 1, 1), probe.guarded);
+  REQUIRE(stream);
+  REQUIRE((*stream)->start());
+  REQUIRE(wait_until([&] { return probe.probe.frames() > 0; }));
+  rig->server->stop_answering();
+  REQUIRE_FALSE((*stream)->stop());
+  stream->reset();
+  is_over(*way, *rig, "PortAudio does not answer any more");
+  rig->server->go_on();
+}

@@ -1,0 +1,255 @@
+#include <catch2/catch.hpp>
+#include <numeric>
+#include <thread>
+
+#include "tests/cards/ways.h"
+#include "tests/support/noise_probe.h"
+#include "tests/support/wait_until.h"
+
+// RtAudio and PortAudio, over JACK and ALSA, against a real server and a card of known delay: every sample,
+// and its frame.
+
+using namespace tactus;
+using test::CardOnServer;
+using test::every_way;
+using test::GuardedProbe;
+using test::NoiseProbe;
+using test::start_card;
+using test::wait_until;
+using test::Way;
+
+namespace {
+
+constexpr int kPeriod = 256;
+
+std::unique_ptr<Stream> open(const Way& way, const StreamRequest& request, Guarded& guarded) {
+  const auto backend = way.backend();
+  auto stream = backend->open(request, guarded);
+  if (!stream) throw std::runtime_error{to_string(stream.error())};
+  guarded.skip_soft_start();
+  return std::move(*stream);
+}
+
+/// Plays until the probe has heard enough. What was granted.
+StreamGranted play(const Way& way, const StreamRequest& request, GuardedProbe& probe) {
+  const auto stream = open(way, request, probe.guarded);
+  REQUIRE(stream->start());
+  CHECK(stream->state() == StreamState::Running);
+  REQUIRE(wait_until([&] { return probe.probe.full(); }, std::chrono::seconds{20}));
+  CHECK(stream->stop());
+  CHECK(stream->state() == StreamState::Stopped);
+  const auto health = stream->health();
+  CHECK(health.frames == probe.probe.frames());
+  CHECK(health.bad_input == 0);
+  CHECK(health.longest_block <= stream->granted().format.max_frames);
+  return stream->granted();
+}
+
+std::string refusal(const Way& way, const StreamRequest& request) {
+  GuardedProbe probe{2};
+  const auto stream = way.backend()->open(request, probe.guarded);
+  CHECK(probe.probe.prepared == 0);
+  return stream ? "" : to_string(stream.error());
+}
+
+/// How many frames before the last one that `probe` heard the generator of `noise(0, ...)` played it.
+std::int64_t lag(const NoiseProbe& probe, std::int64_t at, std::int64_t longest) {
+  const double heard = probe.heard(0)[static_cast<std::size_t>(at)];
+  for (std::int64_t lag = -longest; lag <= longest; ++lag)
+    if (heard == NoiseProbe::noise(0, at - lag)) return lag;
+  throw std::runtime_error{"this is not the noise that was played"};
+}
+
+}  // namespace
+
+TEST_CASE("libraries: every sample comes back, the card's delay and two periods later", "[cards]") {
+  const auto rig = start_card({.delay_frames = 960});
+  if (!rig) return;
+  for (const auto& way : every_way()) {
+    CAPTURE(way.name);
+    GuardedProbe probe{2};
+    const auto granted = play(way, rig->request(way, 2, 2), probe);
+    CHECK(probe.probe.delay(0, 0) == 960 + 2 * kPeriod);
+    CHECK(probe.probe.delay(1, 1) == 960 + 2 * kPeriod);
+    CHECK(probe.probe.delay(0, 1) == std::nullopt);
+    CHECK(granted.format.sample_rate == 48_kHz);
+    CHECK(granted.block_frames == kPeriod);
+    CHECK(granted.xruns_move_delay == way.alsa);
+  }
+}
+
+TEST_CASE("libraries: any channels of a card, in any order", "[cards]") {
+  const auto rig = start_card({.channels = 6, .delay_frames = 100});
+  if (!rig) return;
+  for (const auto& way : every_way()) {
+    CAPTURE(way.name);
+    GuardedProbe probe{2, 4800};
+    auto request = rig->request(way, 3, 2);
+    request.out_map = {1, 4};  // the card's channels 2 and 5
+    request.in_map = {4, 1, 0};
+    play(way, request, probe);
+    CHECK(probe.probe.delay(0, 1) == 100 + 2 * kPeriod);
+    CHECK(probe.probe.delay(1, 0) == 100 + 2 * kPeriod);
+    CHECK(probe.probe.heard(2) == std::vector<double>(4800, 0.0));
+  }
+}
+
+TEST_CASE("libraries: inputs without outputs, and outputs without inputs", "[cards]") {
+  const auto rig = start_card();
+  if (!rig) return;
+  for (const auto& way : every_way()) {
+    CAPTURE(way.name);
+    GuardedProbe deaf{2, 4800}, mute{0, 4800};
+    CHECK(play(way, rig->request(way, 0, 2), deaf).input_latency_frames == std::nullopt);
+    const auto granted = play(way, rig->request(way, 2, 0), mute);
+    CHECK(granted.device == rig->request(way, 2, 0).device);
+    CHECK(granted.output_latency_frames == std::nullopt);
+  }
+}
+
+TEST_CASE("libraries: they listen to one device and play to another", "[cards]") {
+  const auto rig = start_card({.name = "near", .delay_frames = 10});
+  if (!rig) return;
+  const test::DelayClient far{{.name = "far", .delay_frames = 500}};
+  rig->server->connect(rig->card->name() + ":capture_1", far.name() + ":playback_2");
+  for (const auto& way : every_way()) {
+    if (way.alsa) continue;
+    CAPTURE(way.name);
+    GuardedProbe probe{1, 4800};
+    auto request = rig->request(way, 1, 1);
+    request.input_device = way.name + ":" + far.name();
+    request.in_map = {1};
+    const auto granted = play(way, request, probe);
+    CHECK(probe.probe.delay(0, 0) == 10 + 500 + 3 * kPeriod);  // one more client in the loop
+    CHECK(granted.device == request.device);
+    CHECK(granted.input_device == request.input_device);
+  }
+}
+
+TEST_CASE("libraries: a block of any length brings every sample back, or is refused in words", "[cards]") {
+  const auto rig = start_card();
+  if (!rig) return;
+  for (const auto& way : every_way()) {
+    for (const int block : {16, 100, 1000, 4096}) {
+      CAPTURE(way.name, block);
+      auto request = rig->request(way, 1, 1);
+      request.block_frames = block;
+      GuardedProbe probe{1, 24000};
+      if (way.backend()->open(request, probe.guarded)) {
+        play(way, request, probe);
+        CHECK(probe.probe.delay(0, 0) >= 960 + kPeriod);
+      } else {
+        CHECK(way.alsa);  // ALSA's plugin takes no shorter block than the server's
+        CHECK(refusal(way, request).size() > 20);
+      }
+    }
+  }
+}
+
+TEST_CASE("libraries: they run at the server's rate from 8 kHz to 192 kHz, and at no other", "[cards]") {
+  const int rate = GENERATE(8000, 44100, 192000);
+  const auto rig = start_card({.delay_frames = 64}, {.rate = rate});
+  if (!rig) return;
+  for (const auto& way : every_way()) {
+    CAPTURE(way.name, rate);
+    GuardedProbe probe{1, rate / 8};
+    auto request = rig->request(way, 1, 1);
+    CHECK(play(way, request, probe).format.sample_rate == Hertz{static_cast<double>(rate)});
+    CHECK(probe.probe.delay(0, 0) == 64 + 2 * kPeriod);
+    for (const double other : {48e3, rate + 1.0, 4e3, 1e6}) {
+      request.sample_rate = Hertz{other};
+      CHECK(refusal(way, request).find("ate") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("libraries: a stream starts and stops a hundred times", "[cards]") {
+  const auto rig = start_card();
+  if (!rig) return;
+  for (const auto& way : every_way()) {
+    CAPTURE(way.name);
+    GuardedProbe probe{2, 64};
+    const auto stream = open(way, rig->request(way, 2, 2), probe.guarded);
+    for (int turn = 0; turn < 100; ++turn) {
+      CAPTURE(turn);
+      const auto before = probe.probe.frames();
+      REQUIRE(stream->start());
+      REQUIRE(wait_until([&] { return probe.probe.frames() > before; }));
+      REQUIRE(stream->stop());
+      REQUIRE(stream->state() == StreamState::Stopped);
+      REQUIRE(probe.probe.frames() == stream->health().frames);
+    }
+    CHECK(probe.probe.prepared == 1);
+  }
+}
+
+TEST_CASE("libraries: a device is opened and closed again and again", "[cards]") {
+  const auto rig = start_card();
+  if (!rig) return;
+  for (const auto& way : every_way()) {
+    GuardedProbe probe{2, 64};
+    for (int turn = 0; turn < 8; ++turn) {
+      CAPTURE(way.name, turn);
+      const auto stream = open(way, rig->request(way, 2, 2), probe.guarded);
+      if (turn % 2 == 0) REQUIRE(stream->start());  // closed while it runs, and before it ever ran
+    }
+    CHECK(probe.probe.prepared == 8);
+  }
+}
+
+TEST_CASE("libraries: an xrun of the server is counted once", "[cards]") {
+  const auto rig = start_card();
+  if (!rig) return;
+  for (const auto& way : every_way()) {
+    if (way.alsa) continue;
+    CAPTURE(way.name);
+    GuardedProbe probe{1, 96000};
+    const auto stream = open(way, rig->request(way, 1, 1), probe.guarded);
+    REQUIRE(stream->start());
+    REQUIRE(wait_until([&] { return probe.probe.frames() > 4800; }));
+    const auto before = rig->card->xruns();
+    for (int late = 0; late < 3; ++late) rig->card->sleep_once(std::chrono::milliseconds{20});
+    const auto injected = rig->card->xruns() - before;
+    REQUIRE(injected >= 3);
+    const auto& counted = [&] { return stream->health().gaps[static_cast<std::size_t>(Gap::Server)]; };
+    CHECK(wait_until([&] { return counted() == injected; }));
+    REQUIRE(stream->stop());
+    CHECK(counted() == injected);
+    CHECK(stream->health().xruns == injected);
+  }
+}
+
+TEST_CASE("libraries: frames that the clock finds missing are those that the signal misses", "[cards]") {
+  struct Sleeper final : BlockProcessor {
+    Status prepare(const StreamFormat& format) override { return probe.prepare(format); }
+    void process(const BlockIo& io) noexcept override {
+      probe.process(io);
+      if (probe.frames() > 30000 && !std::exchange(slept, true))
+        std::this_thread::sleep_for(std::chrono::milliseconds{50});
+    }
+    NoiseProbe probe{96000};
+    bool slept = false;
+  };
+  const auto rig = start_card();
+  if (!rig) return;
+  const auto ways = every_way();
+  for (const auto& way : ways) {
+    if (!way.alsa) continue;
+    CAPTURE(way.name);
+    GuardedProbe generator{1};
+    const auto playing = open(ways.front(), rig->request(ways.front(), 0, 1), generator.guarded);
+    REQUIRE(playing->start());
+    Sleeper sleeper;
+    Guarded guarded{sleeper, {}};
+    guarded.trust_sensors();
+    const auto stream = open(way, rig->request(way, 1, 0), guarded);
+    REQUIRE(stream->start());
+    REQUIRE(wait_until([&] { return sleeper.probe.full(); }, std::chrono::seconds{20}));
+    REQUIRE(stream->stop());
+    const auto misses = lag(sleeper.probe, 20000, 200000) - lag(sleeper.probe, 90000, 200000);
+    CHECK(misses > 0);
+    CHECK(std::abs(stream->health().lost_frames - misses) <= kPeriod);  // the clock sees whole blocks
+    CHECK(stream->health().xruns >= 1);
+    CHECK(playing->health().lost_frames == 0);
+  }
+}

@@ -1,0 +1,104 @@
+#include "tests/cards/ways.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <fstream>
+
+#ifdef TACTUS_HAS_rtaudio
+#include "backends/rtaudio/rtaudio.h"
+#endif
+#ifdef TACTUS_HAS_portaudio
+#include "backends/portaudio/portaudio.h"
+#endif
+
+namespace tactus::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class AnyBackend>
+std::unique_ptr<Backend> make() {
+  return std::make_unique<AnyBackend>();
+}
+
+#ifdef TACTUS_NO_MIXER
+const std::string no_mixer = TACTUS_NO_MIXER,
+                  jack_plugin = TACTUS_ALSA_PLUGINS "/libasound_module_pcm_jack.so";
+#else
+const std::string no_mixer, jack_plugin;
+#endif
+
+bool has_alsa() {
+  if (fs::exists(jack_plugin)) return true;
+  WARN("SKIPPED over ALSA: its JACK plugin is missing (Debian: apt-get install libasound2-plugins)");
+  return false;
+}
+
+/// Nothing but a device that is the card, and the mixer that RtAudio wants to see.
+std::string alsa_config(const std::string& client, int channels) {
+  std::string playback, capture;
+  for (int c = 0; c < channels; ++c) {
+    playback += fmt::format("{} {}:playback_{} ", c, client, c + 1);
+    capture += fmt::format("{} {}:capture_{} ", c, client, c + 1);
+  }
+  return fmt::format(
+      "ctl_type.none {{ lib \"{}\" }}\nctl.default {{ type none }}\npcm_type.jack {{ lib \"{}\" }}\n"
+      "pcm.default {{ type jack playback_ports {{ {}}} capture_ports {{ {}}} }}\n",
+      no_mixer, jack_plugin, playback, capture);
+}
+
+}  // namespace
+
+std::vector<Way> every_way() {
+  std::vector<Way> ways;
+#ifdef TACTUS_HAS_rtaudio
+  ways.push_back({"rtaudio:jack", make<RtAudioBackend>, false});
+  if (has_alsa()) ways.push_back({"rtaudio:alsa", make<RtAudioBackend>, true});
+#endif
+#ifdef TACTUS_HAS_portaudio
+  ways.push_back({"portaudio:jack", make<PortAudioBackend>, false});
+  if (has_alsa()) ways.push_back({"portaudio:alsa", make<PortAudioBackend>, true});
+#endif
+  return ways;
+}
+
+std::unique_ptr<CardOnServer> start_card(const DelayClient::Settings& card,
+                                         const SoundServer::Settings& server) {
+  auto begun = start_sound_server(server);
+  return begun ? std::make_unique<CardOnServer>(std::move(begun), card) : nullptr;
+}
+
+CardOnServer::CardOnServer(std::unique_ptr<SoundServer> begun, const DelayClient::Settings& settings)
+    : server(std::move(begun)),
+      card(std::make_unique<DelayClient>(settings)),
+      settings_(settings),
+      alsa_config_(fs::temp_directory_path() / fmt::format("tactus-alsa-{}.conf", ::getpid())) {
+  std::ofstream{alsa_config_} << alsa_config(card->name(), settings.channels);
+  ::setenv("ALSA_CONFIG_PATH", alsa_config_.c_str(), 1);
+}
+
+CardOnServer::~CardOnServer() {
+  card.reset();
+  fs::remove(alsa_config_);
+}
+
+void CardOnServer::restart() {
+  card.reset();
+  server->restart();
+  card = std::make_unique<DelayClient>(settings_);
+}
+
+StreamRequest CardOnServer::request(const Way& way, int inputs, int outputs) const {
+  StreamRequest request;
+  request.device = way.name + ":" + (way.alsa ? "default" : card->name());
+  request.in_channels = inputs;
+  request.out_channels = outputs;
+  request.block_frames = server->settings().period;
+  request.client_name = "tactus-" + std::to_string(::getpid());
+  return request;
+}
+
+}  // namespace tactus::test

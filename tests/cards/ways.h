@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "backends/backend.h"
+#include "tests/support/sound_server.h"
+
+namespace tactus::test {
+
+/// A library, and the API of it over which a card is reached.
+struct Way {
+  std::string name;  ///< "rtaudio:jack"
+  std::unique_ptr<Backend> (*backend)();
+  bool alsa = false;
+};
+/// Those whose libraries are there: RtAudio and PortAudio, each over JACK and ALSA.
+std::vector<Way> every_way();
+
+/// A real server, a card of known delay on it, and the same card as ALSA's default device.
+class CardOnServer {
+ public:
+  CardOnServer(std::unique_ptr<SoundServer> begun, const DelayClient::Settings& settings);
+  ~CardOnServer();
+
+  /// After the server was killed: both begin again, under their names.
+  void restart();
+  /// For the card.
+  StreamRequest request(const Way& way, int inputs, int outputs) const;
+
+  std::unique_ptr<SoundServer> server;
+  std::unique_ptr<DelayClient> card;
+
+ private:
+  DelayClient::Settings settings_;
+  std::filesystem::path alsa_config_;
+};
+
+/// nullptr: there can be none here, and the test's output says why.
+std::unique_ptr<CardOnServer> start_card(const DelayClient::Settings& card = {},
+                                         const SoundServer::Settings& server = {});
+
+}  // namespace tactus::test
