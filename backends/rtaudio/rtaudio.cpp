@@ -47,11 +47,6 @@ class Line {
     jack_ = which == RtAudio::UNIX_JACK;
     own_thread_ = which == RtAudio::LINUX_ALSA || which == RtAudio::LINUX_PULSE;
   }
-  ~Line() {
-    // The library's own thread may be closing what a dead server left, and two at once crash.
-    if (abandoned) std::this_thread::sleep_for(milliseconds{500});
-  }
-
   /// [control] `granted` has the rate, and gets what the driver says.
   Status open(const RtAudioDevice& input, const RtAudioDevice& output, const StreamRequest& request,
               StreamGranted& granted);
@@ -64,6 +59,8 @@ class Line {
     // ALSA's JACK plugin waits for ever when its server is gone.
     return lost_ || !library_.isStreamOpen() || (own_thread_ && card && card->stalled(kGone));
   }
+
+  bool is_jack() const { return jack_; }
 
   std::unique_ptr<CardCallback> card;  ///< before the start
   std::atomic<bool> abandoned{false};
@@ -226,9 +223,17 @@ Status in_time(const std::shared_ptr<Line>& line, Call call) {
   return fail(Errc::Device, "", "RtAudio does not answer", "restart the sound server");
 }
 
-/// Devices close with the last who holds the line, which is a thread that may hang.
+/// Devices close with the last who holds the line, on a thread that may hang.
 void close(std::shared_ptr<Line> line) {
-  returns_in_time([line = std::move(line)] {});
+  const auto patience = line->lost() ? kGiveUp : milliseconds{2000};
+  returns_in_time([line = std::move(line)] {}, patience);
+}
+
+/// A JACK stream that hung is never closed, for the rest of the program's life: by the time it could be, its
+/// server may have died, the library's own thread may be closing it, and libjack may know another server.
+void leave_behind(const std::shared_ptr<Line>& line) {
+  static auto& lines = *new std::vector<std::shared_ptr<Line>>;
+  if (line->is_jack()) lines.push_back(line);
 }
 
 class RtAudioStream final : public Stream {
@@ -245,7 +250,7 @@ class RtAudioStream final : public Stream {
     if (state() == StreamState::Lost)
       return fail(Errc::Device, "", "'" + granted_.device + "' went away", "open it again");
     if (running_) return {};
-    if (auto status = in_time(line_, [](Line& line) { return line.start(); }); !status) return status;
+    if (auto status = asked([](Line& line) { return line.start(); }); !status) return status;
     running_ = true;
     line_->card->play();
     return {};
@@ -255,7 +260,7 @@ class RtAudioStream final : public Stream {
     const auto buffered = milliseconds{static_cast<int>(
         1e3 * granted_.periods * granted_.block_frames / granted_.format.sample_rate.value + 1)};
     const bool flows = !line_->lost() && line_->card->finish();
-    auto status = in_time(line_, [=](Line& line) { return line.halt(flows ? buffered : milliseconds{0}); });
+    auto status = asked([=](Line& line) { return line.halt(flows ? buffered : milliseconds{0}); });
     line_->card->abandon();
     return status;
   }
@@ -267,6 +272,13 @@ class RtAudioStream final : public Stream {
   Health health() const override { return line_->card->health(); }
 
  private:
+  template <class Call>
+  Status asked(Call call) {
+    auto status = in_time(line_, call);
+    if (line_->abandoned) leave_behind(line_);
+    return status;
+  }
+
   std::shared_ptr<Line> line_;
   StreamGranted granted_;
   bool running_ = false;
