@@ -2,22 +2,27 @@
 
 #include <unistd.h>
 
+#include <cstdlib>
+
+#include "tests/cards/ways.h"
 #include "tests/support/sound_server.h"
 #ifdef TACTUS_HAS_jack
 #include "backends/jack/jack.h"
+#endif
+#ifdef TACTUS_HAS_rtaudio
+#include "backends/rtaudio/rtaudio.h"
+#endif
+#ifdef TACTUS_HAS_portaudio
+#include "backends/portaudio/portaudio.h"
 #endif
 
 namespace tactus::test {
 namespace {
 
-/// A backend that plays to the device "system" of a real JACK server.
-template <class AnyBackend>
-std::optional<Subject> on_jack_server() {
-  std::shared_ptr<SoundServer> server = start_sound_server();
-  if (!server) return std::nullopt;
+Subject live_subject(std::unique_ptr<Backend> backend, std::shared_ptr<void> stands_on) {
   Subject subject;
-  subject.stands_on.push_back(std::move(server));
-  subject.backend = std::make_unique<AnyBackend>();
+  subject.stands_on.push_back(std::move(stands_on));
+  subject.backend = std::move(backend);
   subject.request.in_channels = 2;
   subject.request.out_channels = 1;
   subject.request.client_name = "tactus-" + std::to_string(::getpid());
@@ -25,6 +30,22 @@ std::optional<Subject> on_jack_server() {
   return subject;
 }
 
+/// A backend that plays to the device "system" of a real JACK server.
+template <class AnyBackend>
+std::optional<Subject> on_jack_server() {
+  std::shared_ptr<SoundServer> server = start_sound_server();
+  if (!server) return std::nullopt;
+  ::setenv("ALSA_CONFIG_PATH", "/dev/null", 1);  // no other device
+  return live_subject(std::make_unique<AnyBackend>(), std::move(server));
+}
+
+/// One that plays to ALSA's default device before any other.
+template <class AnyBackend>
+std::optional<Subject> on_alsa() {
+  std::shared_ptr<CardOnServer> rig = has_alsa() ? start_card() : nullptr;
+  if (!rig) return std::nullopt;
+  return live_subject(std::make_unique<AnyBackend>(), std::move(rig));
+}
 }  // namespace
 
 std::vector<MakeSubject> every_backend() {
@@ -33,6 +54,13 @@ std::vector<MakeSubject> every_backend() {
       simulated_subject,
 #ifdef TACTUS_HAS_jack
       on_jack_server<JackBackend>,
+#endif
+#ifdef TACTUS_HAS_rtaudio
+      on_jack_server<RtAudioBackend>,
+#endif
+#ifdef TACTUS_HAS_portaudio
+      on_jack_server<PortAudioBackend>,
+      on_alsa<PortAudioBackend>,
 #endif
   };
 }

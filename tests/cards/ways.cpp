@@ -31,12 +31,6 @@ const std::string no_mixer = TACTUS_NO_MIXER,
 const std::string no_mixer, jack_plugin;
 #endif
 
-bool has_alsa() {
-  if (fs::exists(jack_plugin)) return true;
-  WARN("SKIPPED over ALSA: its JACK plugin is missing (Debian: apt-get install libasound2-plugins)");
-  return false;
-}
-
 /// Nothing but a device that is the card, and the mixer that RtAudio wants to see.
 std::string alsa_config(const std::string& client, int channels) {
   std::string playback, capture;
@@ -51,6 +45,12 @@ std::string alsa_config(const std::string& client, int channels) {
 }
 
 }  // namespace
+
+bool has_alsa() {
+  if (fs::exists(jack_plugin)) return true;
+  WARN("SKIPPED over ALSA: its JACK plugin is missing (Debian: apt-get install libasound2-plugins)");
+  return false;
+}
 
 std::vector<Way> every_way() {
   std::vector<Way> ways;

@@ -16,6 +16,8 @@ struct Way {
   std::unique_ptr<Backend> (*backend)();
   bool alsa = false;
 };
+/// Is ALSA's JACK plugin there? If not, the test's output says so.
+bool has_alsa();
 /// Those whose libraries are there: RtAudio and PortAudio, each over JACK and ALSA.
 std::vector<Way> every_way();
 
