@@ -7,6 +7,10 @@
 #include <cmath>
 #include <utility>
 
+#if __has_include(<pa_linux_alsa.h>)
+#include <pa_linux_alsa.h>
+#endif
+
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/portaudio/portaudio_session.h"
@@ -83,7 +87,8 @@ PaStreamParameters parameters(const PortAudioDevice& at, int channels, bool inpu
   wanted.suggestedLatency = input ? info->defaultLowInputLatency : info->defaultLowOutputLatency;
   // Latency is what waits besides the block in work.
   if (request.block_frames)
-    wanted.suggestedLatency = (request.periods.value_or(kUsualPeriods) - 1) * *request.block_frames / rate;
+    wanted.suggestedLatency =
+        std::max(1, request.periods.value_or(kUsualPeriods) - 1) * *request.block_frames / rate;
   return wanted;
 }
 
@@ -94,18 +99,22 @@ Status open_line(const std::shared_ptr<Line>& line, const PortAudioDevice& input
   line->out_planes = planes(request.out_channels, request.out_map);
   const auto from = parameters(input, ins, true, request, rate);
   const auto to = parameters(output, line->out_planes, false, request, rate);
-  const auto block = static_cast<unsigned long>(request.block_frames.value_or(paFramesPerBufferUnspecified));
+  // Asked for a certain block, PortAudio's ALSA part divides by zero or aborts at some: a latency it takes.
+  const int block = line->own_thread ? 0 : request.block_frames.value_or(0);
+#if __has_include(<pa_linux_alsa.h>)
+  if (line->own_thread) PaAlsa_SetNumPeriods(std::max(1, request.periods.value_or(kUsualPeriods) - 1));
+#endif
   line->session->occupied(true);
   if (auto status = in_portaudio([=] {
         return Pa_OpenStream(&line->stream, from.channelCount > 0 ? &from : nullptr,
-                             to.channelCount > 0 ? &to : nullptr, rate, block, paNoFlag, bring_block,
-                             line.get());
+                             to.channelCount > 0 ? &to : nullptr, rate, static_cast<unsigned long>(block),
+                             paNoFlag, bring_block, line.get());
       });
       !status)
     return status;
   const auto* info = Pa_GetStreamInfo(line->stream);
-  granted.block_frames = request.block_frames.value_or(0);
-  granted.format.max_frames = request.block_frames.value_or(kLongestBlock);
+  granted.block_frames = block;
+  granted.format.max_frames = block > 0 ? block : kLongestBlock;
   if (ins > 0) granted.input_latency_frames = believable(info->inputLatency, rate);
   if (line->out_planes > 0) granted.output_latency_frames = believable(info->outputLatency, rate);
   granted.xruns_move_delay = line->own_thread;

@@ -8,7 +8,7 @@ namespace tactus {
 /// on Windows. A device is "portaudio:<api>:<its name>".
 ///
 /// Where the request leaves the block out, blocks are as long as the driver's (granted as 0); any other
-/// length costs up to one block of delay.
+/// length costs up to one block of delay. ALSA takes the wish and is granted as 0.
 ///
 /// PortAudio cannot leave a JACK server that died: its functions hang or abort the program. So when the
 /// server goes, no function of it is called any more, and every later call of this class is an Error that

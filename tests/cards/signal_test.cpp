@@ -81,7 +81,7 @@ TEST_CASE("libraries: every sample comes back, the card's delay and two periods 
     CHECK(probe.probe.delay(1, 1) == 960 + 2 * kPeriod);
     CHECK(probe.probe.delay(0, 1) == std::nullopt);
     CHECK(granted.format.sample_rate == 48_kHz);
-    CHECK(granted.block_frames == kPeriod);
+    CHECK(granted.block_frames == (way.name == "portaudio:alsa" ? 0 : kPeriod));
     CHECK(granted.xruns_move_delay == way.alsa);
   }
 }

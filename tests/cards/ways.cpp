@@ -71,19 +71,19 @@ std::unique_ptr<CardOnServer> start_card(const DelayClient::Settings& card,
   return begun ? std::make_unique<CardOnServer>(std::move(begun), card) : nullptr;
 }
 
+AlsaConfig::AlsaConfig(const std::string& text)
+    : file_(fs::temp_directory_path() / fmt::format("tactus-alsa-{}.conf", ::getpid())) {
+  std::ofstream{file_} << text;
+  ::setenv("ALSA_CONFIG_PATH", file_.c_str(), 1);
+}
+
+AlsaConfig::~AlsaConfig() { fs::remove(file_); }
+
 CardOnServer::CardOnServer(std::unique_ptr<SoundServer> begun, const DelayClient::Settings& settings)
     : server(std::move(begun)),
       card(std::make_unique<DelayClient>(settings)),
       settings_(settings),
-      alsa_config_(fs::temp_directory_path() / fmt::format("tactus-alsa-{}.conf", ::getpid())) {
-  std::ofstream{alsa_config_} << alsa_config(card->name(), settings.channels);
-  ::setenv("ALSA_CONFIG_PATH", alsa_config_.c_str(), 1);
-}
-
-CardOnServer::~CardOnServer() {
-  card.reset();
-  fs::remove(alsa_config_);
-}
+      alsa_(alsa_config(card->name(), settings.channels)) {}
 
 void CardOnServer::restart() {
   card.reset();

@@ -21,11 +21,20 @@ bool has_alsa();
 /// Those whose libraries are there: RtAudio and PortAudio, each over JACK and ALSA.
 std::vector<Way> every_way();
 
+/// All that ALSA knows, while this is there.
+class AlsaConfig {
+ public:
+  explicit AlsaConfig(const std::string& text);
+  ~AlsaConfig();
+
+ private:
+  std::filesystem::path file_;
+};
+
 /// A real server, a card of known delay on it, and the same card as ALSA's default device.
 class CardOnServer {
  public:
   CardOnServer(std::unique_ptr<SoundServer> begun, const DelayClient::Settings& settings);
-  ~CardOnServer();
 
   /// After the server was killed: both begin again, under their names.
   void restart();
@@ -37,7 +46,7 @@ class CardOnServer {
 
  private:
   DelayClient::Settings settings_;
-  std::filesystem::path alsa_config_;
+  AlsaConfig alsa_;
 };
 
 /// nullptr: there can be none here, and the test's output says why.
