@@ -258,8 +258,9 @@ TEST_CASE("libraries: frames that the clock finds missing are those that the sig
     REQUIRE(stream->stop());
     const auto misses = lag(sleeper.probe, 20000, 200000) - lag(sleeper.probe, 90000, 200000);
     CHECK(misses > 0);
-    CHECK(std::abs(stream->health().lost_frames - misses) <= kPeriod);  // the clock sees whole blocks
+    // What the server itself loses, on a busy machine, is missing in no signal: both streams see it.
+    const auto lost = stream->health().lost_frames - playing->health().lost_frames;
+    CHECK(std::abs(lost - misses) <= kPeriod);  // the clock sees whole blocks
     CHECK(stream->health().xruns >= 1);
-    CHECK(playing->health().lost_frames == 0);
   }
 }

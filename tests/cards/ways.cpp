@@ -77,7 +77,10 @@ AlsaConfig::AlsaConfig(const std::string& text)
   ::setenv("ALSA_CONFIG_PATH", file_.c_str(), 1);
 }
 
-AlsaConfig::~AlsaConfig() { fs::remove(file_); }
+AlsaConfig::~AlsaConfig() {
+  ::unsetenv("ALSA_CONFIG_PATH");
+  fs::remove(file_);
+}
 
 CardOnServer::CardOnServer(std::unique_ptr<SoundServer> begun, const DelayClient::Settings& settings)
     : server(std::move(begun)),
