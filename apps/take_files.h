@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+
+#include "backends/take/take.h"
+#include "engine/graph/load.h"
+#include "engine/graph/node_table.h"
+
+namespace tactus::app {
+
+/// What a take keeps of a graph: its texts as they were read, and fingerprints of the sound files that its
+/// nodes play. `root`: the folder that no path leaves.
+TakeFiles take_files(const LoadedGraph& graph, const NodeTable& table, const std::filesystem::path& root);
+
+/// Writes the graph of a take below `folder`, with copies of today's sound files. Gives the file to load.
+/// Errors: BadFile for a path that would lead out of the folder, and for a sound file that is gone or not
+/// what it was.
+Result<std::filesystem::path> unpack(const TakeFiles& files, const std::filesystem::path& folder);
+
+}  // namespace tactus::app
