@@ -79,6 +79,9 @@ class Guarded final : public BlockProcessor {
   /// [control, one thread] What made drives fade out, oldest first. False: nothing new.
   [[nodiscard]] bool take_event(GuardEvent& event) noexcept { return events_.pop(event); }
 
+  /// [any] What it was made with.
+  const std::vector<GuardedChannel>& channels() const noexcept { return config_; }
+  bool armed_at_start() const noexcept { return armed_at_start_; }
   /// [control & stopped] What brings a new Guarded of the same channels to the state of this one, as entries
   /// for frame 0: arms, mutes and heats that are not those of a fresh one.
   std::vector<JournalEntry> state() const;
