@@ -33,10 +33,12 @@ RebuiltGraph::~RebuiltGraph() {
 
 Checked<std::unique_ptr<Schedule>> RebuiltGraph::compile_version(
     const TakeFiles& files, const std::map<std::string, double>& settings) {
-  const auto folder = folder_ / std::to_string(versions_++);
-  const auto file = unpack(files, folder);
+  // All versions in one place: a node that plays a sound file is another one if the path is another one.
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+  const auto file = unpack(files, folder_);
   if (!file) return tl::unexpected(std::vector{file.error()});
-  const auto loaded = load_graph_leniently(*file, folder);
+  const auto loaded = load_graph_leniently(*file, folder_);
   if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
   name_ = loaded.spec->name;
   CompileOptions options;

@@ -34,7 +34,6 @@ class RebuiltGraph {
 
   const TakeHeader& header_;
   std::filesystem::path folder_;
-  int versions_ = 0;
   std::string name_;
   std::unique_ptr<Engine> engine_;
 };
