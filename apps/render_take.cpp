@@ -81,7 +81,7 @@ int render_recorded(const ReplayOptions& options, OpenTake& open) {
   if (!graph) return report(graph.error());
   auto& engine = (*graph)->engine();
   engine.set_journal(open.take.engine);
-  Guarded guarded{engine, header.guard, header.armed};
+  Guarded guarded{(*graph)->processor(), header.guard, header.armed};
   const auto replace = [&](const TakeEdit& edit) { return (*graph)->replace(edit); };
   const ReplayHost host{guarded, sensors_for(header, header.inputs), engine.out_channels(), replace, true};
   const auto replayed = play_into(options, open, host);
@@ -131,9 +131,11 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
   engine.set_journal(journal_for(open.take, engine));
   const auto drives = apply(options.guard, recorded_drives(header), root_of(file));
   if (!drives) return report(drives.error());
-  Guarded guarded{engine, guarded_channels(engine.schedule(), *drives), header.armed};
   const auto& inputs = engine.schedule().input_names;
-  const ReplayHost host{guarded, sensors_for(header, inputs), engine.out_channels(), {}, false};
+  const auto sensors = sensors_for(header, inputs);
+  RigInputs rig{engine, scales_for(header, sensors), header.padding_frames};
+  Guarded guarded{rig, guarded_channels(engine.schedule(), *drives), header.armed};
+  const ReplayHost host{guarded, sensors, engine.out_channels(), {}, false};
   const auto replayed = play_into(options, open, host);
   if (!replayed) return report(replayed.error());
   if (options.json) {
@@ -145,7 +147,7 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
   fmt::print("{}: played the sensors of the take for {:.3f} s\n", loaded.spec->name,
              static_cast<double>(replayed->frames) / header.sample_rate.value);
   for (std::size_t i = 0; i < inputs.size(); ++i)
-    if (host.sensors[i] < 0) fmt::print("the take has no sensor '{}': it was silent\n", inputs[i]);
+    if (sensors[i] < 0) fmt::print("the take has no sensor '{}': it was silent\n", inputs[i]);
   if (!open.take.edits.empty()) fmt::print("edits that were made while it was recorded are left out\n");
   print_rest(options, open);
   return kDone;

@@ -22,6 +22,11 @@ fs::path new_folder() {
   return fs::temp_directory_path() / fmt::format("tactus_replay_{}_{}", ticks, count++);
 }
 
+std::unique_ptr<RigInputs> rig_of(const TakeHeader& header, BlockProcessor& instrument) {
+  if (!RigInputs::needed(header.input_scales, header.padding_frames)) return nullptr;
+  return std::make_unique<RigInputs>(instrument, header.input_scales, header.padding_frames);
+}
+
 }  // namespace
 
 RebuiltGraph::RebuiltGraph(const TakeHeader& header) : header_(header), folder_(new_folder()) {}
@@ -54,6 +59,7 @@ Checked<std::unique_ptr<RebuiltGraph>> RebuiltGraph::build(const TakeHeader& hea
   auto schedule = graph->compile_version(header.files, header.settings);
   if (!schedule) return tl::unexpected(schedule.error());
   graph->engine_ = std::make_unique<Engine>(std::move(*schedule));
+  graph->rig_ = rig_of(header, *graph->engine_);
   return graph;
 }
 
@@ -85,6 +91,15 @@ std::vector<int> sensors_for(const TakeHeader& header, const std::vector<std::st
     sensors.push_back(found == header.inputs.end() ? -1 : static_cast<int>(found - header.inputs.begin()));
   }
   return sensors;
+}
+
+std::vector<double> scales_for(const TakeHeader& header, const std::vector<int>& sensors) {
+  std::vector<double> scales;
+  for (const int sensor : sensors) {
+    const auto known = sensor >= 0 && static_cast<std::size_t>(sensor) < header.input_scales.size();
+    scales.push_back(known ? header.input_scales[static_cast<std::size_t>(sensor)] : 1.0);
+  }
+  return scales;
 }
 
 bool is_same(const Take& take, const Replayed& replayed) {

@@ -8,7 +8,7 @@
 
 #include "backends/take/replay.h"
 #include "engine/runtime/engine.h"
-#include "engine/scene/guard_report.h"
+#include "engine/scene/rig_inputs.h"
 
 namespace tactus::app {
 
@@ -24,6 +24,8 @@ class RebuiltGraph {
 
   const std::string& name() const { return name_; }
   Engine& engine() { return *engine_; }
+  /// What the guard takes: the engine, and before it what the rig did to the inputs.
+  BlockProcessor& processor() { return rig_ == nullptr ? static_cast<BlockProcessor&>(*engine_) : *rig_; }
   /// [control] What `ReplayHost::replace` wants.
   Status replace(const TakeEdit& edit);
 
@@ -36,6 +38,7 @@ class RebuiltGraph {
   std::filesystem::path folder_;
   std::string name_;
   std::unique_ptr<Engine> engine_;
+  std::unique_ptr<RigInputs> rig_;
 };
 
 /// The changes of controls of a take as another graph counts them, by name; those that it does not have are
@@ -44,6 +47,9 @@ std::vector<JournalEntry> journal_for(const Take& take, const Engine& engine);
 
 /// Which recorded sensor each input of a graph hears, by name; -1: none.
 std::vector<int> sensors_for(const TakeHeader& header, const std::vector<std::string>& inputs);
+
+/// What the rig made of these sensors: its scale of each.
+std::vector<double> scales_for(const TakeHeader& header, const std::vector<int>& sensors);
 
 /// "the same, bit for bit, for 12.345 s", or where it is not, or why that cannot be said.
 std::string verdict(const Take& take, const Replayed& replayed);

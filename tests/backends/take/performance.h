@@ -25,12 +25,16 @@ auto must(Wanted result) {
 /// sizes, controls, arm and mute at any frame, edits while it plays, stops, sensors that fall out.
 class Performance {
  public:
+  /// Every third seed plays through a rig.
   Performance(std::filesystem::path graph, std::filesystem::path wav, unsigned seed,
               std::vector<GuardedChannel> guard = {})
       : graph_(std::move(graph)),
         bits_(seed),
         engine_(compiled()),
-        guarded_(engine_, std::move(guard), seed % 2 == 0),
+        scales_(static_cast<std::size_t>(engine_.in_channels()), seed % 3 == 0 ? 1.0 / 3.0 : 1.0),
+        padding_(seed % 3 == 0 ? 333 : 0),
+        rig_(engine_, scales_, padding_),
+        guarded_(rig_, std::move(guard), seed % 2 == 0),
         sensors_(static_cast<std::size_t>(engine_.in_channels()), std::vector<double>(kLongest)),
         drives_(static_cast<std::size_t>(engine_.out_channels()), std::vector<double>(kLongest)) {
     for (auto& channel : sensors_) in_.push_back(channel.data());
@@ -99,6 +103,8 @@ class Performance {
       if (channel.use != OutputUse::Tap) header.outputs.push_back(channel.name);
     header.controls = engine_.control_names();
     header.files = files_;
+    header.input_scales = scales_;
+    header.padding_frames = padding_;
     header.guard = guarded_.channels();
     header.armed = guarded_.armed_at_start();
     header.state = guarded_.state();
@@ -128,6 +134,9 @@ class Performance {
   std::mt19937 bits_;
   TakeFiles files_;
   Engine engine_;
+  std::vector<double> scales_;
+  int padding_;
+  RigInputs rig_;
   Guarded guarded_;
   std::unique_ptr<TakeRecorder> recorder_;
   std::vector<std::vector<double>> sensors_, drives_;
@@ -152,7 +161,7 @@ inline ReplayOfTake replay_of(const std::filesystem::path& path, const std::vect
   auto graph = must(app::RebuiltGraph::build(result.take.header));
   auto& engine = graph->engine();
   engine.set_journal(result.take.engine);
-  Guarded guarded{engine, result.take.header.guard, result.take.header.armed};
+  Guarded guarded{graph->processor(), result.take.header.guard, result.take.header.armed};
   result.drives.resize(static_cast<std::size_t>(engine.out_channels()));
   const ReplayHost host{guarded, app::sensors_for(result.take.header, result.take.header.inputs),
                         engine.out_channels(), [&](const TakeEdit& edit) { return graph->replace(edit); },

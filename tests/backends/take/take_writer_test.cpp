@@ -4,7 +4,7 @@
 #include <sys/resource.h>
 
 #include <catch2/catch.hpp>
-#include <numeric>
+#include <thread>
 
 #include "backends/take/take_recorder.h"
 #include "backends/wav_file.h"
@@ -224,4 +224,37 @@ TEST_CASE("take: hearing and writing down allocates nothing on the audio thread"
     stream.block();
   }
   CHECK(allocation_count() == before);
+}
+
+TEST_CASE("take: audio, writer and control thread at once lose nothing and do not race", "[take][threads]") {
+  const TemporaryFolder folder;
+  const auto recorder = TakeRecorder::start(folder.path() / "take.wav", header_of_two());
+  REQUIRE(recorder.has_value());
+  constexpr int kBlocks = 2000;  // less than the ring holds
+  std::thread audio{[&] {
+    Stream stream{(*recorder)->tap()};
+    for (int n = 0; n < kBlocks; ++n) {
+      if (n % 10 == 9)
+        (*recorder)->tap().applied({stream.frame, JournalEntry::Kind::Replacement, n / 10 + 1, 0.0});
+      stream.block();
+    }
+  }};
+  for (int n = 0; n < kBlocks / 10; ++n) {
+    (*recorder)->note_edit({0, {"a.toml", {{"a.toml", std::to_string(n)}}, {}, ""}, {}, {}});
+    CHECK((*recorder)->status().trouble.empty());
+  }
+  audio.join();
+  CHECK((*recorder)->finish().empty());
+  const auto take = read_take(folder.path() / "take.wav");
+  REQUIRE(take.has_value());
+  REQUIRE(take->edits.size() == kBlocks / 10);
+  for (int n = 0; n < kBlocks / 10; ++n) {
+    const auto& edit = take->edits[static_cast<std::size_t>(n)];
+    CHECK(edit.frame == (10 * n + 9) * kFrames);
+    CHECK(edit.files.texts.at("a.toml") == std::to_string(n));
+  }
+  const auto samples = read_wav(folder.path() / "take.wav");
+  REQUIRE(samples->frames() == kBlocks * kFrames);
+  for (std::size_t n = 0; n < kBlocks * kFrames; ++n)
+    REQUIRE(samples->channels[0][n] == static_cast<double>(n));
 }
