@@ -63,6 +63,28 @@ TakeFiles take_files(const LoadedGraph& graph, const NodeTable& table, const fs:
   return files;
 }
 
+std::map<std::string, double> take_settings(const Schedule& schedule) {
+  std::map<std::string, double> settings;
+  for (const auto& scheduled : schedule.controls) settings[scheduled.control.name] = scheduled.control.value;
+  return settings;
+}
+
+TakeHeader take_header(const Engine& engine, const Guarded& guarded) {
+  const auto& schedule = engine.schedule();
+  TakeHeader header;
+  header.sample_rate = schedule.sample_rate;
+  header.inputs = schedule.input_names;
+  for (const auto& channel : schedule.channels)
+    if (channel.use != OutputUse::Tap) header.outputs.push_back(channel.name);
+  header.controls = engine.control_names();
+  header.settings = take_settings(schedule);
+  header.system_delay = schedule.system_delay_at_start;
+  header.guard = guarded.channels();
+  header.armed = guarded.armed_at_start();
+  header.state = guarded.state();
+  return header;
+}
+
 Result<fs::path> unpack(const TakeFiles& files, const fs::path& folder) {
   std::error_code error;
   for (const auto& [name, text] : files.texts) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -33,11 +34,16 @@ class Bytes {
 std::uint64_t frame_bytes(int channels) { return sizeof(float) * static_cast<std::uint64_t>(channels); }
 
 tl::unexpected<Error> cannot_write(const std::filesystem::path& path) {
-  return fail(Errc::BadFile, path.string(), "it could not be written to the end",
-              "check the space on the disk");
+  return fail(Errc::BadFile, path.string(), why_not_written(), "check the space on the disk");
 }
 
 }  // namespace
+
+std::string why_not_written() {
+  const std::error_code error{errno, std::generic_category()};
+  if (error == std::errc::no_space_on_device) return "the disk is full";
+  return fmt::format("the disk takes no more ({})", error ? error.message() : "it does not say why");
+}
 
 std::string wav_header(Hertz sample_rate, int channels, std::int64_t frames) {
   constexpr std::uint64_t kBehindRiff = 86;  // bytes of the header behind the first eight

@@ -63,6 +63,7 @@ TakeStatus TakeRecorder::status() const {
   status.dropped_frames = ring_->dropped_frames();
   status.lost_entries = ring_->lost_entries();
   status.restarted = ring_->restarted();
+  status.words = in_words(status);
   return status;
 }
 
@@ -74,15 +75,17 @@ std::vector<std::string> TakeRecorder::finish() {
   }
   wake_.notify_one();
   thread_.join();
-  const auto status = this->status();
-  const auto seconds = [&](std::int64_t frames) { return static_cast<double>(frames) / sample_rate_.value; };
+  return status().words;
+}
+
+std::vector<std::string> TakeRecorder::in_words(const TakeStatus& status) const {
+  const double dropped_s = static_cast<double>(status.dropped_frames) / sample_rate_.value;
   std::vector<std::string> words;
   if (!status.trouble.empty())
     words.push_back(fmt::format("the take ends at {:.3f} s: {}", status.recorded.value, status.trouble));
   else if (status.dropped_frames > 0)
-    words.push_back(
-        fmt::format("the disk was too slow: {:.3f} s of the take are missing; their places are marked",
-                    seconds(status.dropped_frames)));
+    words.push_back(fmt::format(
+        "the disk was too slow: {:.3f} s of the take are missing; their places are marked", dropped_s));
   if (status.lost_entries > 0)
     words.push_back(fmt::format("{} changes could not be kept: the take cannot be replayed bit for bit",
                                 status.lost_entries));

@@ -22,6 +22,7 @@ struct TakeStatus {
   std::int64_t lost_entries = 0;    ///< such a take cannot be replayed bit for bit
   bool restarted = false;           ///< the stream was prepared anew: finish, and begin another take
   std::string trouble;              ///< why nothing is written any more: the disk is full; empty: all is well
+  std::vector<std::string> words;   ///< what did not go well; none: all did
 };
 
 /// Records a take: take.wav with sensors and drives, and take.jsonl with everything else that entered
@@ -29,7 +30,7 @@ struct TakeStatus {
 /// every 20 ms and writes. What the sound does never depends on the disk.
 ///
 ///   auto stream = backend.open(request, guarded);              // prepares `guarded`
-///   TakeHeader header = …; header.state = guarded.state();
+///   TakeHeader header = …;                                     // apps/take_files.h: take_header
 ///   auto recorder = TakeRecorder::start("take.wav", header);   // before the stream starts
 ///   guarded.set_tap(&(*recorder)->tap());
 ///   engine.set_tap(&(*recorder)->tap());
@@ -59,13 +60,14 @@ class TakeRecorder {
   void note_edit(TakeEdit edit);
   /// [control]
   TakeStatus status() const;
-  /// [control & stopped] Writes what is left and ends the files. What did not go well, in words; nothing if
-  /// all did. A second call says nothing.
+  /// [control & stopped] Writes what is left and ends the files. Gives the words of the last status; a second
+  /// call gives none.
   std::vector<std::string> finish();
 
  private:
   TakeRecorder(TakeHeader header, std::unique_ptr<TakeRing> ring, TakeWriter writer);
   void run();
+  std::vector<std::string> in_words(const TakeStatus& status) const;
 
   Hertz sample_rate_;
   std::unique_ptr<TakeRing> ring_;

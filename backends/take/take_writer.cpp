@@ -15,11 +15,17 @@ constexpr Seconds kSettleEvery{0.2};
 
 Result<TakeWriter> TakeWriter::create(const std::filesystem::path& wav, const TakeHeader& header,
                                       TakeRing& ring) {
+  const auto journal = journal_path(wav);
+  std::error_code ignored;
+  if (std::filesystem::exists(journal, ignored))
+    return fail(Errc::BadFile, journal.string(), "the journal of a take is there already",
+                "choose another name, or move it away");
   auto file = GrowingWav::create(wav, header.sample_rate, ring.channels());
   if (!file) return tl::unexpected(file.error());
-  TakeWriter writer{std::move(*file), journal_path(wav), header, ring};
+  TakeWriter writer{std::move(*file), journal, header, ring};
   if (writer.journal_) return writer;
-  return fail(Errc::BadFile, journal_path(wav).string(), "it cannot be written",
+  std::filesystem::remove(wav, ignored);
+  return fail(Errc::BadFile, journal.string(), "it cannot be written",
               "check that the folder may be written to and the disk has space");
 }
 
@@ -94,7 +100,7 @@ void TakeWriter::note_progress() {
 void TakeWriter::settle() {
   note_progress();
   journal_ << complete_line(progress_) << std::flush;
-  if (!journal_) return fail_with("the journal could not be written to the end");
+  if (!journal_) return fail_with(why_not_written());
   if (const auto status = wav_.settle(); !status) return fail_with(status.error().what);
   settled_ = wav_.frames();
 }

@@ -66,7 +66,7 @@ class Performance {
   void replace(const std::string& text) {
     std::ofstream{graph_, std::ios::binary} << text;
     must(engine_.replace(compiled(), pick(2) == 0 ? JournalEntry::kNow : soon()));
-    recorder_->note_edit({0, files_, {}, engine_.control_names()});
+    recorder_->note_edit({0, files_, app::take_settings(engine_.schedule()), engine_.control_names()});
   }
   /// What the recorder says at the end.
   std::vector<std::string> finish() {
@@ -95,19 +95,11 @@ class Performance {
   }
 
   TakeHeader header() {
-    TakeHeader header;
+    auto header = app::take_header(engine_, guarded_);
     header.program = "test";
-    header.sample_rate = kRate;
-    header.inputs = engine_.schedule().input_names;
-    for (const auto& channel : engine_.schedule().channels)
-      if (channel.use != OutputUse::Tap) header.outputs.push_back(channel.name);
-    header.controls = engine_.control_names();
     header.files = files_;
     header.input_scales = scales_;
     header.padding_frames = padding_;
-    header.guard = guarded_.channels();
-    header.armed = guarded_.armed_at_start();
-    header.state = guarded_.state();
     return header;
   }
 

@@ -136,13 +136,13 @@ TEST_CASE("take: a full disk ends the take and keeps what is there", "[take]") {
       for (int n = 0; n < 90; ++n) stream.block();
       (void)writer->work();
     }
-    CHECK(writer->trouble() == "it could not be written to the end");
+    CHECK(writer->trouble() == "the disk takes no more (File too large)");
     CHECK_FALSE(writer->work());
     writer->finish();
   }
   const auto take = read_take(path);
   REQUIRE(take.has_value());
-  CHECK(take->ended == "it could not be written to the end");
+  CHECK(take->ended == "the disk takes no more (File too large)");
   const auto samples = read_wav(path);
   REQUIRE(samples.has_value());
   CHECK(samples->frames() == (200'003 - 94) / 8);
@@ -190,6 +190,7 @@ TEST_CASE("take: a stream that begins again ends the take", "[take]") {
   (*recorder)->tap().applied({0, JournalEntry::Kind::Arm, 0, 1.0});
   for (int n = 0; n < 5; ++n) stream.block();
   CHECK((*recorder)->status().restarted);
+  CHECK((*recorder)->status().words.size() == 1);
   CHECK((*recorder)->finish() ==
         std::vector<std::string>{"the stream began again at 0.006 s, and the take ends there"});
   const auto take = read_take(folder.path() / "take.wav");
