@@ -52,9 +52,11 @@ Result<Take> read_take(const fs::path& wav) {
 std::string why_not_exact(const Take& take) {
   if (take.lost_entries > 0)
     return fmt::format("{} changes of controls or of the guard could not be kept", take.lost_entries);
-  if (!take.gaps.empty())
-    return fmt::format("{} times frames could not be kept, first at {:.3f} s", take.gaps.size(),
-                       static_cast<double>(take.gaps.front().frame) / take.header.sample_rate.value);
+  if (!take.gaps.empty()) {
+    const auto first_s = static_cast<double>(take.gaps.front().frame) / take.header.sample_rate.value;
+    if (take.gaps.size() == 1) return fmt::format("frames are missing at {:.3f} s", first_s);
+    return fmt::format("frames are missing in {} places, first at {:.3f} s", take.gaps.size(), first_s);
+  }
   if (take.rounded_sensors > 0)
     return fmt::format("{} samples of its sensors have more digits than a WAV file of floats keeps",
                        take.rounded_sensors);

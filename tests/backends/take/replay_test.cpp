@@ -1,7 +1,9 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
+#include "backends/take/take_lines.h"
 #include "engine/scene/profile.h"
 #include "tests/backends/take/performance.h"
 #include "tests/conformance/random_graph.h"
@@ -131,6 +133,57 @@ TEST_CASE("takes: a change that is left out of the journal shows where it was", 
   REQUIRE(again.replayed.first_difference.has_value());
   CHECK(again.replayed.first_difference->frame == 777);
   CHECK(again.verdict().starts_with("the drives differ from 0.0162 s on (frame 777): 'y' is "));
+}
+
+TEST_CASE("takes: one that was cut anywhere is the same up to there", "[take]") {
+  const TemporaryFolder folder;
+  const auto wav = folder.path() / "take.wav", journal = journal_path(wav);
+  Performance performance{
+      folder.write("test.toml", kBusyGraph + kOutputs), wav, 5, {{DriveGuard::Kind::Drive, woofer()}}};
+  for (int n = 0; n < 12; ++n) {
+    performance.play(10000, edited_busy_graph);
+    while (performance.recorder().status().recorded < Seconds{(n + 1) * 10000 / 48000.0})
+      std::this_thread::yield();
+  }
+  CHECK(performance.finish().empty());
+  const auto bytes = std::filesystem::file_size(journal);
+  std::int64_t last = 120000;
+  for (const auto percent : {99u, 90u, 75u, 50u, 25u}) {
+    std::filesystem::resize_file(journal, bytes * percent / 100);
+    const auto again = replay_of(wav, {128});
+    INFO(again.verdict());
+    CHECK(again.same());
+    CHECK_FALSE(again.take.finished);
+    CHECK(again.replayed.frames <= last);
+    last = again.replayed.frames;
+  }
+  CHECK(last < 120000);
+}
+
+TEST_CASE("takes: one with a gap is played, but not called the same", "[take]") {
+  const TemporaryFolder folder;
+  const auto wav = folder.path() / "take.wav";
+  Performance performance{folder.write("test.toml", kBusyGraph + kOutputs), wav, 4};
+  performance.play(5000);
+  CHECK(performance.finish().empty());
+  std::ofstream{journal_path(wav), std::ios::app} << gap_line({4999, 1});
+  const auto again = replay_of(wav, {64});
+  CHECK(again.replayed.frames == 5000);
+  CHECK_FALSE(again.same());
+  CHECK(again.verdict() ==
+        "this take cannot be replayed bit for bit: frames are missing at 0.104 s; what is there is the same");
+}
+
+TEST_CASE("takes: a WAV of another take is refused", "[take]") {
+  const TemporaryFolder folder;
+  const auto wav = folder.path() / "take.wav";
+  Performance performance{folder.write("test.toml", kBusyGraph + kOutputs), wav, 4};
+  performance.play(500);
+  CHECK(performance.finish().empty());
+  must(write_wav(wav, {44100_Hz, {{0.0}}}));
+  CHECK_THROWS_WITH(
+      replay_of(wav, {64}),
+      Catch::Contains("the WAV file has 1 channels at 44100 Hz, and the journal beside it 5 at 48000 Hz"));
 }
 
 TEST_CASE("takes: what a restart leaves warm, muted or disarmed is in it", "[take]") {

@@ -82,7 +82,7 @@ TEST_CASE("take: a disk that stands still drops whole blocks, tells where, and k
   CHECK(take->gaps == std::vector<TakeGap>{{10 * kFrames, 15 * kFrames}});
   CHECK(take->complete == 28 * kFrames);
   CHECK(take->finished);
-  CHECK(why_not_exact(*take) == "1 times frames could not be kept, first at 0.021 s");
+  CHECK(why_not_exact(*take) == "frames are missing at 0.021 s");
   const auto samples = read_wav(path);
   REQUIRE(samples.has_value());
   REQUIRE(samples->frames() == 28 * kFrames);
