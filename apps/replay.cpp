@@ -10,11 +10,22 @@
 #include "apps/take_files.h"
 #include "engine/graph/compile.h"
 #include "engine/nodes/table.h"
+#include "engine/scene/check_rig.h"
 
 namespace tactus::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// A rig that does nothing but leave these ports out.
+Rig leaving_out(const std::vector<std::string>& ports) {
+  Rig rig;
+  for (const auto& port : ports) {
+    rig.inputs.emplace_back().name = port;
+    rig.outputs.emplace_back().name = port;
+  }
+  return rig;
+}
 
 fs::path new_folder() {
   static std::atomic<int> count{0};
@@ -43,8 +54,9 @@ Checked<std::unique_ptr<Schedule>> RebuiltGraph::compile_version(
   fs::remove_all(folder_, ignored);
   const auto file = unpack(files, folder_);
   if (!file) return tl::unexpected(std::vector{file.error()});
-  const auto loaded = load_graph_leniently(*file, folder_);
+  auto loaded = load_graph_leniently(*file, folder_);
   if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
+  loaded.spec = without_left_out(leaving_out(header_.left_out), loaded.spec);
   name_ = loaded.spec->name;
   CompileOptions options;
   options.sample_rate = header_.sample_rate;

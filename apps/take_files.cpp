@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -67,6 +68,15 @@ std::map<std::string, double> take_settings(const Schedule& schedule) {
   std::map<std::string, double> settings;
   for (const auto& scheduled : schedule.controls) settings[scheduled.control.name] = scheduled.control.value;
   return settings;
+}
+
+void add_rig(const Rig& rig, const std::string& text, TakeHeader& header) {
+  header.rig = text;
+  const auto add = [&](const RigPort& port) {
+    if (port.channels.empty()) header.left_out.push_back(port.name);
+  };
+  std::for_each(rig.inputs.begin(), rig.inputs.end(), add);
+  std::for_each(rig.outputs.begin(), rig.outputs.end(), add);
 }
 
 TakeHeader take_header(const Engine& engine, const Guarded& guarded) {

@@ -32,6 +32,7 @@ struct TakeHeader {
   std::vector<std::string> taps;           ///< that the graph was compiled with
   Seconds system_delay;                    ///< that the graph was compiled with
   std::string rig;                         ///< text of the rig file, or empty
+  std::vector<std::string> left_out;       ///< ports of the graph that the rig left out
   /// What the rig did to the inputs behind the guard; the WAV holds them as they came from the card.
   std::vector<double> input_scales;  ///< empty: all 1
   int padding_frames = 0;            ///< that inputs were held back for

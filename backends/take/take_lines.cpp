@@ -137,6 +137,7 @@ TakeHeader header_of(const Json& json) {
   for (const auto& entry : json.at("state")) header.state.push_back(entry_of(entry));
   header.guard = channels_of(json.at("guard"));
   header.rig = json.at("rig");
+  header.left_out = json.at("left_out").get<std::vector<std::string>>();
   for (const auto& scale : json.at("input_scales")) header.input_scales.push_back(number_of(scale));
   header.padding_frames = json.at("padding_frames");
   header.files = files_of(json.at("files"));
@@ -185,6 +186,7 @@ std::string header_line(const TakeHeader& header) {
                   {"state", std::move(state)},
                   {"guard", json_of(header.guard)},
                   {"rig", header.rig},
+                  {"left_out", header.left_out},
                   {"input_scales", header.input_scales},
                   {"padding_frames", header.padding_frames},
                   {"files", json_of(header.files)}});

@@ -33,12 +33,12 @@ struct GuardEvent {
   bool operator==(const GuardEvent&) const = default;
 };
 
-/// Hears every block as it went by, for a take or a meter, and before it what the guard applied in it.
+/// Hears every block as it went by, for a take or a meter, and before it what the guard applied in it. A tap
+/// that hands on blocks hands on both.
 class BlockTap : public JournalTap {
  public:
   /// [realtime & prepared] What came in and what goes out behind the guard; its first frame since `prepare`.
   virtual void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING = 0;
-  void applied(const JournalEntry&) noexcept TACTUS_NONBLOCKING override {}
 };
 
 /// Any BlockProcessor with the drive guard behind every output channel and a watch at every input. Backends

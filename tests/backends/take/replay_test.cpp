@@ -231,6 +231,26 @@ TEST_CASE("takes: another instrument hears the sensors of its own names, and its
   CHECK(entries[1].index == engine.control_index("pitch"));
 }
 
+TEST_CASE("takes: ports that a rig left out are left out again", "[take]") {
+  Rig rig;
+  rig.inputs.emplace_back().name = "x";
+  rig.inputs.back().channels = {1};
+  rig.inputs.emplace_back().name = "spare";
+  rig.outputs.emplace_back().name = "sound";
+  TakeHeader header;
+  app::add_rig(rig, "text", header);
+  CHECK(header.left_out == std::vector<std::string>{"spare", "sound"});
+  header.files = {"a.toml",
+                  {{"a.toml",
+                    "format = 1\n[inputs]\nx = {}\nspare = {}\n[outputs]\ny = { from = \"x + spare\" }\n"
+                    "sound = { from = \"spare\", kind = \"audio\" }\n"}},
+                  {},
+                  ""};
+  const auto graph = must(app::RebuiltGraph::build(header));
+  CHECK(graph->engine().schedule().input_names == std::vector<std::string>{"x"});
+  CHECK(graph->engine().out_channels() == 1);
+}
+
 TEST_CASE("takes: a take that would write outside of its folder is refused", "[take]") {
   const TemporaryFolder folder;
   const auto refused = [&](const TakeFiles& files) {

@@ -24,6 +24,7 @@ TakeHeader full_header() {
   header.taps = {"hit"};
   header.system_delay = Seconds{0.02};
   header.rig = "rig";
+  header.left_out = {"sound"};
   header.input_scales = {1.0 / 3.0};
   header.padding_frames = 7;
   DriveLimits limits = cautious_limits();
