@@ -7,6 +7,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/play_report.h"
+#include "apps/render_take.h"
 #include "backends/offline/offline.h"
 #include "backends/resample.h"
 #include "engine/graph/compile.h"
@@ -21,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct RenderOptions {
-  std::string target, in, out, events, rate, delay, duration;
+  std::string target, replay, in, out, events, rate, delay, duration;
   int block = 256;
   std::string format = "float";
   std::vector<std::string> set;
@@ -219,7 +220,24 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   return kDone;
 }
 
+int replay(const RenderOptions& options) {
+  for (const auto& [text, name] : {std::pair{&options.in, "--in"},
+                                   {&options.events, "--events"},
+                                   {&options.rate, "--rate"},
+                                   {&options.duration, "--duration"}})
+    if (!text->empty())
+      return report(Error{Errc::BadArgument, name, "does not go with --replay", "leave one of them out"}),
+             kUsage;
+  return render_take({options.replay, options.target, options.out, options.format, options.block, options.set,
+                      options.delay, options.guard, options.json});
+}
+
 int run(const RenderOptions& options) {
+  if (!options.replay.empty()) return replay(options);
+  if (options.target.empty())
+    return report(Error{Errc::Missing, "", "there is nothing to render",
+                        "name an instrument, a scene or a take"}),
+           kUsage;
   const auto folder = std::filesystem::is_directory(options.target);
   const auto scene_file = resolve_target(options.target, "scene.toml");
   const auto table = load_toml(scene_file);
@@ -238,10 +256,12 @@ void add_render(CLI::App& app, int& exit_code) {
   auto* command =
       app.add_subcommand("render", "Run an instrument on a WAV file, or a scene, without hardware");
   auto options = std::make_shared<RenderOptions>();
-  command
-      ->add_option("FILE", options->target,
-                   "instrument or scene; a folder means its scene.toml, with --in its instrument.toml")
-      ->required();
+  command->add_option("FILE", options->target,
+                      "instrument or scene; a folder means its scene.toml, with --in its instrument.toml");
+  command->add_option(
+      "--replay", options->replay,
+      "take.wav of --record: plays it again and tells whether the drives are the same bit for "
+      "bit; with FILE, plays its sensors on that instrument");
   command->add_option("--in", options->in, "WAV file: channel k goes to the k-th input");
   command->add_option("--out", options->out, "WAV file for the outputs, in the order of the file");
   command->add_option(
@@ -263,6 +283,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command->footer(
       "Examples:\n  tactus render instruments/haptic_drum --in hits.wav --out drive.wav --events "
       "events.json\n"
+      "  tactus render --replay take.wav --out drives.wav\n"
       "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

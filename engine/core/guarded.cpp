@@ -99,12 +99,18 @@ void Guarded::skip_soft_start() noexcept {
 }
 
 void Guarded::process(const BlockIo& io) noexcept {
-  const NoDenormals no_denormals;
   const auto first_frame = frame_.load(kRelaxed);
-  if (std::exchange(stopped_, false)) open_guards(first_frame);
-  for (int offset = 0; offset < io.frames; offset += format_.max_frames)
-    process_piece(io, offset, std::min(format_.max_frames, io.frames - offset));
-  for (auto& channel : channels_) channel.publish();
+  {
+    const NoDenormals no_denormals;
+    if (std::exchange(stopped_, false)) {
+      open_guards(first_frame);
+      tell({first_frame, JournalEntry::Kind::Halt, 0, 0.0});
+    }
+    for (int offset = 0; offset < io.frames; offset += format_.max_frames)
+      process_piece(io, offset, std::min(format_.max_frames, io.frames - offset));
+    for (auto& channel : channels_) channel.publish();
+  }
+  // A tap turns samples into floats, and must not lose those that are no denormals as doubles.
   if (tap_ != nullptr) tap_->hear(io, first_frame);
 }
 
@@ -194,8 +200,26 @@ void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
   if (known && entry.kind == Kind::Arm && entry.value > 0.5)
     for (auto& sensor : sensors_) sensor.forgive();
   entry.frame = frame;
-  // Nobody may be listening; a take that needs every entry reads more often than a thousand are posted.
-  (void)applied_.push(entry);
+  tell(entry);
+}
+
+void Guarded::tell(const JournalEntry& entry) noexcept {
+  (void)applied_.push(entry);  // nobody may be listening
+  if (tap_ != nullptr) tap_->applied(entry);
+}
+
+std::vector<JournalEntry> Guarded::state() const {
+  using Kind = JournalEntry::Kind;
+  std::vector<JournalEntry> entries;
+  for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
+    const auto& channel = channels_[static_cast<std::size_t>(c)];
+    const auto heat = channel.guard.thermal_state();
+    if (channel.armed != armed_at_start_) entries.push_back({0, Kind::Arm, c, channel.armed ? 1.0 : 0.0});
+    if (channel.muted) entries.push_back({0, Kind::Mute, c, 1.0});
+    if (heat.coil > 0.0) entries.push_back({0, Kind::CoilHeat, c, heat.coil});
+    if (heat.body > 0.0) entries.push_back({0, Kind::BodyHeat, c, heat.body});
+  }
+  return entries;
 }
 
 bool Guarded::post(const JournalEntry& entry) noexcept {

@@ -33,10 +33,10 @@ struct GuardEvent {
   bool operator==(const GuardEvent&) const = default;
 };
 
-/// Hears every block as it went by, for a take or a meter.
-class BlockTap {
+/// Hears every block as it went by, for a take or a meter, and before it what the guard applied in it. A tap
+/// that hands on blocks hands on both.
+class BlockTap : public JournalTap {
  public:
-  virtual ~BlockTap() = default;
   /// [realtime & prepared] What came in and what goes out behind the guard; its first frame since `prepare`.
   virtual void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING = 0;
 };
@@ -79,6 +79,13 @@ class Guarded final : public BlockProcessor {
   /// [control, one thread] What made drives fade out, oldest first. False: nothing new.
   [[nodiscard]] bool take_event(GuardEvent& event) noexcept { return events_.pop(event); }
 
+  /// [any] What it was made with.
+  const std::vector<GuardedChannel>& channels() const noexcept { return config_; }
+  bool armed_at_start() const noexcept { return armed_at_start_; }
+  /// [control & stopped] What brings a new Guarded of the same channels to the state of this one, as entries
+  /// for frame 0: arms, mutes and heats that are not those of a fresh one.
+  std::vector<JournalEntry> state() const;
+
   /// [any] As of the last whole block.
   GuardCounts counts(int channel) const noexcept;
   /// [any] As of the last whole block. Keep it and post it again as CoilHeat and BodyHeat of frame 0.
@@ -94,6 +101,7 @@ class Guarded final : public BlockProcessor {
   void guard_outputs(int from, int to, std::int64_t first_frame) noexcept;
   int first_sensor_fault(int from, int to, std::int64_t first_frame) noexcept;
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
+  void tell(const JournalEntry& entry) noexcept;
   void disarm_drives(std::int64_t frame) noexcept;
   void open_guards(std::int64_t frame) noexcept;
 

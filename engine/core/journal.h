@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "engine/core/realtime.h"
+
 namespace tactus {
 
 /// One thing besides samples that entered `process`. Samples and journal together decide the output: a take
@@ -16,6 +18,8 @@ struct JournalEntry {
     LostFrames,     ///< `value`: frames that went missing just before `frame`
     CoilHeat,       ///< `index`: output channel; `value`: its coil is at least so warm (ThermalState)
     BodyHeat,       ///< the same of what is around the coil
+    Replacement,    ///< another version of the graph took over; `index`: how many there were so far
+    Halt,           ///< the stream was stopped just before `frame`, with zeros, and went on without `prepare`
   };
 
   static constexpr int kAllChannels = -1;
@@ -28,6 +32,14 @@ struct JournalEntry {
   double value = 0.0;
 
   bool operator==(const JournalEntry&) const = default;
+};
+
+/// Hears what was applied, as it is applied.
+class JournalTap {
+ public:
+  virtual ~JournalTap() = default;
+  /// [realtime] `entry` carries its true frame, which lies in the block that is being worked on.
+  virtual void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING = 0;
 };
 
 }  // namespace tactus

@@ -24,7 +24,10 @@ class Loader {
       : root_(root.empty() ? file.parent_path() : root),
         mistakes_(Source{std::make_shared<const std::string>(file.string()), 0, 0}) {}
 
-  Spec build(const PartPath& path, const Result<Value::Table>& table) {
+  Spec build(const PartPath& path, const Result<std::string>& text) {
+    if (mistakes_.keep(text) == nullptr) return nullptr;
+    texts_[path.name] = *text;
+    const auto table = parse_toml(*text, path.name);
     if (mistakes_.keep(table) == nullptr) return nullptr;
     const Source file{std::make_shared<const std::string>(path.name), 0, 0};
     auto spec = std::make_shared<GraphSpec>(read_graph(*table, file, mistakes_));
@@ -37,6 +40,7 @@ class Loader {
   }
 
   std::vector<Error> take_mistakes() { return mistakes_.take(); }
+  std::map<std::string, std::string> take_texts() { return std::move(texts_); }
 
  private:
   Spec use(const NodeSpec& node) {
@@ -45,9 +49,12 @@ class Loader {
     const auto* path = mistakes_.keep(found);
     if (path == nullptr || runs_in_circle(*path, node) || too_deep(node)) return nullptr;
     const auto known = done_.find(path->canonical);
-    if (known != done_.end()) return known->second;
+    if (known != done_.end()) {
+      texts_[path->name] = texts_[known->second.name];
+      return known->second.spec;
+    }
     // A file with mistakes is remembered too, so that it reports them once.
-    return done_[path->canonical] = build(*path, load_toml(path->name));
+    return (done_[path->canonical] = {build(*path, read_graph_text(path->name)), path->name}).spec;
   }
 
   bool runs_in_circle(const PartPath& path, const NodeSpec& node) {
@@ -67,17 +74,23 @@ class Loader {
     return true;
   }
 
+  struct Done {
+    Spec spec;
+    std::string name;  ///< under which it was opened first
+  };
+
   std::filesystem::path root_;
   Mistakes mistakes_;
   std::vector<PartPath> open_;  ///< from the first file to the one that is being read
-  std::map<std::filesystem::path, Spec> done_;
+  std::map<std::filesystem::path, Done> done_;
+  std::map<std::string, std::string> texts_;  ///< by name
 };
 
 LoadedGraph read(const std::filesystem::path& file, const std::filesystem::path& root,
-                 const Result<Value::Table>& table) {
+                 const Result<std::string>& text) {
   Loader loader{file, root};
-  auto spec = loader.build({file.string(), canonical_path(file)}, table);
-  return {std::move(spec), loader.take_mistakes()};
+  auto spec = loader.build({file.string(), canonical_path(file)}, text);
+  return {std::move(spec), loader.take_mistakes(), loader.take_texts()};
 }
 
 Checked<Spec> without_mistakes(LoadedGraph loaded) {
@@ -88,12 +101,12 @@ Checked<Spec> without_mistakes(LoadedGraph loaded) {
 }  // namespace
 
 LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::filesystem::path& root) {
-  return read(file, root, load_toml(file));
+  return read(file, root, read_graph_text(file));
 }
 
 LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name,
                                   const std::filesystem::path& root) {
-  return read(file_name, root, parse_toml(text, file_name));
+  return read(file_name, root, std::string{text});
 }
 
 Checked<Spec> load_graph(const std::filesystem::path& file, const std::filesystem::path& root) {

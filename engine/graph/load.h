@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,12 +16,17 @@ namespace tactus {
 /// A TOML file as plain data. Errors: BadFile, Syntax (one: the parser stops at the first).
 Result<Value::Table> load_toml(const std::filesystem::path& file);
 Result<Value::Table> parse_toml(std::string_view text, const std::string& file_name);
+/// The text of such a file, at most as long as one may be. Errors: BadFile.
+Result<std::string> read_graph_text(const std::filesystem::path& file);
 
 /// A graph together with what is wrong with its text. What else is wrong with it (names, units, ranges) can
 /// be looked up in spite of that: `compile` then tells all mistakes in one go.
 struct LoadedGraph {
   std::shared_ptr<const GraphSpec> spec;  ///< nullptr if the file cannot be read or is no TOML
   std::vector<Error> mistakes;            ///< by place
+  /// What was read, by the path as it was opened: together they are the whole graph, whatever becomes of the
+  /// files.
+  std::map<std::string, std::string> texts = {};
 };
 
 /// Reads an instrument, plant or part, and every file that it uses. `root` is the folder that `use` and other

@@ -142,7 +142,10 @@ Result<Value::Table> parse(std::string_view text, const FileName& file) {
   }
 }
 
-Result<std::string> read_text(const std::filesystem::path& file, const std::string& name) {
+}  // namespace
+
+Result<std::string> read_graph_text(const std::filesystem::path& file) {
+  const auto name = file.string();
   std::error_code error;
   if (std::filesystem::is_directory(file, error))
     return fail(Errc::BadFile, name, "this is a folder", "name a file in it");
@@ -160,17 +163,14 @@ Result<std::string> read_text(const std::filesystem::path& file, const std::stri
   return text;
 }
 
-}  // namespace
-
 Result<Value::Table> parse_toml(std::string_view text, const std::string& file_name) {
   return parse(text, std::make_shared<const std::string>(file_name));
 }
 
 Result<Value::Table> load_toml(const std::filesystem::path& file) {
-  const auto name = std::make_shared<const std::string>(file.string());
-  const auto text = read_text(file, *name);
+  const auto text = read_graph_text(file);
   if (!text) return tl::unexpected(text.error());
-  return parse(*text, name);
+  return parse_toml(*text, file.string());
 }
 
 }  // namespace tactus

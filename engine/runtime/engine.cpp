@@ -64,6 +64,7 @@ Status Engine::prepare(const StreamFormat& format) {
       outside_out_.push_back(outside_buffers_[i].data());
   }
   bad_inputs_ = 0;
+  replacements_ = 0;
   now_ = 0;
   frame_ = 0;
   next_entry_ = 0;
@@ -126,7 +127,12 @@ int Engine::frames_to_next_entry(int frames) noexcept {
   return static_cast<int>(piece);
 }
 
+void Engine::tell(const JournalEntry& entry) noexcept {
+  if (tap_ != nullptr) tap_->applied({now_, entry.kind, entry.index, entry.value});
+}
+
 void Engine::apply(const JournalEntry& entry) noexcept {
+  tell(entry);
   // Where it is no longer known, the last one that was is the best guess.
   if (entry.kind == JournalEntry::Kind::SystemDelay && schedule_->system_delay != nullptr && entry.value >= 0)
     std::fill_n(schedule_->system_delay, kWide, entry.value / schedule_->sample_rate.value);

@@ -54,7 +54,12 @@ class Engine final : public BlockProcessor {
   /// [control, one thread] The number that journal entries name a control by; it outlives every replacement.
   /// -1: there is none.
   int control_index(std::string_view control) const;
+  /// [control, one thread] Names by that number; those of controls that are gone stay.
+  const std::vector<std::string>& control_names() const { return newest_->control_names; }
 
+  /// [control & stopped] `tap` outlives this, or is taken away with nullptr. It hears every entry, of the
+  /// journal and posted, and every version that takes over: at the same frame that comes first.
+  void set_tap(JournalTap* tap) noexcept { tap_ = tap; }
   /// [control & stopped] For a schedule with an `Outside` step: who answers there. It reads this engine's
   /// outputs and fills its inputs, in blocks of the loop's sub-block.
   void set_outside(BlockProcessor& outside) { outside_ = &outside; }
@@ -109,6 +114,7 @@ class Engine final : public BlockProcessor {
   // Journal, controls, other versions.
   int frames_to_next_entry(int frames) noexcept;
   void apply(const JournalEntry& entry) noexcept;
+  void tell(const JournalEntry& entry) noexcept;
   void take_over(Running& next) noexcept;
   double last_output(std::size_t output) const noexcept;
   void collect();
@@ -136,6 +142,8 @@ class Engine final : public BlockProcessor {
   std::vector<double*> outside_out_;
   std::vector<std::vector<double>> outside_buffers_;
   BlockProcessor* outside_ = nullptr;
+  JournalTap* tap_ = nullptr;
+  int replacements_ = 0;
   std::vector<JournalEntry> journal_;
   std::size_t next_entry_ = 0;
   std::int64_t now_ = 0;

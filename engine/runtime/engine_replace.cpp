@@ -84,6 +84,7 @@ void Engine::take_over(Running& next) noexcept {
   fading_until_ = now_ + fade;
   running_ = &next;
   schedule_ = &schedule;
+  tell({now_, JournalEntry::Kind::Replacement, ++replacements_, 0.0});
   incoming_.store(nullptr, std::memory_order_relaxed);
   retired_.store(true, std::memory_order_release);
 }

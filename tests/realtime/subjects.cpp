@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "backends/take/take_ring.h"
 #include "backends/wav_file.h"
 #include "engine/graph/load.h"
 #include "engine/nodes/table.h"
@@ -51,11 +52,16 @@ class EveryNode {
   fs::path folder_;
 };
 
-/// An engine behind its guard, and hands on both.
+/// An engine behind its guard, both recorded, and hands on both.
 class Player {
  public:
   Player(std::unique_ptr<Engine> engine, const DriveBook& drives)
-      : engine_(std::move(engine)), guarded_(*engine_, guarded_channels(engine_->schedule(), drives)) {}
+      : engine_(std::move(engine)),
+        guarded_(*engine_, guarded_channels(engine_->schedule(), drives)),
+        take_(engine_->in_channels(), engine_->out_channels(), 4096) {
+    guarded_.set_tap(&take_);
+    engine_->set_tap(&take_);
+  }
 
   Engine& engine() { return *engine_; }
   Guarded& guarded() { return guarded_; }
@@ -81,11 +87,19 @@ class Player {
       (void)guarded_.thermal_state(c);
     }
     (void)engine_->faults();
+    fetch_take();
   }
 
  private:
+  /// As the writer of a take does. It comes seldom: most of the time the audio thread finds the ring full.
+  void fetch_take() {
+    take_.drop_front(take_.front(take_.written()).frames);
+    for (TakeEvent event; take_.pop(event);) continue;
+  }
+
   std::unique_ptr<Engine> engine_;
   Guarded guarded_;
+  TakeRing take_;
 };
 
 class SceneSubject final : public Subject {

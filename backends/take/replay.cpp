@@ -1,0 +1,162 @@
+#include "backends/take/replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace tactus {
+namespace {
+
+using Kind = JournalEntry::Kind;
+
+struct Planes {
+  Planes(std::size_t channels, int frames)
+      : samples(channels, std::vector<double>(static_cast<std::size_t>(frames))) {
+    for (auto& channel : samples) pointers.push_back(channel.data());
+  }
+  std::vector<std::vector<double>> samples;
+  std::vector<double*> pointers;
+};
+
+class Player {
+ public:
+  Player(const Take& take, WavReader& wav, const ReplayHost& host, int longest)
+      : take_(take),
+        wav_(wav),
+        host_(host),
+        longest_(longest),
+        recorded_(take.header.inputs.size() + take.header.outputs.size(), longest),
+        silence_(1, longest),
+        out_(static_cast<std::size_t>(host.out_channels), longest),
+        entries_(take.header.state) {
+    entries_.insert(entries_.end(), take.guard.begin(), take.guard.end());
+    std::stable_sort(entries_.begin(), entries_.end(),
+                     [](const auto& a, const auto& b) { return a.frame < b.frame; });
+    for (const int sensor : host.sensors)
+      in_.push_back(sensor < 0 ? silence_.pointers[0] : recorded_.pointers[static_cast<std::size_t>(sensor)]);
+  }
+
+  Status prepare() {
+    auto& guarded = host_.guarded;
+    if (take_.header.trusted_sensors) guarded.trust_sensors();
+    const StreamFormat format{take_.header.sample_rate, static_cast<int>(in_.size()), host_.out_channels,
+                              longest_};
+    if (auto status = guarded.prepare(format); !status) return status;
+    if (!take_.header.soft_start) guarded.skip_soft_start();
+    return {};
+  }
+
+  /// At most `frames`, up to what must come between two blocks.
+  Result<int> play(int frames) {
+    if (auto status = between_blocks(); !status) return tl::unexpected(status.error());
+    frames = static_cast<int>(std::min<std::int64_t>(frames, next_stop() - now_));
+    if (auto status = post_until(now_ + frames); !status) return tl::unexpected(status.error());
+    if (wav_.read(recorded_.pointers.data(), frames) != frames)
+      return fail(Errc::BadFile, "", "the samples end before their time", "restore the file from a copy");
+    host_.guarded.process({in_.data(), out_.pointers.data(), frames});
+    if (host_.same && !played_.first_difference) compare(frames);
+    now_ += frames;
+    played_.frames = now_;
+    return frames;
+  }
+
+  const double* const* out() const { return out_.pointers.data(); }
+  const Replayed& played() const { return played_; }
+
+ private:
+  bool is_halt(std::size_t entry) const { return entries_[entry].kind == Kind::Halt; }
+
+  Status between_blocks() {
+    if (auto status = post_until(now_ + 1); !status) return status;
+    while (next_entry_ < entries_.size() && is_halt(next_entry_) && entries_[next_entry_].frame <= now_) {
+      host_.guarded.finish({in_.data(), out_.pointers.data(), 1});
+      ++next_entry_;
+      if (auto status = post_until(now_ + 1); !status) return status;
+    }
+    for (; next_edit_ < take_.edits.size() && take_.edits[next_edit_].frame <= now_; ++next_edit_)
+      if (host_.replace)
+        if (auto status = host_.replace(take_.edits[next_edit_]); !status) return status;
+    return {};
+  }
+
+  std::int64_t next_stop() const {
+    auto stop = now_ + longest_;
+    if (next_edit_ < take_.edits.size()) stop = std::min(stop, take_.edits[next_edit_].frame);
+    for (auto e = next_entry_; e < entries_.size() && entries_[e].frame < stop; ++e)
+      if (is_halt(e)) stop = entries_[e].frame;
+    return stop;
+  }
+
+  /// Entries before frame `end`, as far as the next halt.
+  Status post_until(std::int64_t end) {
+    for (; next_entry_ < entries_.size() && entries_[next_entry_].frame < end; ++next_entry_) {
+      if (is_halt(next_entry_)) return {};
+      if (host_.guarded.post(entries_[next_entry_])) continue;
+      return fail(Errc::OutOfRange, "", fmt::format("too many changes of the guard at frame {}", now_),
+                  "use smaller blocks");
+    }
+    return {};
+  }
+
+  void compare(int frames) {
+    const auto sensors = take_.header.inputs.size();
+    for (int n = 0; n < frames; ++n)
+      for (std::size_t c = 0; c < out_.samples.size(); ++c) {
+        const auto recorded = static_cast<float>(recorded_.samples[sensors + c][static_cast<std::size_t>(n)]);
+        const auto replayed = as_recorded(out_.samples[c][static_cast<std::size_t>(n)]);
+        if (std::bit_cast<std::uint32_t>(recorded) == std::bit_cast<std::uint32_t>(replayed)) continue;
+        played_.first_difference = {now_ + n, static_cast<int>(c), recorded, replayed};
+        return;
+      }
+  }
+
+  const Take& take_;
+  WavReader& wav_;
+  const ReplayHost& host_;
+  int longest_;
+  Planes recorded_, silence_, out_;
+  std::vector<const double*> in_;
+  std::vector<JournalEntry> entries_;  ///< of the guard
+  std::size_t next_entry_ = 0, next_edit_ = 0;
+  std::int64_t now_ = 0;
+  Replayed played_;
+};
+
+Status check(const Take& take, const WavReader& wav, const ReplayHost& host) {
+  const auto channels = take.header.inputs.size() + take.header.outputs.size();
+  if (wav.channels() != static_cast<int>(channels) || wav.sample_rate() != take.header.sample_rate)
+    return fail(Errc::BadFile, "",
+                fmt::format("the WAV file has {} channels at {} Hz, and the journal beside it {} at {} Hz",
+                            wav.channels(), wav.sample_rate().value, channels, take.header.sample_rate.value),
+                "they are not of the same take");
+  if (host.same && host.out_channels != static_cast<int>(take.header.outputs.size()))
+    return fail(Errc::BadFile, "", "the graph in the take has other outputs than were recorded", "");
+  return {};
+}
+
+}  // namespace
+
+std::int64_t frames_to_replay(const Take& take, const WavReader& wav) {
+  return std::min(wav.frames(), take.complete);
+}
+
+Result<Replayed> replay(const Take& take, WavReader& wav, const ReplayHost& host,
+                        const std::vector<int>& block_frames,
+                        const std::function<Status(const double* const*, int)>& sink) {
+  if (auto status = check(take, wav, host); !status) return tl::unexpected(status.error());
+  Player player{take, wav, host, *std::max_element(block_frames.begin(), block_frames.end())};
+  if (auto status = player.prepare(); !status) return tl::unexpected(status.error());
+  const auto frames = frames_to_replay(take, wav);
+  for (std::size_t turn = 0; player.played().frames < frames; ++turn) {
+    const auto left = frames - player.played().frames;
+    const auto wanted = std::min<std::int64_t>(block_frames[turn % block_frames.size()], left);
+    const auto played = player.play(static_cast<int>(wanted));
+    if (!played) return tl::unexpected(played.error());
+    if (auto status = sink(player.out(), *played); !status) return tl::unexpected(status.error());
+  }
+  return player.played();
+}
+
+}  // namespace tactus

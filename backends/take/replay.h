@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "backends/take/take.h"
+#include "backends/wav_file.h"
+#include "engine/core/guarded.h"
+
+namespace tactus {
+
+/// What a take is played through. The entries of the engine (`Take::engine`) are its own affair: give them to
+/// Engine::set_journal.
+struct ReplayHost {
+  Guarded& guarded;          ///< the same: made with `guard` and `armed` of the header
+  std::vector<int> sensors;  ///< [input] the recorded sensor that it hears; -1: silence
+  int out_channels = 0;
+  std::function<Status(const TakeEdit&)>
+      replace;       ///< puts it in place for the next block; empty: edits are left out
+  bool same = true;  ///< it is what was recorded, and its drives are compared
+};
+
+struct Replayed {
+  /// Where drives are not what was recorded.
+  struct Difference {
+    std::int64_t frame;
+    int channel;
+    float recorded, replayed;
+  };
+  std::int64_t frames = 0;
+  std::optional<Difference> first_difference;
+};
+
+/// [control] How far it can be replayed: to where both the samples and the journal are whole.
+std::int64_t frames_to_replay(const Take& take, const WavReader& wav);
+
+/// [control] Prepares `guarded` and plays the take through it, in blocks of these sizes in turn: they do not
+/// matter. `sink` takes the drives. Errors: BadFile if the WAV is not that of the take; those of `prepare`,
+/// `replace` and `sink`.
+Result<Replayed> replay(const Take& take, WavReader& wav, const ReplayHost& host,
+                        const std::vector<int>& block_frames,
+                        const std::function<Status(const double* const*, int)>& sink);
+
+}  // namespace tactus

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "backends/take/take.h"
+#include "backends/take/take_ring.h"
+#include "backends/take/take_writer.h"
+
+namespace tactus {
+
+/// How a recording goes.
+struct TakeStatus {
+  Seconds recorded;                 ///< on the disk
+  std::int64_t dropped_frames = 0;  ///< the disk was too slow; they are marked in the journal
+  std::int64_t lost_entries = 0;    ///< such a take cannot be replayed bit for bit
+  bool restarted = false;           ///< the stream was prepared anew: finish, and begin another take
+  std::string trouble;              ///< why nothing is written any more: the disk is full; empty: all is well
+  std::vector<std::string> words;   ///< what did not go well; none: all did
+};
+
+/// Records a take: take.wav with sensors and drives, and take.jsonl with everything else that entered
+/// `process`. The audio thread only ever copies into memory that is there; a thread of this object looks
+/// every 20 ms and writes. What the sound does never depends on the disk.
+///
+///   auto stream = backend.open(request, guarded);              // prepares `guarded`
+///   TakeHeader header = …;                                     // apps/take_files.h: take_header
+///   auto recorder = TakeRecorder::start("take.wav", header);   // before the stream starts
+///   guarded.set_tap(&(*recorder)->tap());
+///   engine.set_tap(&(*recorder)->tap());
+///   stream->start();
+///   …  engine.replace(version) went well: recorder->note_edit({…, files, settings, controls});
+///   …  print(recorder->status());
+///   stream->stop();                                            // no block is in `process` any more
+///   guarded.set_tap(nullptr), engine.set_tap(nullptr);
+///   for (const auto& line : (*recorder)->finish()) print(line);
+///
+/// A stream that was lost and opened again is prepared again, at frame 0: that is another take.
+class TakeRecorder {
+ public:
+  /// [control] Both files are on the disk when it returns. `memory`: how long the disk may take its time.
+  /// Errors: BadFile if the take is there already or cannot be written; BadArgument for the channels.
+  static Result<std::unique_ptr<TakeRecorder>> start(const std::filesystem::path& wav, TakeHeader header,
+                                                     Seconds memory = Seconds{5.0});
+  /// Finishes.
+  ~TakeRecorder();
+  TakeRecorder(const TakeRecorder&) = delete;
+  TakeRecorder& operator=(const TakeRecorder&) = delete;
+
+  /// [control] For Guarded::set_tap and Engine::set_tap.
+  TakeRing& tap() { return *ring_; }
+  /// [control] Engine::replace took this version. Its frame is filled in when it takes over. `controls`: all
+  /// names by number, as Engine::control_index counts them.
+  void note_edit(TakeEdit edit);
+  /// [control]
+  TakeStatus status() const;
+  /// [control & stopped] Writes what is left and ends the files. Gives the words of the last status; a second
+  /// call gives none.
+  std::vector<std::string> finish();
+
+ private:
+  TakeRecorder(TakeHeader header, std::unique_ptr<TakeRing> ring, TakeWriter writer);
+  void run();
+  std::vector<std::string> in_words(const TakeStatus& status) const;
+
+  Hertz sample_rate_;
+  std::unique_ptr<TakeRing> ring_;
+  mutable std::mutex mutex_;  ///< between control and writer: the audio thread knows nothing of it
+  std::condition_variable wake_;
+  TakeWriter writer_;
+  bool done_ = false;
+  std::vector<TakeEdit> edits_;  ///< that the writer did not fetch yet
+  TakeStatus status_;
+  std::thread thread_;
+};
+
+}  // namespace tactus

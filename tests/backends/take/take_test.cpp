@@ -1,0 +1,100 @@
+#include "backends/take/take.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "backends/take/take_lines.h"
+#include "tests/engine/graph/temporary_folder.h"
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+TakeHeader full_header() {
+  TakeHeader header;
+  header.program = "0.1.0";
+  header.sample_rate = Hertz{44100};
+  header.inputs = {"a", "b[1]"};
+  header.outputs = {"c"};
+  header.controls = {"gain"};
+  header.files = {
+      "drum/instrument.toml", {{"drum/instrument.toml", "name = \"ä\"\n"}}, {{"hit.wav", "00ff"}}, "/x"};
+  header.settings = {{"gain", 0.1}};
+  header.taps = {"hit"};
+  header.system_delay = Seconds{0.02};
+  header.rig = "rig";
+  header.left_out = {"sound"};
+  header.input_scales = {1.0 / 3.0};
+  header.padding_frames = 7;
+  DriveLimits limits = cautious_limits();
+  limits.heat = HeatLimits{1.5, 2.5, Seconds{3.5}, Seconds{4.5}, 0.25, 80};
+  limits.travel = TravelLimits{0.001, 0.002, 50_Hz, 0.7};
+  header.guard = {{DriveGuard::Kind::Drive, limits}, {DriveGuard::Kind::Audio, {}}};
+  header.armed = false;
+  header.soft_start = false;
+  header.trusted_sensors = true;
+  header.state = {{0, JournalEntry::Kind::CoilHeat, 0, 0.1}};
+  return header;
+}
+
+std::string message(const TemporaryFolder& folder, const std::string& journal) {
+  folder.write("take.wav", "");
+  folder.write("take.jsonl", journal);
+  const auto take = read_take(folder.path() / "take.wav");
+  return take ? "" : folder.strip(to_string(take.error()));
+}
+
+}  // namespace
+
+TEST_CASE("take: a header comes back as it was, to the last bit", "[take]") {
+  const auto line = header_line(full_header());
+  const auto header = parse_header(line);
+  REQUIRE(header.has_value());
+  CHECK(header_line(*header) == line);
+  CHECK(header->input_scales == std::vector<double>{1.0 / 3.0});
+  CHECK(header->guard[1].limits.slew_per_second == std::numeric_limits<double>::infinity());
+  CHECK(header->guard[0].limits.heat->body_time == Seconds{4.5});
+  CHECK(header->state == full_header().state);
+  CHECK(header->files.texts == full_header().files.texts);
+}
+
+TEST_CASE("take: a journal that breaks off in the middle of a line holds up to there", "[take]") {
+  const TemporaryFolder folder;
+  folder.write("take.wav", "");
+  Take progress;
+  progress.complete = 500;
+  const JournalEntry entry{480, JournalEntry::Kind::ControlChange, 1, 0.1};
+  const auto whole = header_line(full_header()) + entry_line(entry) + complete_line(progress);
+  const auto last = entry_line({510, JournalEntry::Kind::Arm, -1, 1.0});
+  for (std::size_t bytes = 0; bytes < last.size(); ++bytes) {
+    folder.write("take.jsonl", whole + last.substr(0, bytes));
+    const auto take = read_take(folder.path() / "take.wav");
+    REQUIRE(take.has_value());
+    CHECK(take->engine == std::vector<JournalEntry>{entry});
+    CHECK(take->guard.size() == (bytes + 1 == last.size() ? 1 : 0));  // only its line end is missing
+    CHECK(take->complete == 500);
+    CHECK_FALSE(take->finished);
+  }
+}
+
+TEST_CASE("take: what is no take says what it is", "[take]") {
+  const TemporaryFolder folder;
+  CHECK(folder.strip(to_string(read_take(folder.path() / "none.wav").error())) ==
+        "none.wav: there is no such file; check the path");
+  folder.write("foreign.wav", "");
+  CHECK(
+      folder.strip(to_string(read_take(folder.path() / "foreign.wav").error())) ==
+      "foreign.wav: there is no 'foreign.jsonl' beside it, so nobody knows what was played on it; a WAV file "
+      "of sensors alone is played with --in");
+  CHECK(message(folder, "") == "take.jsonl: it is empty; the take was cut off before it began");
+  CHECK(message(folder, "hello\n") ==
+        "take.jsonl: its first line is no JSON; give the .jsonl that was recorded with the WAV file");
+  CHECK(message(folder, "{}\n") ==
+        "take.jsonl: its first line is not that of a take; give the .jsonl that was recorded with the WAV "
+        "file");
+  CHECK(message(folder, "{\"tactus_take\": 2}\n") ==
+        "take.jsonl: a later version of the program recorded this take; replay it with that version");
+  CHECK(message(folder, header_line(full_header()) + "rubbish\n" + entry_line({})) ==
+        "take.jsonl:2: this is no line of a take; restore the file from a copy");
+}
