@@ -1,7 +1,6 @@
 #include "apps/midi_map.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 
 namespace tactus::app {
@@ -24,26 +23,12 @@ bool from(const RigMidi& binding, const MidiEvent& event) {
 
 }  // namespace
 
-double value_at(const FlatControl& control, double share) {
-  const double low = control.range.low, high = control.range.high;
-  if (share <= 0) return low;
-  if (share >= 1) return high;
-  if (control.decibel && low > 0) return low * std::pow(high / low, share);
-  return low + share * (high - low);
-}
-
-MidiMap::MidiMap(std::vector<RigMidi> bindings, std::vector<FlatControl> controls)
-    : bindings_(std::move(bindings)), controls_(std::move(controls)) {}
-
 std::vector<ControlMove> MidiMap::hear(const MidiEvent& event) {
   std::vector<ControlMove> moves;
   if (learning()) return watch(event), moves;
   for (const auto& binding : bindings_) {
-    const auto control = std::find_if(controls_.begin(), controls_.end(),
-                                      [&](const auto& each) { return each.name == binding.control; });
-    if (control == controls_.end() || !control->range.bounded() || !from(binding, event)) continue;
-    if (const auto share = share_of(binding, event))
-      moves.push_back({binding.control, value_at(*control, *share)});
+    if (!from(binding, event)) continue;
+    if (const auto place = place_of(binding, event)) moves.push_back({binding.control, *place});
   }
   const auto& message = event.message;
   if (message.kind == Kind::Controller && message.number < kFineControllers)
@@ -51,7 +36,7 @@ std::vector<ControlMove> MidiMap::hear(const MidiEvent& event) {
   return moves;
 }
 
-std::optional<double> MidiMap::share_of(const RigMidi& binding, const MidiEvent& event) {
+std::optional<double> MidiMap::place_of(const RigMidi& binding, const MidiEvent& event) {
   const auto& message = event.message;
   switch (binding.kind) {
     case RigMidi::Kind::PitchBend:

@@ -7,25 +7,20 @@
 #include <vector>
 
 #include "backends/midi.h"
-#include "engine/graph/flat_graph.h"
 #include "engine/scene/rig.h"
 
 namespace tactus::app {
 
-/// [any] Where a knob at `share` (0 to 1) of its way puts a control: over its range, in decibels where the
-/// control is in decibels. Its range has two ends.
-double value_at(const FlatControl& control, double share);
-
-/// A control and where it goes, SI.
+/// A control and where its knob goes: 0 to 1 of its way, whose range and taper are the knob's own.
 struct ControlMove {
   std::string control;
-  double value = 0;
+  double place = 0;
 };
 
 /// Turns what a player moves into controls, and learns what moves which. [control]
 class MidiMap {
  public:
-  MidiMap(std::vector<RigMidi> bindings, std::vector<FlatControl> controls);
+  explicit MidiMap(std::vector<RigMidi> bindings) : bindings_(std::move(bindings)) {}
 
   /// What this moves, and how far. While it learns, nothing moves.
   std::vector<ControlMove> hear(const MidiEvent& event);
@@ -52,10 +47,9 @@ class MidiMap {
 
   void watch(const MidiEvent& event);
   void bind(const MidiEvent& event, RigMidi::Kind kind, int number, bool fine);
-  std::optional<double> share_of(const RigMidi& binding, const MidiEvent& event);
+  std::optional<double> place_of(const RigMidi& binding, const MidiEvent& event);
 
   std::vector<RigMidi> bindings_;
-  std::vector<FlatControl> controls_;
   std::string learning_;
   std::map<Knob, Heard> heard_;    ///< since it learns
   std::map<Knob, int> high_bits_;  ///< last values of controllers 0 to 31

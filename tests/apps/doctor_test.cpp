@@ -179,7 +179,7 @@ TEST_CASE("doctor: reads a system from its files", "[doctor]") {
   root.write("proc/42/comm", "jackd\n");
   root.write("proc/42/cmdline", std::string{"jackd\0-d\0dummy\0-p\0"
                                             "64\0",
-                                            19});
+                                            20});
   root.write("etc/group", "audio:x:29:me\n");
   root.write("sys/kernel/realtime", "1\n");
   root.write("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance\n");

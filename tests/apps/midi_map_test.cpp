@@ -1,7 +1,6 @@
 #include "apps/midi_map.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 
 using namespace tactus;
 using namespace tactus::app;
@@ -9,17 +8,6 @@ using namespace tactus::app;
 namespace {
 
 using Kind = MidiMessage::Kind;
-
-FlatControl control(const std::string& name, double low, double high, bool decibel = false) {
-  FlatControl made;
-  made.name = name;
-  made.range = {low, high};
-  made.decibel = decibel;
-  return made;
-}
-
-const std::vector<FlatControl> kControls = {control("strength", 0, 1), control("length", 2e-3, 50e-3),
-                                            control("sensitivity", 1e-3, 1, true)};  // -60 to 0 dB
 
 MidiEvent event(Kind kind, int number, int value, int channel = 1, const std::string& port = "alsa:nano") {
   return {port, {kind, channel, number, value, {}}};
@@ -33,25 +21,20 @@ RigMidi binding(const std::string& control_name, RigMidi::Kind kind, int number)
   return made;
 }
 
-/// Where the last message puts the one control that it moves.
+/// Where a message puts the one control that it moves.
 double moved(MidiMap& map, const MidiEvent& last) {
   const auto moves = map.hear(last);
   REQUIRE(moves.size() == 1);
-  return moves[0].value;
+  return moves[0].place;
 }
 
 }  // namespace
 
-TEST_CASE("midi_map: a controller moves a control over its range, in decibels where that is its taper",
-          "[midi]") {
-  MidiMap map{
-      {binding("length", RigMidi::Kind::Controller, 7), binding("sensitivity", RigMidi::Kind::Controller, 8)},
-      kControls};
-  CHECK(moved(map, event(Kind::Controller, 7, 0)) == 2e-3);
-  CHECK(moved(map, event(Kind::Controller, 7, 127)) == 50e-3);
-  CHECK(moved(map, event(Kind::Controller, 7, 64)) == Approx(2e-3 + 48e-3 * 64 / 127));
-  CHECK(20 * std::log10(moved(map, event(Kind::Controller, 8, 64))) == Approx(-60 + 60.0 * 64 / 127));
-  CHECK(moved(map, event(Kind::Controller, 8, 0)) == 1e-3);
+TEST_CASE("midi_map: a controller moves the knob of its control from one end to the other", "[midi]") {
+  MidiMap map{{binding("length", RigMidi::Kind::Controller, 7)}};
+  CHECK(moved(map, event(Kind::Controller, 7, 0)) == 0.0);
+  CHECK(moved(map, event(Kind::Controller, 7, 64)) == Approx(64 / 127.0));
+  CHECK(moved(map, event(Kind::Controller, 7, 127)) == 1.0);
   CHECK(map.hear(event(Kind::Controller, 9, 64)).empty());
 }
 
@@ -59,7 +42,7 @@ TEST_CASE("midi_map: only the device and the channel that a binding names", "[mi
   auto only = binding("strength", RigMidi::Kind::Controller, 7);
   only.device = "nano";
   only.channel = 3;
-  MidiMap map{{only}, kControls};
+  MidiMap map{{only}};
   CHECK(map.hear(event(Kind::Controller, 7, 10, 3)).size() == 1);
   CHECK(map.hear(event(Kind::Controller, 7, 10, 4)).empty());
   CHECK(map.hear(event(Kind::Controller, 7, 10, 3, "alsa:other")).empty());
@@ -68,7 +51,7 @@ TEST_CASE("midi_map: only the device and the channel that a binding names", "[mi
 TEST_CASE("midi_map: a fine pair has 14 bits, high bits first", "[midi]") {
   auto fine = binding("strength", RigMidi::Kind::Controller, 1);
   fine.fine = true;
-  MidiMap map{{fine}, kControls};
+  MidiMap map{{fine}};
   CHECK(map.hear(event(Kind::Controller, 33, 5)).empty());  // low bits of nothing
   CHECK(moved(map, event(Kind::Controller, 1, 64)) == Approx(64 * 128 / 16383.0));
   CHECK(moved(map, event(Kind::Controller, 33, 5)) == Approx((64 * 128 + 5) / 16383.0));
@@ -80,18 +63,17 @@ TEST_CASE("midi_map: notes give their velocity, or open and close a gate; the wh
   auto gate = binding("length", RigMidi::Kind::Note, 38);
   gate.gate = true;
   MidiMap map{{binding("strength", RigMidi::Kind::Note, 36), gate,
-               binding("sensitivity", RigMidi::Kind::PitchBend, 0)},
-              kControls};
+               binding("sensitivity", RigMidi::Kind::PitchBend, 0)}};
   CHECK(moved(map, event(Kind::NoteOn, 36, 100)) == Approx(100 / 127.0));
   CHECK(map.hear(event(Kind::NoteOff, 36, 0)).empty());
-  CHECK(moved(map, event(Kind::NoteOn, 38, 1)) == 50e-3);
-  CHECK(moved(map, event(Kind::NoteOff, 38, 64)) == 2e-3);
+  CHECK(moved(map, event(Kind::NoteOn, 38, 1)) == 1.0);
+  CHECK(moved(map, event(Kind::NoteOff, 38, 64)) == 0.0);
   CHECK(moved(map, event(Kind::PitchBend, 0, 16383)) == 1.0);
-  CHECK(moved(map, event(Kind::PitchBend, 0, 0)) == 1e-3);
+  CHECK(moved(map, event(Kind::PitchBend, 0, 0)) == 0.0);
 }
 
 TEST_CASE("midi_map: learns the knob that is moved, and not the one that jitters", "[midi]") {
-  MidiMap map{{binding("strength", RigMidi::Kind::Controller, 99)}, kControls};
+  MidiMap map{{binding("strength", RigMidi::Kind::Controller, 99)}};
   map.learn("strength");
   for (int i = 0; i < 100; ++i) CHECK(map.hear(event(Kind::Controller, 10, 60 + i % 3)).empty());
   for (int value = 20; value < 24; ++value) map.hear(event(Kind::Controller, 7, value, 5));
@@ -111,7 +93,7 @@ TEST_CASE("midi_map: learns the knob that is moved, and not the one that jitters
 }
 
 TEST_CASE("midi_map: learns fine pairs, notes and the wheel for what they are", "[midi]") {
-  MidiMap map{{}, kControls};
+  MidiMap map{std::vector<RigMidi>{}};
   map.learn("strength");
   for (int step = 0; map.learning(); ++step) {
     REQUIRE(step < 1000);
