@@ -13,5 +13,6 @@ void add_render(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
 void add_nodes(CLI::App& app, int& exit_code);
 void add_devices(CLI::App& app, int& exit_code);
+void add_doctor(CLI::App& app, int& exit_code);
 
 }  // namespace tactus::app

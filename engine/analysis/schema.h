@@ -6,9 +6,10 @@
 
 namespace tactus {
 
-/// [control] What graph and scene files may hold, as JSON Schema (draft 7), made from the declarations of the
-/// nodes, the elements of networks and the measures, so that editors complete and check files. Names, units
-/// and expressions are strings to it: what they mean only the engine knows. docs/tactus.schema.json is this.
+/// [control] What graph, scene, profile and rig files may hold, as JSON Schema (draft 7), made from the
+/// declarations of the nodes, the elements of networks and the measures, so that editors complete and check
+/// files. Names, units and expressions are strings to it: what they mean only the engine knows.
+/// docs/tactus.schema.json is this.
 std::string file_schema(const NodeTable& table);
 
 }  // namespace tactus

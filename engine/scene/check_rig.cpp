@@ -69,9 +69,7 @@ class RigCheck {
     for (const auto& output : instrument_.outputs)
       if (is_audio(output)) check_audio(output.name);
     for (const auto& control : rig_.controls) check_control(control);
-    for (const auto& midi : rig_.midi)
-      if (!has(instrument_.controls, midi.control))
-        complain("control", midi.control, midi.at, instrument_.controls);
+    for (const auto& midi : rig_.midi) check_midi(midi);
     return mistakes_.take();
   }
 
@@ -163,6 +161,15 @@ class RigCheck {
                     "'" + set.name + "' cannot be " + in_unit(set.value.si, control.unit),
                     "it runs from " + in_unit(control.range.low, control.unit) + " to " +
                         in_unit(control.range.high, control.unit));
+  }
+
+  void check_midi(const RigMidi& midi) {
+    const auto entry = find_named(instrument_.controls, midi.control);
+    if (entry == instrument_.controls.end())
+      return complain("control", midi.control, midi.at, instrument_.controls);
+    if (find(entry->fields, "range") == nullptr)
+      mistakes_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range for a knob to move it over",
+                    "give it one in the instrument, as in range = [0, 1]");
   }
 
   static std::string named(const Dimension& dimension) {

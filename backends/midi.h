@@ -1,0 +1,50 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactus {
+
+/// What a player moved.
+struct MidiMessage {
+  enum class Kind : std::uint8_t {
+    Controller,
+    NoteOn,  ///< velocity 1 to 127
+    NoteOff,
+    PitchBend,
+  };
+  Kind kind = Kind::Controller;
+  int channel = 1;                             ///< 1 to 16
+  int number = 0;                              ///< of the controller or note; 0 for pitch bend
+  int value = 0;                               ///< 0 to 127; pitch bend 0 to 16383, at rest 8192
+  std::chrono::steady_clock::time_point time;  ///< when it came
+};
+
+/// A message and the id of the port that it came from.
+struct MidiEvent {
+  std::string port;
+  MidiMessage message;
+};
+
+/// Inputs that may come and go. All functions are called from one control thread and never wait for a device
+/// or a server.
+class MidiInputs {
+ public:
+  virtual ~MidiInputs() = default;
+  /// [control] Ids of the ports that are open now. They stay the same when others come and go, and when the
+  /// same device is plugged in again.
+  virtual std::vector<std::string> ports() = 0;
+  /// [control] What came since the last call, port by port, each in order.
+  virtual std::vector<MidiEvent> poll() = 0;
+  /// [control] In words, once each: what came and what went, and why nothing can come.
+  virtual std::vector<std::string> news() = 0;
+};
+
+/// [any] The message of these bytes, with `time` left open; nothing if it is of no use to us.
+std::optional<MidiMessage> parse_midi(std::span<const std::uint8_t> bytes) noexcept;
+
+}  // namespace tactus

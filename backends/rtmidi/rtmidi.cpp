@@ -1,0 +1,248 @@
+#include "backends/rtmidi/rtmidi.h"
+
+#include <RtMidi.h>
+
+#include <algorithm>
+#include <cctype>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "engine/core/spsc_queue.h"
+
+namespace tactus {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPatience = 1s;  // for the library, when all ends
+constexpr int kLooksPerTry = 4;
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// "nanoKONTROL2 CTRL 20:0" -> "nanoKONTROL2 CTRL": ALSA counts clients anew at each plugging in.
+std::string without_address(const std::string& name) {
+  const auto end = name.find_last_not_of("0123456789");
+  if (end == std::string::npos || name[end] != ':' || end + 1 == name.size()) return name;
+  const auto client = name.find_last_not_of("0123456789", end - 1);
+  const bool address = client != std::string::npos && name[client] == ' ' && client + 1 < end;
+  return address ? name.substr(0, client) : name;
+}
+
+/// A port that is open. Its thread is the library's.
+struct OpenPort {
+  SpscQueue<MidiMessage> queue{1024};
+  std::unique_ptr<RtMidiIn> in;
+
+  static void hear(double, std::vector<unsigned char>* bytes, void* self) {
+    auto message = parse_midi(*bytes);
+    if (!message) return;
+    message->time = std::chrono::steady_clock::now();
+    (void)static_cast<OpenPort*>(self)->queue.push(*message);  // full: nobody has polled for a thousand
+  }
+};
+
+// Without one, the library prints what it thinks.
+void note_error(RtMidiError::Type type, const std::string&, void* failed) {
+  const bool grave = type != RtMidiError::WARNING && type != RtMidiError::DEBUG_WARNING;
+  if (failed != nullptr && grave) *static_cast<bool*>(failed) = true;
+}
+
+/// What the worker and the control thread share. Whoever lives longer keeps it.
+struct Shared {
+  std::mutex mutex;  ///< never held while the library is called
+  std::condition_variable wake;
+  std::map<std::string, std::shared_ptr<OpenPort>> ports;  ///< by id
+  std::vector<std::string> news;
+  bool stop = false;
+  bool stopped = false;
+
+  void tell(const std::string& text) {
+    const std::lock_guard lock{mutex};
+    news.push_back(text);
+  }
+};
+
+/// Looks for ports and keeps them open, on its own thread.
+class Worker {
+ public:
+  Worker(RtMidiSettings settings, std::shared_ptr<Shared> shared)
+      : settings_(std::move(settings)), shared_(std::move(shared)) {}
+
+  void run() {
+    for (int looks = 0;; ++looks) {
+      try {
+        const bool now_and_then = looks % kLooksPerTry == 0;
+        if (scout_ != nullptr && now_and_then && server_died()) begin_again();
+        if (scout_ == nullptr && now_and_then) scout_ = make_client();
+        if (scout_ != nullptr) look();
+      } catch (const std::exception& error) {
+        scout_.reset();
+        complain(error.what());
+      }
+      std::unique_lock lock{shared_->mutex};
+      if (shared_->wake.wait_for(lock, settings_.look_every, [this] { return shared_->stop; })) break;
+    }
+    close_all();
+  }
+
+ private:
+  std::unique_ptr<RtMidiIn> make_client() const {
+    const auto api =
+        settings_.api.empty() ? RtMidi::UNSPECIFIED : RtMidi::getCompiledApiByName(settings_.api);
+    if (api == RtMidi::UNSPECIFIED && !settings_.api.empty())
+      throw RtMidiError("this build has no MIDI by '" + settings_.api + "'");
+    auto client = std::make_unique<RtMidiIn>(api, settings_.client_name);
+    client->setErrorCallback(note_error);
+    return client;
+  }
+
+  /// A client of a JACK server that died sees its last ports for ever; only a request to the server fails.
+  bool server_died() {
+    if (scout_->getCurrentApi() != RtMidi::UNIX_JACK) return false;
+    bool failed = false;
+    scout_->setErrorCallback(note_error, &failed);
+    scout_->openVirtualPort("is the server there?");
+    scout_->closePort();
+    scout_->setErrorCallback(note_error);
+    return failed;
+  }
+
+  void begin_again() {
+    close_missing({});
+    scout_.reset();
+  }
+
+  void look() {
+    const auto there = names_by_id(*scout_);
+    close_missing(there);
+    for (const auto& [id, name] : there) {
+      const bool wanted = lower(id).find(lower(settings_.only)) != std::string::npos;
+      if (wanted && !is_open(id)) open(id, name);
+    }
+  }
+
+  static std::map<std::string, std::string> names_by_id(RtMidiIn& client) {
+    std::map<std::string, std::string> names;
+    const auto api = RtMidi::getApiName(client.getCurrentApi());
+    const auto count = client.getPortCount();
+    for (unsigned i = 0; i < count; ++i) {
+      const auto name = client.getPortName(i);
+      if (name.empty()) continue;  // gone meanwhile
+      const auto first = api + ":" + without_address(name);
+      auto id = first;
+      for (int twin = 2; names.contains(id); ++twin) id = first + " #" + std::to_string(twin);
+      names[id] = name;
+    }
+    return names;
+  }
+
+  bool is_open(const std::string& id) const {
+    const std::lock_guard lock{shared_->mutex};
+    return shared_->ports.contains(id);
+  }
+
+  void open(const std::string& id, const std::string& name) {
+    auto port = std::make_shared<OpenPort>();
+    port->in = make_client();
+    const auto count = port->in->getPortCount();
+    for (unsigned i = 0; i < count && !port->in->isPortOpen(); ++i) {
+      if (port->in->getPortName(i) != name) continue;
+      port->in->setCallback(OpenPort::hear, port.get());
+      port->in->openPort(i, "in");
+    }
+    if (!port->in->isPortOpen()) return;
+    const std::lock_guard lock{shared_->mutex};
+    shared_->ports[id] = std::move(port);
+    shared_->news.push_back("MIDI from '" + id + "'");
+    complained_.clear();
+  }
+
+  void close_missing(const std::map<std::string, std::string>& there) {
+    std::vector<std::shared_ptr<OpenPort>> closing;  // outside of the lock
+    const std::lock_guard lock{shared_->mutex};
+    std::erase_if(shared_->ports, [&](const auto& port) {
+      if (there.contains(port.first)) return false;
+      shared_->news.push_back("'" + port.first + "' is gone; it is heard again when it comes back");
+      closing.push_back(port.second);
+      return true;
+    });
+    // `lock` is released first: it was made last.
+  }
+
+  void close_all() {
+    std::map<std::string, std::shared_ptr<OpenPort>> closing;
+    {
+      const std::lock_guard lock{shared_->mutex};
+      closing.swap(shared_->ports);
+    }
+    closing.clear();
+    scout_.reset();
+  }
+
+  void complain(const std::string& text) {
+    if (std::exchange(complained_, text) != text) shared_->tell("no MIDI: " + text);
+  }
+
+  const RtMidiSettings settings_;
+  std::shared_ptr<Shared> shared_;
+  std::unique_ptr<RtMidiIn> scout_;  ///< only looks
+  std::string complained_;
+};
+
+class RtMidiInputs final : public MidiInputs {
+ public:
+  explicit RtMidiInputs(const RtMidiSettings& settings) {
+    std::thread{[shared = shared_, settings] {
+      Worker{settings, shared}.run();
+      const std::lock_guard lock{shared->mutex};
+      shared->stopped = true;
+      shared->wake.notify_all();
+    }}.detach();
+  }
+
+  /// A library that hangs keeps its thread, and what that needs, to itself.
+  ~RtMidiInputs() override {
+    std::unique_lock lock{shared_->mutex};
+    shared_->stop = true;
+    shared_->wake.notify_all();
+    shared_->wake.wait_for(lock, kPatience, [this] { return shared_->stopped; });
+  }
+
+  std::vector<std::string> ports() override {
+    const std::lock_guard lock{shared_->mutex};
+    std::vector<std::string> ids;
+    for (const auto& port : shared_->ports) ids.push_back(port.first);
+    return ids;
+  }
+
+  std::vector<MidiEvent> poll() override {
+    const std::lock_guard lock{shared_->mutex};
+    std::vector<MidiEvent> events;
+    for (const auto& [id, port] : shared_->ports)
+      for (MidiMessage message; port->queue.pop(message);) events.push_back({id, message});
+    return events;
+  }
+
+  std::vector<std::string> news() override {
+    const std::lock_guard lock{shared_->mutex};
+    return std::exchange(shared_->news, {});
+  }
+
+ private:
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+};
+
+}  // namespace
+
+std::unique_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings) {
+  return std::make_unique<RtMidiInputs>(settings);
+}
+
+}  // namespace tactus

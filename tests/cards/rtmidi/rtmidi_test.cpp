@@ -1,0 +1,171 @@
+#include "backends/rtmidi/rtmidi.h"
+
+#include <jack/jack.h>
+#include <jack/midiport.h>
+
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <memory>
+
+#include "engine/core/spsc_queue.h"
+#include "tests/support/sound_server.h"
+#include "tests/support/wait_until.h"
+
+// RtMidi against a real server: a JACK client plays, and what it plays must be heard.
+
+using namespace tactus;
+using namespace std::chrono_literals;
+
+namespace {
+
+using Bytes = std::array<std::uint8_t, 3>;
+
+/// A JACK client with one MIDI output, as a keyboard is one.
+class Keyboard {
+ public:
+  explicit Keyboard(const std::string& name) {
+    client_ = jack_client_open(name.c_str(), JackNoStartServer, nullptr);
+    REQUIRE(client_ != nullptr);
+    port_ = jack_port_register(client_, "keys", JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput, 0);
+    jack_set_process_callback(client_, process, this);
+    REQUIRE(jack_activate(client_) == 0);
+  }
+  ~Keyboard() { jack_client_close(client_); }
+  void play(const Bytes& bytes) { REQUIRE(queue_.push(bytes)); }
+
+ private:
+  static int process(jack_nframes_t frames, void* self) {
+    auto& keyboard = *static_cast<Keyboard*>(self);
+    void* buffer = jack_port_get_buffer(keyboard.port_, frames);
+    jack_midi_clear_buffer(buffer);
+    jack_nframes_t at = 0;
+    for (Bytes bytes; at < frames && keyboard.queue_.pop(bytes); ++at)
+      jack_midi_event_write(buffer, at, bytes.data(), bytes.size());
+    return 0;
+  }
+
+  SpscQueue<Bytes> queue_{256};
+  jack_client_t* client_ = nullptr;
+  jack_port_t* port_ = nullptr;
+};
+
+RtMidiSettings quick(const std::string& only) {
+  RtMidiSettings settings;
+  settings.api = "jack";
+  settings.only = only;
+  settings.look_every = 20ms;
+  return settings;
+}
+
+bool opens(MidiInputs& inputs, const std::string& id) {
+  return test::wait_until([&] {
+    const auto ports = inputs.ports();
+    return std::find(ports.begin(), ports.end(), id) != ports.end();
+  });
+}
+
+bool closes(MidiInputs& inputs) {
+  return test::wait_until([&] { return inputs.ports().empty(); });
+}
+
+/// What is heard until as many came as were played.
+std::vector<MidiEvent> hear(MidiInputs& inputs, std::size_t many) {
+  std::vector<MidiEvent> heard;
+  test::wait_until([&] {
+    for (auto& event : inputs.poll()) heard.push_back(std::move(event));
+    return heard.size() >= many;
+  });
+  return heard;
+}
+
+bool is_heard(MidiInputs& inputs, Keyboard& keyboard) {
+  keyboard.play({0xb0, 7, 42});
+  const auto heard = hear(inputs, 1);
+  return heard.size() == 1 && heard[0].message.value == 42;
+}
+
+}  // namespace
+
+TEST_CASE("rtmidi: every message of a keyboard comes in order, by the id of its port", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  Keyboard keyboard{"tactus_keys"};
+  const auto inputs = make_rtmidi(quick("tactus_keys"));
+  REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
+  for (std::uint8_t value = 0; value < 100; ++value) keyboard.play({0xb4, 7, value});
+  keyboard.play({0x90, 36, 100});
+  keyboard.play({0x80, 36, 0});
+  keyboard.play({0xe0, 1, 64});
+  const auto heard = hear(*inputs, 103);
+  REQUIRE(heard.size() == 103);
+  for (int value = 0; value < 100; ++value) {
+    CHECK(heard[static_cast<std::size_t>(value)].message.value == value);
+    CHECK(heard[static_cast<std::size_t>(value)].message.channel == 5);
+  }
+  CHECK(heard[0].port == "jack:tactus_keys:keys");
+  CHECK(heard[100].message.kind == MidiMessage::Kind::NoteOn);
+  CHECK(heard[101].message.kind == MidiMessage::Kind::NoteOff);
+  CHECK(heard[102].message.value == 8193);
+}
+
+TEST_CASE("rtmidi: a keyboard that is unplugged and plugged in again is heard again under the same id",
+          "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const auto inputs = make_rtmidi(quick("tactus_keys"));
+  for (int time = 0; time < 3; ++time) {
+    Keyboard keyboard{"tactus_keys"};
+    REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
+    CHECK(is_heard(*inputs, keyboard));
+    if (time > 0) continue;
+    CHECK(inputs->news().back() == "MIDI from 'jack:tactus_keys:keys'");
+  }
+  REQUIRE(closes(*inputs));
+  CHECK(inputs->news().back() == "'jack:tactus_keys:keys' is gone; it is heard again when it comes back");
+}
+
+TEST_CASE("rtmidi: lives on when its server is killed, and hears again when there is a new one", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const auto inputs = make_rtmidi(quick("tactus_keys"));
+  auto keyboard = std::make_unique<Keyboard>("tactus_keys");
+  REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
+  server->kill();
+  keyboard.reset();
+  REQUIRE(closes(*inputs));
+  CHECK(inputs->poll().empty());
+  server->restart();
+  keyboard = std::make_unique<Keyboard>("tactus_keys");
+  REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
+  CHECK(is_heard(*inputs, *keyboard));
+}
+
+TEST_CASE("rtmidi: a server that hangs holds up nobody, not even the end", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  Keyboard keyboard{"tactus_keys"};
+  auto inputs = make_rtmidi(quick("tactus_keys"));
+  REQUIRE(opens(*inputs, "jack:tactus_keys:keys"));
+  server->stop_answering();
+  CHECK(inputs->poll().empty());
+  CHECK(inputs->ports().size() == 1);
+  inputs.reset();  // returns, although the library does not
+  server->go_on();
+}
+
+TEST_CASE("rtmidi: without a server there are no ports, and no complaint of an API that is not there is lost",
+          "[cards]") {
+  const auto none = make_rtmidi(quick(""));
+  CHECK(none->ports().empty());
+  CHECK(none->poll().empty());
+  auto settings = quick("");
+  settings.api = "telegraph";
+  const auto wrong = make_rtmidi(settings);
+  std::vector<std::string> news;
+  REQUIRE(test::wait_until([&] {
+    for (auto& text : wrong->news()) news.push_back(text);
+    return !news.empty();
+  }));
+  CHECK(news.front() == "no MIDI: this build has no MIDI by 'telegraph'");
+}
