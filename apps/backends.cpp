@@ -14,6 +14,9 @@
 #if defined(TACTUS_HAS_PORTAUDIO)
 #include "backends/portaudio/portaudio.h"
 #endif
+#if defined(TACTUS_HAS_RTMIDI)
+#include "backends/rtmidi/rtmidi.h"
+#endif
 
 namespace tactus::app {
 namespace {
@@ -113,6 +116,16 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
   auto made = make_card_backend(backend_of(out->id));
   if (!made) return tl::unexpected(made.error());
   return ChosenDevices{std::move(*made), std::move(*out), std::move(*in)};
+}
+
+std::unique_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {
+#if defined(TACTUS_HAS_RTMIDI)
+  RtMidiSettings settings;
+  settings.api = api;
+  return make_rtmidi(settings);
+#else
+  return nullptr;
+#endif
 }
 
 }  // namespace tactus::app

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "backends/backend.h"
+#include "backends/midi.h"
 
 namespace tactus::app {
 
@@ -31,5 +32,8 @@ struct ChosenDevices {
 /// find_device; Device if no backend has any; BadArgument for two devices of different backends.
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
                                      const std::string& input);
+
+/// nullptr: this program was built without MIDI. `api`: see RtMidiSettings.
+std::unique_ptr<MidiInputs> make_midi_inputs(const std::string& api);
 
 }  // namespace tactus::app

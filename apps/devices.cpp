@@ -6,13 +6,14 @@
 #include "apps/backends.h"
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "latency/measured.h"
 
 namespace tactus::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const Device& device) {
+Json json_of(const Device& device, const MeasuredDelays& delays) {
   Json rates = Json::array();
   for (const auto& rate : device.sample_rates) rates.push_back(rate.value);
   Json json{{"id", device.id},
@@ -25,6 +26,10 @@ Json json_of(const Device& device) {
   if (device.block_frames) json["block_frames"] = *device.block_frames;
   if (device.input_latency_frames) json["driver_input_latency_frames"] = *device.input_latency_frames;
   if (device.output_latency_frames) json["driver_output_latency_frames"] = *device.output_latency_frames;
+  if (const auto* measured = delays.newest(device.id, device.id)) {
+    json["measured_delay_s"] = measured->delay.value;
+    json["measured_at"] = measured->when;
+  }
   return json;
 }
 
@@ -37,21 +42,31 @@ std::string latency_text(const Device& device) {
                      ms(device.output_latency_frames));
 }
 
-void print(const Device& device) {
+std::string measured_text(const Device& device, const MeasuredDelays& delays) {
+  const auto* measured = delays.newest(device.id, device.id);
+  if (measured == nullptr) return "";
+  return fmt::format("\n      measured here: {:.3f} ms with {} frames a block at {:g} kHz, {}",
+                     1e3 * measured->delay.value, measured->key.block_frames,
+                     measured->key.sample_rate.value / 1e3, measured->when);
+}
+
+void print(const Device& device, const MeasuredDelays& delays) {
   fmt::print("  {}{}\n", device.id, device.is_default ? "  (default)" : "");
   std::string rates;
   for (const auto& rate : device.sample_rates)
     rates += fmt::format("{}{:g}", rates.empty() ? "" : ", ", rate.value / 1e3);
-  fmt::print("      {}: {} in, {} out, {} kHz{}{}\n", device.name, device.in_channels, device.out_channels,
+  fmt::print("      {}: {} in, {} out, {} kHz{}{}{}\n", device.name, device.in_channels, device.out_channels,
              rates.empty() ? fmt::format("{:g}, others too", device.default_rate.value / 1e3) : rates,
              device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
-             latency_text(device));
+             latency_text(device), measured_text(device, delays));
 }
 
 int run(const std::string& backend, bool as_json) {
   if (!backend.empty())
     if (const auto known = make_card_backend(backend); !known) return report(known.error()), kUsage;
   const auto all = list_devices(backend);
+  const auto delays = MeasuredDelays::load();
+  if (delays.complaint()) fmt::print(stderr, "{}\n", to_string(*delays.complaint()));
   bool any = false;
   Json json{{"devices", Json::array()}, {"unavailable", Json::array()}};
   for (const auto& [name, devices] : all) {
@@ -65,8 +80,8 @@ int run(const std::string& backend, bool as_json) {
     if (!as_json && devices->empty()) fmt::print("  sees no device\n");
     for (const auto& device : *devices) {
       any = true;
-      json["devices"].push_back(json_of(device));
-      if (!as_json) print(device);
+      json["devices"].push_back(json_of(device, delays));
+      if (!as_json) print(device, delays);
     }
   }
   if (as_json) fmt::print("{}\n", json.dump(2));

@@ -2,12 +2,13 @@
 #include <exception>
 
 #include "apps/commands.h"
+#include "apps/version.h"
 
 int main(int argc, char** argv) {
   using namespace tactus::app;
   CLI::App app{"Tactus: haptic instruments on ordinary sound cards", "tactus"};
   app.require_subcommand(1);
-  app.set_version_flag("--version", "tactus 0.1.0");
+  app.set_version_flag("--version", kVersion);
   app.footer(
       "Start with:  tactus play instruments/haptic_drum\nEach command explains itself:  tactus render "
       "--help");

@@ -65,6 +65,7 @@ void KeptStream::try_again(Clock::time_point now) {
   next_try_ = now + kRetry;
   const int block = granted_.block_frames;
   auto status = reopen();
+  if (status && reopened_) reopened_();
   if (status) status = stream_->start();
   if (status) {
     ++returns_;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +23,8 @@ class KeptStream {
   static Result<std::unique_ptr<KeptStream>> open(Backend& backend, const StreamRequest& request,
                                                   Guarded& processor);
 
+  /// [control] `reopened` is called each time that the device came back, before blocks flow again.
+  void on_return(std::function<void()> reopened) { reopened_ = std::move(reopened); }
   /// [control] As in Stream. What is stopped does not come back by itself.
   [[nodiscard]] Status start();
   [[nodiscard]] Status stop();
@@ -60,6 +63,7 @@ class KeptStream {
   std::string last_refusal_;
   Clock::time_point lost_at_, next_try_;
   std::optional<Clock::time_point> stalled_at_;
+  std::function<void()> reopened_;
   bool wanted_ = false;  ///< it should be running
   int returns_ = 0;
 };

@@ -1,5 +1,6 @@
 #include "apps/console.h"
 #include "apps/live/performer.h"
+#include "apps/take_files.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/check_rig.h"
 #include "engine/scene/guard_report.h"
@@ -16,6 +17,7 @@ class LiveInstrument final : public Performer {
     if (!schedule) return tl::unexpected(schedule.error());
     if (auto wired = made->wire(**schedule); !wired) return tl::unexpected(wired.error());
     made->engine_ = std::make_unique<Engine>(std::move(*schedule));
+    made->loaded_ = std::move(made->read_);
     if (RigInputs::needed(made->wiring_.input_scales, made->setup_.padding_frames))
       made->rig_inputs_.emplace(*made->engine_, made->wiring_.input_scales, made->setup_.padding_frames);
     return made;
@@ -45,12 +47,19 @@ class LiveInstrument final : public Performer {
   std::vector<int> in_map() const override { return wiring_.in_map; }
   std::vector<int> out_map() const override { return wiring_.out_map; }
   std::vector<std::filesystem::path> files() const override { return files_; }
+  bool describe(TakeHeader& header) const override {
+    header.files = take_files(loaded_, standard_nodes(), setup_.root);
+    header.input_scales = wiring_.input_scales;
+    header.padding_frames = setup_.padding_frames;
+    return true;
+  }
 
   Checked<void> edit() override {
     auto schedule = compile_files();
     if (!schedule) return tl::unexpected(schedule.error());
     if (auto status = engine_->replace(std::move(*schedule)); !status)
       return tl::unexpected(std::vector{status.error()});
+    loaded_ = std::move(read_);
     return {};
   }
 
@@ -60,6 +69,7 @@ class LiveInstrument final : public Performer {
   Checked<std::unique_ptr<Schedule>> compile_files() {
     auto loaded = load_graph_leniently(setup_.file, setup_.root);
     if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
+    read_ = loaded;
     files_ = files_of(*loaded.spec);
     name_ = loaded.spec->name;
     if (setup_.rig) {
@@ -91,6 +101,7 @@ class LiveInstrument final : public Performer {
   RigWiring wiring_;
   std::string name_;
   std::vector<std::filesystem::path> files_;
+  LoadedGraph loaded_, read_;  ///< that plays; that was read last
   std::unique_ptr<Engine> engine_;
   std::optional<RigInputs> rig_inputs_;
 };

@@ -13,11 +13,7 @@ namespace tactus::app {
 class Knobs {
  public:
   struct Knob {
-    std::string name, about;
-    double value = 0;  ///< SI
-    Interval range;
-    Unit unit;
-    bool decibel = false;
+    FlatControl control;  ///< `value`: where it stands
     bool frozen = false;  ///< cannot move while it plays
   };
 
@@ -26,15 +22,21 @@ class Knobs {
   /// [control] After an edit: new controls, those that stay keep their place.
   void renew();
   const std::vector<Knob>& all() const { return knobs_; }
+  /// [control] Their controls as they stand.
+  std::vector<FlatControl> controls() const;
   /// [control] Turns one to a place from 0 to 1. False: it is frozen, or the engine's queue is full.
   bool turn(std::size_t knob, double place);
   /// [control] Turns one on by a share of its way.
   bool nudge(std::size_t knob, double share) { return turn(knob, place(knob) + share); }
+  /// [control] Puts the control of this name to a value, SI. False: there is none, or as `turn`.
+  bool set(const std::string& name, double value);
   double place(std::size_t knob) const;
   /// "strength = 0.6"
   std::string text(std::size_t knob) const;
 
  private:
+  bool move(Knob& knob, double value);
+
   Engine& engine_;
   std::vector<Knob> knobs_;
 };

@@ -13,10 +13,15 @@ namespace tactus::app {
 /// The highest sample of each channel since the last look, and another tap behind it.
 class LevelMeter final : public BlockTap {
  public:
-  /// [control & stopped] `next` may be nullptr, and outlives this otherwise.
-  LevelMeter(int inputs, int outputs, BlockTap* next)
-      : inputs_(static_cast<std::size_t>(inputs)), outputs_(static_cast<std::size_t>(outputs)), next_(next) {}
+  LevelMeter(int inputs, int outputs)
+      : inputs_(static_cast<std::size_t>(inputs)), outputs_(static_cast<std::size_t>(outputs)) {}
 
+  /// [control & stopped] It hears everything too, and outlives this or is taken away with nullptr.
+  void set_next(BlockTap* next) { next_ = next; }
+
+  void applied(const JournalEntry& entry) noexcept override TACTUS_NONBLOCKING {
+    if (next_ != nullptr) next_->applied(entry);
+  }
   void hear(const BlockIo& io, std::int64_t first_frame) noexcept override TACTUS_NONBLOCKING {
     for (std::size_t c = 0; c < inputs_.size(); ++c) raise(inputs_[c], io.in[c], io.frames);
     for (std::size_t c = 0; c < outputs_.size(); ++c) raise(outputs_[c], io.out[c], io.frames);
@@ -46,7 +51,7 @@ class LevelMeter final : public BlockTap {
   }
 
   Peaks inputs_, outputs_;
-  BlockTap* next_;
+  BlockTap* next_ = nullptr;
 };
 
 }  // namespace tactus::app

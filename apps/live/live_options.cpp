@@ -20,7 +20,11 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   group->add_option("--record", options.record, "keep sensors, drives and controls in this WAV file");
   group->add_option("--save-rig", options.save_rig,
                     "ask what cannot be known, and write it to this rig file");
-  group->add_flag("--learn", options.learn, "set the sensitivity of a sensor from five soft hits");
+  group->add_flag(
+      "--learn{*}", options.learn,
+      "set the sensitivity of the first sensor, or with --learn=NAME of another, from five soft hits");
+  group->add_option("--midi", options.midi,
+                    "way to MIDI inputs: alsa, jack, core, winmm; default: the system's");
   group->add_flag("--listen", options.listen, "play a scene's simulated world to the sound card");
   group->add_flag("--arm", options.arm, "drives move at once, instead of when 'a' is pressed");
   group->add_flag("--yes", options.yes, "answer every question with what is proposed");

@@ -18,8 +18,9 @@ struct LiveOptions {
   std::optional<int> block, periods;
   std::vector<std::string> set;
   GuardOptions guard;
-  std::string record, save_rig;
-  bool arm = false, listen = false, learn = false, yes = false, force = false, json = false;
+  std::string record, save_rig, midi;
+  std::string learn;  ///< an input, "*" for the first one; empty: nothing is learnt
+  bool arm = false, listen = false, yes = false, force = false, json = false;
 
   /// Is a sound card asked for at all?
   bool live() const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/guard_options.h"
+#include "backends/take/take.h"
 #include "engine/core/guarded.h"
 #include "engine/graph/compile.h"
 #include "engine/runtime/engine.h"
@@ -38,6 +39,8 @@ class Performer {
   /// [control, while it plays] Reads its files again and puts what they say in the place of what sounds.
   /// Errors: what is wrong with them; the old version then plays on.
   virtual Checked<void> edit() = 0;
+  /// Can a take of it be played again? Its files and what the rig does to its inputs go into `header` then.
+  virtual bool describe(TakeHeader&) const { return false; }
   /// [control, while it plays] Strikes once, where there is something to strike.
   virtual bool strike() { return false; }
 };

@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iostream>
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/live/learn_sensor.h"
+#include "apps/save_rig.h"
 #include "engine/scene/check_rig.h"
+#include "latency/measured.h"
 
 namespace tactus::app {
 namespace {
@@ -25,13 +29,6 @@ Result<std::optional<double>> chosen(const std::string& text, const char* unit, 
   return *value;
 }
 
-Checked<std::optional<Rig>> read_rig(const LiveOptions& options, const std::filesystem::path& root) {
-  if (options.rig.empty()) return std::optional<Rig>{};
-  auto rig = load_rig(options.rig, root);
-  if (!rig) return tl::unexpected(rig.error());
-  return std::optional{std::move(*rig)};
-}
-
 /// The knobs as the rig left them, unless the command line says otherwise.
 Result<std::map<std::string, ControlValue>> settings_of(const LiveOptions& options, const Rig* rig) {
   auto settings = parse_settings(options.set);
@@ -43,72 +40,168 @@ Result<std::map<std::string, ControlValue>> settings_of(const LiveOptions& optio
   return settings;
 }
 
+/// Makes a plan, step by step; each step leaves what it found in `plan_`.
+class Planner {
+ public:
+  explicit Planner(const LiveOptions& options)
+      : options_(options),
+        file_(resolve_target(options.target, options.listen ? "scene.toml" : "instrument.toml")),
+        root_(root_of(file_)) {}
+
+  tl::expected<Plan, Refusal> run() {
+    for (const auto step :
+         {&Planner::read_rig, &Planner::choose_devices, &Planner::make_request, &Planner::ask_for_rig,
+          &Planner::learn, &Planner::find_delay, &Planner::make_performer})
+      if (auto refusal = (this->*step)()) return tl::unexpected(std::move(*refusal));
+    return std::move(plan_);
+  }
+
+ private:
+  using Refused = std::optional<Refusal>;
+  static Refusal refuse(Error error, int exit = kUsage) { return {{std::move(error)}, exit}; }
+  static Refusal refuse(std::vector<Error> errors, int exit) { return {std::move(errors), exit}; }
+
+  const Rig* rig() const { return plan_.rig ? &*plan_.rig : nullptr; }
+  std::string rig_file() const { return options_.rig.empty() ? options_.save_rig : options_.rig; }
+
+  Refused read_rig() {
+    if (options_.listen && !rig_file().empty())
+      return refuse(
+          {Errc::BadArgument, "--listen", "a simulated world needs no rig", "leave one of them out"});
+    if (!options_.rig.empty() && !options_.save_rig.empty())
+      return refuse(
+          {Errc::BadArgument, "--save-rig", "there is a rig already", "leave --rig out, or change its file"});
+    plan_.rig_file = rig_file();
+    if (options_.rig.empty()) return {};
+    auto read = load_rig(options_.rig, root_);
+    if (!read) return refuse(std::move(read.error()), kBadFile);
+    plan_.rig = std::move(*read);
+    return {};
+  }
+
+  Refused choose_devices() {
+    const auto or_rig = [&](const std::string& text, std::string Rig::Device::*of) {
+      return text.empty() && rig() != nullptr ? rig()->device.*of : text;
+    };
+    auto devices = app::choose_devices(options_.backend, or_rig(options_.device, &Rig::Device::output),
+                                       or_rig(options_.input_device, &Rig::Device::input));
+    if (!devices) return refuse(devices.error(), kDevice);
+    plan_.devices = std::move(*devices);
+    return {};
+  }
+
+  Refused make_request() {
+    auto& request = plan_.request;
+    const auto& device = plan_.devices.output;
+    request.device = device.id;
+    if (plan_.devices.input.id != device.id) request.input_device = plan_.devices.input.id;
+    const auto of_rig = rig() ? rig()->device.rate : std::nullopt;
+    const auto rate =
+        chosen(options_.rate, "Hz", "rate", of_rig ? std::optional{of_rig->value} : std::nullopt);
+    if (!rate) return refuse(rate.error());
+    request.sample_rate = Hertz{rate->value_or(device.default_rate.value)};
+    request.block_frames = options_.block || rig() == nullptr ? options_.block : rig()->device.block;
+    request.periods = options_.periods || rig() == nullptr ? options_.periods : rig()->device.periods;
+    return {};
+  }
+
+  Refused ask_for_rig() {
+    if (options_.save_rig.empty()) return {};
+    const auto graph = load_graph(file_, root_);
+    if (!graph) return refuse(graph.error(), kBadFile);
+    Rig::Device device;
+    device.output = plan_.request.device;
+    device.input = plan_.request.input_device;
+    device.rate = plan_.request.sample_rate;
+    device.block = plan_.request.block_frames;
+    device.periods = plan_.request.periods;
+    RigInterview interview{**graph, device, plan_.devices.input.in_channels,
+                           plan_.devices.output.out_channels, root_};
+    auto rig = hold_interview(interview, std::cin, std::cerr, options_.yes);
+    if (!rig) return refuse(rig.error());
+    plan_.rig = std::move(*rig);
+    return save(options_.force || options_.yes);
+  }
+
+  Refused save(bool force) {
+    const auto saved = save_rig(*plan_.rig, plan_.rig_file, std::cin, std::cerr, force);
+    if (!saved) return refuse(saved.error(), kBadFile);
+    fmt::print(stderr, "{} is written\n", plan_.rig_file);
+    return {};
+  }
+
+  Refused learn() {
+    if (options_.learn.empty()) return {};
+    if (rig() == nullptr)
+      return refuse({Errc::Missing, "--learn", "there is no rig to keep the sensitivity in",
+                     "give --rig, or --save-rig to make one"});
+    const auto graph = load_graph(file_, root_);
+    if (!graph) return refuse(graph.error(), kBadFile);
+    auto learnt =
+        learn_sensitivity(*plan_.rig, **graph, options_.learn, *plan_.devices.backend, plan_.request);
+    if (!learnt) return refuse(learnt.error(), kNo);
+    return save(true);
+  }
+
+  Refused find_delay() {
+    const auto of_rig = rig() ? rig()->measured_delay : std::nullopt;
+    auto measured =
+        chosen(options_.delay, "s", "delay", of_rig ? std::optional{of_rig->value} : std::nullopt);
+    if (!measured) return refuse(measured.error());
+    if (!*measured && !options_.listen) measured = kept_delay();
+    plan_.delay_s = *measured;
+    const auto to = rig() ? rig()->pad_delay : std::nullopt;
+    const auto pad =
+        chosen(options_.pad_delay, "s", "pad-delay", to ? std::optional{to->value} : std::nullopt);
+    if (!pad) return refuse(pad.error());
+    if (!*pad) return {};
+    const auto frames = padding_frames(plan_.delay_s ? std::optional{Seconds{*plan_.delay_s}} : std::nullopt,
+                                       Seconds{**pad}, *plan_.request.sample_rate,
+                                       options_.pad_delay.empty() ? plan_.rig_file : "--pad-delay");
+    if (!frames) return refuse(frames.error());
+    plan_.padding_frames = *frames;
+    return {};
+  }
+
+  /// What was measured on this machine for this very setting.
+  std::optional<double> kept_delay() const {
+    const auto& request = plan_.request;
+    const auto block = request.block_frames ? request.block_frames : plan_.devices.output.block_frames;
+    const auto kept = MeasuredDelays::load();
+    const auto* found = kept.find({plan_.devices.input.id, plan_.devices.output.id, *request.sample_rate,
+                                   block.value_or(0), request.periods.value_or(0)});
+    return found == nullptr ? std::nullopt : std::optional{found->delay.value};
+  }
+
+  Refused make_performer() {
+    auto settings = settings_of(options_, rig());
+    if (!settings) return refuse(settings.error());
+    const auto rate = *plan_.request.sample_rate;
+    const auto delay = plan_.delay_s ? std::optional{Seconds{*plan_.delay_s}} : std::nullopt;
+    const Seconds whole{plan_.delay_s.value_or(0.0) + plan_.padding_frames / rate.value};
+    auto performer = options_.listen
+                         ? make_world({file_, root_, rate, delay, std::move(*settings), options_.guard,
+                                       std::min(2, plan_.devices.output.out_channels)})
+                         : make_instrument({file_, root_, rate, whole, plan_.padding_frames,
+                                            std::move(*settings), plan_.rig, options_.guard});
+    if (!performer) return refuse(performer.error(), kBadFile);
+    plan_.performer = std::move(*performer);
+    auto& request = plan_.request;
+    request.in_channels = static_cast<int>(plan_.performer->inputs().size());
+    request.out_channels = static_cast<int>(plan_.performer->outputs().size());
+    request.in_map = options_.in.empty() ? plan_.performer->in_map() : from_zero(options_.in);
+    request.out_map = options_.out.empty() ? plan_.performer->out_map() : from_zero(options_.out);
+    return {};
+  }
+
+  const LiveOptions& options_;
+  std::filesystem::path file_, root_;
+  Plan plan_;
+};
+
 }  // namespace
 
-tl::expected<Plan, Refusal> make_plan(const LiveOptions& options) {
-  const auto refuse = [](auto errors, int exit) {
-    if constexpr (std::is_same_v<decltype(errors), Error>)
-      return tl::unexpected(Refusal{{std::move(errors)}, exit});
-    else
-      return tl::unexpected(Refusal{std::move(errors), exit});
-  };
-  const auto file = resolve_target(options.target, options.listen ? "scene.toml" : "instrument.toml");
-  const auto root = root_of(file);
-  const auto rig = read_rig(options, root);
-  if (!rig) return refuse(rig.error(), kBadFile);
-  const Rig* known = *rig ? &**rig : nullptr;
-  const auto or_rig = [&](const std::string& text, std::string Rig::Device::*of) {
-    return text.empty() && known != nullptr ? known->device.*of : text;
-  };
-  auto devices = choose_devices(options.backend, or_rig(options.device, &Rig::Device::output),
-                                or_rig(options.input_device, &Rig::Device::input));
-  if (!devices) return refuse(devices.error(), kDevice);
-
-  StreamRequest request;
-  request.device = devices->output.id;
-  if (devices->input.id != devices->output.id) request.input_device = devices->input.id;
-  const auto rate =
-      chosen(options.rate, "Hz", "rate",
-             known && known->device.rate ? std::optional{known->device.rate->value} : std::nullopt);
-  if (!rate) return refuse(rate.error(), kUsage);
-  request.sample_rate = Hertz{rate->value_or(devices->output.default_rate.value)};
-  request.block_frames = options.block || known == nullptr ? options.block : known->device.block;
-  request.periods = options.periods || known == nullptr ? options.periods : known->device.periods;
-  const auto measured =
-      chosen(options.delay, "s", "delay",
-             known && known->measured_delay ? std::optional{known->measured_delay->value} : std::nullopt);
-  if (!measured) return refuse(measured.error(), kUsage);
-  const auto pad = chosen(options.pad_delay, "s", "pad-delay",
-                          known && known->pad_delay ? std::optional{known->pad_delay->value} : std::nullopt);
-  if (!pad) return refuse(pad.error(), kUsage);
-  auto settings = settings_of(options, known);
-  if (!settings) return refuse(settings.error(), kUsage);
-
-  int padding = 0;
-  if (*pad) {
-    const auto frames =
-        padding_frames(*measured ? std::optional{Seconds{**measured}} : std::nullopt, Seconds{**pad},
-                       *request.sample_rate, options.pad_delay.empty() ? options.rig : "--pad-delay");
-    if (!frames) return refuse(frames.error(), kUsage);
-    padding = *frames;
-  }
-  const auto as_seconds = [](std::optional<double> value) {
-    return value ? std::optional{Seconds{*value}} : std::nullopt;
-  };
-  auto performer =
-      options.listen
-          ? make_world({file, root, *request.sample_rate, as_seconds(*measured), std::move(*settings),
-                        options.guard, std::min(2, devices->output.out_channels)})
-          : make_instrument({file, root, *request.sample_rate,
-                             Seconds{pad->value_or(measured->value_or(0.0))}, padding, std::move(*settings),
-                             *rig, options.guard});
-  if (!performer) return refuse(performer.error(), kBadFile);
-  request.in_channels = static_cast<int>((*performer)->inputs().size());
-  request.out_channels = static_cast<int>((*performer)->outputs().size());
-  request.in_map = options.in.empty() ? (*performer)->in_map() : from_zero(options.in);
-  request.out_map = options.out.empty() ? (*performer)->out_map() : from_zero(options.out);
-  return Plan{std::move(*devices), std::move(request), std::move(*performer), *measured, padding};
-}
+tl::expected<Plan, Refusal> make_plan(const LiveOptions& options) { return Planner{options}.run(); }
 
 std::string granted_in_words(const Plan& plan, const StreamGranted& granted) {
   const auto& asked = plan.request;

@@ -16,6 +16,8 @@ struct Plan {
   ChosenDevices devices;
   StreamRequest request;
   std::unique_ptr<Performer> performer;
+  std::optional<Rig> rig;
+  std::string rig_file;           ///< where it is kept, or empty
   std::optional<double> delay_s;  ///< of the card, measured
   int padding_frames = 0;
 };
@@ -26,7 +28,8 @@ struct Refusal {
   int exit = 0;
 };
 
-/// The command line and the rig, the former first, turned into what a session needs. Opens nothing yet.
+/// The command line and the rig, the former first, turned into what a session needs. Asks and learns what is
+/// asked for, and opens nothing else yet.
 tl::expected<Plan, Refusal> make_plan(const LiveOptions& options);
 
 /// What was granted, and beside it what was asked for where it is something else.

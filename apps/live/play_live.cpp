@@ -2,15 +2,19 @@
 
 #include <chrono>
 #include <csignal>
+#include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/live/keyboard.h"
 #include "apps/live/live_options.h"
+#include "apps/live/midi_controls.h"
 #include "apps/live/plan.h"
 #include "apps/live/session.h"
 #include "apps/live/status_line.h"
+#include "apps/save_rig.h"
 #include "backends/realtime_thread.h"
 
 namespace tactus::app {
@@ -29,8 +33,18 @@ constexpr const char* kHelp =
 /// What the keys do, and what they have chosen.
 class Player {
  public:
-  Player(Session& session, Performer& performer, StatusLine& line)
-      : session_(session), performer_(performer), line_(line) {}
+  Player(Session& session, Plan& plan, const LiveOptions& options, StatusLine& line)
+      : session_(session),
+        plan_(plan),
+        line_(line),
+        midi_(options.midi, plan.rig ? plan.rig->midi : std::vector<RigMidi>{}, session.knobs()) {}
+
+  /// Everything that moves by itself.
+  void tick() {
+    for (const auto& words : session_.tick()) line_.say(words);
+    if (session_.take_edited()) midi_.renew();
+    for (const auto& words : midi_.tick()) line_.say(words);
+  }
 
   /// False: the user wants to end it.
   bool press(const Key& key) {
@@ -73,7 +87,13 @@ class Player {
         line_.say(session_.muted() ? "muted" : "no longer muted");
         break;
       case ' ':
-        if (!performer_.strike()) line_.say("there is nothing to strike here; m mutes, a arms");
+        if (!plan_.performer->strike()) line_.say("there is nothing to strike here; m mutes, a arms");
+        break;
+      case 'l':
+        learn();
+        break;
+      case 's':
+        save();
         break;
       case '?':
       case 'h':
@@ -91,12 +111,35 @@ class Player {
   void turn(double share) {
     if (chosen_ >= session_.knobs().all().size()) return;
     if (!session_.knobs().nudge(chosen_, share))
-      line_.say(session_.knobs().all()[chosen_].name + " cannot be turned while it plays");
+      line_.say(session_.knobs().all()[chosen_].control.name + " cannot be turned while it plays");
+  }
+
+  void learn() {
+    if (chosen_ >= session_.knobs().all().size()) return;
+    const auto& name = session_.knobs().all()[chosen_].control.name;
+    line_.say(midi_.learn(name) ? "move the controller that is to turn " + name
+                                : "this program was built without MIDI");
+  }
+  void save() {
+    if (!plan_.rig) return line_.say("there is no rig to save in: start with --save-rig FILE");
+    plan_.rig->midi = midi_.bindings();
+    plan_.rig->controls.clear();
+    for (const auto& control : session_.knobs().controls())
+      plan_.rig->controls.push_back({control.name, {}, {control.value, control.unit, false}});
+    std::error_code ignored;
+    std::filesystem::copy_file(plan_.rig_file, plan_.rig_file + "~",
+                               std::filesystem::copy_options::overwrite_existing, ignored);
+    std::istringstream nobody;
+    const auto saved = save_rig(*plan_.rig, plan_.rig_file, nobody, std::cerr, true);
+    line_.say(saved ? plan_.rig_file + " has the knobs and MIDI as they are; what it was is " +
+                          plan_.rig_file + "~"
+                    : to_string(saved.error()));
   }
 
   Session& session_;
-  Performer& performer_;
+  Plan& plan_;
   StatusLine& line_;
+  MidiControls midi_;
   std::size_t chosen_ = 0;
 };
 
@@ -122,6 +165,12 @@ Json json_of(const std::vector<SessionView::Level>& levels) {
   return json;
 }
 
+Json takes_json(const Session& session) {
+  Json json = Json::array();
+  for (const auto& take : session.takes()) json.push_back(take.string());
+  return json;
+}
+
 Result<double> seconds_of(const std::string& text, const char* option) {
   if (text.empty()) return 0.0;
   const auto seconds = parse_option(text, "s", option);
@@ -131,11 +180,11 @@ Result<double> seconds_of(const std::string& text, const char* option) {
 }
 
 /// Everything but the sound: keys, edits, the status line. Returns why it ended.
-int run(Session& session, Performer& performer, double seconds) {
+int run(Session& session, Plan& plan, const LiveOptions& options, double seconds) {
   using namespace std::chrono_literals;
   StatusLine line;
   Keyboard keyboard;
-  Player player{session, performer, line};
+  Player player{session, plan, options, line};
   if (keyboard.is_terminal()) line.say(kHelp);
   const auto begin = Clock::now();
   auto drawn = begin - 1s;
@@ -144,7 +193,7 @@ int run(Session& session, Performer& performer, double seconds) {
     if (session.over()) return kDevice;
     if (seconds > 0 && std::chrono::duration<double>(Clock::now() - begin).count() >= seconds) return kDone;
     if (const auto key = keyboard.wait(20ms); key && !player.press(*key)) return kDone;
-    for (const auto& words : session.tick()) line.say(words);
+    player.tick();
     if (Clock::now() - drawn < 100ms) continue;
     drawn = Clock::now();
     line.draw(session.look(), player.knob());
@@ -159,9 +208,14 @@ int play_live(const LiveOptions& options) {
   auto plan = make_plan(options);
   if (!plan) return report(plan.error().errors), plan.error().exit;
   auto& performer = *plan->performer;
+  if (!options.record.empty() && options.listen)
+    return report(Error{Errc::BadArgument, "--record", "does not go with --listen",
+                        "tactus play without --listen writes what a scene does"}),
+           kUsage;
 
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
-  Session session{performer, *plan->devices.backend, plan->request, options.arm, nullptr};
+  Session session{performer, *plan->devices.backend, plan->request, options.arm};
+  if (!options.record.empty()) session.record(options.record, plan->rig ? to_text(*plan->rig) : "");
   if (plan->delay_s) session.know_delay();
   if (const auto started = session.start(); !started) return report(started.error()), kDevice;
   fmt::print(stderr, "{}\n{}\n", performer.name(), granted_in_words(*plan, session.granted()));
@@ -171,9 +225,11 @@ int play_live(const LiveOptions& options) {
 
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
-  const int ended = run(session, performer, *seconds);
+  const int ended = run(session, *plan, options, *seconds);
   const auto view = session.look();
-  const auto stopped = session.stop();
+  std::vector<std::string> words;
+  const auto stopped = session.stop(words);
+  for (const auto& line : words) fmt::print(stderr, "{}\n", line);
   const auto guard = session.guard_report();
   if (options.json) {
     fmt::print("{}\n", Json{{"instrument", performer.name()},
@@ -183,6 +239,7 @@ int play_live(const LiveOptions& options) {
                             {"highest_input", json_of(view.highest_inputs)},
                             {"highest_output", json_of(view.highest_outputs)},
                             {"health", json_of(view.health)},
+                            {"takes", takes_json(session)},
                             {"guard", guard_json(guard, session.granted().format.sample_rate)}}
                            .dump(2));
   } else {
@@ -193,6 +250,7 @@ int play_live(const LiveOptions& options) {
     fmt::print("  load                {}\n", load_text(view.health));
     fmt::print("  gaps                {}\n", xrun_text(view.health));
     print_guard(guard, session.granted().format.sample_rate);
+    for (const auto& take : session.takes()) fmt::print("  take                {}\n", take.string());
   }
   if (!stopped) return report(stopped.error()), kDevice;
   return ended;

@@ -32,13 +32,13 @@ void raise(std::vector<double>& highest, const std::vector<double>& peaks) {
 
 }  // namespace
 
-Session::Session(Performer& performer, Backend& backend, StreamRequest request, bool armed, BlockTap* tap)
+Session::Session(Performer& performer, Backend& backend, StreamRequest request, bool armed)
     : performer_(performer),
       backend_(backend),
       request_(std::move(request)),
       guards_(performer.guards()),
       guarded_(performer.processor(), guards_, armed),
-      meter_(request_.in_channels, request_.out_channels, tap),
+      meter_(request_.in_channels, request_.out_channels),
       knobs_(performer.instrument()),
       armed_(armed),
       seen_guards_(guards_.size()) {
@@ -46,16 +46,34 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
   files_.watch(performer_.files());
 }
 
-Session::~Session() { (void)stop(); }
+Session::~Session() {
+  std::vector<std::string> unheard;
+  (void)stop(unheard);
+}
+
+void Session::record(const std::filesystem::path& wav, const std::string& rig) {
+  recording_ = std::make_unique<Recording>(wav, rig, performer_, guarded_, meter_);
+}
+
+std::vector<std::filesystem::path> Session::takes() const {
+  return recording_ == nullptr ? std::vector<std::filesystem::path>{} : recording_->files();
+}
 
 Status Session::start() {
   auto opened = KeptStream::open(backend_, request_, guarded_);
   if (!opened) return tl::unexpected(opened.error());
   stream_ = std::move(*opened);
+  if (recording_ != nullptr) {
+    if (auto status = recording_->begin(); !status) return status;
+    stream_->on_return([this] {
+      if (const auto status = recording_->begin(); !status)
+        waiting_words_.push_back("nothing is recorded any more: " + to_string(status.error()));
+    });
+  }
   return stream_->start();
 }
 
-Status Session::stop() {
+Status Session::stop(std::vector<std::string>& words) {
   if (stream_ == nullptr) return {};
   if (stream_->state() == StreamState::Running) {
     mute(true);
@@ -63,7 +81,10 @@ Status Session::stop() {
     const double fade_s = fade_of(guards_).value + std::min(0.2, 2 * block_s);
     std::this_thread::sleep_for(std::chrono::duration<double>{fade_s});
   }
-  return stream_->stop();
+  const auto stopped = stream_->stop();
+  if (recording_ != nullptr)
+    for (auto& line : recording_->end()) words.push_back(std::move(line));
+  return stopped;
 }
 
 bool Session::has_drives() const {
@@ -81,9 +102,11 @@ void Session::mute(bool on) {
 }
 
 std::vector<std::string> Session::tick() {
-  std::vector<std::string> words;
   stream_->tick();
+  auto words = std::exchange(waiting_words_, {});
   while (auto event = stream_->take_event()) words.push_back(std::move(*event));
+  if (recording_ != nullptr)
+    for (auto& line : recording_->news()) words.push_back(std::move(line));
   tell_guard_events(words);
   tell_faults(words);
   doubt_delay(words);
@@ -109,6 +132,8 @@ void Session::follow_edits(std::vector<std::string>& words) {
     words.push_back(to_string(edited.error()) + "\nthe version before plays on");
   } else {
     knobs_.renew();
+    edited_ = true;
+    if (recording_ != nullptr) recording_->edited();
     words.push_back("the edited " + performer_.name() + " plays");
   }
   files_.watch(performer_.files());
@@ -164,6 +189,7 @@ SessionView Session::look() {
     seen_guards_[c] = counts;
   }
   for (const auto& fault : told_faults_) view.faults += fault.count;
+  if (recording_ != nullptr) view.recorded_s = recording_->seconds();
   return view;
 }
 

@@ -3,11 +3,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/live/knobs.h"
 #include "apps/live/level_meter.h"
 #include "apps/live/performer.h"
+#include "apps/live/recording.h"
 #include "apps/live/watched_files.h"
 #include "backends/kept_stream.h"
 #include "engine/scene/guard_report.h"
@@ -28,20 +30,22 @@ struct SessionView {
   Health health;
   std::vector<std::string> guard;  ///< what it was busy with since the last look: "woofer ceiling"
   std::int64_t faults = 0;         ///< of nodes, so far
+  std::optional<double> recorded_s;
 };
 
 /// Something that sounds on a device: opens it, plays, follows its files, and stops without a click. All
 /// functions are for one control thread.
 class Session {
  public:
-  /// All must outlive it. `tap` (nullptr: none) hears every block.
-  Session(Performer& performer, Backend& backend, StreamRequest request, bool armed, BlockTap* tap);
+  /// All must outlive it.
+  Session(Performer& performer, Backend& backend, StreamRequest request, bool armed);
   ~Session();
 
   /// Errors: of KeptStream.
   [[nodiscard]] Status start();
-  /// Fades out and plays a block of zeros. The device is closed with the session.
-  Status stop();
+  /// Fades out and plays a block of zeros, and ends the take; what did not go well with it goes to `words`.
+  /// The device is closed with the session.
+  Status stop(std::vector<std::string>& words);
   /// Call it about 20 times a second. What happened, in words.
   std::vector<std::string> tick();
 
@@ -58,8 +62,15 @@ class Session {
     return stream_ != nullptr && stream_->state() == StreamState::Lost && !granted().comes_back;
   }
   Guarded& guarded() { return guarded_; }
+  /// [before `start`] Keeps all of it in takes. `rig`: the text of the rig file, or empty.
+  void record(const std::filesystem::path& wav, const std::string& rig);
+  /// The files of the takes.
+  std::vector<std::filesystem::path> takes() const;
   /// [before `start`] The card's delay was measured: it is told when it may be another.
   void know_delay() { delay_known_ = true; }
+
+  /// An edit was taken over since the last call: knobs may be others.
+  bool take_edited() { return std::exchange(edited_, false); }
 
   /// Levels and the guard's work start anew with every look.
   SessionView look();
@@ -78,16 +89,18 @@ class Session {
   std::vector<GuardedChannel> guards_;
   Guarded guarded_;
   LevelMeter meter_;
+  std::unique_ptr<Recording> recording_;
   Knobs knobs_;
   WatchedFiles files_;
   std::unique_ptr<KeptStream> stream_;
   bool armed_, muted_ = false;
-  bool edit_waits_ = false;
+  bool edit_waits_ = false, edited_ = false;
   bool delay_known_ = false;
   std::vector<double> highest_in_, highest_out_;
   std::vector<GuardCounts> seen_guards_;
   std::vector<FaultCount> told_faults_;
   std::vector<GuardEvent> events_;
+  std::vector<std::string> waiting_words_;  ///< for the next tick
 };
 
 }  // namespace tactus::app

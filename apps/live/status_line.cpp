@@ -62,6 +62,7 @@ std::string status_line(const SessionView& view, const std::string& knob, int co
   text += " | " + levels_text(view.inputs) + (view.inputs.empty() ? "" : " > ") + levels_text(view.outputs);
   for (std::size_t g = 0; g < view.guard.size(); ++g) text += (g == 0 ? " | guard: " : ", ") + view.guard[g];
   if (view.faults > 0) text += fmt::format(" | {} faults", view.faults);
+  if (view.recorded_s) text += fmt::format(" | recorded {:.0f} s", *view.recorded_s);
   if (!knob.empty()) text += " | " + knob;
   text += " | load " + load_text(view.health) + " | " + xrun_text(view.health);
   return cut(text, columns);

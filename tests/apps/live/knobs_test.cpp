@@ -29,19 +29,19 @@ TEST_CASE("knobs: a knob goes over its range, in decibels where the control does
   CHECK(knobs.place(0) == Approx((0.5 + 1) / 4));
   CHECK(knobs.place(1) == Approx(0.5));
   REQUIRE(knobs.turn(1, 0.75));
-  CHECK(20 * std::log10(knobs.all()[1].value) == Approx(-15.0));
+  CHECK(20 * std::log10(knobs.all()[1].control.value) == Approx(-15.0));
   CHECK(knobs.text(1) == "loud = -15 dB");
   REQUIRE(knobs.nudge(0, 0.25));
-  CHECK(knobs.all()[0].value == Approx(1.5));
+  CHECK(knobs.all()[0].control.value == Approx(1.5));
 }
 
 TEST_CASE("knobs: a knob stops at its ends", "[live]") {
   const auto engine = test::engine_of(kGraph);
   Knobs knobs{*engine};
   REQUIRE(knobs.nudge(0, 7.0));
-  CHECK(knobs.all()[0].value == 3.0);
+  CHECK(knobs.all()[0].control.value == 3.0);
   REQUIRE(knobs.nudge(0, -7.0));
-  CHECK(knobs.all()[0].value == -1.0);
+  CHECK(knobs.all()[0].control.value == -1.0);
 }
 
 TEST_CASE("knobs: the engine hears what is turned", "[live]") {

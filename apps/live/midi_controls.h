@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/live/knobs.h"
+#include "apps/midi_map.h"
+#include "backends/midi.h"
+
+namespace tactus::app {
+
+/// MIDI controllers that turn the knobs of a session. Inputs are opened when something is bound or to be
+/// learnt.
+class MidiControls {
+ public:
+  /// `api`: a way to MIDI; empty: the system's.
+  MidiControls(std::string api, std::vector<RigMidi> bindings, Knobs& knobs);
+
+  /// [control] The next thing moved will move this control. False: this program has no MIDI.
+  bool learn(const std::string& control);
+  /// [control] Moves knobs; what happened in words.
+  std::vector<std::string> tick();
+  /// [control] The controls may be others now.
+  void renew() { map_ = MidiMap{map_.bindings(), knobs_.controls()}; }
+  const std::vector<RigMidi>& bindings() const { return map_.bindings(); }
+
+ private:
+  bool open();
+
+  std::string api_;
+  Knobs& knobs_;
+  MidiMap map_;
+  std::unique_ptr<MidiInputs> inputs_;
+};
+
+}  // namespace tactus::app
