@@ -26,25 +26,17 @@ TEST_CASE("portaudio: with the server's own blocks the round trip is one of them
   CHECK(probe.probe.delay(0, 0) == 960 + 256);
 }
 
-TEST_CASE("portaudio: a latency below zero is none, and others are those of the ports", "[cards]") {
+TEST_CASE("portaudio: a latency below zero is none, and not a day", "[cards]") {
   const auto server = test::start_sound_server();
   if (!server) return;
-  const test::DelayClient modest{{.name = "modest"}},
-      frank{{.name = "frank", .input_latency = 256 + 37, .output_latency = 256 + 923}};
+  const test::DelayClient card;  // it says that it has none, and PortAudio subtracts a block
   PortAudioBackend portaudio;
   test::GuardedProbe probe{1};
   StreamRequest request;
   request.in_channels = request.out_channels = 1;
-  request.device = "portaudio:jack:" + modest.name();
-  {
-    const auto stream = portaudio.open(request, probe.guarded);
-    REQUIRE(stream);
-    CHECK((*stream)->granted().input_latency_frames == std::nullopt);
-    CHECK((*stream)->granted().output_latency_frames == std::nullopt);
-  }
-  request.device = "portaudio:jack:" + frank.name();
+  request.device = "portaudio:jack:" + card.name();
   const auto stream = portaudio.open(request, probe.guarded);
   REQUIRE(stream);
-  CHECK((*stream)->granted().input_latency_frames.value() == Approx(37));
-  CHECK((*stream)->granted().output_latency_frames.value() == Approx(923));
+  CHECK((*stream)->granted().input_latency_frames == std::nullopt);
+  CHECK((*stream)->granted().output_latency_frames == std::nullopt);
 }
