@@ -61,18 +61,19 @@ std::string reasons(const std::vector<BackendDevices>& asked) {
   return text;
 }
 
+/// Several backends often reach the same card: the first of them that knows `text` counts.
 Result<Device> find_one(const std::vector<BackendDevices>& asked, const std::string& text) {
-  if (text.empty())
-    for (const auto& each : asked)
-      if (each.devices && !each.devices->empty()) return find_device(*each.devices, "");
   std::vector<Device> all;
-  for (const auto& each : asked)
-    if (each.devices) all.insert(all.end(), each.devices->begin(), each.devices->end());
-  if (all.empty())
-    return fail(
-        Errc::Device, "", text.empty() ? "there is no sound device" : "there is no device '" + text + "'",
-        asked.empty() ? "this program was built without any library for sound cards" : reasons(asked));
-  return find_device(all, text);
+  for (const auto& each : asked) {
+    if (!each.devices || each.devices->empty()) continue;
+    auto found = find_device(*each.devices, text);
+    if (found || found.error().code != Errc::UnknownName) return found;
+    all.insert(all.end(), each.devices->begin(), each.devices->end());
+  }
+  if (!all.empty()) return find_device(all, text);
+  return fail(Errc::Device, "",
+              text.empty() ? "there is no sound device" : "there is no device '" + text + "'",
+              asked.empty() ? "this program was built without any library for sound cards" : reasons(asked));
 }
 
 }  // namespace

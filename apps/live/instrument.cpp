@@ -51,6 +51,7 @@ class LiveInstrument final : public Performer {
     header.files = take_files(loaded_, standard_nodes(), setup_.root);
     header.input_scales = wiring_.input_scales;
     header.padding_frames = setup_.padding_frames;
+    if (setup_.rig) add_rig(*setup_.rig, to_text(*setup_.rig), header);
     return true;
   }
 

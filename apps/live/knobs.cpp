@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/midi_map.h"
 #include "engine/graph/entry_fields.h"
 
 namespace tactus::app {
@@ -41,23 +40,20 @@ double Knobs::place(std::size_t index) const {
   return (control.value - low) / (high - low);
 }
 
-bool Knobs::move(Knob& knob, double value) {
-  const int number = engine_.control_index(knob.control.name);
-  if (knob.frozen || number < 0 ||
-      !engine_.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, number, value}))
-    return false;
-  knob.control.value = value;
+bool Knobs::turn(std::size_t index, double place) {
+  auto& [control, frozen] = knobs_[index];
+  const int number = engine_.control_index(control.name);
+  if (frozen || number < 0 || !control.range.bounded()) return false;
+  const double low = control.range.low, high = control.range.high, at = std::clamp(place, 0.0, 1.0);
+  const double value = control.decibel && low > 0 ? low * std::pow(high / low, at) : low + (high - low) * at;
+  if (!engine_.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, number, value})) return false;
+  control.value = value;
   return true;
 }
 
-bool Knobs::turn(std::size_t index, double place) {
-  auto& knob = knobs_[index];
-  return knob.control.range.bounded() && move(knob, value_at(knob.control, place));
-}
-
-bool Knobs::set(const std::string& name, double value) {
+bool Knobs::turn(const std::string& name, double place) {
   const auto knob = named(knobs_, name);
-  return knob != knobs_.end() && move(*knob, value);
+  return knob != knobs_.end() && turn(static_cast<std::size_t>(knob - knobs_.begin()), place);
 }
 
 std::string Knobs::text(std::size_t index) const {

@@ -28,15 +28,13 @@ class Knobs {
   bool turn(std::size_t knob, double place);
   /// [control] Turns one on by a share of its way.
   bool nudge(std::size_t knob, double share) { return turn(knob, place(knob) + share); }
-  /// [control] Puts the control of this name to a value, SI. False: there is none, or as `turn`.
-  bool set(const std::string& name, double value);
+  /// [control] The same by name. False, too, if there is none.
+  bool turn(const std::string& name, double place);
   double place(std::size_t knob) const;
   /// "strength = 0.6"
   std::string text(std::size_t knob) const;
 
  private:
-  bool move(Knob& knob, double value);
-
   Engine& engine_;
   std::vector<Knob> knobs_;
 };

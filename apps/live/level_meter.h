@@ -28,10 +28,6 @@ class LevelMeter final : public BlockTap {
     if (next_ != nullptr) next_->hear(io, first_frame);
   }
 
-  void applied(const JournalEntry& entry) noexcept override TACTUS_NONBLOCKING {
-    if (next_ != nullptr) next_->applied(entry);
-  }
-
   /// [control, one thread] Full scale = 1; the next look starts anew.
   std::vector<double> take_inputs() { return take(inputs_); }
   std::vector<double> take_outputs() { return take(outputs_); }

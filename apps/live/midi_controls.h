@@ -21,8 +21,6 @@ class MidiControls {
   bool learn(const std::string& control);
   /// [control] Moves knobs; what happened in words.
   std::vector<std::string> tick();
-  /// [control] The controls may be others now.
-  void renew() { map_ = MidiMap{map_.bindings(), knobs_.controls()}; }
   const std::vector<RigMidi>& bindings() const { return map_.bindings(); }
 
  private:

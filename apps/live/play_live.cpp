@@ -42,7 +42,6 @@ class Player {
   /// Everything that moves by itself.
   void tick() {
     for (const auto& words : session_.tick()) line_.say(words);
-    if (session_.take_edited()) midi_.renew();
     for (const auto& words : midi_.tick()) line_.say(words);
   }
 
@@ -215,7 +214,7 @@ int play_live(const LiveOptions& options) {
 
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
   Session session{performer, *plan->devices.backend, plan->request, options.arm};
-  if (!options.record.empty()) session.record(options.record, plan->rig ? to_text(*plan->rig) : "");
+  if (!options.record.empty()) session.record(options.record);
   if (plan->delay_s) session.know_delay();
   if (const auto started = session.start(); !started) return report(started.error()), kDevice;
   fmt::print(stderr, "{}\n{}\n", performer.name(), granted_in_words(*plan, session.granted()));

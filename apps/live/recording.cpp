@@ -7,15 +7,13 @@
 
 namespace tactus::app {
 
-Recording::Recording(std::filesystem::path wav, std::string rig, Performer& performer, Guarded& guarded,
-                     LevelMeter& meter)
-    : performer_(performer), guarded_(guarded), meter_(meter), wav_(std::move(wav)), rig_(std::move(rig)) {}
+Recording::Recording(std::filesystem::path wav, Performer& performer, Guarded& guarded, LevelMeter& meter)
+    : performer_(performer), guarded_(guarded), meter_(meter), wav_(std::move(wav)) {}
 
 Status Recording::begin() {
   (void)end();
   auto header = take_header(performer_.instrument(), guarded_);
   header.program = kVersion;
-  header.rig = rig_;
   performer_.describe(header);
   auto file = wav_;
   if (!files_.empty())

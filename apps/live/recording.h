@@ -15,9 +15,8 @@ namespace tactus::app {
 /// since a stream that begins again is another take. [control]
 class Recording {
  public:
-  /// All must outlive it. `rig`: the text of the rig file, or empty.
-  Recording(std::filesystem::path wav, std::string rig, Performer& performer, Guarded& guarded,
-            LevelMeter& meter);
+  /// All must outlive it.
+  Recording(std::filesystem::path wav, Performer& performer, Guarded& guarded, LevelMeter& meter);
 
   /// [prepared & stopped] Ends the take that was, and begins one. Errors: of TakeRecorder::start.
   [[nodiscard]] Status begin();
@@ -36,7 +35,6 @@ class Recording {
   Guarded& guarded_;
   LevelMeter& meter_;
   std::filesystem::path wav_;
-  std::string rig_;
   std::vector<std::filesystem::path> files_;
   std::unique_ptr<TakeRecorder> recorder_;
   std::int64_t told_dropped_ = 0;

@@ -51,8 +51,8 @@ Session::~Session() {
   (void)stop(unheard);
 }
 
-void Session::record(const std::filesystem::path& wav, const std::string& rig) {
-  recording_ = std::make_unique<Recording>(wav, rig, performer_, guarded_, meter_);
+void Session::record(const std::filesystem::path& wav) {
+  recording_ = std::make_unique<Recording>(wav, performer_, guarded_, meter_);
 }
 
 std::vector<std::filesystem::path> Session::takes() const {
@@ -132,7 +132,6 @@ void Session::follow_edits(std::vector<std::string>& words) {
     words.push_back(to_string(edited.error()) + "\nthe version before plays on");
   } else {
     knobs_.renew();
-    edited_ = true;
     if (recording_ != nullptr) recording_->edited();
     words.push_back("the edited " + performer_.name() + " plays");
   }

@@ -62,15 +62,12 @@ class Session {
     return stream_ != nullptr && stream_->state() == StreamState::Lost && !granted().comes_back;
   }
   Guarded& guarded() { return guarded_; }
-  /// [before `start`] Keeps all of it in takes. `rig`: the text of the rig file, or empty.
-  void record(const std::filesystem::path& wav, const std::string& rig);
+  /// [before `start`] Keeps all of it in takes.
+  void record(const std::filesystem::path& wav);
   /// The files of the takes.
   std::vector<std::filesystem::path> takes() const;
   /// [before `start`] The card's delay was measured: it is told when it may be another.
   void know_delay() { delay_known_ = true; }
-
-  /// An edit was taken over since the last call: knobs may be others.
-  bool take_edited() { return std::exchange(edited_, false); }
 
   /// Levels and the guard's work start anew with every look.
   SessionView look();
@@ -94,7 +91,7 @@ class Session {
   WatchedFiles files_;
   std::unique_ptr<KeptStream> stream_;
   bool armed_, muted_ = false;
-  bool edit_waits_ = false, edited_ = false;
+  bool edit_waits_ = false;
   bool delay_known_ = false;
   std::vector<double> highest_in_, highest_out_;
   std::vector<GuardCounts> seen_guards_;
