@@ -53,29 +53,6 @@ std::string backend_of(const std::string& id) {
   return id.find(':') != std::string::npos && std::count(names.begin(), names.end(), name) > 0 ? name : "";
 }
 
-std::string reasons(const std::vector<BackendDevices>& asked) {
-  std::string text;
-  for (const auto& [backend, devices] : asked)
-    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", backend,
-                        devices ? "it sees no device" : to_string(devices.error()));
-  return text;
-}
-
-/// Several backends often reach the same card: the first of them that knows `text` counts.
-Result<Device> find_one(const std::vector<BackendDevices>& asked, const std::string& text) {
-  std::vector<Device> all;
-  for (const auto& each : asked) {
-    if (!each.devices || each.devices->empty()) continue;
-    auto found = find_device(*each.devices, text);
-    if (found || found.error().code != Errc::UnknownName) return found;
-    all.insert(all.end(), each.devices->begin(), each.devices->end());
-  }
-  if (!all.empty()) return find_device(all, text);
-  return fail(Errc::Device, "",
-              text.empty() ? "there is no sound device" : "there is no device '" + text + "'",
-              asked.empty() ? "this program was built without any library for sound cards" : reasons(asked));
-}
-
 }  // namespace
 
 std::vector<std::string> card_backends() {
@@ -103,20 +80,35 @@ std::vector<BackendDevices> list_devices(const std::string& backend) {
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
                                      const std::string& input) {
   if (!backend.empty())
-    if (auto made = make_card_backend(backend); !made) return tl::unexpected(made.error());
-  const auto named = backend.empty() ? backend_of(output.empty() ? input : output) : backend;
-  const auto asked = list_devices(named);
-  auto out = find_one(asked, output.empty() ? input : output);
-  if (!out) return tl::unexpected(out.error());
-  auto in = input.empty() ? out : find_one(asked, input);
-  if (!in) return tl::unexpected(in.error());
-  if (backend_of(in->id) != backend_of(out->id))
-    return fail(Errc::BadArgument, "--input-device",
-                fmt::format("'{}' and '{}' belong to different backends", in->id, out->id),
-                "choose two devices of one backend");
-  auto made = make_card_backend(backend_of(out->id));
-  if (!made) return tl::unexpected(made.error());
-  return ChosenDevices{std::move(*made), std::move(*out), std::move(*in)};
+    if (auto known = make_card_backend(backend); !known) return tl::unexpected(known.error());
+  const auto& wanted = output.empty() ? input : output;
+  const auto named = backend.empty() ? backend_of(wanted) : backend;
+  std::vector<Device> others;
+  std::string reasons;
+  for (const auto& maker : makers()) {
+    if (!named.empty() && named != maker.name) continue;
+    auto made = maker.make();
+    const auto devices = made->devices();
+    if (!devices || devices->empty()) {
+      reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", maker.name,
+                             devices ? "it sees no device" : to_string(devices.error()));
+      continue;
+    }
+    auto out = find_device(*devices, wanted);
+    if (!out && out.error().code != Errc::UnknownName) return tl::unexpected(out.error());
+    if (!out) {
+      others.insert(others.end(), devices->begin(), devices->end());
+      continue;
+    }
+    auto in = input.empty() ? out : find_device(*devices, input);
+    if (!in) return tl::unexpected(in.error());
+    return ChosenDevices{std::move(made), std::move(*out), std::move(*in)};
+  }
+  if (const auto missing = find_device(others, wanted); !others.empty() && !missing)
+    return tl::unexpected(missing.error());
+  return fail(Errc::Device, "",
+              wanted.empty() ? "there is no sound device" : "there is no device '" + wanted + "'",
+              makers().empty() ? "this program was built without any library for sound cards" : reasons);
 }
 
 std::unique_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {

@@ -28,8 +28,9 @@ struct ChosenDevices {
   Device output, input;
 };
 /// `output` and `input`: ids, or parts of them; an empty `input` means the output's device, an empty `output`
-/// the default of `backend`, which may be empty too: then the first backend that has a device. Errors: of
-/// find_device; Device if no backend has any; BadArgument for two devices of different backends.
+/// the default. Several backends often reach the same card: without a `backend`, and where no id names it,
+/// they are asked in turn, and the first that has such a device counts. Errors: of find_device; Device if no
+/// backend has any.
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
                                      const std::string& input);
 

@@ -55,10 +55,11 @@ void print(const Device& device, const MeasuredDelays& delays) {
   std::string rates;
   for (const auto& rate : device.sample_rates)
     rates += fmt::format("{}{:g}", rates.empty() ? "" : ", ", rate.value / 1e3);
-  fmt::print("      {}: {} in, {} out, {} kHz{}{}{}\n", device.name, device.in_channels, device.out_channels,
-             rates.empty() ? fmt::format("{:g}, others too", device.default_rate.value / 1e3) : rates,
-             device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
-             latency_text(device), measured_text(device, delays));
+  fmt::print(
+      "      {}: {} in, {} out, {}{}{}{}\n", device.name, device.in_channels, device.out_channels,
+      rates.empty() ? fmt::format("{:g} kHz, others too", device.default_rate.value / 1e3) : rates + " kHz",
+      device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
+      latency_text(device), measured_text(device, delays));
 }
 
 int run(const std::string& backend, bool as_json) {

@@ -47,11 +47,12 @@ const std::vector<ThirdParty> kThirdParty = {
       "latency/", "apps/"}},
     {"nlohmann/", {"engine/analysis/", "backends/take/", "latency/", "apps/"}},
     {"CLI/", {"apps/"}},
-    {"jack/", {"backends/jack/"}},
+    {"jack/", {"backends/jack/", "backends/quiet_libraries.cpp"}},
     {"RtAudio.h", {"backends/rtaudio/"}},
     {"rtaudio/", {"backends/rtaudio/"}},
     {"portaudio.h", {"backends/portaudio/"}},
     {"pa_", {"backends/portaudio/"}},
+    {"alsa/", {"backends/quiet_libraries.cpp"}},
     {"RtMidi.h", {"backends/rtmidi/"}},
     {"rtmidi/", {"backends/rtmidi/"}},
 };

@@ -14,6 +14,7 @@
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/portaudio/portaudio_session.h"
+#include "backends/quiet_libraries.h"
 #include "backends/realtime_thread.h"
 
 namespace tactus {
@@ -189,12 +190,14 @@ std::vector<Device> devices_of(const std::vector<PortAudioDevice>& found) {
 }  // namespace
 
 Result<std::vector<Device>> PortAudioBackend::devices() {
+  silence_sound_libraries();
   const auto session = PortAudioSession::enter("tactus-devices");
   if (!session) return tl::unexpected(session.error());
   return devices_of((*session)->devices());
 }
 
 Result<std::unique_ptr<Stream>> PortAudioBackend::open(const StreamRequest& request, Guarded& processor) {
+  silence_sound_libraries();
   const auto session = PortAudioSession::enter(request.client_name);
   if (!session) return tl::unexpected(session.error());
   const auto found = (*session)->devices();

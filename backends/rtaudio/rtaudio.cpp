@@ -11,6 +11,7 @@
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/patient_call.h"
+#include "backends/quiet_libraries.h"
 #include "backends/realtime_thread.h"
 #include "backends/rtaudio/rtaudio_devices.h"
 
@@ -287,6 +288,7 @@ class RtAudioStream final : public Stream {
 }  // namespace
 
 Result<std::vector<Device>> RtAudioBackend::devices() {
+  silence_sound_libraries();
   return rtaudio_devices().map([](const std::vector<RtAudioDevice>& found) {
     std::vector<Device> devices;
     for (const auto& one : found) devices.push_back(one.device);
@@ -295,6 +297,7 @@ Result<std::vector<Device>> RtAudioBackend::devices() {
 }
 
 Result<std::unique_ptr<Stream>> RtAudioBackend::open(const StreamRequest& request, Guarded& processor) {
+  silence_sound_libraries();
   const auto found = rtaudio_devices(request.device);
   if (!found) return tl::unexpected(found.error());
   std::vector<Device> devices;

@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "backends/quiet_libraries.h"
 #include "engine/core/spsc_queue.h"
 
 namespace tactus {
@@ -242,6 +243,7 @@ class RtMidiInputs final : public MidiInputs {
 }  // namespace
 
 std::unique_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings) {
+  silence_sound_libraries();
   return std::make_unique<RtMidiInputs>(settings);
 }
 
