@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
   using namespace tactus::app;
   CLI::App app{"Tactus: haptic instruments on ordinary sound cards", "tactus"};
   app.require_subcommand(1);
-  app.set_version_flag("--version", kVersion);
+  app.set_version_flag("--version", version());
   app.footer(
       "Start with:  tactus play instruments/haptic_drum\nEach command explains itself:  tactus render "
       "--help");

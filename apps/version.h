@@ -2,7 +2,7 @@
 
 namespace tactus::app {
 
-/// As `project(VERSION)` of CMakeLists.txt has it.
-inline constexpr const char* kVersion = "tactus " TACTUS_VERSION;
+/// "tactus 0.1.0", as CMakeLists.txt has it.
+const char* version();
 
 }  // namespace tactus::app

@@ -13,7 +13,7 @@ Recording::Recording(std::filesystem::path wav, Performer& performer, Guarded& g
 Status Recording::begin() {
   (void)end();
   auto header = take_header(performer_.instrument(), guarded_);
-  header.program = kVersion;
+  header.program = version();
   performer_.describe(header);
   auto file = wav_;
   if (!files_.empty())
