@@ -59,7 +59,8 @@ TEST_CASE("midi_map: a fine pair has 14 bits, high bits first", "[midi]") {
   CHECK(moved(map, event(Kind::Controller, 33, 127)) == 1.0);
 }
 
-TEST_CASE("midi_map: notes give their velocity, or open and close a gate, and the wheel has 14 bits", "[midi]") {
+TEST_CASE("midi_map: notes give their velocity, or open and close a gate, and the wheel has 14 bits",
+          "[midi]") {
   auto gate = binding("length", RigMidi::Kind::Note, 38);
   gate.gate = true;
   MidiMap map{{binding("strength", RigMidi::Kind::Note, 36), gate,

@@ -62,9 +62,14 @@ std::string refusal(const Way& way, const StreamRequest& request) {
 
 /// How many frames before the last one that `probe` heard the generator of `noise(0, ...)` played it.
 std::int64_t lag(const NoiseProbe& probe, std::int64_t at, std::int64_t longest) {
-  const double heard = probe.heard(0)[static_cast<std::size_t>(at)];
+  // One sample of 22 bits would be found by chance among so many lags.
+  const auto is = [&](std::int64_t lag) {
+    for (std::int64_t n = at; n < at + 8; ++n)
+      if (probe.heard(0)[static_cast<std::size_t>(n)] != NoiseProbe::noise(0, n - lag)) return false;
+    return true;
+  };
   for (std::int64_t lag = -longest; lag <= longest; ++lag)
-    if (heard == NoiseProbe::noise(0, at - lag)) return lag;
+    if (is(lag)) return lag;
   throw std::runtime_error{"this is not the noise that was played"};
 }
 
