@@ -71,7 +71,7 @@ std::filesystem::path root_of(const std::filesystem::path& file) {
   const auto absolute = std::filesystem::absolute(file).lexically_normal();
   for (auto folder = absolute.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
     if (folder.filename() == "instruments") return folder;
-  return file.parent_path();
+  return file.has_parent_path() ? file.parent_path() : std::filesystem::path{"."};
 }
 
 Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std::string>& texts) {

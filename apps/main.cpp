@@ -2,10 +2,12 @@
 #include <exception>
 
 #include "apps/commands.h"
+#include "apps/live/keyboard.h"
 #include "apps/version.h"
 
 int main(int argc, char** argv) {
   using namespace tactus::app;
+  open_standard_streams();
   CLI::App app{"Tactus: haptic instruments on ordinary sound cards", "tactus"};
   app.require_subcommand(1);
   app.set_version_flag("--version", version());

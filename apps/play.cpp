@@ -196,6 +196,10 @@ int play_on_card(const PlayOptions& options) {
 
 int run(const PlayOptions& options) {
   if (options.live.live()) return play_on_card(options);
+  if (const auto stray = options.live.stray(); !stray.empty())
+    return report(Error{Errc::BadArgument, stray, "is for sound cards",
+                        "give --device, --backend or --rig too"}),
+           kUsage;
   auto scene_run = options.run;
   scene_run.block = options.block.value_or(scene_run.block);
   scene_run.file = resolve_target(options.target, "scene.toml");
@@ -245,9 +249,14 @@ int run(const PlayOptions& options) {
 }  // namespace
 
 void add_play(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("play", "Play a scene in the simulated world, and tell how it went");
+  auto* command =
+      app.add_subcommand("play", "Play an instrument on a sound card, or a scene in the simulated world");
   auto options = std::make_shared<PlayOptions>();
-  command->add_option("SCENE", options->target, "scene file; a folder means its scene.toml")->required();
+  command
+      ->add_option(
+          "FILE", options->target,
+          "instrument or scene; a folder means its instrument.toml on a card, otherwise its scene.toml")
+      ->required();
   command->add_option("--delay", options->run.delay,
                       "system delay instead of the scene's, such as \"10 ms\"");
   command->add_option("--rate", options->run.rate, "sample rate instead of the scene's");
@@ -266,7 +275,8 @@ void add_play(CLI::App& app, int& exit_code) {
   command->add_flag("--json", options->json, "for machines");
   add_live_options(*command, options->live);
   command->footer(
-      "Examples:\n  tactus play instruments/haptic_drum\n  tactus play instruments/haptic_drum --delay \"40 "
+      "Examples:\n  tactus play instruments/haptic_drum\n  tactus play instruments/haptic_drum --device "
+      "jack:system\n  tactus play instruments/haptic_drum --delay \"40 "
       "ms\" --set strength=0.5\n"
       "  tactus play instruments/haptic_drum/galloping.toml --show \"2 s\" \"3 s\"\n"
       "Exit code 1: it ran, and did not do what the scene expects.");

@@ -48,7 +48,7 @@ struct StreamGranted {
   StreamFormat format;
   int block_frames = 0;  ///< 0: changes from block to block
   int periods = 0;       ///< 0: not known
-  /// What the driver says about its own delay [frames]. It may be wrong: see `tactus latency`.
+  /// What the driver says about its own delay [frames]. It may be wrong.
   std::optional<double> input_latency_frames;
   std::optional<double> output_latency_frames;
   bool xruns_move_delay = false;  ///< a gap may change the delay from then on

@@ -10,6 +10,8 @@
 namespace tactus {
 namespace {
 
+constexpr std::chrono::milliseconds kStall{500};
+
 std::vector<int> map_of(const std::vector<int>& map, int channels) {
   if (!map.empty()) return map;
   std::vector<int> first(static_cast<std::size_t>(channels));
@@ -28,6 +30,9 @@ CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, con
     : processor_(processor),
       format_(granted.format),
       watch_clock_(watch_clock),
+      patience_(std::max<std::chrono::nanoseconds>(
+          kStall, std::chrono::nanoseconds{std::llround(4e9 * granted.format.max_frames /
+                                                        granted.format.sample_rate.value)})),
       in_map_(map_of(request.in_map, granted.format.in_channels)),
       out_map_(map_of(request.out_map, granted.format.out_channels)),
       clock_(granted.format.sample_rate.value) {
@@ -47,10 +52,10 @@ void CardCallback::play() noexcept {
   stage_.store(Stage::Playing);
 }
 
-bool CardCallback::finish(std::chrono::milliseconds patience) {
+bool CardCallback::finish() {
   auto expected = Stage::Playing;
   if (!stage_.compare_exchange_strong(expected, Stage::Finishing)) return true;
-  const auto deadline = Clock::now() + patience;
+  const auto deadline = Clock::now() + patience_;
   while (stage_.load() == Stage::Finishing) {
     if (Clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds{1});
@@ -72,9 +77,11 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
   if (stage != Stage::Silent && frames > 0) {
     const auto begin = Clock::now();
     if (std::exchange(first_, false)) meter_.realtime_priority(realtime_priority());
+    // What stood at full level before a stall must not be there again at once.
+    const bool resumes = stage == Stage::Playing && stalled();
     watch(frames, begin);
     for (int offset = 0; offset < frames; offset += format_.max_frames)
-      run(in, out, offset, std::min(format_.max_frames, frames - offset), stage);
+      run(in, out, offset, std::min(format_.max_frames, frames - offset), resumes ? Stage::Finishing : stage);
     const std::chrono::duration<double> took = Clock::now() - begin;
     if (stage == Stage::Playing) meter_.block(frames, took.count() * format_.sample_rate.value / frames);
     if (stage == Stage::Finishing) stage_.store(Stage::Silent);
@@ -142,7 +149,7 @@ void CardCallback::gap(Gap gap) noexcept {
 
 bool CardCallback::stalled(std::chrono::milliseconds silence) const noexcept {
   const auto since = nanoseconds(Clock::now()) - last_block_ns_.load(std::memory_order_relaxed);
-  return playing() && since > std::chrono::nanoseconds{silence}.count();
+  return playing() && since > std::max(patience_, std::chrono::nanoseconds{silence}).count();
 }
 
 }  // namespace tactus

@@ -26,8 +26,8 @@ class CardCallback {
   /// [control & not playing] Blocks reach the processor from now on.
   void play() noexcept;
   /// [control] The next block is the last, zeros from Guarded::finish. Returns when it went out; false when
-  /// none came for `patience`.
-  bool finish(std::chrono::milliseconds patience = std::chrono::milliseconds{500});
+  /// none came for half a second and four blocks.
+  bool finish();
   /// [control] When it returns no block is in the processor, and none ever will be. Zeros go out.
   void abandon() noexcept;
 
@@ -41,8 +41,9 @@ class CardCallback {
 
   /// [any]
   Health health() const noexcept { return meter_.read(); }
-  /// [any] Blocks should flow, and none came for so long.
-  bool stalled(std::chrono::milliseconds silence = std::chrono::milliseconds{500}) const noexcept;
+  /// [any] Blocks should flow, and none came for half a second and four blocks, or for `silence` if that is
+  /// longer. When they come again, one of zeros goes out first and the guards start softly.
+  bool stalled(std::chrono::milliseconds silence = {}) const noexcept;
   bool playing() const noexcept { return stage_.load() == Stage::Playing; }
 
  private:
@@ -60,6 +61,7 @@ class CardCallback {
   Guarded& processor_;
   const StreamFormat format_;
   const bool watch_clock_;
+  const std::chrono::nanoseconds patience_;
   std::vector<int> in_map_, out_map_;
   std::vector<std::vector<double>> in_samples_, out_samples_;
   std::vector<const double*> in_;

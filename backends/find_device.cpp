@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 
 namespace tactus {
 namespace {
@@ -83,6 +84,10 @@ Status fits(const StreamRequest& request, const Device& input, const Device& out
   if (auto status = fits(request.out_channels, request.out_map, output.out_channels, "outputs", output.id);
       !status)
     return status;
+  if (const std::set<int> used{request.out_map.begin(), request.out_map.end()};
+      used.size() != request.out_map.size())
+    return fail(Errc::BadArgument, "", "two outputs share a channel, and would add up on it",
+                "give each output a channel of its own");
   if (request.block_frames && (*request.block_frames < 1 || *request.block_frames > kLongestBlock))
     return fail(Errc::OutOfRange, "", fmt::format("no block has {} frames", *request.block_frames),
                 fmt::format("choose 1 to {}", kLongestBlock));

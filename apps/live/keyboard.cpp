@@ -3,6 +3,7 @@
 #include <thread>
 
 #if defined(__unix__) || defined(__APPLE__)
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <termios.h>
@@ -78,6 +79,12 @@ std::optional<Key> Keyboard::wait(std::chrono::milliseconds patience) {
   }
 }
 
+void open_standard_streams() {
+  int stream = 0;
+  while (stream >= 0 && stream <= STDERR_FILENO) stream = open("/dev/null", O_RDWR);
+  if (stream > STDERR_FILENO) close(stream);
+}
+
 int terminal_columns() {
   winsize size{};
   return isatty(STDERR_FILENO) != 0 && ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0
@@ -98,6 +105,7 @@ std::optional<Key> Keyboard::wait(std::chrono::milliseconds patience) {
   std::this_thread::sleep_for(patience);
   return std::nullopt;
 }
+void open_standard_streams() {}
 int terminal_columns() { return 0; }
 
 }  // namespace tactus::app

@@ -35,6 +35,10 @@ class Keyboard {
   std::unique_ptr<Terminal> terminal_;
 };
 
+/// [control, first of all] Where a program is started with standard streams closed, the next file that it
+/// opens takes their place, and its bytes would be read as keys: they lead nowhere then.
+void open_standard_streams();
+
 /// Columns of the terminal at standard error; 0 if it is none.
 int terminal_columns();
 

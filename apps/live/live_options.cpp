@@ -6,7 +6,8 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   auto* group = command.add_option_group("on a sound card");
   group->add_option("--rig", options.rig, "rig file: device, channels, actuators, sensors, measured delay");
   group->add_option("--backend", options.backend, "jack, rtaudio or portaudio; see tactus devices");
-  group->add_option("--device", options.device, "id of a device, or a part of its name");
+  group->add_option("--device", options.device, "id of a device, or a part of its name")
+      ->check([](const std::string& text) { return text.empty() ? "it is empty" : std::string{}; });
   group->add_option("--input-device", options.input_device, "where the sensors are on another device");
   group->add_option("--inputs", options.in, "channels of the device for the inputs, such as --inputs 2,5")
       ->delimiter(',')
@@ -23,8 +24,10 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   group->add_flag(
       "--learn{*}", options.learn,
       "set the sensitivity of the first sensor, or with --learn=NAME of another, from five soft hits");
-  group->add_option("--midi", options.midi,
-                    "way to MIDI inputs: alsa, jack, core, winmm; default: the system's");
+  group
+      ->add_option("--midi", options.midi,
+                   "way to MIDI inputs: alsa, jack, core, winmm; default: the system's")
+      ->check(CLI::IsMember({"alsa", "jack", "core", "winmm"}));
   group->add_flag("--listen", options.listen, "play a scene's simulated world to the sound card");
   group->add_flag("--arm", options.arm, "drives move at once, instead of when 'a' is pressed");
   group->add_flag("--yes", options.yes, "answer every question with what is proposed");

@@ -22,6 +22,18 @@ struct LiveOptions {
   std::string learn;  ///< an input, "*" for the first one; empty: nothing is learnt
   bool arm = false, listen = false, yes = false, force = false, json = false;
 
+  /// An option that only a sound card has, given without any card; empty: none.
+  std::string stray() const {
+    if (!record.empty()) return "--record";
+    if (!save_rig.empty()) return "--save-rig";
+    if (!learn.empty()) return "--learn";
+    if (!midi.empty()) return "--midi";
+    if (!pad_delay.empty()) return "--pad-delay";
+    if (!in.empty()) return "--inputs";
+    if (!out.empty()) return "--outputs";
+    if (periods) return "--periods";
+    return arm ? "--arm" : "";
+  }
   /// Is a sound card asked for at all?
   bool live() const {
     return listen || !rig.empty() || !backend.empty() || !device.empty() || !input_device.empty();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <sstream>
 
 #include "apps/commands.h"
 #include "apps/console.h"
@@ -76,6 +77,17 @@ class Planner {
     auto read = load_rig(options_.rig, root_);
     if (!read) return refuse(std::move(read.error()), kBadFile);
     plan_.rig = std::move(*read);
+    // What hangs on which channel of which card is the rig's to say: nothing may go around it.
+    const auto& device = plan_.rig->device;
+    for (const auto& [given, option] :
+         {std::pair{!options_.in.empty(), "--inputs"},
+          {!options_.out.empty(), "--outputs"},
+          {!options_.device.empty() && options_.device != device.output, "--device"},
+          {!options_.input_device.empty() && options_.input_device != device.input, "--input-device"}})
+      if (given)
+        return refuse({Errc::BadArgument, option,
+                       "does not go with --rig, which says what hangs on which channel",
+                       "change the rig, or make another one with --save-rig"});
     return {};
   }
 
@@ -85,7 +97,7 @@ class Planner {
     };
     auto devices = app::choose_devices(options_.backend, or_rig(options_.device, &Rig::Device::output),
                                        or_rig(options_.input_device, &Rig::Device::input));
-    if (!devices) return refuse(devices.error(), kDevice);
+    if (!devices) return refuse(devices.error(), devices.error().where == "--backend" ? kUsage : kDevice);
     plan_.devices = std::move(*devices);
     return {};
   }
@@ -120,11 +132,13 @@ class Planner {
     auto rig = hold_interview(interview, std::cin, std::cerr, options_.yes);
     if (!rig) return refuse(rig.error());
     plan_.rig = std::move(*rig);
-    return save(options_.force || options_.yes);
+    return save(options_.force);
   }
 
   Refused save(bool force) {
-    const auto saved = save_rig(*plan_.rig, plan_.rig_file, std::cin, std::cerr, force);
+    std::istringstream nobody;
+    std::istream& asked = options_.yes ? nobody : std::cin;
+    const auto saved = save_rig(*plan_.rig, plan_.rig_file, asked, std::cerr, force);
     if (!saved) return refuse(saved.error(), kBadFile);
     fmt::print(stderr, "{} is written\n", plan_.rig_file);
     return {};
@@ -150,6 +164,7 @@ class Planner {
     if (!measured) return refuse(measured.error());
     if (!*measured && !options_.listen) measured = kept_delay();
     plan_.delay_s = *measured;
+    if (options_.delay.empty() && of_rig) plan_.delay_block = rig()->device.block;
     const auto to = rig() ? rig()->pad_delay : std::nullopt;
     const auto pad =
         chosen(options_.pad_delay, "s", "pad-delay", to ? std::optional{to->value} : std::nullopt);
@@ -220,11 +235,23 @@ std::string granted_in_words(const Plan& plan, const StreamGranted& granted) {
     text += fmt::format(" ({} were asked for)", *asked.block_frames);
   if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
   if (asked.periods && *asked.periods != granted.periods)
-    text += fmt::format(" ({} were asked for)", *asked.periods);
+    text += fmt::format(" ({} periods were asked for)", *asked.periods);
   if (granted.input_latency_frames && granted.output_latency_frames)
-    text += fmt::format("\ndriver    says {:.2f} ms in and {:.2f} ms out; tactus latency measures it",
+    text += fmt::format("\ndriver    says {:.2f} ms in and {:.2f} ms out, which nobody measured",
                         *granted.input_latency_frames * ms, *granted.output_latency_frames * ms);
   return text;
+}
+
+Status check_delay(Plan& plan, const StreamGranted& granted) {
+  if (!plan.delay_s || !plan.delay_block || *plan.delay_block == granted.block_frames) return {};
+  const auto what = fmt::format("the delay was measured with {} frames a block, and there are {}",
+                                *plan.delay_block, granted.block_frames);
+  if (plan.padding_frames > 0)
+    return fail(Errc::BadArgument, plan.rig_file, what + ": nobody knows how much to add",
+                "set the device to that block, or measure again");
+  plan.delay_s.reset();
+  fmt::print(stderr, "warning: {}; it is not known now\n", what);
+  return {};
 }
 
 std::string delay_in_words(const Plan& plan) {

@@ -78,6 +78,10 @@ class Player {
       case 'q':
         return false;
       case 'a':
+        if (!session_.has_drives()) {
+          line_.say("nothing here needs to be armed");
+          break;
+        }
         session_.arm(!session_.armed());
         line_.say(session_.armed() ? "the drives are armed" : "the drives are not armed");
         break;
@@ -178,6 +182,11 @@ Result<double> seconds_of(const std::string& text, const char* option) {
   return seconds;
 }
 
+/// A request that cannot be granted is wrong usage, the rest is the device's.
+int exit_of(const Error& error) {
+  return error.code == Errc::BadArgument || error.code == Errc::OutOfRange ? kUsage : kDevice;
+}
+
 /// Everything but the sound: keys, edits, the status line. Returns why it ended.
 int run(Session& session, Plan& plan, const LiveOptions& options, double seconds) {
   using namespace std::chrono_literals;
@@ -215,15 +224,29 @@ int play_live(const LiveOptions& options) {
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
   Session session{performer, *plan->devices.backend, plan->request, options.arm};
   if (!options.record.empty()) session.record(options.record);
-  if (plan->delay_s) session.know_delay();
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+#if defined(SIGHUP)
+  std::signal(SIGHUP, interrupt);  // the terminal was closed
+  std::signal(SIGQUIT, interrupt);
+  std::signal(SIGPIPE, SIG_IGN);  // nobody reads what is printed: no reason to stop without a fade
+#endif
+  if (const auto opened = session.open(); !opened) return report(opened.error()), exit_of(opened.error());
+  if (const auto known = check_delay(*plan, session.granted()); !known) return report(known.error()), kUsage;
+  if (plan->delay_s)
+    session.know_delay();
+  else
+    session.forget_delay();
   if (const auto started = session.start(); !started) return report(started.error()), kDevice;
   fmt::print(stderr, "{}\n{}\n", performer.name(), granted_in_words(*plan, session.granted()));
-  if (!options.listen) fmt::print(stderr, "{}\n", delay_in_words(*plan));
+  if (options.listen)
+    fmt::print(stderr, "sound goes to the first channels of {}: there should be speakers and nothing else\n",
+               session.granted().device);
+  else
+    fmt::print(stderr, "{}\n", delay_in_words(*plan));
   if (!options.arm && session.has_drives())
     fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
 
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
   const int ended = run(session, *plan, options, *seconds);
   const auto view = session.look();
   std::vector<std::string> words;
@@ -248,6 +271,9 @@ int play_live(const LiveOptions& options) {
       fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
     fmt::print("  load                {}\n", load_text(view.health));
     fmt::print("  gaps                {}\n", xrun_text(view.health));
+    if (view.health.bad_input > 0)
+      fmt::print("  bad input           {} samples were no numbers and counted as silence\n",
+                 view.health.bad_input);
     print_guard(guard, session.granted().format.sample_rate);
     for (const auto& take : session.takes()) fmt::print("  take                {}\n", take.string());
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 namespace tactus::app {
@@ -59,7 +60,7 @@ std::vector<std::filesystem::path> Session::takes() const {
   return recording_ == nullptr ? std::vector<std::filesystem::path>{} : recording_->files();
 }
 
-Status Session::start() {
+Status Session::open() {
   auto opened = KeptStream::open(backend_, request_, guarded_);
   if (!opened) return tl::unexpected(opened.error());
   stream_ = std::move(*opened);
@@ -70,21 +71,30 @@ Status Session::start() {
         waiting_words_.push_back("nothing is recorded any more: " + to_string(status.error()));
     });
   }
-  return stream_->start();
+  return {};
 }
 
 Status Session::stop(std::vector<std::string>& words) {
   if (stream_ == nullptr) return {};
-  if (stream_->state() == StreamState::Running) {
-    mute(true);
-    const double block_s = granted().format.max_frames / granted().format.sample_rate.value;
-    const double fade_s = fade_of(guards_).value + std::min(0.2, 2 * block_s);
-    std::this_thread::sleep_for(std::chrono::duration<double>{fade_s});
-  }
+  fade_out();
   const auto stopped = stream_->stop();
   if (recording_ != nullptr)
     for (auto& line : recording_->end()) words.push_back(std::move(line));
   return stopped;
+}
+
+/// Until the frames in which the guards close have gone by, or no more come.
+void Session::fade_out() {
+  using State = StreamState;
+  if (stream_->state() != State::Running && stream_->state() != State::Stalled) return;
+  mute(true);
+  const double rate = granted().format.sample_rate.value, block_s = granted().format.max_frames / rate;
+  const auto until =
+      guarded_.frame() + std::llround(fade_of(guards_).value * rate) + 2 * granted().format.max_frames;
+  const auto deadline = std::chrono::steady_clock::now() +
+                        std::chrono::duration<double>{fade_of(guards_).value + 4 * block_s + 0.5};
+  while (guarded_.frame() < until && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds{2});
 }
 
 bool Session::has_drives() const {
@@ -114,11 +124,15 @@ std::vector<std::string> Session::tick() {
   return words;
 }
 
+void Session::forget_delay() {
+  delay_known_ = false;
+  (void)performer_.instrument().post({JournalEntry::kNow, Kind::SystemDelay, 0, -1.0});
+}
+
 /// Some drivers come out of a gap with a buffer more or less than before.
 void Session::doubt_delay(std::vector<std::string>& words) {
   if (!delay_known_ || !granted().xruns_move_delay || stream_->health().xruns == 0) return;
-  delay_known_ = false;
-  (void)performer_.instrument().post({JournalEntry::kNow, Kind::SystemDelay, 0, -1.0});
+  forget_delay();
   words.push_back(
       "a gap may have moved the card's round trip: its delay is no longer known, until it is opened again");
 }
@@ -144,7 +158,7 @@ void Session::tell_guard_events(std::vector<std::string>& words) {
   for (const auto& output : performer_.outputs()) names.outputs.push_back({output, {}, {}, 0.0});
   GuardEvent event;
   while (guarded_.take_event(event)) {
-    armed_ = false;
+    arm(false);  // one of several drives may still sound: what is shown is true for all
     events_.push_back(event);
     names.events = {event};
     for (auto& line : in_words(names, granted().format.sample_rate)) words.push_back(std::move(line));

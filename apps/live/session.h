@@ -41,8 +41,10 @@ class Session {
   Session(Performer& performer, Backend& backend, StreamRequest request, bool armed);
   ~Session();
 
+  /// Opens the device; nothing flows yet. Errors: of KeptStream; of the recording.
+  [[nodiscard]] Status open();
   /// Errors: of KeptStream.
-  [[nodiscard]] Status start();
+  [[nodiscard]] Status start() { return stream_->start(); }
   /// Fades out and plays a block of zeros, and ends the take; what did not go well with it goes to `words`.
   /// The device is closed with the session.
   Status stop(std::vector<std::string>& words);
@@ -62,12 +64,14 @@ class Session {
     return stream_ != nullptr && stream_->state() == StreamState::Lost && !granted().comes_back;
   }
   Guarded& guarded() { return guarded_; }
-  /// [before `start`] Keeps all of it in takes.
+  /// [before `open`] Keeps all of it in takes.
   void record(const std::filesystem::path& wav);
   /// The files of the takes.
   std::vector<std::filesystem::path> takes() const;
-  /// [before `start`] The card's delay was measured: it is told when it may be another.
+  /// [opened] The card's delay was measured: it is told when it may be another.
   void know_delay() { delay_known_ = true; }
+  /// It was not, or not for what was granted.
+  void forget_delay();
 
   /// Levels and the guard's work start anew with every look.
   SessionView look();
@@ -75,6 +79,7 @@ class Session {
   GuardReport guard_report();
 
  private:
+  void fade_out();
   void follow_edits(std::vector<std::string>& words);
   void tell_guard_events(std::vector<std::string>& words);
   void tell_faults(std::vector<std::string>& words);

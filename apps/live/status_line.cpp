@@ -58,14 +58,15 @@ std::string load_text(const Health& health) {
 }
 
 std::string status_line(const SessionView& view, const std::string& knob, int columns) {
-  std::string text = state_text(view);
-  text += " | " + levels_text(view.inputs) + (view.inputs.empty() ? "" : " > ") + levels_text(view.outputs);
-  for (std::size_t g = 0; g < view.guard.size(); ++g) text += (g == 0 ? " | guard: " : ", ") + view.guard[g];
-  if (view.faults > 0) text += fmt::format(" | {} faults", view.faults);
-  if (view.recorded_s) text += fmt::format(" | recorded {:.0f} s", *view.recorded_s);
-  if (!knob.empty()) text += " | " + knob;
-  text += " | load " + load_text(view.health) + " | " + xrun_text(view.health);
-  return cut(text, columns);
+  std::string first =
+      fmt::format("{} | load {:.2g}, {:.2g}, {:.2g} % | {}", state_text(view), 100 * view.health.median_load,
+                  100 * view.health.high_load, 100 * view.health.peak_load, xrun_text(view.health));
+  for (std::size_t g = 0; g < view.guard.size(); ++g) first += (g == 0 ? " | guard: " : ", ") + view.guard[g];
+  if (view.faults > 0) first += fmt::format(" | {} faults", view.faults);
+  auto second = levels_text(view.inputs) + (view.inputs.empty() ? "" : " > ") + levels_text(view.outputs);
+  if (!knob.empty()) second += " | " + knob;
+  if (view.recorded_s) second += fmt::format(" | recorded {:.0f} s", *view.recorded_s);
+  return cut(first, columns) + "\n" + cut(second, columns);
 }
 
 StatusLine::StatusLine() : columns_(terminal_columns()) {}
@@ -73,14 +74,14 @@ StatusLine::StatusLine() : columns_(terminal_columns()) {}
 StatusLine::~StatusLine() { clear(); }
 
 void StatusLine::clear() {
-  if (drawn_) fmt::print(stderr, "\r\x1b[K");
+  if (drawn_) fmt::print(stderr, "\r\x1b[J");
   drawn_ = false;
 }
 
 void StatusLine::draw(const SessionView& view, const std::string& knob) {
   if (columns_ == 0) return;
   columns_ = terminal_columns();
-  fmt::print(stderr, "\r{}\x1b[K", status_line(view, knob, columns_ - 1));
+  fmt::print(stderr, "\r\x1b[J{}\x1b[A\r", status_line(view, knob, columns_ - 1));
   std::fflush(stderr);
   drawn_ = true;
 }

@@ -6,8 +6,10 @@
 
 namespace tactus::app {
 
-/// "armed | microphone -23 dB > woofer -6 dB | load 1.2 % (p99.9 3 %, worst 12 %) | no xruns | strength =
-/// 0.6", cut to `columns`.
+/// Two lines, each cut to `columns`:
+///   armed | load 1.2, 3.4, 12 % | no xruns | guard: woofer ceiling
+///   microphone -23 dB > woofer -6 dB, sound -23 dB | strength = 0.6
+/// Loads are the median, the 99.9th percentile and the worst share of a block's time.
 std::string status_line(const SessionView& view, const std::string& knob, int columns);
 
 /// "-23 dB", and "silent" below -99 dB.

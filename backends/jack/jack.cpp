@@ -97,24 +97,11 @@ class JackStream final : public Stream {
   bool running_ = false;
 };
 
-/// Where the channels of a request are, as indices into the server's cards.
-struct Place {
-  std::size_t input = 0, output = 0;
-};
-
-Result<Place> find(const StreamRequest& request, const std::vector<Device>& devices) {
-  const auto input_id = request.input_device.empty() ? request.device : request.input_device;
-  const auto input = device_with_id(devices, input_id);
-  if (!input) return tl::unexpected(input.error());
-  const auto output =
-      request.out_channels == 0 && request.device.empty() ? input : device_with_id(devices, request.device);
-  if (!output) return tl::unexpected(output.error());
-  if (auto status = fits(request, *input, *output); !status) return tl::unexpected(status.error());
-  const auto index = [&](const Device& device) {
-    const auto same = [&](const Device& other) { return other.id == device.id; };
-    return static_cast<std::size_t>(std::find_if(devices.begin(), devices.end(), same) - devices.begin());
-  };
-  return Place{index(*input), index(*output)};
+const jack::Card& card_of(const std::vector<jack::Card>& cards, const std::vector<Device>& devices,
+                          const Device& device) {
+  const auto same = [&](const Device& other) { return other.id == device.id; };
+  return cards[static_cast<std::size_t>(std::find_if(devices.begin(), devices.end(), same) -
+                                        devices.begin())];
 }
 
 std::vector<Wire> wires(const Client& client, const StreamRequest& request, const jack::Card& input,
@@ -131,17 +118,12 @@ std::vector<Wire> wires(const Client& client, const StreamRequest& request, cons
   return wires;
 }
 
-StreamGranted granted(const StreamRequest& request, const Device& input, const Device& output,
-                      const Client& client) {
-  StreamGranted granted;
-  granted.device = request.out_channels > 0 ? output.id : input.id;
-  if (request.out_channels > 0 && request.in_channels > 0 && input.id != output.id)
-    granted.input_device = input.id;
+StreamGranted granted(const StreamRequest& request, const DeviceChoice& choice, const Client& client) {
+  auto granted = granted_for(choice, request);
   // A longer block, when the server changes to one, is cut.
-  granted.block_frames = client.block_frames();
-  granted.format = {output.default_rate, request.in_channels, request.out_channels, granted.block_frames};
-  if (request.in_channels > 0) granted.input_latency_frames = input.input_latency_frames;
-  if (request.out_channels > 0) granted.output_latency_frames = output.output_latency_frames;
+  granted.format.max_frames = granted.block_frames = client.block_frames();
+  if (request.in_channels > 0) granted.input_latency_frames = choice.input.input_latency_frames;
+  if (request.out_channels > 0) granted.output_latency_frames = choice.output.output_latency_frames;
   return granted;
 }
 
@@ -167,15 +149,16 @@ Result<std::unique_ptr<Stream>> JackBackend::open(const StreamRequest& request, 
   if (!client) return tl::unexpected(client.error());
   const auto cards = jack::cards(**client);
   const auto devices = jack::devices(**client, cards);
-  const auto place = find(request, devices);
-  if (!place) return tl::unexpected(place.error());
+  const auto choice = choose(devices, request);
+  if (!choice) return tl::unexpected(choice.error());
   const auto add_ports = [client = *client, in = request.in_channels, out = request.out_channels] {
     return client->add_ports(in, out);
   };
   if (auto status = patiently<void>(add_ports); !status) return tl::unexpected(status.error());
-  auto grant = granted(request, devices[place->input], devices[place->output], **client);
+  auto grant = granted(request, *choice, **client);
   if (auto status = processor.prepare(grant.format); !status) return tl::unexpected(status.error());
-  auto to_connect = wires(**client, request, cards[place->input], cards[place->output]);
+  auto to_connect = wires(**client, request, card_of(cards, devices, choice->input),
+                          card_of(cards, devices, choice->output));
   (*client)->play_through(std::make_unique<CardCallback>(processor, unmapped(request), grant, true),
                           to_connect);
   return std::make_unique<JackStream>(*client, std::move(grant), std::move(to_connect));

@@ -68,7 +68,6 @@ Status Guarded::prepare(const StreamFormat& format) {
   out_.assign(outputs, nullptr);
   sensors_.assign(in_.size(), SensorWatch{format.sample_rate});
   while (inbox_.front() != nullptr) inbox_.drop_front();
-  while (at_once_.front() != nullptr) at_once_.drop_front();
   std::vector<Channel> before;
   before.swap(channels_);
   for (std::size_t c = 0; c < outputs; ++c) {
@@ -86,8 +85,20 @@ Status Guarded::prepare(const StreamFormat& format) {
     (void)applied_.push({0, JournalEntry::Kind::CoilHeat, static_cast<int>(c), warm.coil});
     (void)applied_.push({0, JournalEntry::Kind::BodyHeat, static_cast<int>(c), warm.body});
   }
+  for (; const JournalEntry* order = at_once_.front(); at_once_.drop_front()) obey(*order);
   open_guards(0);
   return {};
+}
+
+/// What the user ordered while no block came holds from the first frame on.
+void Guarded::obey(const JournalEntry& order) noexcept {
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    if (order.index != JournalEntry::kAllChannels && order.index != static_cast<int>(c)) continue;
+    if (order.kind == JournalEntry::Kind::Arm) channels_[c].armed = order.value > 0.5;
+    if (order.kind == JournalEntry::Kind::Mute) channels_[c].muted = order.value > 0.5;
+    if (order.kind == JournalEntry::Kind::CoilHeat) channels_[c].guard.warm_to({order.value, 0.0});
+    if (order.kind == JournalEntry::Kind::BodyHeat) channels_[c].guard.warm_to({0.0, order.value});
+  }
 }
 
 void Guarded::open_guards(std::int64_t frame) noexcept {

@@ -54,8 +54,8 @@ class Guarded final : public BlockProcessor {
 
   /// [control & stopped] Prepares `inner` and starts again at frame 0, with every guard closed and its soft
   /// start ahead of it. What was warm is as warm as it was: nobody knows how long the pause lasted. What was
-  /// muted or not armed stays so; entries that still waited are dropped. Errors:
-  /// of `inner`; BadArgument for more guards than outputs; OutOfRange for a limit.
+  /// muted or not armed stays so, orders for now that still waited hold from frame 0, and entries for a frame
+  /// are dropped. Errors: of `inner`; BadArgument for more guards than outputs; OutOfRange for a limit.
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
   /// [realtime & prepared]
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
@@ -102,6 +102,7 @@ class Guarded final : public BlockProcessor {
   int first_sensor_fault(int from, int to, std::int64_t first_frame) noexcept;
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
   void tell(const JournalEntry& entry) noexcept;
+  void obey(const JournalEntry& order) noexcept;
   void disarm_drives(std::int64_t frame) noexcept;
   void open_guards(std::int64_t frame) noexcept;
 

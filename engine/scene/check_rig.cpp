@@ -274,7 +274,7 @@ Result<int> padding_frames(std::optional<Seconds> measured, Seconds target, Hert
   if (!measured)
     return fail(Errc::Missing, where,
                 "the delay of this device was never measured, so nothing can be added to it",
-                "measure it with `tactus latency`, or write it into the rig: [delay] measured = \"12.4 ms\"");
+                "measure it, and write it into the rig: [delay] measured = \"12.4 ms\"");
   const double frames = frames_in(target - *measured, sample_rate);
   if (frames < -0.5)
     return fail(Errc::OutOfRange, where,

@@ -150,9 +150,9 @@ TEST_CASE("card callback: the last block is zeros without the processor, and sil
 TEST_CASE("card callback: whoever waits for the last block of a dead device is told that none came",
           "[backends]") {
   Card card{1, 1, 16};
-  CHECK(card.callback->finish(1ms));  // nothing played, so nothing must end
+  CHECK(card.callback->finish());  // nothing played, so nothing must end
   card.callback->play();
-  CHECK_FALSE(card.callback->finish(1ms));
+  CHECK_FALSE(card.callback->finish());
   card.callback->abandon();
   CHECK(card.block({plane(8, 0.5)}, 1, 8) == std::vector<Plane>{plane(8, 0)});
   CHECK(card.adder.lengths.empty());

@@ -90,6 +90,18 @@ TEST_CASE("find device: channels that are not there are named", "[backends]") {
   CHECK(refusal(request) == "there are no -1 outputs");
 }
 
+TEST_CASE("find device: two outputs may not add up on one channel, two inputs may hear the same",
+          "[backends]") {
+  StreamRequest request;
+  request.out_channels = 2;
+  request.out_map = {1, 1};
+  CHECK(refusal(request).starts_with("two outputs share a channel"));
+  request.out_map = {1, 0};
+  request.in_channels = 2;
+  request.in_map = {1, 1};
+  CHECK(fits(request, kDevices[0], kDevices[0]));
+}
+
 TEST_CASE("find device: rates, blocks and periods that cannot be are refused", "[backends]") {
   StreamRequest request;
   request.sample_rate = 96_kHz;

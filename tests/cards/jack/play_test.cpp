@@ -225,3 +225,84 @@ out = { from = "0.0316 * hit * wave", kind = "audio" }
   CHECK(play.says("a soft hit reaches"));
   CHECK_THAT(play.log(), Catch::Contains("1 2 3 4 5"));
 }
+
+TEST_CASE("play: what was pressed while the device was away holds when it is back", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const test::TemporaryFolder folder;
+  folder.write("tone.toml", constant("0.2"));
+  Playing play{{(folder.path() / "tone.toml").string(), "--device", "jack:loopback", "--arm", "--json"}};
+  REQUIRE(play.says("delay "));
+  server->kill();
+  REQUIRE(play.says("has gone away"));
+  play.press("a");
+  REQUIRE(play.says("the drives are not armed"));
+  server->restart();
+  REQUIRE(play.says("is back after"));
+  // Whoever listens to what the card plays hears nothing.
+  Playing listener{
+      {(folder.path() / "tone.toml").string(), "--device", "jack:loopback", "--json", "--duration", "1 s"}};
+  CHECK(listener.ends() == 0);
+  CHECK(listener.report()["highest_input"]["heard"] == 0.0);
+  play.press("q");
+  CHECK(play.ends() == 0);
+}
+
+TEST_CASE("play: with standard input closed nothing is taken for a key", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const test::TemporaryFolder folder;
+  folder.write("tone.toml", constant("0.2"));
+  const auto command = std::string{"exec "} + TACTUS_PROGRAM + " play " +
+                       (folder.path() / "tone.toml").string() + " --device jack:system --duration '1 s' <&-";
+  test::ChildProcess play{{"sh", "-c", command}, test::ChildProcess::Stdout::Logged};
+  CHECK(play.wait(10s) == 0);
+  CHECK(play.log().find("keys:") == std::string::npos);
+  CHECK(play.log().find("the drives are armed") == std::string::npos);
+}
+
+TEST_CASE("play: nothing goes around a rig", "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const test::TemporaryFolder folder;
+  folder.write("tone.toml", constant("0.2"));
+  folder.write(
+      "rig.toml",
+      "format = 1\n[device]\noutput = \"jack:system\"\nblock = 64\n[inputs]\nheard = { channel = 1 }\n"
+      "[outputs]\ntone = { channel = 1 }\n[delay]\nmeasured = \"12 ms\"\n");
+  const auto rig = (folder.path() / "rig.toml").string(), tone = (folder.path() / "tone.toml").string();
+  const auto refused = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {tone, "--rig", rig, "--duration", "0.2 s"});
+    Playing play{more};
+    CHECK(play.ends() == 2);
+    return play.log();
+  };
+  CHECK_THAT(refused({"--outputs", "2"}), Catch::Contains("--outputs: does not go with --rig"));
+  CHECK_THAT(refused({"--inputs", "2"}), Catch::Contains("--inputs: does not go with --rig"));
+  CHECK_THAT(refused({"--device", "jack:loopback"}), Catch::Contains("--device: does not go with --rig"));
+  // The delay was measured with 64 frames a block, and this server has 256.
+  CHECK_THAT(refused({"--pad-delay", "20 ms"}), Catch::Contains("nobody knows how much to add"));
+  Playing play{{tone, "--rig", rig, "--duration", "0.2 s"}};
+  CHECK(play.ends() == 0);
+  CHECK_THAT(play.log(), Catch::Contains("it is not known now"));
+}
+
+TEST_CASE("play: what only a sound card has is refused without one, and ports that share a channel always",
+          "[cards]") {
+  const auto server = test::start_sound_server();
+  if (!server) return;
+  const test::TemporaryFolder folder;
+  folder.write("tone.toml", constant("0.2"));
+  folder.write("two.toml", "format = 1\n[outputs]\na = { from = \"0.1\" }\nb = { from = \"0.2\" }\n");
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--arm"}, {"--record", "take.wav"}, {"--device", ""}}) {
+    CAPTURE(more.front());
+    auto arguments = more;
+    arguments.insert(arguments.begin(), (folder.path() / "tone.toml").string());
+    Playing play{arguments};
+    CHECK(play.ends() == 2);
+  }
+  Playing both{{(folder.path() / "two.toml").string(), "--device", "jack:system", "--outputs", "2,2"}};
+  CHECK(both.ends() == 2);
+  CHECK_THAT(both.log(), Catch::Contains("two outputs share a channel"));
+}

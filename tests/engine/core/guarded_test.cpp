@@ -187,6 +187,23 @@ TEST_CASE("guarded: a restart keeps what was muted or disarmed, and forgets what
   CHECK(out[2] == std::vector<double>(200, 1.0));
 }
 
+TEST_CASE("guarded: what is ordered between two streams holds from the first frame", "[core]") {
+  Level level{0.25};
+  Guarded guarded{level, {kDrive, kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  play(guarded, 2, 8);
+  // No block comes any more: the device is away.
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::Arm, JournalEntry::kAllChannels, 0.0}));
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::Arm, 1, 1.0}));
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  const auto back = play(guarded, 2, 8);
+  CHECK(back[0] == std::vector<double>(8, 0.0));
+  CHECK(back[1] == std::vector<double>(8, 0.25));
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::Mute, JournalEntry::kAllChannels, 1.0}));
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  CHECK(play(guarded, 2, 8)[1] == std::vector<double>(8, 0.0));
+}
+
 TEST_CASE("guarded: an order for now overtakes those that wait for their frame", "[core]") {
   Level level{1.0};
   Guarded guarded{level, {kDrive}};
