@@ -23,7 +23,8 @@ int main(int, char** arguments) {
   std::mt19937 bits{1};
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t frame = 0;; frame += kFrames) {
-    for (auto& sample : sensor) sample = std::uniform_real_distribution<float>{-1.0f, 1.0f}(bits);
+    for (auto& sample : sensor)
+      sample = static_cast<double>(std::uniform_real_distribution<float>{-1.0f, 1.0f}(bits));
     (*recorder)->tap().applied({frame, JournalEntry::Kind::ControlChange, 0, sensor[0]});
     (*recorder)->tap().hear({&in, &out, kFrames}, frame);
     const auto done = frame + kFrames;
