@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "backends/backend.h"
+#include "latency/analysis.h"
+#include "latency/loop_recording.h"
+#include "latency/verdict.h"
+
+namespace tactus {
+
+/// What to measure, and how long.
+struct MeasureSettings {
+  StreamRequest request;        ///< device, rate, block, periods; its channels and maps are not used
+  int input = 0, output = 0;    ///< channels of the device, from 0 on; all inputs are listened to
+  GuardedChannel guard;         ///< what hangs on the output
+  double softest_dbfs = -50.0;  ///< where the level begins
+  double loudest_dbfs = -6.0;   ///< and where it may end, however little is heard
+  int openings = 5;             ///< of the stream, one after another
+  int sweeps = 8;               ///< each time
+  std::optional<PathProfile> profile;
+};
+
+/// One opening of the stream.
+struct Opening {
+  StreamGranted granted;
+  Health health;
+  double level_dbfs = 0.0;  ///< of the sweeps
+  LoopRecording recording;
+  Analysis analysis;
+  Finding finding;  ///< of the analysis, or why there was nothing to analyse
+};
+
+/// All of them.
+struct Measurement {
+  Finding finding;
+  std::vector<Opening> openings;
+  double delay_frames = 0.0;              ///< mean over the openings
+  double standard_error_frames = 0.0;     ///< of that mean
+  double spread_frames = 0.0;             ///< standard deviation over openings
+  std::optional<double> reported_frames;  ///< what the driver says: input and output together
+};
+
+/// Called with the share that is done and what is being done.
+using MeasureProgress = std::function<void(double share, const std::string& what)>;
+
+/// [control] Opens the device again and again: silence, the level, sweeps, the pilot. Whatever goes wrong
+/// with the path is a finding; Errors: those of Backend::open and Stream::start.
+Result<Measurement> measure(Backend& backend, const MeasureSettings& settings,
+                            const MeasureProgress& progress = {});
+
+}  // namespace tactus

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/core/units.h"
+
+namespace tactus {
+
+/// A sine whose frequency f(t) = start * exp(t / growth) rises from `start` to `stop`, with amplitude 1
+/// between two raised-cosine edges:  s(t) = sin(2π start growth (exp(t / growth) - 1)),  growth = duration /
+/// ln(stop / start). A distortion of order k answers at time t with k f(t); in the deconvolved response it
+/// stands growth * ln k before the linear one. Source: A. Farina, "Simultaneous measurement of impulse
+/// response and distortion with a swept-sine technique", AES 108, 2000.
+struct ExponentialSweep {
+  Hertz start, stop;
+  Seconds duration;
+
+  Seconds growth() const;
+  /// [control] As long as `duration`.
+  std::vector<double> samples(Hertz sample_rate) const;
+};
+
+/// The sweep that everything is measured with: 20 Hz to 0.42 of the sample rate.
+ExponentialSweep measuring_sweep(Hertz sample_rate);
+/// A shorter one, for finding the level.
+ExponentialSweep knocking_sweep(Hertz sample_rate);
+/// Even noise between -1 and 1 for half a second, the same on every machine: whatever part of it is heard
+/// tells where in it that part stands.
+std::vector<double> pilot(Hertz sample_rate);
+
+/// How sweeps follow one another. The pauses differ, so that no sweep is taken for its neighbour.
+struct SweepTrain {
+  static constexpr int kSweeps = 8;
+  static constexpr double kSoftGain =
+      0.5;  ///< of some of them, so that a gain that depends on the level shows
+
+  static Seconds pause_after(int sweep);
+  static double gain(int sweep);
+};
+
+/// [control] All of it in one piece, `level` (0, 1] at its loudest: quiet, the sweeps, the pilot.
+std::vector<double> stimulus(Hertz sample_rate, double level);
+
+}  // namespace tactus

@@ -1,0 +1,39 @@
+#include "latency/verdict.h"
+
+namespace tactus {
+
+const char* code(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::Ok:
+      return "ok";
+    case Verdict::NoSignal:
+      return "NO_SIGNAL";
+    case Verdict::WrongChannel:
+      return "WRONG_CHANNEL";
+    case Verdict::Howl:
+      return "HOWL";
+    case Verdict::Clipping:
+      return "CLIPPING";
+    case Verdict::LostFrames:
+      return "LOST_FRAMES";
+    case Verdict::ApiMismatch:
+      return "API_MISMATCH";
+    case Verdict::ClocksDiffer:
+      return "CLOCKS_DIFFER";
+    case Verdict::EchoCancel:
+      return "ECHO_CANCEL";
+    case Verdict::Agc:
+      return "AGC";
+    case Verdict::DirectMonitoring:
+      return "DIRECT_MONITORING";
+    case Verdict::LowSnr:
+      return "LOW_SNR";
+    case Verdict::NotFlat:
+      return "NOT_FLAT";
+    case Verdict::UnstableStart:
+      return "UNSTABLE_START";
+  }
+  return "";
+}
+
+}  // namespace tactus
