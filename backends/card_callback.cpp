@@ -78,7 +78,7 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
     const auto begin = Clock::now();
     if (std::exchange(first_, false)) meter_.realtime_priority(realtime_priority());
     // What stood at full level before a stall must not be there again at once.
-    const bool resumes = stage == Stage::Playing && stalled();
+    const bool resumes = stage == Stage::Playing && silence_at(begin) > patience_;
     watch(frames, begin);
     for (int offset = 0; offset < frames; offset += format_.max_frames)
       run(in, out, offset, std::min(format_.max_frames, frames - offset), resumes ? Stage::Finishing : stage);
@@ -147,9 +147,12 @@ void CardCallback::gap(Gap gap) noexcept {
   last_gap_ns_.store(nanoseconds(Clock::now()), std::memory_order_relaxed);
 }
 
+std::chrono::nanoseconds CardCallback::silence_at(Clock::time_point now) const noexcept {
+  return std::chrono::nanoseconds{nanoseconds(now) - last_block_ns_.load(std::memory_order_relaxed)};
+}
+
 bool CardCallback::stalled(std::chrono::milliseconds silence) const noexcept {
-  const auto since = nanoseconds(Clock::now()) - last_block_ns_.load(std::memory_order_relaxed);
-  return playing() && since > std::max(patience_, std::chrono::nanoseconds{silence}).count();
+  return playing() && silence_at(Clock::now()) > std::max<std::chrono::nanoseconds>(patience_, silence);
 }
 
 }  // namespace tactus

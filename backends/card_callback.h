@@ -57,6 +57,7 @@ class CardCallback {
   void run(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
   void take_input(const float* const* in, int offset, int frames) noexcept;
   void watch(int frames, Clock::time_point now) noexcept;
+  std::chrono::nanoseconds silence_at(Clock::time_point now) const noexcept;
 
   Guarded& processor_;
   const StreamFormat format_;
