@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "backends/quiet_libraries.h"
+
 namespace tactus::jack {
 namespace {
 
@@ -23,8 +25,7 @@ Client& client(void* self) { return *static_cast<Client*>(self); }
 }  // namespace
 
 Result<std::shared_ptr<Client>> Client::open(const std::string& name) {
-  jack_set_error_function([](const char*) {});  // an Error says it
-  jack_set_info_function([](const char*) {});
+  silence_sound_libraries();
   jack_status_t status{};
   jack_client_t* handle = jack_client_open(name.c_str(), JackNoStartServer, &status);
   if (handle == nullptr)
