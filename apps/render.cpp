@@ -15,6 +15,7 @@
 #include "engine/nodes/table.h"
 #include "engine/runtime/engine.h"
 #include "engine/scene/build_scene.h"
+#include "engine/scene/guard_report.h"
 
 namespace tactus::app {
 namespace {
@@ -120,9 +121,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   EventRecorder recorder{engine, compile_options.taps};
 
   const auto frames = input->frames();
-  std::vector<std::string> outputs;
-  for (const auto& channel : engine.schedule().channels)
-    if (channel.use != OutputUse::Tap) outputs.push_back(channel.name);
+  const auto outputs = output_names(engine.schedule());
   Samples output;
   output.sample_rate = input->sample_rate;
   output.channels.resize(outputs.size());

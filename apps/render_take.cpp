@@ -9,6 +9,7 @@
 #include "apps/console.h"
 #include "apps/replay.h"
 #include "engine/nodes/table.h"
+#include "engine/scene/guard_report.h"
 
 namespace tactus::app {
 namespace {
@@ -26,13 +27,6 @@ Result<OpenTake> open(const std::string& path) {
   auto wav = WavReader::open(path);
   if (!wav) return tl::unexpected(wav.error());
   return OpenTake{std::move(*take), std::move(*wav)};
-}
-
-std::vector<std::string> outputs_of(const Engine& engine) {
-  std::vector<std::string> names;
-  for (const auto& channel : engine.schedule().channels)
-    if (channel.use != OutputUse::Tap) names.push_back(channel.name);
-  return names;
 }
 
 /// Plays into the file that was asked for, if any.
@@ -140,7 +134,7 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
   if (!replayed) return report(replayed.error());
   if (options.json) {
     auto json = json_of(open, *replayed, loaded.spec->name);
-    json["outputs"] = outputs_of(engine);
+    json["outputs"] = output_names(engine.schedule());
     fmt::print("{}\n", json.dump(2));
     return kDone;
   }

@@ -9,6 +9,7 @@
 
 #include "engine/graph/fingerprint.h"
 #include "engine/graph/part_path.h"
+#include "engine/scene/guard_report.h"
 
 namespace tactus::app {
 namespace {
@@ -84,8 +85,7 @@ TakeHeader take_header(const Engine& engine, const Guarded& guarded) {
   TakeHeader header;
   header.sample_rate = schedule.sample_rate;
   header.inputs = schedule.input_names;
-  for (const auto& channel : schedule.channels)
-    if (channel.use != OutputUse::Tap) header.outputs.push_back(channel.name);
+  header.outputs = output_names(schedule);
   header.controls = engine.control_names();
   header.settings = take_settings(schedule);
   header.system_delay = schedule.system_delay_at_start;

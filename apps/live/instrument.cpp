@@ -31,12 +31,7 @@ class LiveInstrument final : public Performer {
   Engine& instrument() override { return *engine_; }
   const Engine& instrument() const override { return *engine_; }
   std::vector<std::string> inputs() const override { return engine_->schedule().input_names; }
-  std::vector<std::string> outputs() const override {
-    std::vector<std::string> names;
-    for (const auto& channel : engine_->schedule().channels)
-      if (channel.use != OutputUse::Tap) names.push_back(channel.name);
-    return names;
-  }
+  std::vector<std::string> outputs() const override { return output_names(engine_->schedule()); }
   std::vector<GuardedChannel> guards() const override {
     auto channels = guarded_channels(engine_->schedule(), wiring_.drives);
     if (setup_.rig) return channels;

@@ -87,10 +87,10 @@ class LiveWorld final : public Performer, private BlockProcessor {
   const Engine& instrument() const override { return *built_.instrument; }
   std::vector<std::string> inputs() const override { return {}; }
   std::vector<std::string> outputs() const override {
-    std::vector<std::string> names;
     const auto& schedule = built_.instrument->schedule();
-    for (const auto index : heard_.channels)
-      names.push_back(heard_.sensors ? schedule.input_names[index] : output_name(schedule, index));
+    const auto all = heard_.sensors ? schedule.input_names : output_names(schedule);
+    std::vector<std::string> names;
+    for (const auto index : heard_.channels) names.push_back(all[index]);
     return names;
   }
   std::vector<GuardedChannel> guards() const override {
@@ -141,12 +141,6 @@ class LiveWorld final : public Performer, private BlockProcessor {
     for (std::size_t c = 0; c < heard_.channels.size(); ++c)
       std::copy_n(from[heard_.channels[c]], piece.frames, io_->out[c] + done_);
     done_ += piece.frames;
-  }
-
-  static std::string output_name(const Schedule& schedule, std::size_t index) {
-    for (const auto& channel : schedule.channels)
-      if (channel.use != OutputUse::Tap && index-- == 0) return channel.name;
-    return "";
   }
 
   WorldSetup setup_;

@@ -8,6 +8,7 @@
 #include "engine/graph/mistakes.h"
 #include "engine/graph/nearest.h"
 #include "engine/graph/quantity.h"
+#include "engine/scene/guard_report.h"
 #include "engine/scene/moved_controls.h"
 #include "engine/scene/scene_checks.h"
 #include "engine/scene/scene_drives.h"
@@ -45,10 +46,7 @@ NodeSpec gesture_node(const Gesture& gesture) {
 
 int inputs_of(const Schedule& schedule) { return static_cast<int>(schedule.input_names.size()); }
 
-int outputs_of(const Schedule& schedule) {
-  return static_cast<int>(std::count_if(schedule.channels.begin(), schedule.channels.end(),
-                                        [](const auto& channel) { return channel.use != OutputUse::Tap; }));
-}
+int outputs_of(const Schedule& schedule) { return static_cast<int>(output_names(schedule).size()); }
 
 class SceneBuilder {
  public:

@@ -52,6 +52,13 @@ const char* name_of(GuardEvent::Kind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
+std::vector<std::string> output_names(const Schedule& schedule) {
+  std::vector<std::string> names;
+  for (const auto& channel : schedule.channels)
+    if (channel.use != OutputUse::Tap) names.push_back(channel.name);
+  return names;
+}
+
 std::vector<GuardedChannel> guarded_channels(const Schedule& schedule, const DriveBook& drives) {
   std::vector<GuardedChannel> channels;
   for (const auto& channel : schedule.channels) {
@@ -78,10 +85,7 @@ GuardReport report_of(Guarded& guarded, const std::vector<GuardedChannel>& chann
 }
 
 GuardReport report_of(Guarded& guarded, const Schedule& schedule, const DriveBook& drives) {
-  std::vector<std::string> outputs;
-  for (const auto& channel : schedule.channels)
-    if (channel.use != OutputUse::Tap) outputs.push_back(channel.name);
-  return report_of(guarded, guarded_channels(schedule, drives), schedule.input_names, outputs);
+  return report_of(guarded, guarded_channels(schedule, drives), schedule.input_names, output_names(schedule));
 }
 
 std::vector<std::string> in_words(const GuardReport& report, Hertz sample_rate) {

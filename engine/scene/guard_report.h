@@ -32,7 +32,9 @@ const char* name_of(GuardStage stage);
 /// "howl", "sensor railed", "sensor stuck"
 const char* name_of(GuardEvent::Kind kind);
 
-/// The guard of each output that a schedule gives to the outside.
+/// Names of the outputs that a schedule gives to the outside.
+std::vector<std::string> output_names(const Schedule& schedule);
+/// Their guards.
 std::vector<GuardedChannel> guarded_channels(const Schedule& schedule, const DriveBook& drives);
 
 /// [control, one thread] Names stand for channels, in their order. Takes the events out of `guarded`.

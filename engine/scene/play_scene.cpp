@@ -8,14 +8,14 @@
 namespace tactus {
 namespace {
 
-/// Copies what goes by into the recording: sensors, drives, then the taps of both engines.
+/// Copies what goes by into the recording, which has its names: sensors, drives, then the taps of both
+/// engines.
 class Recorder {
  public:
   Recorder(SceneRecording& recording, BuiltScene& built, std::size_t frames)
       : recording_(recording), built_(built) {
-    for (const auto& name : built.instrument->schedule().input_names) add("instrument." + name, {}, frames);
-    for (const auto& channel : built.instrument->schedule().channels)
-      if (channel.use != OutputUse::Tap) add("instrument." + channel.name, {}, frames);
+    for (const auto& name : recording.inputs) add("instrument." + name, {}, frames);
+    for (const auto& name : recording.outputs) add("instrument." + name, {}, frames);
     for (const auto& tap : built.plant_taps) add(tap.name, tap.dimension, frames);
     for (const auto& tap : built.instrument_taps) add(tap.name, tap.dimension, frames);
   }
@@ -75,8 +75,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   guarded.skip_soft_start();
   const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
   recording.inputs = built.instrument->schedule().input_names;
-  for (const auto& channel : built.instrument->schedule().channels)
-    if (channel.use != OutputUse::Tap) recording.outputs.push_back(channel.name);
+  recording.outputs = output_names(built.instrument->schedule());
   Recorder recorder{recording, built, static_cast<std::size_t>(frames)};
   const auto started = std::chrono::steady_clock::now();
   const int part = std::max(block, frames / 100);
