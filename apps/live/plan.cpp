@@ -69,6 +69,9 @@ class Planner {
     if (options_.listen && !rig_file().empty())
       return refuse(
           {Errc::BadArgument, "--listen", "a simulated world needs no rig", "leave one of them out"});
+    if (options_.listen && !options_.record.empty())
+      return refuse({Errc::BadArgument, "--record", "does not go with --listen",
+                     "tactus play without --listen writes what a scene does"});
     if (!options_.rig.empty() && !options_.save_rig.empty())
       return refuse(
           {Errc::BadArgument, "--save-rig", "there is a rig already", "leave --rig out, or change its file"});

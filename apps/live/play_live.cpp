@@ -216,10 +216,6 @@ int play_live(const LiveOptions& options) {
   auto plan = make_plan(options);
   if (!plan) return report(plan.error().errors), plan.error().exit;
   auto& performer = *plan->performer;
-  if (!options.record.empty() && options.listen)
-    return report(Error{Errc::BadArgument, "--record", "does not go with --listen",
-                        "tactus play without --listen writes what a scene does"}),
-           kUsage;
 
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
   Session session{performer, *plan->devices.backend, plan->request, options.arm};
