@@ -3,7 +3,6 @@
 #include <chrono>
 #include <csignal>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "apps/commands.h"
@@ -13,6 +12,7 @@
 #include "apps/live/midi_controls.h"
 #include "apps/live/plan.h"
 #include "apps/live/session.h"
+#include "apps/live/session_report.h"
 #include "apps/live/status_line.h"
 #include "apps/save_rig.h"
 #include "backends/realtime_thread.h"
@@ -21,14 +21,13 @@ namespace tactus::app {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Json = nlohmann::ordered_json;
 
 volatile std::sig_atomic_t interrupted = 0;
 extern "C" void interrupt(int) { interrupted = 1; }
 
 constexpr const char* kHelp =
-    "keys: a arm or disarm | m mute | space strike | up, down choose a control | left, right turn it | q "
-    "quit";
+    "keys: a arm or disarm | m mute | space strike | up, down choose a control | left, right turn it | "
+    "l learn MIDI for it | s save the rig | q quit";
 
 /// What the keys do, and what they have chosen.
 class Player {
@@ -146,34 +145,6 @@ class Player {
   std::size_t chosen_ = 0;
 };
 
-Json json_of(const Health& health) {
-  Json gaps = Json::object();
-  for (std::size_t g = 0; g < kGaps; ++g) gaps[name_of(static_cast<Gap>(g))] = health.gaps[g];
-  return {{"blocks", health.blocks},
-          {"frames", health.frames},
-          {"xruns", health.xruns},
-          {"xruns_by_cause", gaps},
-          {"lost_frames", health.lost_frames},
-          {"late_blocks", health.late_blocks},
-          {"bad_input_samples", health.bad_input},
-          {"load_median", health.median_load},
-          {"load_p999", health.high_load},
-          {"load_worst", health.peak_load},
-          {"realtime_priority", health.realtime_priority}};
-}
-
-Json json_of(const std::vector<SessionView::Level>& levels) {
-  Json json = Json::object();
-  for (const auto& level : levels) json[level.name] = level.peak;
-  return json;
-}
-
-Json takes_json(const Session& session) {
-  Json json = Json::array();
-  for (const auto& take : session.takes()) json.push_back(take.string());
-  return json;
-}
-
 Result<double> seconds_of(const std::string& text, const char* option) {
   if (text.empty()) return 0.0;
   const auto seconds = parse_option(text, "s", option);
@@ -208,18 +179,8 @@ int run(Session& session, Plan& plan, const LiveOptions& options, double seconds
   }
 }
 
-}  // namespace
-
-int play_live(const LiveOptions& options) {
-  const auto seconds = seconds_of(options.duration, "duration");
-  if (!seconds) return report(seconds.error()), kUsage;
-  auto plan = make_plan(options);
-  if (!plan) return report(plan.error().errors), plan.error().exit;
-  auto& performer = *plan->performer;
-
-  if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
-  Session session{performer, *plan->devices.backend, plan->request, options.arm};
-  if (!options.record.empty()) session.record(options.record);
+/// Whatever is to end the program ends it with a fade.
+void catch_signals() {
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
 #if defined(SIGHUP)
@@ -227,6 +188,32 @@ int play_live(const LiveOptions& options) {
   std::signal(SIGQUIT, interrupt);
   std::signal(SIGPIPE, SIG_IGN);  // nobody reads what is printed: no reason to stop without a fade
 #endif
+}
+
+/// What plays where, and what the user should know before touching anything.
+void announce(const Session& session, const Plan& plan, const LiveOptions& options) {
+  fmt::print(stderr, "{}\n{}\n", plan.performer->name(), granted_in_words(plan, session.granted()));
+  if (options.listen)
+    fmt::print(stderr, "sound goes to the first channels of {}: there should be speakers and nothing else\n",
+               session.granted().device);
+  else
+    fmt::print(stderr, "{}\n", delay_in_words(plan));
+  if (!options.arm && session.has_drives())
+    fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
+}
+
+}  // namespace
+
+int play_live(const LiveOptions& options) {
+  const auto seconds = seconds_of(options.duration, "duration");
+  if (!seconds) return report(seconds.error()), kUsage;
+  auto plan = make_plan(options);
+  if (!plan) return report(plan.error().errors), plan.error().exit;
+
+  if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
+  Session session{*plan->performer, *plan->devices.backend, plan->request, options.arm};
+  if (!options.record.empty()) session.record(options.record);
+  catch_signals();
   if (const auto opened = session.open(); !opened) return report(opened.error()), exit_of(opened.error());
   if (const auto known = check_delay(*plan, session.granted()); !known) return report(known.error()), kUsage;
   if (plan->delay_s)
@@ -234,45 +221,14 @@ int play_live(const LiveOptions& options) {
   else
     session.forget_delay();
   if (const auto started = session.start(); !started) return report(started.error()), kDevice;
-  fmt::print(stderr, "{}\n{}\n", performer.name(), granted_in_words(*plan, session.granted()));
-  if (options.listen)
-    fmt::print(stderr, "sound goes to the first channels of {}: there should be speakers and nothing else\n",
-               session.granted().device);
-  else
-    fmt::print(stderr, "{}\n", delay_in_words(*plan));
-  if (!options.arm && session.has_drives())
-    fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
+  announce(session, *plan, options);
 
   const int ended = run(session, *plan, options, *seconds);
   const auto view = session.look();
   std::vector<std::string> words;
   const auto stopped = session.stop(words);
   for (const auto& line : words) fmt::print(stderr, "{}\n", line);
-  const auto guard = session.guard_report();
-  if (options.json) {
-    fmt::print("{}\n", Json{{"instrument", performer.name()},
-                            {"device", session.granted().device},
-                            {"sample_rate_hz", session.granted().format.sample_rate.value},
-                            {"block_frames", session.granted().block_frames},
-                            {"highest_input", json_of(view.highest_inputs)},
-                            {"highest_output", json_of(view.highest_outputs)},
-                            {"health", json_of(view.health)},
-                            {"takes", takes_json(session)},
-                            {"guard", guard_json(guard, session.granted().format.sample_rate)}}
-                           .dump(2));
-  } else {
-    for (const auto& level : view.highest_inputs)
-      fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
-    for (const auto& level : view.highest_outputs)
-      fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
-    fmt::print("  load                {}\n", load_text(view.health));
-    fmt::print("  gaps                {}\n", xrun_text(view.health));
-    if (view.health.bad_input > 0)
-      fmt::print("  bad input           {} samples were no numbers and counted as silence\n",
-                 view.health.bad_input);
-    print_guard(guard, session.granted().format.sample_rate);
-    for (const auto& take : session.takes()) fmt::print("  take                {}\n", take.string());
-  }
+  print_report(session, view, plan->performer->name(), options.json);
   if (!stopped) return report(stopped.error()), kDevice;
   return ended;
 }
