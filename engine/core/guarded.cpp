@@ -85,20 +85,26 @@ Status Guarded::prepare(const StreamFormat& format) {
     (void)applied_.push({0, JournalEntry::Kind::CoilHeat, static_cast<int>(c), warm.coil});
     (void)applied_.push({0, JournalEntry::Kind::BodyHeat, static_cast<int>(c), warm.body});
   }
-  for (; const JournalEntry* order = at_once_.front(); at_once_.drop_front()) obey(*order);
-  open_guards(0);
+  for (; const JournalEntry* order = at_once_.front(); at_once_.drop_front()) (void)obey(*order);
+  open_guards(0);  // what the user ordered while no block came holds from the first frame on
   return {};
 }
 
-/// What the user ordered while no block came holds from the first frame on.
-void Guarded::obey(const JournalEntry& order) noexcept {
+/// False: there is no such channel. The guards are still to be opened.
+bool Guarded::obey(const JournalEntry& order) noexcept {
+  using Kind = JournalEntry::Kind;
+  const bool all = order.index == JournalEntry::kAllChannels;
+  bool known = all;
   for (std::size_t c = 0; c < channels_.size(); ++c) {
-    if (order.index != JournalEntry::kAllChannels && order.index != static_cast<int>(c)) continue;
-    if (order.kind == JournalEntry::Kind::Arm) channels_[c].armed = order.value > 0.5;
-    if (order.kind == JournalEntry::Kind::Mute) channels_[c].muted = order.value > 0.5;
-    if (order.kind == JournalEntry::Kind::CoilHeat) channels_[c].guard.warm_to({order.value, 0.0});
-    if (order.kind == JournalEntry::Kind::BodyHeat) channels_[c].guard.warm_to({0.0, order.value});
+    if (!all && order.index != static_cast<int>(c)) continue;
+    known = true;
+    auto& channel = channels_[c];
+    if (order.kind == Kind::Arm) channel.armed = order.value > 0.5;
+    if (order.kind == Kind::Mute) channel.muted = order.value > 0.5;
+    if (order.kind == Kind::CoilHeat) channel.guard.warm_to({order.value, 0.0});
+    if (order.kind == Kind::BodyHeat) channel.guard.warm_to({0.0, order.value});
   }
+  return known;
 }
 
 void Guarded::open_guards(std::int64_t frame) noexcept {
@@ -189,26 +195,14 @@ int Guarded::first_sensor_fault(int from, int to, std::int64_t first_frame) noex
 }
 
 void Guarded::disarm_drives(std::int64_t frame) noexcept {
-  for (auto& channel : channels_) {
-    channel.armed = false;
-    channel.guard.set_open(channel.should_sound(), frame);
-  }
+  for (auto& channel : channels_) channel.armed = false;
+  open_guards(frame);
 }
 
 void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
-  using Kind = JournalEntry::Kind;
-  bool known = entry.index == JournalEntry::kAllChannels;
-  for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
-    if (entry.index != JournalEntry::kAllChannels && entry.index != c) continue;
-    known = true;
-    auto& channel = channels_[static_cast<std::size_t>(c)];
-    if (entry.kind == Kind::CoilHeat) channel.guard.warm_to({entry.value, 0.0});
-    if (entry.kind == Kind::BodyHeat) channel.guard.warm_to({0.0, entry.value});
-    if (entry.kind == Kind::Arm) channel.armed = entry.value > 0.5;
-    if (entry.kind == Kind::Mute) channel.muted = entry.value > 0.5;
-    channel.guard.set_open(channel.should_sound(), frame);
-  }
-  if (known && entry.kind == Kind::Arm && entry.value > 0.5)
+  const bool known = obey(entry);
+  open_guards(frame);
+  if (known && entry.kind == JournalEntry::Kind::Arm && entry.value > 0.5)
     for (auto& sensor : sensors_) sensor.forgive();
   entry.frame = frame;
   tell(entry);

@@ -102,7 +102,7 @@ class Guarded final : public BlockProcessor {
   int first_sensor_fault(int from, int to, std::int64_t first_frame) noexcept;
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
   void tell(const JournalEntry& entry) noexcept;
-  void obey(const JournalEntry& order) noexcept;
+  bool obey(const JournalEntry& order) noexcept;
   void disarm_drives(std::int64_t frame) noexcept;
   void open_guards(std::int64_t frame) noexcept;
 
