@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "engine/graph/compile.h"
 #include "engine/graph/mistakes.h"
@@ -12,37 +11,10 @@
 #include "engine/scene/moved_controls.h"
 #include "engine/scene/scene_checks.h"
 #include "engine/scene/scene_drives.h"
+#include "engine/scene/world_entries.h"
 
 namespace tactus {
 namespace {
-
-/// The control of a part that a person strikes it with.
-const std::string kStrike = "strike";
-
-Value text_value(std::string text, const Source& at) { return {std::move(text), at}; }
-
-const char* curve_name(Gesture::Curve curve) {
-  return curve == Gesture::Curve::Step ? "step" : curve == Gesture::Curve::Smooth ? "smooth" : "linear";
-}
-
-NodeSpec gesture_node(const Gesture& gesture) {
-  NodeSpec node;
-  node.name = gesture.name;
-  node.at = gesture.at;
-  node.type = "curve";
-  node.type_at = gesture.at;
-  Value::List points;
-  for (const auto& point : gesture.points) {
-    Value::List pair{{point.time_s, gesture.at}, {point.value, gesture.at}};
-    points.push_back({std::move(pair), gesture.at});
-  }
-  node.fields.push_back({"points", gesture.at, {std::move(points), gesture.at}});
-  node.fields.push_back({"curve", gesture.at, text_value(curve_name(gesture.curve), gesture.at)});
-  if (!gesture.bare)
-    node.fields.push_back({"unit", gesture.at, text_value(to_string(gesture.unit.dimension), gesture.at)});
-  node.broken = gesture.points.empty();
-  return node;
-}
 
 int inputs_of(const Schedule& schedule) { return static_cast<int>(schedule.input_names.size()); }
 
@@ -97,7 +69,6 @@ class SceneBuilder {
   }
 
   // ---- the world: one graph of all parts but the instrument
-  // --------------------------------------------------
 
   void make_world() {
     world_.file = scene_.file;
@@ -112,10 +83,8 @@ class SceneBuilder {
       node.at = part.at;
       node.use = part.name;
       node.fields = part.wires;
-      for (const auto& [port, value] : overwritten_[part.name])
-        overwrite(node.fields, port, written(value, part.at));
-      if (options_.by_hand && part.graph != nullptr && find_entry(part.graph->controls, kStrike) != nullptr)
-        strike_by_hand(node.fields, part.at);
+      for (const auto& [port, value] : overwritten_[part.name]) overwrite(node.fields, port, value, part.at);
+      if (options_.by_hand && part.graph != nullptr) strike_by_hand(*part.graph, node, world_);
       node.broken = part.graph == nullptr;
       world_.nodes.push_back(std::move(node));
       if (part.graph == nullptr) continue;
@@ -137,33 +106,6 @@ class SceneBuilder {
     if (!instrument_known() || instrument_->graph->incomplete) return world_.nodes.push_back(unknown);
     for (const auto& output : instrument_->graph->outputs)
       world_.inputs.push_back({"instrument." + output.name, output.at, {}});
-  }
-
-  static Value written(const ControlValue& value, const Source& at) {
-    if (!value.dimension || value.dimension->plain()) return {value.si, at};
-    char number[32];
-    std::snprintf(number, sizeof number, "%.17g ", value.si);
-    return text_value(number + to_string(*value.dimension), at);
-  }
-
-  static void overwrite(Value::Table& fields, const std::string& port, const Value& value) {
-    for (auto& field : fields)
-      if (field.key == port) {
-        field.value = value;
-        return;
-      }
-    fields.push_back({port, value.at, value});
-  }
-
-  void strike_by_hand(Value::Table& fields, const Source& at) {
-    if (find_entry(world_.controls, kStrike) == nullptr) {
-      const Value::List ends{{0.0, at}, {1.0, at}};
-      world_.controls.push_back(
-          {kStrike,
-           at,
-           {{"value", at, {0.0, at}}, {"range", at, {ends, at}}, {"smooth", at, text_value("0 ms", at)}}});
-    }
-    overwrite(fields, kStrike, text_value(kStrike, at));
   }
 
   void wire_instrument() {
@@ -206,7 +148,6 @@ class SceneBuilder {
   }
 
   // ---- compiling
-  // ---------------------------------------------------------------------------------------------
 
   /// Nodes are made only of what is right; nullptr and mistakes otherwise.
   std::unique_ptr<Schedule> compile_or_check(const GraphSpec& graph, const CompileOptions& options) {
