@@ -164,6 +164,18 @@ void pull_ports(int turns) {
   });
 }
 
+/// What a program does whose user has had enough of a server that does not answer.
+void close_during_stall(Backend& backend, const Way& way, CardOnServer& rig) {
+  GuardedProbe probe{1, kKept};
+  auto stream = backend.open(rig.request(way, 1, 1), probe.guarded);
+  REQUIRE(stream);
+  REQUIRE((*stream)->start());
+  REQUIRE(wait_until([&] { return probe.probe.frames() > 0; }));
+  rig.server->stop_answering();
+  REQUIRE_FALSE((*stream)->stop());
+  stream->reset();
+}
+
 /// PortAudio may not be called any more in a process where it lost its JACK server.
 void in_own_process(const std::string& test_case) {
   test::ChildProcess child{{TACTUS_CARD_TESTS, test_case}, test::ChildProcess::Stdout::Logged};
@@ -200,15 +212,9 @@ TEST_CASE("libraries: closing is over soon though the server does not answer, an
     CAPTURE(way.name);
     const auto rig = start_card();
     if (!rig) return;
-    GuardedProbe probe{1, kKept};
     const auto backend = way.backend();
-    auto stream = backend->open(rig->request(way, 1, 1), probe.guarded);
-    REQUIRE(stream);
-    REQUIRE((*stream)->start());
-    REQUIRE(wait_until([&] { return probe.probe.frames() > 0; }));
-    rig->server->stop_answering();
-    REQUIRE_FALSE((*stream)->stop());
-    stream->reset();
+    close_during_stall(*backend, way, *rig);
+    GuardedProbe probe{1};
     const auto refused = backend->open(rig->request(way, 1, 1), probe.guarded);
     CHECK_FALSE(refused);
     rig->server->go_on();
@@ -291,14 +297,7 @@ TEST_CASE("portaudio is closed while its server does not answer", "[.own_process
   const auto* way = way_called(ways, "portaudio:jack");
   const auto rig = way == nullptr ? nullptr : start_card();
   if (!rig) return;
-  GuardedProbe probe{1, kKept};
-  auto stream = way->backend()->open(rig->request(*way, 1, 1), probe.guarded);
-  REQUIRE(stream);
-  REQUIRE((*stream)->start());
-  REQUIRE(wait_until([&] { return probe.probe.frames() > 0; }));
-  rig->server->stop_answering();
-  REQUIRE_FALSE((*stream)->stop());
-  stream->reset();
+  close_during_stall(*way->backend(), *way, *rig);
   is_over(*way, *rig, "PortAudio does not answer any more");
   rig->server->go_on();
 }

@@ -46,18 +46,23 @@ class Playing {
   test::ChildProcess process_;
 };
 
+/// A server, if there can be one here, and a file that plays 0.2.
+struct OnServer {
+  std::string in_folder(const std::string& name) const { return (folder.path() / name).string(); }
+
+  std::unique_ptr<test::SoundServer> server = test::start_sound_server();
+  test::TemporaryFolder folder;
+  std::string tone = folder.write("tone.toml", constant("0.2")).string();
+};
+
 }  // namespace
 
-TEST_CASE("play: drives are silent until a key arms them", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer, "play: drives are silent until a key arms them", "[cards]") {
   if (!server) return;
   const test::DelayClient card;
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
   for (const bool armed : {false, true}) {
     CAPTURE(armed);
-    Playing play{
-        {(folder.path() / "tone.toml").string(), "--device", card.name(), "--json", "--duration", "2 s"}};
+    Playing play{{tone, "--device", card.name(), "--json", "--duration", "2 s"}};
     REQUIRE(play.says("the drives are not armed"));
     if (armed) {
       play.press("a");
@@ -71,14 +76,13 @@ TEST_CASE("play: drives are silent until a key arms them", "[cards]") {
   }
 }
 
-TEST_CASE("play: an edit is heard while it plays, and a broken one is told and changes nothing", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer,
+                 "play: an edit is heard while it plays, and a broken one is told and changes nothing",
+                 "[cards]") {
   if (!server) return;
   const test::DelayClient card;
-  const test::TemporaryFolder folder;
   folder.write("tone.toml", constant("0"));
-  Playing play{{(folder.path() / "tone.toml").string(), "--device", card.name(), "--arm", "--json",
-                "--duration", "4 s"}};
+  Playing play{{tone, "--device", card.name(), "--arm", "--json", "--duration", "4 s"}};
   REQUIRE(play.says("delay "));
   folder.write("tone.toml", constant("0.2 + nothing"));
   CHECK(play.says("tone.toml:6:"));
@@ -89,13 +93,9 @@ TEST_CASE("play: an edit is heard while it plays, and a broken one is told and c
   CHECK(play.report()["highest_input"]["heard"].get<double>() > 0.01);
 }
 
-TEST_CASE("play: ports go to the channels that were asked for", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer, "play: ports go to the channels that were asked for", "[cards]") {
   if (!server) return;
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
-  Playing play{
-      {(folder.path() / "tone.toml").string(), "--device", "jack:system", "--inputs", "2", "--outputs", "5"}};
+  Playing play{{tone, "--device", "jack:system", "--inputs", "2", "--outputs", "5"}};
   REQUIRE(play.says("delay "));
   CHECK(server->connections("system:capture_2") == "tactus:in_1\n");
   CHECK(server->connections("system:playback_5") == "tactus:out_1\n");
@@ -104,12 +104,11 @@ TEST_CASE("play: ports go to the channels that were asked for", "[cards]") {
   CHECK(play.ends() == 5);
 }
 
-TEST_CASE("play: it waits for a server that died, plays on when it is back, and ends when told", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer,
+                 "play: it waits for a server that died, plays on when it is back, and ends when told",
+                 "[cards]") {
   if (!server) return;
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
-  Playing play{{(folder.path() / "tone.toml").string(), "--device", "jack:system"}};
+  Playing play{{tone, "--device", "jack:system"}};
   REQUIRE(play.says("delay "));
   server->kill();
   CHECK(play.says("has gone away"));
@@ -119,14 +118,13 @@ TEST_CASE("play: it waits for a server that died, plays on when it is back, and 
   CHECK(play.ends() == 0);
 }
 
-TEST_CASE("play: a device that is not there, or not one alone, is refused with those that are", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer,
+                 "play: a device that is not there, or not one alone, is refused with those that are",
+                 "[cards]") {
   if (!server) return;
   const test::DelayClient one{{.name = "twin"}}, two{{.name = "twins"}};
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
   const auto refused = [&](const std::string& device) {
-    Playing play{{(folder.path() / "tone.toml").string(), "--device", device}};
+    Playing play{{tone, "--device", device}};
     CHECK(play.ends() == 4);
     return play.log();
   };
@@ -138,8 +136,7 @@ TEST_CASE("play: a device that is not there, or not one alone, is refused with t
   CHECK(both.find("'jack:" + two.name() + "'") != std::string::npos);
 }
 
-TEST_CASE("play: a simulated world is heard, and space strikes in it", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer, "play: a simulated world is heard, and space strikes in it", "[cards]") {
   if (!server) return;
   const std::string scene = TACTUS_SOURCE_DIR "/instruments/haptic_drum/single_strike.toml";
   Playing play{{scene, "--listen", "--device", "jack:system", "--json", "--duration", "1 s"}};
@@ -150,16 +147,14 @@ TEST_CASE("play: a simulated world is heard, and space strikes in it", "[cards]"
   CHECK(play.log().find("nothing to strike") == std::string::npos);
 }
 
-TEST_CASE(
+TEST_CASE_METHOD(
+    OnServer,
     "play: what was recorded while it was armed, turned, edited and lost its server replays bit for bit",
     "[cards]") {
-  const auto server = test::start_sound_server();
   if (!server) return;
-  const test::TemporaryFolder folder;
-  const auto wav = (folder.path() / "take.wav").string();
+  const auto wav = in_folder("take.wav");
   folder.write("tone.toml", constant("0.1"));
-  Playing play{
-      {(folder.path() / "tone.toml").string(), "--device", "loopback", "--backend", "jack", "--record", wav}};
+  Playing play{{tone, "--device", "loopback", "--backend", "jack", "--record", wav}};
   REQUIRE(play.says("delay "));
   play.press("a");
   CHECK(play.says("the drives are armed"));
@@ -173,19 +168,16 @@ TEST_CASE(
   CHECK(play.ends() == 0);
   // A stream that begins again is another take.
   for (const auto* take : {"take.wav", "take-2.wav"}) {
-    test::ChildProcess replay{{TACTUS_PROGRAM, "render", "--replay", (folder.path() / take).string()},
+    test::ChildProcess replay{{TACTUS_PROGRAM, "render", "--replay", in_folder(take)},
                               test::ChildProcess::Stdout::Logged};
     CHECK(replay.wait(20s) == 0);
     CHECK_THAT(replay.log(), Catch::Contains("the same, bit for bit"));
   }
 }
 
-TEST_CASE("play: a rig is made from what is proposed, and plays", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer, "play: a rig is made from what is proposed, and plays", "[cards]") {
   if (!server) return;
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
-  const auto rig = (folder.path() / "rig.toml").string(), tone = (folder.path() / "tone.toml").string();
+  const auto rig = in_folder("rig.toml");
   Playing first{{tone, "--device", "jack:system", "--save-rig", rig, "--yes", "--duration", "0.2 s"}};
   CHECK(first.ends() == 0);
   CHECK(first.says(rig + " is written"));
@@ -197,11 +189,8 @@ TEST_CASE("play: a rig is made from what is proposed, and plays", "[cards]") {
   CHECK_THAT(third.log(), Catch::Contains("12.00 ms measured, held at 20.00 ms by 384 frames more"));
 }
 
-TEST_CASE("play: five soft hits teach the rig how sensitive a sensor is", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer, "play: five soft hits teach the rig how sensitive a sensor is", "[cards]") {
   if (!server) return;
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
   // Somebody else plays the hits: five bursts, half a second apart, 30 dB below full scale.
   folder.write("hits.toml", R"(format = 1
 name = "hits"
@@ -213,25 +202,23 @@ wave = { type = "sine", frequency = "1 kHz" }
 [outputs]
 out = { from = "0.0316 * hit * wave", kind = "audio" }
 )");
-  const auto rig = (folder.path() / "rig.toml").string(), source = (folder.path() / "source.toml").string();
+  const auto rig = in_folder("rig.toml"), source = in_folder("source.toml");
   const std::string device = "format = 1\n[device]\noutput = \"jack:loopback\"\n";
   folder.write("source.toml", device + "[outputs]\nout = { channel = 1 }\n");
   folder.write("rig.toml", device + "[inputs]\nheard = { channel = 1 }\n[outputs]\ntone = { channel = 1 }\n");
-  Playing hits{{(folder.path() / "hits.toml").string(), "--rig", source, "--duration", "8 s"}};
+  Playing hits{{in_folder("hits.toml"), "--rig", source, "--duration", "8 s"}};
   REQUIRE(hits.says("delay "));
-  Playing play{{(folder.path() / "tone.toml").string(), "--rig", rig, "--learn", "--duration", "0.2 s"}};
+  Playing play{{tone, "--rig", rig, "--learn", "--duration", "0.2 s"}};
   CHECK(play.says("hit softly five times, at heard"));
   CHECK(play.ends() == 0);
   CHECK(play.says("a soft hit reaches"));
   CHECK_THAT(play.log(), Catch::Contains("1 2 3 4 5"));
 }
 
-TEST_CASE("play: what was pressed while the device was away holds when it is back", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer, "play: what was pressed while the device was away holds when it is back",
+                 "[cards]") {
   if (!server) return;
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
-  Playing play{{(folder.path() / "tone.toml").string(), "--device", "jack:loopback", "--arm", "--json"}};
+  Playing play{{tone, "--device", "jack:loopback", "--arm", "--json"}};
   REQUIRE(play.says("delay "));
   server->kill();
   REQUIRE(play.says("has gone away"));
@@ -240,37 +227,30 @@ TEST_CASE("play: what was pressed while the device was away holds when it is bac
   server->restart();
   REQUIRE(play.says("is back after"));
   // Whoever listens to what the card plays hears nothing.
-  Playing listener{
-      {(folder.path() / "tone.toml").string(), "--device", "jack:loopback", "--json", "--duration", "1 s"}};
+  Playing listener{{tone, "--device", "jack:loopback", "--json", "--duration", "1 s"}};
   CHECK(listener.ends() == 0);
   CHECK(listener.report()["highest_input"]["heard"] == 0.0);
   play.press("q");
   CHECK(play.ends() == 0);
 }
 
-TEST_CASE("play: with standard input closed nothing is taken for a key", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer, "play: with standard input closed nothing is taken for a key", "[cards]") {
   if (!server) return;
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
-  const auto command = std::string{"exec "} + TACTUS_PROGRAM + " play " +
-                       (folder.path() / "tone.toml").string() + " --device jack:system --duration '1 s' <&-";
+  const auto command =
+      std::string{"exec "} + TACTUS_PROGRAM + " play " + tone + " --device jack:system --duration '1 s' <&-";
   test::ChildProcess play{{"sh", "-c", command}, test::ChildProcess::Stdout::Logged};
   CHECK(play.wait(10s) == 0);
   CHECK(play.log().find("keys:") == std::string::npos);
   CHECK(play.log().find("the drives are armed") == std::string::npos);
 }
 
-TEST_CASE("play: nothing goes around a rig", "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(OnServer, "play: nothing goes around a rig", "[cards]") {
   if (!server) return;
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
   folder.write(
       "rig.toml",
       "format = 1\n[device]\noutput = \"jack:system\"\nblock = 64\n[inputs]\nheard = { channel = 1 }\n"
       "[outputs]\ntone = { channel = 1 }\n[delay]\nmeasured = \"12 ms\"\n");
-  const auto rig = (folder.path() / "rig.toml").string(), tone = (folder.path() / "tone.toml").string();
+  const auto rig = in_folder("rig.toml");
   const auto refused = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {tone, "--rig", rig, "--duration", "0.2 s"});
     Playing play{more};
@@ -287,22 +267,21 @@ TEST_CASE("play: nothing goes around a rig", "[cards]") {
   CHECK_THAT(play.log(), Catch::Contains("it is not known now"));
 }
 
-TEST_CASE("play: what only a sound card has is refused without one, and ports that share a channel always",
-          "[cards]") {
-  const auto server = test::start_sound_server();
+TEST_CASE_METHOD(
+    OnServer,
+    "play: what only a sound card has is refused without one, and ports that share a channel always",
+    "[cards]") {
   if (!server) return;
-  const test::TemporaryFolder folder;
-  folder.write("tone.toml", constant("0.2"));
   folder.write("two.toml", "format = 1\n[outputs]\na = { from = \"0.1\" }\nb = { from = \"0.2\" }\n");
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{"--arm"}, {"--record", "take.wav"}, {"--device", ""}}) {
     CAPTURE(more.front());
     auto arguments = more;
-    arguments.insert(arguments.begin(), (folder.path() / "tone.toml").string());
+    arguments.insert(arguments.begin(), tone);
     Playing play{arguments};
     CHECK(play.ends() == 2);
   }
-  Playing both{{(folder.path() / "two.toml").string(), "--device", "jack:system", "--outputs", "2,2"}};
+  Playing both{{in_folder("two.toml"), "--device", "jack:system", "--outputs", "2,2"}};
   CHECK(both.ends() == 2);
   CHECK_THAT(both.log(), Catch::Contains("two outputs share a channel"));
 }
