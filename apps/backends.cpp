@@ -61,13 +61,17 @@ std::vector<std::string> card_backends() {
   return names;
 }
 
+const char* no_card_backend() {
+  return "this program was built without any library for sound cards: install JACK, RtAudio or PortAudio and "
+         "build it again";
+}
+
 Result<std::unique_ptr<Backend>> make_card_backend(const std::string& name) {
   for (const auto& maker : makers())
     if (name == maker.name) return maker.make();
-  return fail(Errc::UnknownName, "--backend", "this program has no backend '" + name + "'",
-              makers().empty() ? "it was built without any library for sound cards: install JACK, RtAudio or "
-                                 "PortAudio and build it again"
-                               : fmt::format("it has {}", fmt::join(card_backends(), ", ")));
+  return fail(
+      Errc::UnknownName, "--backend", "this program has no backend '" + name + "'",
+      makers().empty() ? no_card_backend() : fmt::format("it has {}", fmt::join(card_backends(), ", ")));
 }
 
 std::vector<BackendDevices> list_devices(const std::string& backend) {
@@ -108,7 +112,7 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
     return tl::unexpected(missing.error());
   return fail(Errc::Device, "",
               wanted.empty() ? "there is no sound device" : "there is no device '" + wanted + "'",
-              makers().empty() ? "this program was built without any library for sound cards" : reasons);
+              makers().empty() ? no_card_backend() : reasons);
 }
 
 std::unique_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {

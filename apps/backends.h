@@ -11,6 +11,8 @@ namespace tactus::app {
 
 /// Names of the backends for sound cards that this program was built with, the best first.
 std::vector<std::string> card_backends();
+/// Why there is none, where there is none, and what to do.
+const char* no_card_backend();
 /// One of them. Errors: UnknownName, with what there is and how to have it.
 Result<std::unique_ptr<Backend>> make_card_backend(const std::string& name);
 

@@ -86,10 +86,7 @@ int run(const std::string& backend, bool as_json) {
     }
   }
   if (as_json) fmt::print("{}\n", json.dump(2));
-  if (all.empty())
-    fmt::print(stderr,
-               "this program was built without any library for sound cards: install JACK, RtAudio or "
-               "PortAudio and build it again\n");
+  if (all.empty()) fmt::print(stderr, "{}\n", no_card_backend());
   return any ? kDone : kDevice;
 }
 
