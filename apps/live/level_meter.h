@@ -19,10 +19,10 @@ class LevelMeter final : public BlockTap {
   /// [control & stopped] It hears everything too, and outlives this or is taken away with nullptr.
   void set_next(BlockTap* next) { next_ = next; }
 
-  void applied(const JournalEntry& entry) noexcept override TACTUS_NONBLOCKING {
+  void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING override {
     if (next_ != nullptr) next_->applied(entry);
   }
-  void hear(const BlockIo& io, std::int64_t first_frame) noexcept override TACTUS_NONBLOCKING {
+  void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override {
     for (std::size_t c = 0; c < inputs_.size(); ++c) raise(inputs_[c], io.in[c], io.frames);
     for (std::size_t c = 0; c < outputs_.size(); ++c) raise(outputs_[c], io.out[c], io.frames);
     if (next_ != nullptr) next_->hear(io, first_frame);
