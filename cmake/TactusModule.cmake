@@ -38,6 +38,11 @@ function(tactus_module name)
   if(sources)
     add_library(tactus_${name} STATIC ${sources})
     target_link_libraries(tactus_${name} PUBLIC tactus_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE})
+    # g++ 12 takes the AVX-512 intrinsics that Eigen uses for uninitialised (GCC bug 105593); which of the two
+    # warnings it gives depends on the machine.
+    if("Eigen3::Eigen" IN_LIST ARG_DEPENDS)
+      target_compile_options(tactus_${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized -Wno-maybe-uninitialized>)
+    endif()
   else()
     add_library(tactus_${name} INTERFACE)
     target_link_libraries(tactus_${name} INTERFACE tactus_flags ${ARG_DEPENDS})

@@ -78,6 +78,7 @@ struct Analysis {
 struct AnalysisSettings {
   int channel = 0;                     ///< of `heard`
   std::optional<PathProfile> profile;  ///< of the path, when it is no cable
+  bool details = true;                 ///< false: no spectrum, response, group delay and harmonics
 };
 
 /// [control] Errors: BadArgument if what was played has no repeated bursts between pauses, or nothing was

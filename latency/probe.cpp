@@ -14,7 +14,7 @@ using std::numbers::pi;
 constexpr double kHighest = 0.42;  // of the sample rate: below where converters' filters begin
 constexpr Seconds kRise{0.008};    // of the first edge; the last one lasts an eighth of it
 constexpr Seconds kQuiet{0.5};     // before the first sweep of a stimulus
-constexpr Seconds kPilot{0.5};
+constexpr Seconds kPilot{0.5}, kPilotEdge{0.002};
 // No two stretches of pauses are equally long, so a train fits itself only where it is.
 constexpr std::array kPauses{0.100, 0.116, 0.104, 0.124, 0.108, 0.132, 0.112, 0.140};
 
@@ -64,7 +64,11 @@ ExponentialSweep knocking_sweep(Hertz sample_rate) { return {100_Hz, sample_rate
 
 std::vector<double> pilot(Hertz sample_rate) {
   std::vector<double> samples(frames(kPilot, sample_rate));
-  for (std::size_t n = 0; n < samples.size(); ++n) samples[n] = even_noise(n);
+  const double edge = frames_in(kPilotEdge, sample_rate), length = frames_in(kPilot, sample_rate);
+  // Nothing at half the sample rate, where a fraction of a frame of delay has no meaning.
+  for (std::size_t n = 0; n < samples.size(); ++n)
+    samples[n] = (0.25 * even_noise(n) + 0.5 * even_noise(n + 1) + 0.25 * even_noise(n + 2)) *
+                 edges(static_cast<double>(n), length, edge, edge);
   return samples;
 }
 

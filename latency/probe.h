@@ -24,7 +24,7 @@ struct ExponentialSweep {
 ExponentialSweep measuring_sweep(Hertz sample_rate);
 /// A shorter one, for finding the level.
 ExponentialSweep knocking_sweep(Hertz sample_rate);
-/// Even noise between -1 and 1 for half a second, the same on every machine: whatever part of it is heard
+/// Noise between -1 and 1 for half a second, the same on every machine: whatever part of it is heard
 /// tells where in it that part stands.
 std::vector<double> pilot(Hertz sample_rate);
 

@@ -1,0 +1,194 @@
+#include "latency/findings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tactus {
+namespace {
+
+constexpr double kFullScale = 0.99996;  // 16-bit converters end there
+constexpr int kClippedRun = 3;          // frames at the end in a row
+constexpr double kOverdriven = -20.0;   // dB of any harmonic
+constexpr double kLeastDrift = 0.5;     // ppm; one clock has none
+constexpr double kGainMoves = 0.5;      // dB
+constexpr double kCancelled = 3.0;      // dB
+constexpr double kUneven = 0.1;         // misfit
+constexpr double kEchoShare = 0.6, kLeastEcho = -30.0;
+constexpr double kMisfit = 0.02;  // of the power: the phase is then wrong by 8 degrees somewhere
+constexpr double kLowSnr = 0.1;   // frames of standard error
+constexpr double kCertain = 5.0;  // standard errors
+
+int longest_clipped_run(std::span<const double> heard) {
+  int longest = 0, run = 0;
+  for (std::size_t n = 0; n < heard.size(); ++n) {
+    run = std::abs(heard[n]) >= kFullScale ? run + 1 : 0;
+    longest = std::max(longest, run);
+  }
+  return longest;
+}
+
+std::optional<Finding> clipping(const Analysis& analysis, std::span<const double> heard) {
+  const char* remedy = "turn the input's gain or the output's level down, or measure with a lower --level";
+  if (const int run = longest_clipped_run(heard); run >= kClippedRun)
+    return Finding{Verdict::Clipping,
+                   fmt::format("the input is at full scale for up to {} frames in a row", run), remedy};
+  for (std::size_t k = 0; k < analysis.harmonics_db.size(); ++k)
+    if (analysis.harmonics_db[k].value_or(-1e9) > kOverdriven)
+      return Finding{
+          Verdict::Clipping,
+          fmt::format("harmonic {} is only {:.0f} dB below the sweep: something on the way is overdriven",
+                      k + 2, -*analysis.harmonics_db[k]),
+          remedy};
+  return std::nullopt;
+}
+
+std::optional<Finding> lost_frames(const Analysis& analysis) {
+  if (analysis.steps.empty()) return std::nullopt;
+  const auto& first = analysis.steps.front();
+  const auto seconds = static_cast<double>(first.frame) / analysis.sample_rate.value;
+  const auto what =
+      first.frames == 0.0
+          ? fmt::format("what was heard at {:.2f} s is not what was played", seconds)
+          : fmt::format("at {:.2f} s the delay changes by {:+.2f} frames", seconds, first.frames);
+  return Finding{
+      Verdict::LostFrames,
+      what + (analysis.steps.size() > 1 ? fmt::format(", and {} times more", analysis.steps.size() - 1) : ""),
+      "use a longer block or more periods (`tactus latency sweep` finds the smallest that holds), close "
+      "other "
+      "programs, and see `tactus doctor`"};
+}
+
+std::optional<Finding> clocks_differ(const Analysis& analysis) {
+  if (std::abs(analysis.drift_ppm) < kLeastDrift ||
+      std::abs(analysis.drift_ppm) < kCertain * analysis.drift_standard_error_ppm)
+    return std::nullopt;
+  return Finding{
+      Verdict::ClocksDiffer,
+      fmt::format(
+          "the delay moves by {:.2f} ppm ({:+.2f} frames in a second): input and output have clocks of their "
+          "own; in the middle of the measurement it was {:.2f} frames",
+          analysis.drift_ppm, 1e-6 * analysis.drift_ppm * analysis.sample_rate.value, analysis.delay_frames),
+      "use the input and the output of one card, or join both by word clock, ADAT or S/PDIF"};
+}
+
+double mean(const std::vector<double>& values) {
+  return values.empty()
+             ? 0.0
+             : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double deviation(const std::vector<double>& values) {
+  if (values.size() < 2) return 0.0;
+  const double middle = mean(values);
+  double squares = 0.0;
+  for (const double value : values) squares += (value - middle) * (value - middle);
+  return std::sqrt(squares / static_cast<double>(values.size() - 1));
+}
+
+/// The gains of sweeps that were played at full level, and of those that were softer by a quarter and more.
+struct Gains {
+  std::vector<double> loud, soft;
+
+  explicit Gains(const std::vector<SweepDelay>& sweeps) {
+    double highest = 0.0;
+    for (const auto& sweep : sweeps) highest = std::max(highest, sweep.level);
+    for (const auto& sweep : sweeps) (sweep.level > 0.75 * highest ? loud : soft).push_back(sweep.gain_db);
+  }
+  /// How much more the soft ones are amplified, when that is certain.
+  double by_level() const {
+    if (loud.empty() || soft.empty()) return 0.0;
+    const double difference = mean(soft) - mean(loud);
+    const double error = std::hypot(deviation(loud) / std::sqrt(static_cast<double>(loud.size())),
+                                    deviation(soft) / std::sqrt(static_cast<double>(soft.size())));
+    return std::abs(difference) > kCertain * error ? difference : 0.0;
+  }
+  double fall() const { return loud.empty() ? 0.0 : loud.front() - loud.back(); }
+};
+
+std::optional<Finding> moving_gain(const Analysis& analysis, const Evidence& evidence) {
+  const Gains gains{analysis.sweeps};
+  const double by_level = gains.by_level();
+  const double before = evidence.knock_gain_db ? *evidence.knock_gain_db - mean(gains.loud) : 0.0;
+  const double fall = std::max(gains.fall(), before);
+  const bool falls = fall > kCancelled;
+  if (!falls && std::abs(by_level) < kGainMoves) return std::nullopt;
+  // A gain that follows the level keeps the path's shape; a canceller takes away what it has learnt, part by
+  // part.
+  if (falls && (analysis.misfit > kUneven || std::abs(by_level) < kGainMoves))
+    return Finding{
+        Verdict::EchoCancel,
+        fmt::format("the path takes away more and more of what is played: {:.1f} dB less at the end", fall),
+        "switch echo cancellation off: in the driver's or the sound server's settings, or choose the device "
+        "itself and not one for calls"};
+  return Finding{
+      Verdict::Agc,
+      fmt::format("what is played softer is amplified by {:.1f} dB more: the gain follows the level",
+                  std::abs(by_level) >= kGainMoves ? by_level : fall),
+      "switch automatic gain, noise suppression and limiters of the input off"};
+}
+
+std::optional<Finding> second_path(const Evidence& evidence) {
+  const auto& echo = evidence.echo;
+  if (echo.share < kEchoShare || echo.level_db < kLeastEcho) return std::nullopt;
+  return Finding{
+      Verdict::DirectMonitoring,
+      fmt::format("it is heard twice: {:.1f} dB below the first, {:+d} frames from it", -echo.level_db,
+                  echo.frames),
+      "switch direct monitoring off in the card's mixer, and take away connections from its inputs to its "
+      "outputs"};
+}
+
+std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidence) {
+  if (evidence.coarse.clear() && analysis.standard_error_frames < kLowSnr) return std::nullopt;
+  return Finding{
+      Verdict::LowSnr,
+      fmt::format("the noise is too strong: {:.1f} dB of signal above it leave the delay uncertain by {:.2f} "
+                  "frames",
+                  analysis.snr_db, analysis.standard_error_frames),
+      "play louder, raise the input's gain, or find the source of the noise"};
+}
+
+std::optional<Finding> not_flat(const Analysis& analysis) {
+  if (analysis.misfit < kMisfit) return std::nullopt;
+  return Finding{
+      Verdict::NotFlat,
+      fmt::format("the path is no cable: {:.0f} % of what is heard does not fit any single delay",
+                  100.0 * analysis.misfit),
+      "join output and input by a cable, or measure the actuator and the sensor with `tactus latency "
+      "calibrate` and give its profile"};
+}
+
+}  // namespace
+
+Finding not_heard(const Evidence& evidence, int channel) {
+  int loudest = -1;
+  double prominence = CoarseDelay::kNothing * 1.5;
+  for (int c = 0; c < static_cast<int>(evidence.other_channels.size()); ++c) {
+    const auto& other = evidence.other_channels[static_cast<std::size_t>(c)];
+    if (c == channel || other.prominence <= prominence) continue;
+    loudest = c;
+    prominence = other.prominence;
+  }
+  if (loudest >= 0)
+    return {Verdict::WrongChannel,
+            fmt::format("nothing is heard on input {}, but on input {}", channel + 1, loudest + 1),
+            fmt::format("measure with --in {}, or move the cable to input {}", loudest + 1, channel + 1)};
+  return {Verdict::NoSignal, fmt::format("nothing of what was played is heard on input {}", channel + 1),
+          "join the output to the input by a cable, and look whether one of them is muted or turned down"};
+}
+
+Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> heard) {
+  if (const auto found = clipping(analysis, heard)) return *found;
+  if (const auto found = lost_frames(analysis)) return *found;
+  if (const auto found = clocks_differ(analysis)) return *found;
+  if (const auto found = moving_gain(analysis, evidence)) return *found;
+  if (const auto found = second_path(evidence)) return *found;
+  if (const auto found = low_snr(analysis, evidence)) return *found;
+  if (const auto found = not_flat(analysis)) return *found;
+  return {};
+}
+
+}  // namespace tactus

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "latency/analysis.h"
+#include "latency/coarse.h"
+#include "latency/response.h"
+
+namespace tactus {
+
+/// What an analysis knows that its reader need not.
+struct Evidence {
+  CoarseDelay coarse;
+  std::vector<CoarseDelay> other_channels;  ///< channel by channel, the own one too; empty: not looked at
+  Response::Echo echo;
+  std::optional<double> knock_gain_db;  ///< highest gain of bursts before the sweeps
+};
+
+/// [control] Nothing was heard on the own channel: why not.
+Finding not_heard(const Evidence& evidence, int channel);
+/// [control] What stands against trusting `analysis` of `heard`, the first of it in the order of Verdict.
+Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> heard);
+
+}  // namespace tactus

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace tactus {
+
+using Spectrum = std::vector<std::complex<double>>;
+
+/// The discrete Fourier transform of real signals of one length:  X[b] = sum of x[n] exp(-2πi b n / size),
+/// bins 0 to size / 2. Shorter signals count as followed by zeros.
+class Fourier {
+ public:
+  /// [control] Of the next length that is quick to transform.
+  explicit Fourier(std::size_t at_least);
+  ~Fourier();
+
+  std::size_t size() const { return size_; }
+  std::size_t bins() const { return size_ / 2 + 1; }
+  /// [control]
+  Spectrum forward(std::span<const double> signal);
+  /// [control] forward(inverse(X)) = X.
+  std::vector<double> inverse(const Spectrum& spectrum);
+
+ private:
+  std::size_t size_;
+  struct Transform;
+  std::unique_ptr<Transform> transform_;
+  std::vector<double> padded_;
+};
+
+}  // namespace tactus

@@ -1,0 +1,157 @@
+#include "latency/sweep_windows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace tactus {
+namespace {
+
+constexpr std::int64_t kLead = 64;     // frames before the burst: a filter may answer before its delay
+constexpr Seconds kMostPause{0.12};    // after it; a longer one would add only noise
+constexpr std::int64_t kReach = 8192;  // frames that may be lost at once and still be found
+constexpr double kLowestHz = 150.0;    // above the corners of coupling capacitors and above hum
+
+/// Around each burst there are a quarter of a pause for the window's edge, and before it another for what
+/// comes early.
+std::int64_t quarter_pause(const PlayedBursts& bursts, Hertz sample_rate) {
+  const auto pause = std::min<std::int64_t>(bursts.pause, std::llround(frames_in(kMostPause, sample_rate)));
+  return std::max<std::int64_t>(0, pause - 2 * kLead) / 4;
+}
+
+/// The least gain with which `played` explains `heard`, both as they stand.
+double log_gain(const HeardWindow& window, double sign) {
+  double common = 0.0, power = 0.0;
+  for (auto b = window.lowest_bin; b + 1 < window.heard.size(); ++b) {
+    const auto expected = window.profile.empty() ? window.played[b] : window.played[b] * window.profile[b];
+    common += sign * (window.heard[b] * std::conj(expected)).real() / window.noise[b];
+    power += std::norm(expected) / window.noise[b];
+  }
+  return std::log(std::max(common / power, 1e-9));
+}
+
+}  // namespace
+
+SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile)
+    : bursts_(bursts),
+      lead_(kLead + quarter_pause(bursts, sample_rate)),
+      frames_(lead_ + static_cast<std::int64_t>(bursts.waveform.size()) +
+              2 * quarter_pause(bursts, sample_rate)),
+      fade_(static_cast<std::size_t>(frames_), 1.0),
+      fourier_(static_cast<std::size_t>(frames_ + kReach)),
+      lowest_bin_(static_cast<std::size_t>(
+          std::ceil(kLowestHz / sample_rate.value * static_cast<double>(fourier_.size())))) {
+  // A window with hard edges would spread hum over all frequencies.
+  const auto edge = static_cast<std::size_t>(quarter_pause(bursts, sample_rate));
+  for (std::size_t n = 0; n < edge; ++n) {
+    const double raised =
+        0.5 - 0.5 * std::cos(std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(edge));
+    fade_[n] = fade_[fade_.size() - 1 - n] = raised;
+  }
+  fade_power_ = std::inner_product(fade_.begin(), fade_.end(), fade_.begin(), 0.0);
+  std::vector<double> placed(static_cast<std::size_t>(lead_), 0.0);
+  placed.insert(placed.end(), bursts.waveform.begin(), bursts.waveform.end());
+  played_ = fourier_.forward(placed);
+  if (!profile.empty()) profile_ = fourier_.forward(profile);
+}
+
+void SweepWindows::set_noise(const NoiseFloor& floor) {
+  mean_ = floor.mean;
+  noise_ = floor.in_bins(fourier_.size(), fade_power_);
+}
+
+Spectrum SweepWindows::cut(std::span<const double> heard, std::int64_t from) {
+  std::vector<double> samples(static_cast<std::size_t>(frames_), 0.0);
+  const auto begin = from - lead_;
+  const auto end = std::min(frames_, static_cast<std::int64_t>(heard.size()) - begin);
+  for (auto n = std::max<std::int64_t>(-begin, 0); n < end; ++n) {
+    const auto at = static_cast<std::size_t>(n);
+    samples[at] = fade_[at] * (heard[static_cast<std::size_t>(begin + n)] - mean_);
+  }
+  return fourier_.forward(samples);
+}
+
+HeardWindow SweepWindows::window_of(Spectrum heard, double gain) const {
+  HeardWindow window{fourier_.size(), played_, std::move(heard), noise_, profile_, lowest_bin_};
+  for (auto& bin : window.heard) bin /= gain;
+  for (auto& bin : window.noise) bin /= gain * gain;
+  return window;
+}
+
+std::int64_t SweepWindows::nearest(const HeardWindow& window, std::int64_t search, double sign) {
+  Spectrum cross(window.heard.size());
+  for (auto b = window.lowest_bin; b + 1 < cross.size(); ++b)
+    cross[b] = window.heard[b] * std::conj(window.played[b]) /
+               std::sqrt(std::norm(window.played[b]) * window.noise[b]);
+  // Where nothing was played, a bin would count as much as any other.
+  double loudest = 0.0;
+  for (const auto& bin : window.played) loudest = std::max(loudest, std::norm(bin));
+  for (std::size_t b = 0; b < cross.size(); ++b)
+    if (std::norm(window.played[b]) < 1e-5 * loudest) cross[b] = 0.0;
+  const auto correlation = fourier_.inverse(cross);
+  const auto size = static_cast<std::int64_t>(correlation.size());
+  std::int64_t best = 0;
+  double highest = 0.0;
+  for (auto lag = -search; lag <= search; ++lag)
+    if (const double value = sign * correlation[static_cast<std::size_t>((lag + size) % size)];
+        value > highest) {
+      highest = value;
+      best = lag;
+    }
+  return best;
+}
+
+std::vector<TrackedSweep> SweepWindows::track(std::span<const double> heard, std::int64_t near,
+                                              std::int64_t search, const PathModel& shape) {
+  std::vector<TrackedSweep> tracked;
+  search = std::min(search, kReach);
+  for (const auto& burst : bursts_.repeated) {
+    auto delay = near;
+    auto window = window_of(cut(heard, burst.at + delay), burst.gain);
+    if (search > 0) {
+      if (const auto off = nearest(window, search, shape.sign); off != 0) {
+        delay += off;
+        window = window_of(cut(heard, burst.at + delay), burst.gain);
+      }
+    }
+    auto start = shape;
+    start.delay_frames = shape.delay_frames - std::round(shape.delay_frames);
+    start.log_gain = log_gain(window, shape.sign);
+    const auto fit = fit_path(window, start, PathShape::Kept);
+    tracked.push_back({burst, static_cast<double>(delay) + fit.model.delay_frames, fit.delay_deviation,
+                       fit.model.log_gain, fit.misfit});
+  }
+  return tracked;
+}
+
+HeardWindow SweepWindows::mean(std::span<const double> heard, std::int64_t frames,
+                               std::span<const TrackedSweep> which) {
+  Spectrum sum(fourier_.bins());
+  double weight = 0.0;
+  for (const auto& sweep : which) {
+    const double gain = sweep.burst.gain;
+    const auto one = cut(heard, sweep.burst.at + frames);
+    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += gain * one[b];
+    weight += gain * gain;
+  }
+  for (auto& bin : sum) bin /= std::sqrt(weight);
+  return window_of(std::move(sum), std::sqrt(weight));
+}
+
+double SweepWindows::scatter(std::span<const double> heard, std::int64_t frames,
+                             std::span<const TrackedSweep> which, const HeardWindow& mean) {
+  double weight = 0.0, power = 0.0;
+  for (const auto& sweep : which) weight += sweep.burst.gain * sweep.burst.gain;
+  for (const auto& sweep : which) {
+    const double gain = sweep.burst.gain;
+    const auto one = cut(heard, sweep.burst.at + frames);
+    for (auto b = lowest_bin_; b + 1 < one.size(); ++b)
+      power += 2.0 * std::norm(one[b] - gain * mean.heard[b]) / (1.0 - gain * gain / weight);
+  }
+  const double share = 1.0 - 2.0 * static_cast<double>(lowest_bin_) / static_cast<double>(fourier_.size());
+  return power / static_cast<double>(which.size()) / static_cast<double>(fourier_.size()) / fade_power_ /
+         share;
+}
+
+}  // namespace tactus

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/core/units.h"
+#include "latency/bursts.h"
+#include "latency/fourier.h"
+#include "latency/noise_floor.h"
+#include "latency/path_model.h"
+
+namespace tactus {
+
+/// One repeated burst as it was heard.
+struct TrackedSweep {
+  Burst burst;
+  double delay_frames = 0.0;
+  double deviation_frames = 0.0;  ///< as the noise makes it
+  double log_gain = 0.0;          ///< of the path
+  double misfit = 0.0;
+};
+
+/// Cuts what was heard of the repeated bursts out of a recording, and fits the path to it.
+class SweepWindows {
+ public:
+  /// [control] `profile`: taps of the path, or empty.
+  SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile);
+
+  /// [control] What is only noise; its spectrum must not be zero anywhere.
+  void set_noise(const NoiseFloor& floor);
+
+  /// [control] Each burst by itself: first its delay to the frame, searched within `search` frames of `near`,
+  /// then delay and gain with the shape of `shape`.
+  std::vector<TrackedSweep> track(std::span<const double> heard, std::int64_t near, std::int64_t search,
+                                  const PathModel& shape);
+  /// [control] The mean of the bursts `which`, all cut out at the delay `frames`, for a burst of gain 1.
+  HeardWindow mean(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which);
+  /// [control] The variance of a frame that differs between bursts that were equal, of at least two.
+  double scatter(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which,
+                 const HeardWindow& mean);
+
+  Fourier& fourier() { return fourier_; }
+
+ private:
+  Spectrum cut(std::span<const double> heard, std::int64_t from);
+  HeardWindow window_of(Spectrum heard, double gain) const;
+  std::int64_t nearest(const HeardWindow& window, std::int64_t search, double sign);
+
+  const PlayedBursts& bursts_;
+  std::int64_t lead_, frames_;
+  std::vector<double> fade_;  ///< over the window: 0 at its ends, 1 wherever the burst may be
+  double fade_power_ = 0.0;   ///< sum of its squares
+  double mean_ = 0.0;         ///< of what is heard while nothing is played
+  Fourier fourier_;
+  Spectrum played_, profile_;
+  std::vector<double> noise_;
+  std::size_t lowest_bin_;
+};
+
+}  // namespace tactus
