@@ -211,6 +211,10 @@ class Analyst {
       points.insert(points.end(), more.begin(), more.end());
     }
     analysis_.steps = DelayTrend::of(points, kLeastStep).steps;
+    if (!analysis_.steps.empty()) return;
+    for (const auto& sweep : sweeps_)
+      for (const auto place : windows_.damage(steady_heard_, at_, sweep, mean_))
+        analysis_.steps.push_back({place, 0.0});
   }
 
   /// The gain of the bursts before the sweeps (the level ramp), for what changes with time.

@@ -31,7 +31,9 @@ struct BandDelay {
 /// From `frame` of the recording on, the delay is another.
 struct DelayStep {
   std::int64_t frame = 0;
-  double frames = 0.0;  ///< positive: longer (frames were added on the way), negative: frames were lost
+  /// Positive: longer (frames were added on the way), negative: frames were lost, 0: something else was heard
+  /// in their place.
+  double frames = 0.0;
 };
 
 /// One sweep by itself.

@@ -8,8 +8,9 @@
 namespace tactus {
 namespace {
 
-constexpr std::int64_t kLead = 64;     // frames before the burst: a filter may answer before its delay
-constexpr Seconds kMostPause{0.12};    // after it; a longer one would add only noise
+constexpr std::int64_t kLead = 64;   // frames before the burst: a filter may answer before its delay
+constexpr Seconds kMostPause{0.12};  // after it; a longer one would add only noise
+constexpr Seconds kLongestDamage{0.02};
 constexpr std::int64_t kReach = 8192;  // frames that may be lost at once and still be found
 constexpr double kLowestHz = 150.0;    // above the corners of coupling capacitors and above hum
 
@@ -18,6 +19,12 @@ constexpr double kLowestHz = 150.0;    // above the corners of coupling capacito
 std::int64_t quarter_pause(const PlayedBursts& bursts, Hertz sample_rate) {
   const auto pause = std::min<std::int64_t>(bursts.pause, std::llround(frames_in(kMostPause, sample_rate)));
   return std::max<std::int64_t>(0, pause - 2 * kLead) / 4;
+}
+
+std::vector<double> block_power(const std::vector<double>& samples, std::size_t block) {
+  std::vector<double> power(samples.size() / block, 0.0);
+  for (std::size_t n = 0; n < power.size() * block; ++n) power[n / block] += samples[n] * samples[n];
+  return power;
 }
 
 /// The least gain with which `played` explains `heard`, both as they stand.
@@ -35,6 +42,7 @@ double log_gain(const HeardWindow& window, double sign) {
 
 SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile)
     : bursts_(bursts),
+      sample_rate_(sample_rate),
       lead_(kLead + quarter_pause(bursts, sample_rate)),
       frames_(lead_ + static_cast<std::int64_t>(bursts.waveform.size()) +
               2 * quarter_pause(bursts, sample_rate)),
@@ -58,6 +66,7 @@ SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::s
 
 void SweepWindows::set_noise(const NoiseFloor& floor) {
   mean_ = floor.mean;
+  variance_ = floor.variance;
   noise_ = floor.in_bins(fourier_.size(), fade_power_);
 }
 
@@ -152,6 +161,32 @@ double SweepWindows::scatter(std::span<const double> heard, std::int64_t frames,
   const double share = 1.0 - 2.0 * static_cast<double>(lowest_bin_) / static_cast<double>(fourier_.size());
   return power / static_cast<double>(which.size()) / static_cast<double>(fourier_.size()) / fade_power_ /
          share;
+}
+
+std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, std::int64_t frames,
+                                               const TrackedSweep& sweep, const PathModel& model) {
+  constexpr std::size_t kBlock = 64;
+  auto rest = cut(heard, sweep.burst.at + frames);
+  Spectrum expected(rest.size());
+  for (std::size_t b = 0; b < rest.size(); ++b) {
+    expected[b] = b < lowest_bin_ ? 0.0 : sweep.burst.gain * mean.heard[b];
+    rest[b] = b < lowest_bin_ ? 0.0 : rest[b] - expected[b];
+  }
+  const auto unexplained = block_power(fourier_.inverse(rest), kBlock),
+             explained = block_power(fourier_.inverse(expected), kBlock);
+  const double loudest = *std::max_element(explained.begin(), explained.end());
+  const auto longest = static_cast<std::size_t>(frames_in(kLongestDamage, sample_rate_)) / kBlock;
+  std::vector<std::int64_t> places;
+  std::size_t run = 0;
+  for (std::size_t n = 0; n <= explained.size(); ++n) {
+    const bool broken = n < explained.size() && explained[n] > 1e-4 * loudest &&
+                        unexplained[n] > 0.25 * explained[n] && unexplained[n] > 36.0 * kBlock * variance_;
+    // What lasts longer is a gain that changes, or a path that no model fits.
+    if (!broken && run > 0 && run <= longest)
+      places.push_back(sweep.burst.at - lead_ + static_cast<std::int64_t>((n - run) * kBlock));
+    run = broken ? run + 1 : 0;
+  }
+  return places;
 }
 
 }  // namespace tactus

@@ -40,6 +40,11 @@ class SweepWindows {
   double scatter(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which,
                  const HeardWindow& mean);
 
+  /// [control] Where in a sweep less than 20 ms of what is heard at the delay `frames` is something else than
+  /// in the others: the driver put silence or old sound in its place. Frames of the recording that played.
+  std::vector<std::int64_t> damage(std::span<const double> heard, std::int64_t frames,
+                                   const TrackedSweep& sweep, const HeardWindow& mean);
+
   Fourier& fourier() { return fourier_; }
 
  private:
@@ -48,10 +53,11 @@ class SweepWindows {
   std::int64_t nearest(const HeardWindow& window, std::int64_t search, double sign);
 
   const PlayedBursts& bursts_;
+  Hertz sample_rate_;
   std::int64_t lead_, frames_;
-  std::vector<double> fade_;  ///< over the window: 0 at its ends, 1 wherever the burst may be
-  double fade_power_ = 0.0;   ///< sum of its squares
-  double mean_ = 0.0;         ///< of what is heard while nothing is played
+  std::vector<double> fade_;            ///< over the window: 0 at its ends, 1 wherever the burst may be
+  double fade_power_ = 0.0;             ///< sum of its squares
+  double variance_ = 0.0, mean_ = 0.0;  ///< of what is heard while nothing is played
   Fourier fourier_;
   Spectrum played_, profile_;
   std::vector<double> noise_;
