@@ -164,7 +164,7 @@ double SweepWindows::scatter(std::span<const double> heard, std::int64_t frames,
 }
 
 std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, std::int64_t frames,
-                                               const TrackedSweep& sweep, const PathModel& model) {
+                                               const TrackedSweep& sweep, const HeardWindow& mean) {
   constexpr std::size_t kBlock = 64;
   auto rest = cut(heard, sweep.burst.at + frames);
   Spectrum expected(rest.size());
