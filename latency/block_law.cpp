@@ -1,0 +1,113 @@
+#include "latency/block_law.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus {
+namespace {
+
+std::vector<const SettingDelay*> good_ones(const std::vector<SettingDelay>& settings) {
+  std::vector<const SettingDelay*> good;
+  for (const auto& setting : settings)
+    if (setting.good()) good.push_back(&setting);
+  return good;
+}
+
+std::string ms(Seconds time) { return fmt::format("{:.2f} ms", 1e3 * time.value); }
+
+/// The next in delay, to have something in hand.
+const SettingDelay* next_good(const std::vector<SettingDelay>& settings, const SettingDelay& shortest) {
+  const SettingDelay* next = nullptr;
+  for (const auto* setting : good_ones(settings))
+    if (setting->delay() > shortest.delay() && (next == nullptr || setting->delay() < next->delay()))
+      next = setting;
+  return next;
+}
+
+/// The one with the largest block of those that are shorter than the best and did not hold.
+const SettingDelay* nearest_bad(const std::vector<SettingDelay>& settings, const SettingDelay& best) {
+  const SettingDelay* nearest = nullptr;
+  for (const auto& setting : settings) {
+    const bool shorter = Seconds{setting.block_frames / setting.sample_rate.value} <
+                         Seconds{best.block_frames / best.sample_rate.value};
+    if (!setting.good() && shorter && (nearest == nullptr || setting.block_frames > nearest->block_frames))
+      nearest = &setting;
+  }
+  return nearest;
+}
+
+std::string fault_of(const SettingDelay& setting) {
+  if (setting.finding.verdict != Verdict::Ok) return code(setting.finding.verdict);
+  return setting.gaps == 1 ? "one gap" : fmt::format("{} gaps", setting.gaps);
+}
+
+}  // namespace
+
+std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings) {
+  const auto good = good_ones(settings);
+  const auto count = static_cast<double>(good.size());
+  double mean_block = 0.0, mean_delay = 0.0;
+  for (const auto* setting : good) {
+    mean_block += setting->block_frames / count;
+    mean_delay += setting->delay_frames / count;
+  }
+  double spread = 0.0, together = 0.0;
+  for (const auto* setting : good) {
+    const double block = setting->block_frames - mean_block;
+    spread += block * block;
+    together += block * (setting->delay_frames - mean_delay);
+  }
+  if (!(spread > 0.0)) return std::nullopt;
+  BlockLaw law;
+  law.settings = static_cast<int>(good.size());
+  law.per_frame = together / spread;
+  law.fixed_frames = mean_delay - law.per_frame * mean_block;
+  if (good.size() < 3) return law;
+  double squares = 0.0;
+  for (const auto* setting : good)
+    squares += std::pow(setting->delay_frames - law.at(setting->block_frames), 2);
+  const double variance = squares / (count - 2);
+  law.residual_frames = std::sqrt(variance);
+  law.per_frame_standard_error = std::sqrt(variance / spread);
+  law.fixed_standard_error = std::sqrt(variance * (1 / count + mean_block * mean_block / spread));
+  return law;
+}
+
+const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings) {
+  const auto good = good_ones(settings);
+  const auto best = std::min_element(good.begin(), good.end(),
+                                     [](const auto* a, const auto* b) { return a->delay() < b->delay(); });
+  return best == good.end() ? nullptr : *best;
+}
+
+std::string in_words(const SettingDelay& setting) {
+  return fmt::format("{} frames{}, {:g} kHz", setting.block_frames,
+                     setting.periods > 0 ? fmt::format(", {} periods", setting.periods) : "",
+                     setting.sample_rate.value / 1e3);
+}
+
+std::string recommendation(const std::vector<SettingDelay>& settings) {
+  if (settings.empty()) return "Nothing was measured.";
+  const auto* best = shortest_good(settings);
+  if (best == nullptr) {
+    const auto& last = settings.back();
+    if (last.finding.verdict == Verdict::Ok)
+      return "No setting ran without a gap: try larger blocks, and see what tactus doctor says.";
+    return fmt::format("No setting can be trusted ({}): {}.", code(last.finding.verdict),
+                       last.finding.remedy.empty() ? last.finding.what : last.finding.remedy);
+  }
+  auto text = fmt::format("Play with {}: {}, and not a frame was lost in {:.0f} s.", in_words(*best),
+                          ms(best->delay()), best->listened_s);
+  if (const auto* bad = nearest_bad(settings, *best))
+    text += fmt::format(" Shorter than that, {} had {}.", in_words(*bad), fault_of(*bad));
+  if (const auto* next = next_good(settings, *best))
+    text += fmt::format(
+        " An instrument makes the machine work harder than a measurement: if gaps come, take {}, which "
+        "costs {} more.",
+        in_words(*next), ms(next->delay() - best->delay()));
+  return text;
+}
+
+}  // namespace tactus

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/units.h"
+#include "latency/verdict.h"
+
+namespace tactus {
+
+/// A setting of a card, and what came of it.
+struct SettingDelay {
+  Hertz sample_rate = 48_kHz;
+  int block_frames = 0;
+  int periods = 0;  ///< 0: not known
+  Finding finding;
+  double delay_frames = 0.0;
+  double standard_error_frames = 0.0;
+  std::int64_t gaps = 0;    ///< that the driver told, or that were heard
+  double listened_s = 0.0;  ///< how long it ran
+
+  /// Its delay is to be trusted, and not a frame was lost.
+  bool good() const { return finding.verdict == Verdict::Ok && gaps == 0; }
+  Seconds delay() const { return Seconds{delay_frames / sample_rate.value}; }
+};
+
+/// Delay against block size:  delay = fixed + per_frame * block. `fixed` is what no block size takes away
+/// (converters, cables, the bus), `per_frame` how many blocks lie on the way.
+struct BlockLaw {
+  double fixed_frames = 0.0;
+  double per_frame = 0.0;
+  /// Nothing where two settings alone lie on a line anyway.
+  std::optional<double> fixed_standard_error, per_frame_standard_error;
+  double residual_frames = 0.0;  ///< standard deviation around the line
+  int settings = 0;
+
+  double at(double block_frames) const { return fixed_frames + per_frame * block_frames; }
+};
+
+/// [any] The line of least squares through the good ones; nothing if they have less than two block sizes.
+std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings);
+
+/// [any] The good one with the shortest time of delay, or nullptr.
+const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings);
+
+/// [any] "128 frames, 2 periods, 48 kHz"
+std::string in_words(const SettingDelay& setting);
+/// [any] What to play with, and why, in sentences.
+std::string recommendation(const std::vector<SettingDelay>& settings);
+
+}  // namespace tactus
