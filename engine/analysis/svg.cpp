@@ -19,19 +19,15 @@ PlotColor color_of(const PlotPanel& panel, std::size_t series) {
 
 class Drawing {
  public:
-  explicit Drawing(const Figure& figure) : figure_(figure), plan_(plan_of(figure)) {}
+  /// `clips`: what the names of its clip paths begin with, one for each figure of a page.
+  Drawing(const Figure& figure, std::string clips)
+      : figure_(figure), plan_(plan_of(figure)), clips_(std::move(clips)) {}
 
+  double height() const { return plan_.height; }
   std::string draw() {
-    canvas_.out(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1:.0f}\" viewBox=\"0 0 {0} "
-        "{1:.0f}\" "
-        "role=\"img\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n<title>{2}</title>\n"
-        "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-        figure_.width, plan_.height, escape(figure_.title));
     draw_header();
     for (std::size_t i = 0; i < plan_.panels.size(); ++i) draw_panel(i);
     if (!plan_.panels.empty()) draw_x_axis();
-    canvas_.out("</svg>\n");
     return canvas_.take();
   }
 
@@ -50,6 +46,7 @@ class Drawing {
 
   const Figure& figure_;
   Plan plan_;
+  std::string clips_;
   Canvas canvas_;
 };
 
@@ -125,10 +122,10 @@ void Drawing::draw_data(std::size_t index) {
   const auto& plan = plan_.panels[index];
   // A little room for the points that lie on the edge.
   canvas_.out(
-      "<clipPath id=\"panel{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
+      "<clipPath id=\"{}{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
       "height=\"{:.1f}\"/></clipPath>\n",
-      index, plan_.left - 4, plan.top - 4, plan_.right - plan_.left + 8, plan.bottom - plan.top + 8);
-  canvas_.out("<g clip-path=\"url(#panel{})\">\n", index);
+      clips_, index, plan_.left - 4, plan.top - 4, plan_.right - plan_.left + 8, plan.bottom - plan.top + 8);
+  canvas_.out("<g clip-path=\"url(#{}{})\">\n", clips_, index);
   for (std::size_t i = 0; i < panel.series.size(); ++i)
     draw_series(plan, panel.series[i], color_of(panel, i));
   for (const auto& level : panel.levels) {
@@ -218,11 +215,37 @@ PlotSeries plot_trace(std::string label, double start, double step, std::vector<
   return series;
 }
 
-std::string to_svg(const Figure& figure) { return Drawing{figure}.draw(); }
+std::string to_svg_page(const std::vector<Figure>& page) {
+  Canvas body;
+  double height = 0;
+  int width = 0;
+  for (std::size_t i = 0; i < page.size(); ++i) {
+    Drawing drawing{page[i], i == 0 ? "panel" : fmt::format("panel{}_", i)};
+    if (i == 0)
+      body.out("{}", drawing.draw());
+    else
+      body.out("<g transform=\"translate(0 {:.0f})\">\n{}</g>\n", height, drawing.draw());
+    height += drawing.height();
+    width = std::max(width, page[i].width);
+  }
+  return fmt::format(
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1:.0f}\" viewBox=\"0 0 {0} "
+             "{1:.0f}\" "
+             "role=\"img\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n<title>{2}</title>\n"
+             "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
+             width, height, page.empty() ? "" : escape(page.front().title)) +
+         body.take() + "</svg>\n";
+}
+
+std::string to_svg(const Figure& figure) { return to_svg_page({figure}); }
 
 Status write_svg(const std::filesystem::path& path, const Figure& figure) {
+  return write_svg_page(path, {figure});
+}
+
+Status write_svg_page(const std::filesystem::path& path, const std::vector<Figure>& page) {
   std::ofstream file{path, std::ios::binary};
-  file << to_svg(figure);
+  file << to_svg_page(page);
   file.close();
   if (file) return {};
   return fail(Errc::BadFile, path.string(), "the plot cannot be written",

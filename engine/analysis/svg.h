@@ -79,10 +79,12 @@ struct Figure {
 /// [control] A trace of samples `step` apart, the first at `start`.
 PlotSeries plot_trace(std::string label, double start, double step, std::vector<double> values);
 
-/// [control] The figure as an SVG document of its own on white ground.
+/// [control] The figure, or a page of figures below one another, as an SVG document on white ground.
 std::string to_svg(const Figure& figure);
+std::string to_svg_page(const std::vector<Figure>& page);
 
 /// [control] Errors: BadFile.
 [[nodiscard]] Status write_svg(const std::filesystem::path& path, const Figure& figure);
+[[nodiscard]] Status write_svg_page(const std::filesystem::path& path, const std::vector<Figure>& page);
 
 }  // namespace tactus

@@ -9,8 +9,10 @@
 
 #include "engine/analysis/svg_layout.h"
 #include "engine/analysis/svg_scale.h"
+#include "tests/support/well_formed.h"
 
 using namespace tactus;
+using tactus::test::well_formed;
 
 namespace {
 
@@ -27,30 +29,6 @@ std::vector<std::string> linear_ticks(double low, double high, const std::string
 
 std::vector<std::string> log_ticks(double low, double high, const std::string& unit) {
   return texts(svg::ticks_of({low, high, 0, 100, true}, unit, svg::prefixed_unit(unit, high), 5));
-}
-
-/// Every opened tag is closed in turn, and no bare & or < is left: what an XML parser asks first.
-bool well_formed(const std::string& text) {
-  std::vector<std::string> open;
-  for (std::size_t at = 0; (at = text.find_first_of("<&", at)) != std::string::npos; ++at) {
-    if (text[at] == '&') {
-      const auto end = text.find(';', at);
-      if (end == std::string::npos || end - at > 5) return false;
-      continue;
-    }
-    const auto end = text.find('>', at);
-    if (end == std::string::npos) return false;
-    const auto tag = text.substr(at + 1, end - at - 1);
-    const auto name = tag.substr(0, tag.find(' '));
-    if (tag.back() == '/') continue;
-    if (tag.front() != '/') {
-      open.push_back(name);
-    } else {
-      if (open.empty() || "/" + open.back() != name) return false;
-      open.pop_back();
-    }
-  }
-  return open.empty();
 }
 
 bool contains(const std::string& text, const std::string& part) {
@@ -219,4 +197,18 @@ TEST_CASE("svg: the same figure gives the same bytes, and a lost folder an error
   CHECK(to_string(status.error()) ==
         "/no/such/folder/a.svg: the plot cannot be written; check that the folder exists and may be written "
         "to");
+}
+
+TEST_CASE("svg: the figures of a page stand below one another, each with clips of its own", "[analysis]") {
+  const auto one = to_svg(small_figure());
+  const auto page = to_svg_page({small_figure(), small_figure()});
+  CHECK(well_formed(page));
+  const auto height = [](const std::string& text) {
+    return std::stoi(text.substr(text.find("height=\"") + 8));
+  };
+  CHECK(height(page) == Approx(2 * height(one)).margin(1));
+  CHECK(contains(page, "translate(0 " + std::to_string(height(one)) + ")"));
+  CHECK(contains(page, "clipPath id=\"panel0\""));
+  CHECK(contains(page, "clipPath id=\"panel1_0\""));
+  CHECK(contains(page, "url(#panel1_0)"));
 }
