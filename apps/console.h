@@ -15,12 +15,20 @@ namespace tactus::app {
 int report(const std::vector<Error>& errors);
 int report(const Error& error);
 
+/// What a command cannot do, and the exit code of that.
+struct Refusal {
+  std::vector<Error> errors;
+  int exit = 0;
+};
+
 /// A bar on stderr for work that takes longer than a moment; draws nothing when stderr is no terminal.
 class Progress {
  public:
   explicit Progress(std::string what);
   ~Progress();
   void operator()(double share);
+  /// Says what is done now, too.
+  void operator()(double share, const std::string& what);
 
  private:
   std::string what_;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <istream>
 #include <ostream>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -298,6 +299,16 @@ Status save_rig(const Rig& rig, const fs::path& file, std::istream& in, std::ost
   fs::remove(temporary, ignored);
   return fail(Errc::BadFile, file.string(), "cannot be written",
               "choose a folder that exists and can be written");
+}
+
+Status replace_rig(const Rig& rig, const fs::path& file) {
+  std::error_code ignored;
+  auto former = file;
+  former += "~";
+  fs::copy_file(file, former, fs::copy_options::overwrite_existing, ignored);
+  std::istringstream nobody;
+  std::ostringstream unheard;
+  return save_rig(rig, file, nobody, unheard, true);
 }
 
 }  // namespace tactus::app

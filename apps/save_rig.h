@@ -68,4 +68,7 @@ Result<Rig> hold_interview(RigInterview& interview, std::istream& in, std::ostre
 Status save_rig(const Rig& rig, const std::filesystem::path& file, std::istream& in, std::ostream& out,
                 bool force);
 
+/// [control] Writes a rig over its file, and keeps what that was beside it with a "~". Errors: BadFile.
+Status replace_rig(const Rig& rig, const std::filesystem::path& file);
+
 }  // namespace tactus::app

@@ -165,9 +165,12 @@ class Planner {
     auto measured =
         chosen(options_.delay, "s", "delay", of_rig ? std::optional{of_rig->value} : std::nullopt);
     if (!measured) return refuse(measured.error());
-    if (!*measured && !options_.listen) measured = kept_delay();
     plan_.delay_s = *measured;
-    if (options_.delay.empty() && of_rig) plan_.delay_block = rig()->device.block;
+    if (options_.delay.empty() && of_rig) {
+      plan_.delay_block = rig()->device.block;
+      plan_.delay_periods = rig()->device.periods;
+    }
+    if (!plan_.delay_s && !options_.listen) take_kept_delay();
     const auto to = rig() ? rig()->pad_delay : std::nullopt;
     const auto pad =
         chosen(options_.pad_delay, "s", "pad-delay", to ? std::optional{to->value} : std::nullopt);
@@ -181,14 +184,26 @@ class Planner {
     return {};
   }
 
-  /// What was measured on this machine for this very setting.
-  std::optional<double> kept_delay() const {
+  /// The newest that was measured on this machine with what is asked for. What is left to the card is known
+  /// when the stream is open: `check_delay`.
+  void take_kept_delay() {
     const auto& request = plan_.request;
     const auto block = request.block_frames ? request.block_frames : plan_.devices.output.block_frames;
     const auto kept = MeasuredDelays::load();
-    const auto* found = kept.find({plan_.devices.input.id, plan_.devices.output.id, *request.sample_rate,
-                                   block.value_or(0), request.periods.value_or(0)});
-    return found == nullptr ? std::nullopt : std::optional{found->delay.value};
+    const MeasuredDelay* newest = nullptr;
+    for (const auto& delay : kept.all()) {
+      const auto& key = delay.key;
+      if (key.input != plan_.devices.input.id || key.output != plan_.devices.output.id ||
+          !(key.sample_rate == *request.sample_rate) ||
+          key.block_frames != block.value_or(key.block_frames) ||
+          (key.periods > 0 && key.periods != request.periods.value_or(key.periods)))
+        continue;
+      if (newest == nullptr || delay.when >= newest->when) newest = &delay;
+    }
+    if (newest == nullptr) return;
+    plan_.delay_s = newest->delay.value;
+    plan_.delay_block = newest->key.block_frames;
+    if (newest->key.periods > 0) plan_.delay_periods = newest->key.periods;
   }
 
   Refused make_performer() {
@@ -246,9 +261,14 @@ std::string granted_in_words(const Plan& plan, const StreamGranted& granted) {
 }
 
 Status check_delay(Plan& plan, const StreamGranted& granted) {
-  if (!plan.delay_s || !plan.delay_block || *plan.delay_block == granted.block_frames) return {};
-  const auto what = fmt::format("the delay was measured with {} frames a block, and there are {}",
-                                *plan.delay_block, granted.block_frames);
+  const int block = plan.delay_block.value_or(granted.block_frames);
+  const int periods = granted.periods > 0 ? plan.delay_periods.value_or(granted.periods) : 0;
+  if (!plan.delay_s || (block == granted.block_frames && periods == granted.periods)) return {};
+  const auto what =
+      block != granted.block_frames
+          ? fmt::format("the delay was measured with {} frames a block, and there are {}", block,
+                        granted.block_frames)
+          : fmt::format("the delay was measured with {} periods, and there are {}", periods, granted.periods);
   if (plan.padding_frames > 0)
     return fail(Errc::BadArgument, plan.rig_file, what + ": nobody knows how much to add",
                 "set the device to that block, or measure again");
@@ -258,7 +278,8 @@ Status check_delay(Plan& plan, const StreamGranted& granted) {
 }
 
 std::string delay_in_words(const Plan& plan) {
-  if (!plan.delay_s) return "delay     not measured: the instrument reckons with none";
+  if (!plan.delay_s)
+    return "delay     not measured: the instrument reckons with none; tactus latency measure finds it";
   const double padded = plan.padding_frames / plan.request.sample_rate->value;
   return fmt::format("delay     {:.2f} ms measured{}", 1e3 * *plan.delay_s,
                      plan.padding_frames > 0

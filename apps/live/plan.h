@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/backends.h"
+#include "apps/console.h"
 #include "apps/live/live_options.h"
 #include "apps/live/performer.h"
 
@@ -17,16 +18,10 @@ struct Plan {
   StreamRequest request;
   std::unique_ptr<Performer> performer;
   std::optional<Rig> rig;
-  std::string rig_file;            ///< where it is kept, or empty
-  std::optional<double> delay_s;   ///< of the card, measured
-  std::optional<int> delay_block;  ///< the block that it was measured with, where that is known
+  std::string rig_file;                           ///< where it is kept, or empty
+  std::optional<double> delay_s;                  ///< of the card, measured
+  std::optional<int> delay_block, delay_periods;  ///< that it was measured with, where that is known
   int padding_frames = 0;
-};
-
-/// Exit status of what goes wrong beside it.
-struct Refusal {
-  std::vector<Error> errors;
-  int exit = 0;
 };
 
 /// The command line and the rig, the former first, turned into what a session needs. Asks and learns what is

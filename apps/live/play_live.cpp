@@ -2,8 +2,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <iostream>
-#include <sstream>
 
 #include "apps/commands.h"
 #include "apps/console.h"
@@ -128,11 +126,7 @@ class Player {
     plan_.rig->controls.clear();
     for (const auto& control : session_.knobs().controls())
       plan_.rig->controls.push_back({control.name, {}, {control.value, control.unit, false}});
-    std::error_code ignored;
-    std::filesystem::copy_file(plan_.rig_file, plan_.rig_file + "~",
-                               std::filesystem::copy_options::overwrite_existing, ignored);
-    std::istringstream nobody;
-    const auto saved = save_rig(*plan_.rig, plan_.rig_file, nobody, std::cerr, true);
+    const auto saved = replace_rig(*plan_.rig, plan_.rig_file);
     line_.say(saved ? plan_.rig_file + " has the knobs and MIDI as they are; what it was is " +
                           plan_.rig_file + "~"
                     : to_string(saved.error()));

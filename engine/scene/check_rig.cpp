@@ -272,9 +272,9 @@ Checked<RigWiring> wire_rig(const Rig& rig, const Schedule& schedule) {
 Result<int> padding_frames(std::optional<Seconds> measured, Seconds target, Hertz sample_rate,
                            const std::string& where) {
   if (!measured)
-    return fail(Errc::Missing, where,
-                "the delay of this device was never measured, so nothing can be added to it",
-                "measure it, and write it into the rig: [delay] measured = \"12.4 ms\"");
+    return fail(
+        Errc::Missing, where, "the delay of this device was never measured, so nothing can be added to it",
+        "measure it with tactus latency measure, or write it into the rig: [delay] measured = \"12.4 ms\"");
   const double frames = frames_in(target - *measured, sample_rate);
   if (frames < -0.5)
     return fail(Errc::OutOfRange, where,

@@ -304,7 +304,7 @@ TEST_CASE("rig: the delay is padded from what was measured to what is asked for"
   CHECK(*padding_frames(20_ms, 20_ms, 48_kHz, "--pad-delay") == 0);
   CHECK(to_string(padding_frames(std::nullopt, 20_ms, 48_kHz, "--pad-delay").error()) ==
         "--pad-delay: the delay of this device was never measured, so nothing can be added to it; measure "
-        "it, and write it into the rig: [delay] measured = \"12.4 ms\"");
+        "it with tactus latency measure, or write it into the rig: [delay] measured = \"12.4 ms\"");
   CHECK(
       to_string(padding_frames(25_ms, 20_ms, 48_kHz, "--pad-delay").error()) ==
       "--pad-delay: the device alone takes 25 ms, longer than 20 ms; ask for a longer delay, or use shorter "
