@@ -14,5 +14,6 @@ void add_explain(CLI::App& app, int& exit_code);
 void add_nodes(CLI::App& app, int& exit_code);
 void add_devices(CLI::App& app, int& exit_code);
 void add_doctor(CLI::App& app, int& exit_code);
+void add_latency(CLI::App& app, int& exit_code);
 
 }  // namespace tactus::app

@@ -54,6 +54,15 @@ void Progress::operator()(double share) {
   std::fflush(stderr);
 }
 
+void Progress::operator()(double share, const std::string& what) {
+  if (what != what_) {
+    percent_ = -1;
+    if (shown_) fmt::print(stderr, "\r{:70}", "");  // the former words may be longer
+  }
+  what_ = what;
+  (*this)(share);
+}
+
 void announce_delay(const GraphSpec& instrument, double delay_s) {
   const auto tested = tested_delays(instrument);
   if (!tested || tested->contains(delay_s)) return;

@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "apps/latency/latency_commands.h"
+#include "apps/latency/loop_options.h"
+#include "apps/latency/recording_files.h"
+#include "latency/analysis.h"
+
+namespace tactus::app {
+namespace {
+
+struct AnalyzeOptions {
+  CaptureFiles files;
+  std::string rate;
+  ReportFiles report;
+};
+
+LatencyReport report_of(const std::string& source, Capture capture, Analysis analysis) {
+  LatencyReport report;
+  report.source = source;
+  auto& measurement = report.measurement;
+  measurement.finding = analysis.finding;
+  measurement.delay_frames = analysis.delay_frames;
+  measurement.standard_error_frames = analysis.standard_error_frames;
+  auto& opening = measurement.openings.emplace_back();
+  opening.finding = analysis.finding;
+  opening.recording = std::move(capture.recording);
+  opening.analysis = std::move(analysis);
+  return report;
+}
+
+int run(AnalyzeOptions options) {
+  if (!options.rate.empty()) {
+    const auto rate = parse_rate(options.rate, "rate");
+    if (!rate) return report(rate.error());
+    options.files.rate = *rate;
+  }
+  auto capture = read_capture(options.files);
+  if (!capture) return report(capture.error());
+  if (!capture->note.empty()) fmt::print(stderr, "note: {}\n", capture->note);
+  AnalysisSettings settings;
+  settings.channel = capture->channel;
+  auto analysis = analyze(capture->recording, settings);
+  if (!analysis) return report(analysis.error()), kBadFile;
+  if (analysis->heard && analysis->delay_frames < -0.5)
+    fmt::print(stderr, "note: the recording began after the probe did, so this is no delay of a device\n");
+  const auto source =
+      fmt::format("{}, {:g} kHz", options.files.capture, capture->recording.sample_rate.value / 1e3);
+  return publish(report_of(source, std::move(*capture), std::move(*analysis)), options.report);
+}
+
+}  // namespace
+
+void add_latency_analyze(CLI::App& latency, int& exit_code) {
+  auto* command = latency.add_subcommand("analyze", "Find the delay in a recording");
+  auto options = std::make_shared<AnalyzeOptions>();
+  command->add_option("FILE", options->files.capture, "WAV file of what came back")->required();
+  command->add_option("--probe", options->files.probe,
+                      "WAV file of what was played; left out: it is the first channel of FILE");
+  command
+      ->add_option("--channel", options->files.channel,
+                   "channel of FILE with what came back, from 1; [the first, or behind what was played]")
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--rate", options->rate, "the true sample rate, where the files are wrong about it");
+  add_report_options(*command, options->report);
+  command->footer(
+      "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n"
+      "  tactus latency analyze capture.wav --probe probe.wav --channel 2 --report delay.svg\n"
+      "  tactus latency analyze raw.wav     # as tactus latency measure --wav raw.wav kept it\n"
+      "The delay is counted from the beginning of the probe to where it begins in FILE: it is that of the "
+      "device only\nif both were begun in the same frame.\n"
+      "Exit code 1: the recording shows why its delay is not to be trusted.");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace tactus::app

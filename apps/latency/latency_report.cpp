@@ -1,0 +1,35 @@
+#include "apps/latency/latency_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::app {
+
+const char* const kDelayIs =
+    "The delay runs from a voltage at the input to the answer at the output of a program that answers within "
+    "the block: converters, driver, blocks and cable are in it.";
+
+Hertz LatencyReport::sample_rate() const {
+  const auto* opening = shown();
+  return opening == nullptr ? 48_kHz : opening->analysis.sample_rate;
+}
+
+const Opening* LatencyReport::shown() const {
+  const auto& openings = measurement.openings;
+  const auto found = std::find_if(openings.begin(), openings.end(), [this](const Opening& opening) {
+    return opening.finding.verdict == measurement.finding.verdict;
+  });
+  if (found != openings.end()) return &*found;
+  return openings.empty() ? nullptr : &openings.front();
+}
+
+std::string with_error(double value, double standard_error) {
+  const int digits =
+      standard_error > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(standard_error))), 0, 9) : 6;
+  const bool zero = std::abs(value) < 0.5 * std::pow(10.0, -digits);  // without a sign
+  return fmt::format("{0:.{2}f} ± {1:.{2}f}", zero ? 0.0 : value, standard_error, digits);
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/analysis/svg.h"
+#include "latency/measurement.h"
+
+namespace tactus::app {
+
+/// What is told of a measurement. One that somebody else recorded has a single opening, of no stream.
+struct LatencyReport {
+  std::string source;  ///< a device and its setting, or a file
+  Measurement measurement;
+  bool live = false;                 ///< measured now, on a device
+  std::vector<std::string> kept;     ///< where the delay was written, in words
+  std::vector<std::string> written;  ///< files
+
+  bool ok() const { return measurement.finding.verdict == Verdict::Ok; }
+  Hertz sample_rate() const;
+  /// The opening that shows best what was found: the first with the verdict of the whole. nullptr: none.
+  const Opening* shown() const;
+};
+
+/// What the delay is, in a sentence.
+extern const char* const kDelayIs;
+
+/// One object, the same keys for every measurement; null is what is not known or not to be trusted.
+nlohmann::ordered_json json_of(const LatencyReport& report);
+/// Lines for people.
+std::string text_of(const LatencyReport& report);
+/// A page: figures, impulse response, spectrum, group delay, the delay of every sweep.
+std::vector<Figure> picture_of(const LatencyReport& report);
+
+/// "960.0031 ± 0.0004": as many digits as the error leaves.
+std::string with_error(double value, double standard_error);
+
+}  // namespace tactus::app

@@ -1,0 +1,197 @@
+#include "apps/latency/loop_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "apps/commands.h"
+#include "engine/graph/quantity.h"
+
+namespace tactus::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Refused = std::optional<Refusal>;
+
+Refusal refuse(Error error, int exit = kUsage) { return {{std::move(error)}, exit}; }
+
+/// What the rig says and nothing on the command line may go around.
+Refused against_rig(const LoopOptions& options) {
+  for (const auto& [given, option] : {std::pair{!options.device.empty(), "--device"},
+                                      {!options.input_device.empty(), "--input-device"},
+                                      {!options.rate.empty(), "--rate"},
+                                      {options.block.has_value(), "--block"},
+                                      {options.periods.has_value(), "--periods"}})
+    if (given)
+      return refuse({Errc::BadArgument, option, "does not go with --rig, which says it",
+                     "change the rig: its delay belongs to its own setting"});
+  return std::nullopt;
+}
+
+/// The folder with the profiles that a rig names: the instruments beside it, or beside whoever calls.
+fs::path profiles_near(const fs::path& rig_file) {
+  std::error_code ignored;
+  const auto beside = fs::absolute(rig_file, ignored).parent_path();
+  for (const auto& start : {beside, fs::current_path(ignored)})
+    for (auto folder = start;; folder = folder.parent_path()) {
+      for (const auto& root : {folder, folder / "instruments"})
+        if (fs::is_directory(root / "profiles", ignored)) return root;
+      if (!folder.has_relative_path()) break;
+    }
+  return beside;
+}
+
+template <class Ports>
+int first_channel(const Ports& ports) {
+  for (const auto& port : ports)
+    if (!port.channels.empty()) return port.channels.front();
+  return 1;
+}
+
+/// What hangs on an output, from 1, as far as the rig knows; nullptr: nothing.
+const RigOutput* port_on(const Rig& rig, int channel) {
+  if (const auto* actuator = rig.actuator_on(channel)) return actuator;
+  for (const auto& output : rig.outputs)
+    if (std::count(output.channels.begin(), output.channels.end(), channel) > 0) return &output;
+  return nullptr;
+}
+
+/// What the rig says of the output; else a cable, as loud as was asked for and no louder.
+GuardedChannel guard_of(const Rig* rig, int output, double loudest_dbfs) {
+  const auto* port = rig == nullptr ? nullptr : port_on(*rig, output);
+  if (port != nullptr) return {DriveGuard::Kind::Drive, port->drive.limits};
+  GuardedChannel guard{DriveGuard::Kind::Audio, {}};
+  guard.limits.ceiling = std::pow(10.0, loudest_dbfs / 20);
+  return guard;
+}
+
+Refused check_channel(int channel, int there, const Device& device, const char* option) {
+  if (channel <= there) return std::nullopt;
+  const bool none = there == 0;
+  const std::string kind = option[2] == 'i' ? "input" : "output";
+  return refuse({Errc::OutOfRange, option,
+                 none ? fmt::format("'{}' has no {}s", device.id, kind)
+                      : fmt::format("'{}' has no {} {}", device.id, kind, channel),
+                 none ? "name a device that has some with --" + std::string{kind == "input" ? "input-" : ""} +
+                            "device; see tactus devices"
+                      : fmt::format("it has 1 to {}", there)});
+}
+
+/// Makes a loop, step by step; each step leaves what it found in `loop_`.
+class LoopMaker {
+ public:
+  explicit LoopMaker(const LoopOptions& options) : options_(options) {}
+
+  tl::expected<Loop, Refusal> run() {
+    for (const auto step : {&LoopMaker::read_rig, &LoopMaker::choose, &LoopMaker::make_request,
+                            &LoopMaker::choose_channels, &LoopMaker::choose_level})
+      if (auto refusal = (this->*step)()) return tl::unexpected(std::move(*refusal));
+    loop_.settings.openings = options_.openings;
+    loop_.settings.sweeps = options_.sweeps;
+    return std::move(loop_);
+  }
+
+ private:
+  const Rig* rig() const { return loop_.rig ? &*loop_.rig : nullptr; }
+
+  Refused read_rig() {
+    if (options_.rig.empty()) return std::nullopt;
+    if (auto refusal = against_rig(options_)) return refusal;
+    auto read = load_rig(options_.rig, profiles_near(options_.rig));
+    if (!read) return Refusal{std::move(read.error()), kBadFile};
+    loop_.rig = std::move(*read);
+    return std::nullopt;
+  }
+
+  Refused choose() {
+    auto devices = choose_devices(options_.backend, rig() ? rig()->device.output : options_.device,
+                                  rig() ? rig()->device.input : options_.input_device);
+    if (!devices) return refuse(devices.error(), devices.error().where == "--backend" ? kUsage : kDevice);
+    loop_.devices = std::move(*devices);
+    return std::nullopt;
+  }
+
+  Refused make_request() {
+    auto& request = loop_.settings.request;
+    request.device = loop_.devices.output.id;
+    if (loop_.devices.input.id != request.device) request.input_device = loop_.devices.input.id;
+    request.block_frames = rig() ? rig()->device.block : options_.block;
+    request.periods = rig() ? rig()->device.periods : options_.periods;
+    if (rig()) request.sample_rate = rig()->device.rate;
+    if (!options_.rate.empty()) {
+      const auto rate = parse_rate(options_.rate, "rate");
+      if (!rate) return refuse(rate.error());
+      request.sample_rate = *rate;
+    }
+    if (!request.sample_rate) request.sample_rate = loop_.devices.output.default_rate;
+    return std::nullopt;
+  }
+
+  Refused choose_channels() {
+    const int input = options_.input.value_or(rig() ? first_channel(rig()->inputs) : 1);
+    const int output = options_.output.value_or(rig() ? first_channel(rig()->outputs) : 1);
+    const auto& devices = loop_.devices;
+    if (auto wrong = check_channel(input, devices.input.in_channels, devices.input, "--input")) return wrong;
+    if (auto wrong = check_channel(output, devices.output.out_channels, devices.output, "--output"))
+      return wrong;
+    loop_.settings.input = input - 1;
+    loop_.settings.output = output - 1;
+    return std::nullopt;
+  }
+
+  Refused choose_level() {
+    auto& settings = loop_.settings;
+    if (!options_.level.empty()) {
+      const auto level = parse_level(options_.level, "level");
+      if (!level) return refuse(level.error());
+      settings.loudest_dbfs = *level;
+    }
+    settings.guard = guard_of(rig(), settings.output + 1, settings.loudest_dbfs);
+    settings.loudest_dbfs = std::min(settings.loudest_dbfs, 20 * std::log10(settings.guard.limits.ceiling));
+    settings.softest_dbfs = std::min(settings.softest_dbfs, settings.loudest_dbfs);
+    return std::nullopt;
+  }
+
+  const LoopOptions& options_;
+  Loop loop_;
+};
+
+}  // namespace
+
+void add_loop_options(CLI::App& command, LoopOptions& options) {
+  command.add_option("--backend", options.backend, "jack, rtaudio, …; see tactus devices");
+  command.add_option("--device", options.device, "id of a device, or a part of its name");
+  command.add_option("--input-device", options.input_device, "where the input is on another device");
+  command.add_option("--rig", options.rig,
+                     "rig file: device, setting, and what hangs on the output; it keeps the measured delay");
+  command.add_option("--input", options.input, "channel that the loop comes back on, from 1")
+      ->check(CLI::Range(1, 1024));
+  command.add_option("--output", options.output, "channel that the loop goes out on, from 1")
+      ->check(CLI::Range(1, 1024));
+  command.add_option("--level", options.level,
+                     "the loudest that may be played, such as \"-20 dBFS\"; [-6 dBFS]");
+}
+
+tl::expected<Loop, Refusal> make_loop(const LoopOptions& options) { return LoopMaker{options}.run(); }
+
+Result<double> parse_level(const std::string& text, const char* option) {
+  const auto where = std::string{"--"} + option;
+  const auto value = read_quantity(Value{text.ends_with("FS") ? text.substr(0, text.size() - 2) : text, {}});
+  if (!value || !(value->bare || value->unit.decibel))
+    return fail(Errc::Syntax, where, "'" + text + "' is no level", "write for instance \"-20 dBFS\"");
+  const double level = value->bare ? value->si : value->unit.from_si(value->si);
+  if (level >= -120 && level <= 0) return level;
+  return fail(Errc::OutOfRange, where, "must be from -120 to 0 dBFS", "write for instance \"-20 dBFS\"");
+}
+
+Result<Hertz> parse_rate(const std::string& text, const char* option) {
+  const auto rate = parse_option(text, "Hz", option);
+  if (!rate) return tl::unexpected(rate.error());
+  if (*rate >= 1000 && *rate <= 1e6) return Hertz{*rate};
+  return fail(Errc::OutOfRange, std::string{"--"} + option, "must be from 1 kHz to 1 MHz",
+              "write for instance \"48 kHz\"");
+}
+
+}  // namespace tactus::app

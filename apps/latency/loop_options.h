@@ -1,0 +1,41 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "apps/backends.h"
+#include "apps/console.h"
+#include "engine/scene/rig.h"
+#include "latency/measurement.h"
+
+namespace tactus::app {
+
+/// Which loop is to be measured, and how loud.
+struct LoopOptions {
+  std::string backend, device, input_device, rig;
+  std::optional<int> input, output;  ///< channels of the device, from 1
+  std::string rate, level;
+  std::optional<int> block, periods;
+  int openings = 5, sweeps = 8;
+};
+
+/// --backend to --level: which card, which channels, how loud.
+void add_loop_options(CLI::App& command, LoopOptions& options);
+
+/// A loop that can be measured.
+struct Loop {
+  ChosenDevices devices;
+  MeasureSettings settings;
+  std::optional<Rig> rig;  ///< where one was named
+};
+
+/// Chooses the devices and looks up what hangs on the output. Opens nothing.
+tl::expected<Loop, Refusal> make_loop(const LoopOptions& options);
+
+/// The level that an option says, in dBFS: "-12", "-12 dB", "-12 dBFS". Errors: Syntax, OutOfRange above 0.
+Result<double> parse_level(const std::string& text, const char* option);
+/// A sample rate that a card may have. Errors: Syntax, OutOfRange.
+Result<Hertz> parse_rate(const std::string& text, const char* option);
+
+}  // namespace tactus::app

@@ -1,0 +1,100 @@
+#include "apps/latency/recording_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "backends/resample.h"
+#include "backends/wav_file.h"
+
+namespace tactus::app {
+namespace {
+
+Status fit(const Samples& samples, const std::string& path) {
+  if (samples.frames() == 0) return fail(Errc::BadFile, path, "it holds no samples", "record it again");
+  if (!(samples.sample_rate >= 1_kHz && samples.sample_rate.value <= 1e6))
+    return fail(Errc::BadFile, path,
+                fmt::format("its header says {:g} Hz, which no sound card has", samples.sample_rate.value),
+                "say the true rate with --rate");
+  for (const auto& channel : samples.channels)
+    if (!std::all_of(channel.begin(), channel.end(), [](double sample) { return std::isfinite(sample); }))
+      return fail(Errc::BadFile, path, "some of its samples are no numbers", "record it again");
+  return {};
+}
+
+Result<Samples> read(const std::string& path, const std::optional<Hertz>& rate) {
+  auto samples = read_wav(path);
+  if (!samples) return samples;
+  if (rate) samples->sample_rate = *rate;
+  if (auto status = fit(*samples, path); !status) return tl::unexpected(status.error());
+  return samples;
+}
+
+/// Which of the channels that were heard; `first`: the channel of the file that they begin with, from 1.
+Result<int> heard_channel(const CaptureFiles& files, int first, int channels) {
+  const int asked = files.channel.value_or(first);
+  if (asked >= first && asked < first + channels) return asked - first;
+  return fail(Errc::BadArgument, "--channel",
+              first == 2 && asked == 1 ? "channel 1 is what was played, where there is no --probe"
+                                       : fmt::format("'{}' has no channel {}", files.capture, asked),
+              channels == 1 ? fmt::format("it has {} alone", first)
+                            : fmt::format("it has {} to {}", first, first + channels - 1));
+}
+
+/// The probe at the rate of what was heard.
+Samples at_rate(Samples probe, const Samples& heard, Capture& capture) {
+  if (probe.sample_rate == heard.sample_rate) return probe;
+  capture.note = fmt::format(
+      "the probe is at {:g} Hz and the capture at {:g} Hz: the probe was resampled; if a file only says so, "
+      "give --rate",
+      probe.sample_rate.value, heard.sample_rate.value);
+  return resample(probe, heard.sample_rate);
+}
+
+Result<Capture> joined(const CaptureFiles& files, Samples heard) {
+  Capture capture;
+  auto probe = read(files.probe, files.rate);
+  if (!probe) return tl::unexpected(probe.error());
+  auto played = at_rate(std::move(*probe), heard, capture);
+  if (heard.frames() < played.frames())
+    return fail(Errc::BadFile, files.capture,
+                fmt::format("it lasts {:.2f} s, the probe {:.2f} s",
+                            static_cast<double>(heard.frames()) / heard.sample_rate.value,
+                            static_cast<double>(played.frames()) / heard.sample_rate.value),
+                "record from before the probe begins until after it has ended");
+  const auto channel = heard_channel(files, 1, static_cast<int>(heard.channels.size()));
+  if (!channel) return tl::unexpected(channel.error());
+  capture.channel = *channel;
+  auto& first = played.channels.front();
+  first.resize(static_cast<std::size_t>(heard.frames()));
+  capture.recording = {heard.sample_rate, std::move(first), std::move(heard.channels)};
+  return capture;
+}
+
+Result<Capture> cut(const CaptureFiles& files, Samples both) {
+  if (both.channels.size() < 2)
+    return fail(Errc::BadFile, files.capture, "it has one channel, and nothing says what was played",
+                "give the file that was played as --probe");
+  const auto channel = heard_channel(files, 2, static_cast<int>(both.channels.size()) - 1);
+  if (!channel) return tl::unexpected(channel.error());
+  auto played = std::move(both.channels.front());
+  both.channels.erase(both.channels.begin());
+  return Capture{{both.sample_rate, std::move(played), std::move(both.channels)}, *channel, ""};
+}
+
+}  // namespace
+
+Result<Capture> read_capture(const CaptureFiles& files) {
+  auto samples = read(files.capture, files.rate);
+  if (!samples) return tl::unexpected(samples.error());
+  return files.probe.empty() ? cut(files, std::move(*samples)) : joined(files, std::move(*samples));
+}
+
+Status write_recording(const std::string& path, const LoopRecording& recording) {
+  Samples samples{recording.sample_rate, {recording.played}};
+  samples.channels.insert(samples.channels.end(), recording.heard.begin(), recording.heard.end());
+  return write_wav(path, samples);
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/latency/latency_report.h"
+
+namespace tactus::app {
+namespace {
+
+constexpr double kBefore_s = 0.001, kAfter_s = 0.004;  // that the impulse response is shown around the delay
+constexpr double kFloor_db = -120.0;
+
+/// The part of the response that is shown.
+struct Shown {
+  std::vector<double> delay_s, samples;
+};
+
+Shown around_delay(const Analysis& analysis) {
+  const double rate = analysis.sample_rate.value;
+  Shown shown;
+  for (std::size_t n = 0; n < analysis.response.size(); ++n) {
+    const double at = (static_cast<double>(analysis.response_at) + static_cast<double>(n)) / rate;
+    const double from_delay = at - analysis.delay_frames / rate;
+    if (from_delay < -kBefore_s || from_delay > kAfter_s) continue;
+    shown.delay_s.push_back(at);
+    shown.samples.push_back(analysis.response[n]);
+  }
+  return shown;
+}
+
+/// The largest magnitude within two frames, relative to the highest of all. A Hilbert transform would draw
+/// the tail 1 / t of whatever lies near 0 Hz over everything that comes late.
+std::vector<double> envelope_db(const std::vector<double>& samples) {
+  const auto count = static_cast<std::ptrdiff_t>(samples.size());
+  std::vector<double> envelope;
+  double highest = 1e-12;
+  for (std::ptrdiff_t n = 0; n < count; ++n) {
+    double most = 1e-12;
+    for (auto m = std::max<std::ptrdiff_t>(0, n - 2); m <= std::min(count - 1, n + 2); ++m)
+      most = std::max(most, std::abs(samples[static_cast<std::size_t>(m)]));
+    envelope.push_back(most);
+    highest = std::max(highest, most);
+  }
+  for (auto& level : envelope) level = std::max(kFloor_db, 20 * std::log10(level / highest));
+  return envelope;
+}
+
+Figure response_figure(const LatencyReport& report, const Analysis& analysis) {
+  const auto shown = around_delay(analysis);
+  Figure figure;
+  figure.x = {.label = "delay", .unit = "s"};
+  PlotPanel linear, envelope;
+  linear.y = {.label = "impulse response"};
+  linear.series = {{.label = {}, .x = shown.delay_s, .y = shown.samples}};
+  linear.height = 1.3;
+  if (report.ok())
+    linear.events = {{.x = analysis.delay_frames / analysis.sample_rate.value,
+                      .label = fmt::format("{:.2f} frames", analysis.delay_frames),
+                      .color = PlotColor::Vermillion}};
+  envelope.y = {.label = "its envelope", .unit = "dB", .high = 3.0};
+  envelope.series = {{.label = {}, .x = shown.delay_s, .y = envelope_db(shown.samples)}};
+  figure.panels = {linear, envelope};
+  return figure;
+}
+
+/// A short upright line for each error.
+PlotSeries error_bars(const std::vector<BandDelay>& bands, double less) {
+  PlotSeries bars{.label = {}, .color = PlotColor::Blue};
+  for (const auto& band : bands)
+    for (const double sign : {-1.0, 1.0, std::nan("")}) {
+      bars.x.push_back(band.centre_hz);
+      bars.y.push_back(band.delay_frames - less + sign * band.standard_error_frames);
+    }
+  return bars;
+}
+
+Figure spectrum_figure(const Analysis& analysis) {
+  Figure figure;
+  figure.x = {
+      .label = "frequency", .unit = "Hz", .low = 16.0, .high = 0.5 * analysis.sample_rate.value, .log = true};
+  PlotPanel gain;
+  gain.y = {.label = "gain of the path", .unit = "dB"};
+  gain.height = 1.3;
+  PlotSeries path{.label = "path", .color = PlotColor::Blue};
+  PlotSeries noise{.label = "noise", .color = PlotColor::Grey};
+  for (const auto& point : analysis.spectrum) {
+    path.x.push_back(point.frequency_hz);
+    path.y.push_back(point.gain_db);
+    noise.x.push_back(point.frequency_hz);
+    noise.y.push_back(point.noise_db);
+  }
+  gain.series = {path, noise};
+  figure.panels = {gain};
+  if (analysis.group_delay.empty()) return figure;
+  PlotPanel groups;
+  groups.y = {.label = "group delay of an octave, less the delay", .unit = "frames"};
+  PlotSeries points{.label = {}, .mark = PlotMark::Points, .color = PlotColor::Blue};
+  for (const auto& band : analysis.group_delay) {
+    points.x.push_back(band.centre_hz);
+    points.y.push_back(band.delay_frames - analysis.delay_frames);
+  }
+  groups.series = {error_bars(analysis.group_delay, analysis.delay_frames), points};
+  groups.levels = {{.y = 0.0}};
+  figure.panels.push_back(groups);
+  return figure;
+}
+
+/// Every sweep of every opening, one opening after the other.
+Figure sweeps_figure(const LatencyReport& report) {
+  const auto& openings = report.measurement.openings;
+  Figure figure;
+  figure.x = openings.size() > 1 ? PlotAxis{.label = "opening of the stream"}
+                                 : PlotAxis{.label = "time of the recording", .unit = "s"};
+  PlotPanel panel;
+  panel.y = {.label = "delay of each sweep", .unit = "frames"};
+  for (std::size_t o = 0; o < openings.size(); ++o) {
+    const auto& analysis = openings[o].analysis;
+    PlotSeries points{
+        .label = {}, .mark = PlotMark::Points, .color = o % 2 == 0 ? PlotColor::Blue : PlotColor::Sky};
+    for (std::size_t k = 0; k < analysis.sweeps.size(); ++k) {
+      const auto& sweep = analysis.sweeps[k];
+      const double share = static_cast<double>(k) / static_cast<double>(analysis.sweeps.size());
+      points.x.push_back(openings.size() > 1
+                             ? static_cast<double>(o + 1) + 0.6 * (share - 0.5)
+                             : static_cast<double>(sweep.played_at) / analysis.sample_rate.value);
+      points.y.push_back(sweep.delay_frames);
+    }
+    panel.series.push_back(points);
+  }
+  if (report.ok())
+    panel.levels = {{.y = report.measurement.delay_frames, .label = "mean", .color = PlotColor::Vermillion}};
+  figure.panels = {panel};
+  return figure;
+}
+
+std::string headline(const LatencyReport& report) {
+  const auto& measurement = report.measurement;
+  if (!report.ok()) return fmt::format("No delay: {}", code(measurement.finding.verdict));
+  const double ms = 1e3 / report.sample_rate().value;
+  return fmt::format("Delay {} frames, {} ms",
+                     with_error(measurement.delay_frames, measurement.standard_error_frames),
+                     with_error(measurement.delay_frames * ms, measurement.standard_error_frames * ms));
+}
+
+std::string figures_in_words(const LatencyReport& report, const Analysis& analysis) {
+  auto words = report.source;
+  if (!report.ok()) words += ". " + report.measurement.finding.what;
+  if (!analysis.heard) return words;
+  words += fmt::format(". Gain {:.2f} dB, {}; {:.0f} dB above the noise", analysis.gain_db,
+                       analysis.polarity > 0 ? "not inverted" : "inverted", analysis.snr_db);
+  if (report.measurement.reported_frames)
+    words += fmt::format("; the driver says {:.0f} frames", *report.measurement.reported_frames);
+  return words + ".";
+}
+
+}  // namespace
+
+std::vector<Figure> picture_of(const LatencyReport& report) {
+  const auto* shown = report.shown();
+  const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
+  auto page = analysis.heard ? std::vector{response_figure(report, analysis), spectrum_figure(analysis),
+                                           sweeps_figure(report)}
+                             : std::vector{Figure{}};
+  page.front().title = headline(report);
+  page.front().subtitle = figures_in_words(report, analysis);
+  return page;
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,176 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "apps/latency/latency_report.h"
+
+namespace tactus::app {
+namespace {
+
+/// Lines with a heading in the left column.
+class Lines {
+ public:
+  template <class... Args>
+  void add(const char* heading, fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text_), "{:<13}  {}\n", heading,
+                   fmt::format(format, std::forward<Args>(args)...));
+  }
+  void blank() { text_ += '\n'; }
+  /// Words that may need several lines.
+  void wrap(const char* heading, const std::string& words) {
+    constexpr std::size_t kWidth = 85;
+    std::size_t at = 0;
+    while (at < words.size()) {
+      auto end = words.size();
+      if (end - at > kWidth) end = words.rfind(' ', at + kWidth);
+      if (end == std::string::npos || end <= at) end = words.size();
+      add(std::exchange(heading, ""), "{}", words.substr(at, end - at));
+      at = end + 1;
+    }
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string frequency(double hertz) {
+  return hertz < 1000 ? fmt::format("{:.0f} Hz", hertz) : fmt::format("{:.3g} kHz", hertz / 1e3);
+}
+
+void add_delay(const LatencyReport& report, Lines& lines) {
+  const auto& measurement = report.measurement;
+  if (report.ok()) {
+    const double ms = 1e3 / report.sample_rate().value;
+    lines.add("delay", "{} frames, {} ms",
+              with_error(measurement.delay_frames, measurement.standard_error_frames),
+              with_error(measurement.delay_frames * ms, measurement.standard_error_frames * ms));
+    lines.wrap("", kDelayIs);
+  } else {
+    lines.add("delay", "not known: {}", code(measurement.finding.verdict));
+    lines.wrap("seen", measurement.finding.what);
+    lines.wrap("what to do", measurement.finding.remedy);
+  }
+}
+
+void add_openings(const LatencyReport& report, Lines& lines) {
+  const auto& measurement = report.measurement;
+  const auto& shown = *report.shown();
+  if (report.live) {
+    std::string words;
+    for (const auto& opening : measurement.openings)
+      words += (words.empty() ? "" : "  ") + (opening.finding.verdict == Verdict::Ok
+                                                  ? fmt::format("{:.3f}", opening.analysis.delay_frames)
+                                                  : std::string{code(opening.finding.verdict)});
+    lines.add("openings", "{} [frames]", words);
+  }
+  if (measurement.openings.size() > 1 && report.ok())
+    lines.add("spread", "{:.2g} frames over openings, {:.2g} over {} sweeps", measurement.spread_frames,
+              shown.analysis.spread_frames, shown.analysis.sweeps.size());
+  else if (shown.analysis.heard)
+    lines.add("spread", "{:.2g} frames over {} sweeps", shown.analysis.spread_frames,
+              shown.analysis.sweeps.size());
+}
+
+void add_driver(const LatencyReport& report, Lines& lines) {
+  const auto& measurement = report.measurement;
+  if (!measurement.reported_frames) return lines.add("driver says", "nothing about its delay");
+  const double said = *measurement.reported_frames;
+  const double beside = said - measurement.delay_frames;
+  lines.add("driver says", "{:.0f} frames{}", said,
+            !report.ok()             ? ""
+            : std::abs(beside) < 0.5 ? ", as measured"
+                                     : fmt::format(": {:.1f} frames {} than measured", std::abs(beside),
+                                                   beside > 0 ? "more" : "less"));
+}
+
+void add_gaps(const LatencyReport& report, Lines& lines) {
+  Health health;
+  for (const auto& opening : report.measurement.openings) health = together(health, opening.health);
+  const auto& steps = report.shown()->analysis.steps;
+  std::string heard = "none heard";
+  for (const auto& step : steps)
+    heard = (&step == &steps.front() ? "" : heard + ", ") +
+            fmt::format("{} {:.0f} frames at {:.2f} s", step.frames < 0 ? "lost" : "repeated",
+                        std::abs(step.frames), static_cast<double>(step.frame) / report.sample_rate().value);
+  if (report.live)
+    lines.add("gaps", "{}; {} counted by the driver, {} frames", heard, health.xruns, health.lost_frames);
+  else
+    lines.add("gaps", "{}", heard);
+}
+
+std::string noise_text(const Analysis& analysis) {
+  const auto level = fmt::format("{:.1f} dBFS, ", analysis.noise_floor_dbfs);
+  const auto dc = fmt::format("DC {:.2g}", analysis.dc);
+  if (!analysis.heard) return level + dc;
+  return level +
+         fmt::format("{:.1f} dB {} the sweeps, ", std::abs(analysis.snr_db),
+                     analysis.snr_db < 0 ? "above" : "below") +
+         dc;
+}
+
+/// Without a sign at 0.
+double unsigned_zero(double value, double step) { return std::abs(value) < step / 2 ? 0.0 : value; }
+
+void add_path(const Analysis& analysis, Lines& lines) {
+  if (analysis.heard)
+    lines.add("path", "{:.2f} dB, {}, {} to {} within 3 dB", unsigned_zero(analysis.gain_db, 0.01),
+              analysis.polarity > 0 ? "not inverted" : "inverted", frequency(analysis.low_hz),
+              frequency(analysis.high_hz));
+  lines.add("noise", "{}", noise_text(analysis));
+  std::string harmonics;
+  for (std::size_t k = 0; k < analysis.harmonics_db.size(); ++k)
+    if (const auto& level = analysis.harmonics_db[k])
+      harmonics += fmt::format("{}H{} {:.0f} dB", harmonics.empty() ? "" : ", ", k + 2, *level);
+  if (!harmonics.empty()) lines.add("distortion", "{}", harmonics);
+  if (analysis.heard)
+    lines.add("clock", "drift {} ppm",
+              with_error(analysis.drift_ppm, std::max(0.001, analysis.drift_standard_error_ppm)));
+}
+
+/// "±0.004", and no more digits than fit.
+std::string error_text(double frames) {
+  if (frames < 5e-4) return "<0.001";
+  return fmt::format("±{:.{}f}", frames, frames < 1 ? 3 : 1);
+}
+
+/// Beside the delay: what a path without a delay of its own has 0 of.
+void add_group_delay(const Analysis& analysis, Lines& lines) {
+  if (analysis.group_delay.empty()) return;
+  std::string heads, values, errors;
+  for (const auto& band : analysis.group_delay) {
+    const double less = band.delay_frames - analysis.delay_frames;
+    heads += fmt::format("{:>8}", frequency(band.centre_hz));
+    values += fmt::format("{:>8.3f}", unsigned_zero(less, 0.001));
+    errors += fmt::format("{:>8}", error_text(band.standard_error_frames));
+  }
+  lines.add("group delay", "{}", heads);
+  lines.add("  less delay", "{}  frames", values);
+  lines.add("", "{}", errors);
+}
+
+}  // namespace
+
+std::string text_of(const LatencyReport& report) {
+  Lines lines;
+  add_delay(report, lines);
+  lines.blank();
+  lines.add("measured", "{}", report.source);
+  if (report.shown() != nullptr) {
+    const auto& analysis = report.shown()->analysis;
+    add_openings(report, lines);
+    if (report.live) add_driver(report, lines);
+    if (report.live || analysis.heard) add_gaps(report, lines);
+    add_path(analysis, lines);
+    if (analysis.heard) add_group_delay(analysis, lines);
+  }
+  const char* heading = "kept";
+  for (const auto& line : report.kept) lines.add(std::exchange(heading, ""), "{}", line);
+  heading = "written";
+  for (const auto& file : report.written) lines.add(std::exchange(heading, ""), "{}", file);
+  return lines.take();
+}
+
+}  // namespace tactus::app

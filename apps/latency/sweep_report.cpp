@@ -1,0 +1,218 @@
+#include "apps/latency/sweep_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "apps/latency/latency_report.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string periods_text(int periods) { return periods > 0 ? std::to_string(periods) : "?"; }
+
+bool same_group(const SettingDelay& a, const SettingDelay& b) {
+  return a.sample_rate == b.sample_rate && a.periods == b.periods;
+}
+
+/// What is to be said behind a row.
+std::string note_of(const SweepRow& row) {
+  if (row.refused) return "refused: " + row.refused->what;
+  std::string note;
+  if (row.setting.finding.verdict != Verdict::Ok) note = row.setting.finding.what;
+  if (row.asked_block != row.setting.block_frames)
+    note = fmt::format("{} were asked for{}{}", row.asked_block, note.empty() ? "" : "; ", note);
+  return note;
+}
+
+std::string line_of(const SweepRow& row) {
+  const auto& setting = row.setting;
+  if (row.refused)
+    return fmt::format("{:>8g}  {:>6}  {:>7}  {}\n", setting.sample_rate.value / 1e3, row.asked_block,
+                       periods_text(row.asked_periods.value_or(0)), note_of(row));
+  const auto head = fmt::format("{:>8g}  {:>6}  {:>7}", setting.sample_rate.value / 1e3, setting.block_frames,
+                                periods_text(setting.periods));
+  if (row.again) return head + fmt::format("  {} were asked for; measured already\n", row.asked_block);
+  const bool known = setting.finding.verdict == Verdict::Ok;
+  const auto note = note_of(row);
+  return head + fmt::format("  {:>24}  {:>9}  {:>5}  {:>6}  {:>6}{}\n",
+                            known ? with_error(setting.delay_frames, setting.standard_error_frames)
+                                  : std::string{code(setting.finding.verdict)},
+                            known ? fmt::format("{:.3f}", 1e3 * setting.delay().value) : "", row.xruns,
+                            row.lost_frames,
+                            row.reported_frames ? fmt::format("{:.0f}", *row.reported_frames) : "?",
+                            note.empty() ? "" : "  " + note);
+}
+
+std::string law_in_words(const LawOfGroup& group) {
+  const auto& law = group.law;
+  const auto number = [](double value, const std::optional<double>& error) {
+    return error ? "(" + with_error(value, *error) + ")" : fmt::format("{:.4g}", value);
+  };
+  auto text =
+      fmt::format("delay = {} frames + {} x block", number(law.fixed_frames, law.fixed_standard_error),
+                  number(law.per_frame, law.per_frame_standard_error));
+  text += fmt::format("   at {:g} kHz", group.sample_rate.value / 1e3);
+  if (group.periods > 0) text += fmt::format(", {} periods", group.periods);
+  return text + (law.settings > 2 ? fmt::format("; {} settings, {:.2g} frames around the line", law.settings,
+                                                law.residual_frames)
+                                  : "; two settings, which any line fits");
+}
+
+Json json_of(const SweepRow& row) {
+  const auto& setting = row.setting;
+  Json json{{"asked_block_frames", row.asked_block},
+            {"asked_periods", row.asked_periods ? Json(*row.asked_periods) : Json(nullptr)},
+            {"sample_rate_hz", setting.sample_rate.value}};
+  if (row.refused) {
+    json["refused"] = to_string(*row.refused);
+    return json;
+  }
+  const bool known = setting.finding.verdict == Verdict::Ok;
+  json["block_frames"] = setting.block_frames;
+  json["periods"] = setting.periods > 0 ? Json(setting.periods) : Json(nullptr);
+  json["measured_already"] = row.again;
+  json["verdict"] = code(setting.finding.verdict);
+  json["what"] = setting.finding.what;
+  json["delay_frames"] = known ? Json(setting.delay_frames) : Json(nullptr);
+  json["delay_ms"] = known ? Json(1e3 * setting.delay().value) : Json(nullptr);
+  json["standard_error_frames"] = known ? Json(setting.standard_error_frames) : Json(nullptr);
+  json["xruns"] = row.xruns;
+  json["lost_frames_counted"] = row.lost_frames;
+  json["lost_frames_heard"] = row.heard_lost_frames;
+  json["reported_frames"] = row.reported_frames ? Json(*row.reported_frames) : Json(nullptr);
+  json["good"] = setting.good();
+  return json;
+}
+
+Json json_of(const LawOfGroup& group) {
+  const auto& law = group.law;
+  const auto error = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+  return {{"sample_rate_hz", group.sample_rate.value},
+          {"periods", group.periods > 0 ? Json(group.periods) : Json(nullptr)},
+          {"fixed_frames", law.fixed_frames},
+          {"fixed_standard_error_frames", error(law.fixed_standard_error)},
+          {"per_frame", law.per_frame},
+          {"per_frame_standard_error", error(law.per_frame_standard_error)},
+          {"residual_frames", law.settings > 2 ? Json(law.residual_frames) : Json(nullptr)},
+          {"settings", law.settings}};
+}
+
+std::string group_name(const SettingDelay& setting) {
+  return fmt::format("{:g} kHz{}", setting.sample_rate.value / 1e3,
+                     setting.periods > 0 ? fmt::format(", {} periods", setting.periods) : "");
+}
+
+/// Of a group: its points, its line, and what is no good.
+void add_group(const std::vector<SettingDelay>& group, PlotColor color, PlotPanel& panel) {
+  PlotSeries good{.label = group_name(group.front()), .mark = PlotMark::Points, .color = color};
+  PlotSeries gaps{.label = "lost frames", .mark = PlotMark::Points, .color = PlotColor::Vermillion};
+  for (const auto& setting : group) {
+    if (setting.finding.verdict != Verdict::Ok) {
+      panel.events.push_back(
+          {.x = static_cast<double>(setting.block_frames),
+           .label = fmt::format("{}: {}", setting.block_frames, code(setting.finding.verdict)),
+           .color = PlotColor::Vermillion});
+      continue;
+    }
+    auto& series = setting.good() ? good : gaps;
+    series.x.push_back(setting.block_frames);
+    series.y.push_back(setting.delay().value);
+  }
+  if (const auto law = fit_block_law(group)) {
+    PlotSeries line{.label = {}, .color = color, .dashed = true};
+    const double last = *std::max_element(good.x.begin(), good.x.end());
+    for (const double block : {0.0, last}) {
+      line.x.push_back(block);
+      line.y.push_back(law->at(block) / group.front().sample_rate.value);
+    }
+    panel.series.push_back(line);
+  }
+  if (!good.x.empty()) panel.series.push_back(good);
+  if (!gaps.x.empty()) panel.series.push_back(gaps);
+}
+
+std::vector<std::vector<SettingDelay>> groups_of(const std::vector<SettingDelay>& settings) {
+  std::vector<std::vector<SettingDelay>> groups;
+  for (const auto& setting : settings) {
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const auto& other) { return same_group(other.front(), setting); });
+    if (group == groups.end())
+      groups.push_back({setting});
+    else
+      group->push_back(setting);
+  }
+  return groups;
+}
+
+}  // namespace
+
+std::vector<SettingDelay> SweepReport::settings() const {
+  std::vector<SettingDelay> all;
+  for (const auto& row : rows)
+    if (!row.refused && !row.again) all.push_back(row.setting);
+  return all;
+}
+
+std::vector<LawOfGroup> SweepReport::laws() const {
+  std::vector<LawOfGroup> laws;
+  for (const auto& group : groups_of(settings()))
+    if (const auto law = fit_block_law(group))
+      laws.push_back({group.front().sample_rate, group.front().periods, *law});
+  return laws;
+}
+
+Json json_of(const SweepReport& report) {
+  const auto settings = report.settings();
+  Json json{{"source", report.source}, {"settings", Json::array()}, {"laws", Json::array()}};
+  for (const auto& row : report.rows) json["settings"].push_back(json_of(row));
+  for (const auto& law : report.laws()) json["laws"].push_back(json_of(law));
+  const auto* shortest = shortest_good(settings);
+  json["shortest"] = nullptr;
+  if (shortest != nullptr)
+    json["shortest"] = {{"sample_rate_hz", shortest->sample_rate.value},
+                        {"block_frames", shortest->block_frames},
+                        {"periods", shortest->periods > 0 ? Json(shortest->periods) : Json(nullptr)},
+                        {"delay_frames", shortest->delay_frames},
+                        {"delay_ms", 1e3 * shortest->delay().value}};
+  json["recommendation"] = recommendation(settings);
+  json["delay_is"] = kDelayIs;
+  json["written"] = report.written;
+  return json;
+}
+
+std::string text_of(const SweepReport& report) {
+  auto text =
+      fmt::format("{}\n\n{:>8}  {:>6}  {:>7}  {:>24}  {:>9}  {:>5}  {:>6}  {:>6}\n", report.source,
+                  "rate/kHz", "block", "periods", "delay/frames", "delay/ms", "xruns", "lost", "driver");
+  for (const auto& row : report.rows) text += line_of(row);
+  text += "\n";
+  for (const auto& law : report.laws()) text += law_in_words(law) + "\n";
+  text += recommendation(report.settings()) + "\n";
+  for (const auto& file : report.written) text += "written: " + file + "\n";
+  return text;
+}
+
+Figure picture_of(const SweepReport& report) {
+  Figure figure;
+  figure.title = "Delay against block";
+  figure.subtitle = report.source + ". " + recommendation(report.settings());
+  figure.x = {.label = "block", .unit = "frames", .low = 0.0};
+  figure.panel_height = 340;
+  PlotPanel panel;
+  panel.y = {.label = "delay", .unit = "s", .low = 0.0};
+  int color = static_cast<int>(PlotColor::Blue);
+  for (const auto& group : groups_of(report.settings())) {
+    add_group(group, static_cast<PlotColor>(color), panel);
+    // Vermillion is for what lost frames.
+    color = color == static_cast<int>(PlotColor::Blue) ? static_cast<int>(PlotColor::Green) : color % 6 + 1;
+  }
+  figure.panels = {panel};
+  return figure;
+}
+
+}  // namespace tactus::app
