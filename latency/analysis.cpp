@@ -23,7 +23,8 @@ constexpr Seconds kQuiet{0.5};  // as much silence as is listened to
 constexpr Seconds kAir{0.005};  // before the first burst is heard
 constexpr std::int64_t kSearch = 8192;
 constexpr double kLeastStep = 0.75;  // frames: half a frame of noise is not a lost frame
-constexpr double kSilence = 1e-14;   // of the heard power: noise below -140 dB is no help to anybody
+constexpr double kSilence = 1e-10;   // of the heard power: noise below -100 dB is no help to anybody
+constexpr double kNothing = 1e-18;   // -180 dBFS, below what a float sample of full scale can hold
 constexpr double kDamaged = 0.05;    // of a sweep's power, more than other sweeps leave unexplained
 constexpr int kDriftRounds = 3;
 
@@ -60,6 +61,18 @@ std::vector<DelayPoint> points_of(const std::vector<TrackedSweep>& sweeps) {
   return points;
 }
 
+/// What a path of these taps makes of `played`; without taps a cable.
+std::vector<double> through(const std::vector<double>& played, std::span<const double> taps) {
+  if (taps.empty()) return played;
+  Fourier fourier{played.size() + taps.size()};
+  auto spectrum = fourier.forward(played);
+  const auto path = fourier.forward(taps);
+  for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= path[b];
+  auto heard = fourier.inverse(spectrum);
+  heard.resize(played.size());
+  return heard;
+}
+
 class Analyst {
  public:
   Analyst(const LoopRecording& recording, const AnalysisSettings& settings, PlayedBursts bursts)
@@ -67,7 +80,7 @@ class Analyst {
         settings_(settings),
         bursts_(std::move(bursts)),
         heard_(recording.heard[static_cast<std::size_t>(settings.channel)]),
-        search_(recording.played, heard_.size(), recording.sample_rate),
+        search_(through(recording.played, profile_taps()), heard_.size(), recording.sample_rate),
         windows_(bursts_, recording.sample_rate, profile_taps()) {
     analysis_.sample_rate = recording.sample_rate;
   }
@@ -115,7 +128,7 @@ class Analyst {
     analysis_.noise_floor_dbfs = decibels(floor_.variance);
     const auto from = bursts_.repeated.front().at + evidence_.coarse.frames;
     const double signal = power(clipped(heard_, from, from + bursts_.repeated.front().frames), floor_.mean);
-    for (auto& each : floor_.per_frame) each = std::max(each, kSilence * signal + 1e-30);
+    for (auto& each : floor_.per_frame) each = std::max(each, kSilence * signal + kNothing);
     windows_.set_noise(floor_);
   }
 
@@ -164,6 +177,8 @@ class Analyst {
   }
 
   void compare() {
+    noise_ = floor_.variance;
+    if (steady_.size() > 1) noise_ = std::max(noise_, windows_.scatter(steady_heard_, at_, steady_, mean_));
     if (evidence_.coarse.clear()) compare_sweeps();
     report_delay();
   }
@@ -213,7 +228,7 @@ class Analyst {
     analysis_.steps = DelayTrend::of(points, kLeastStep).steps;
     if (!analysis_.steps.empty()) return;
     for (const auto& sweep : sweeps_)
-      for (const auto place : windows_.damage(steady_heard_, at_, sweep, mean_))
+      for (const auto place : windows_.damage(steady_heard_, at_, sweep, mean_, noise_))
         analysis_.steps.push_back({place, 0.0});
   }
 
@@ -258,8 +273,6 @@ class Analyst {
     }
     double weight = 0.0;
     for (const auto& sweep : steady_) weight += sweep.burst.gain * sweep.burst.gain;
-    noise_ = floor_.variance;
-    if (steady_.size() > 1) noise_ = std::max(noise_, windows_.scatter(steady_heard_, at_, steady_, mean_));
     analysis_.bound_frames = std::sqrt(noise_ / (weight * slope_energy));
     analysis_.snr_db =
         decibels(std::max(energy, heard_energy) / static_cast<double>(bursts_.waveform.size())) -

@@ -9,13 +9,14 @@
 namespace tactus {
 namespace {
 
-constexpr double kFullScale = 0.99996;  // 16-bit converters end there
-constexpr int kClippedRun = 3;          // frames at the end in a row
-constexpr double kOverdriven = -20.0;   // dB of any harmonic
-constexpr double kLeastDrift = 0.5;     // ppm; one clock has none
-constexpr double kGainMoves = 0.5;      // dB
-constexpr double kCancelled = 3.0;      // dB
-constexpr double kUneven = 0.1;         // misfit
+constexpr double kFullScale = 0.99996;    // 16-bit converters end there
+constexpr int kClippedRun = 3;            // frames at the end in a row
+constexpr double kOverdriven = -20.0;     // dB of any harmonic
+constexpr double kTellsHarmonics = 10.0;  // dB of SNR
+constexpr double kLeastDrift = 0.5;       // ppm; one clock has none
+constexpr double kGainMoves = 0.5;        // dB
+constexpr double kCancelled = 3.0;        // dB
+constexpr double kUneven = 0.1;           // misfit
 constexpr double kEchoShare = 0.6, kLeastEcho = -30.0;
 constexpr double kMisfit = 0.02;  // of the power: the phase is then wrong by 8 degrees somewhere
 constexpr double kLowSnr = 0.1;   // frames of standard error
@@ -35,7 +36,7 @@ std::optional<Finding> clipping(const Analysis& analysis, std::span<const double
   if (const int run = longest_clipped_run(heard); run >= kClippedRun)
     return Finding{Verdict::Clipping,
                    fmt::format("the input is at full scale for up to {} frames in a row", run), remedy};
-  for (std::size_t k = 0; k < analysis.harmonics_db.size(); ++k)
+  for (std::size_t k = 0; k < analysis.harmonics_db.size() && analysis.snr_db > kTellsHarmonics; ++k)
     if (analysis.harmonics_db[k].value_or(-1e9) > kOverdriven)
       return Finding{
           Verdict::Clipping,
@@ -186,8 +187,8 @@ Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<cons
   if (const auto found = clocks_differ(analysis)) return *found;
   if (const auto found = moving_gain(analysis, evidence)) return *found;
   if (const auto found = second_path(evidence)) return *found;
-  if (const auto found = low_snr(analysis, evidence)) return *found;
   if (const auto found = not_flat(analysis)) return *found;
+  if (const auto found = low_snr(analysis, evidence)) return *found;
   return {};
 }
 

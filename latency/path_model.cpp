@@ -154,7 +154,8 @@ PathFit fit_path(const HeardWindow& window, const PathModel& start, PathShape sh
   const auto measurements = 2.0 * static_cast<double>(equations.bins);
   fit.chi_squared = equations.error / measurements;
   fit.strength = std::sqrt(equations.expected / std::max(1.0, fit.chi_squared));
-  fit.misfit = std::max(0.0, (equations.error - measurements) / equations.power);
+  // The noise's own level is known to a tenth.
+  fit.misfit = std::max(0.0, (equations.error - 1.1 * measurements) / equations.power);
   return fit;
 }
 

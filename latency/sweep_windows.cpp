@@ -66,7 +66,6 @@ SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::s
 
 void SweepWindows::set_noise(const NoiseFloor& floor) {
   mean_ = floor.mean;
-  variance_ = floor.variance;
   noise_ = floor.in_bins(fourier_.size(), fade_power_);
 }
 
@@ -89,15 +88,18 @@ HeardWindow SweepWindows::window_of(Spectrum heard, double gain) const {
 }
 
 std::int64_t SweepWindows::nearest(const HeardWindow& window, std::int64_t search, double sign) {
+  Spectrum expected = window.played;
+  double loudest = 0.0;
+  for (std::size_t b = 0; b < expected.size(); ++b) {
+    if (!window.profile.empty()) expected[b] *= window.profile[b];
+    loudest = std::max(loudest, std::norm(expected[b]));
+  }
+  // Where next to nothing is expected, a bin would count as much as any other.
   Spectrum cross(window.heard.size());
   for (auto b = window.lowest_bin; b + 1 < cross.size(); ++b)
-    cross[b] = window.heard[b] * std::conj(window.played[b]) /
-               std::sqrt(std::norm(window.played[b]) * window.noise[b]);
-  // Where nothing was played, a bin would count as much as any other.
-  double loudest = 0.0;
-  for (const auto& bin : window.played) loudest = std::max(loudest, std::norm(bin));
-  for (std::size_t b = 0; b < cross.size(); ++b)
-    if (std::norm(window.played[b]) < 1e-5 * loudest) cross[b] = 0.0;
+    if (std::norm(expected[b]) > 1e-5 * loudest)
+      cross[b] =
+          window.heard[b] * std::conj(expected[b]) / std::sqrt(std::norm(expected[b]) * window.noise[b]);
   const auto correlation = fourier_.inverse(cross);
   const auto size = static_cast<std::int64_t>(correlation.size());
   std::int64_t best = 0;
@@ -150,21 +152,27 @@ HeardWindow SweepWindows::mean(std::span<const double> heard, std::int64_t frame
 
 double SweepWindows::scatter(std::span<const double> heard, std::int64_t frames,
                              std::span<const TrackedSweep> which, const HeardWindow& mean) {
-  double weight = 0.0, power = 0.0;
+  double weight = 0.0;
   for (const auto& sweep : which) weight += sweep.burst.gain * sweep.burst.gain;
+  const double share = 1.0 - 2.0 * static_cast<double>(lowest_bin_) / static_cast<double>(fourier_.size());
+  std::vector<double> variances;
   for (const auto& sweep : which) {
     const double gain = sweep.burst.gain;
     const auto one = cut(heard, sweep.burst.at + frames);
+    double power = 0.0;
     for (auto b = lowest_bin_; b + 1 < one.size(); ++b)
-      power += 2.0 * std::norm(one[b] - gain * mean.heard[b]) / (1.0 - gain * gain / weight);
+      power += 2.0 * std::norm(one[b] - gain * mean.heard[b]);
+    variances.push_back(power / (1.0 - gain * gain / weight) / static_cast<double>(fourier_.size()) /
+                        fade_power_ / share);
   }
-  const double share = 1.0 - 2.0 * static_cast<double>(lowest_bin_) / static_cast<double>(fourier_.size());
-  return power / static_cast<double>(which.size()) / static_cast<double>(fourier_.size()) / fade_power_ /
-         share;
+  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  return *middle;
 }
 
 std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, std::int64_t frames,
-                                               const TrackedSweep& sweep, const HeardWindow& mean) {
+                                               const TrackedSweep& sweep, const HeardWindow& mean,
+                                               double variance) {
   constexpr std::size_t kBlock = 64;
   auto rest = cut(heard, sweep.burst.at + frames);
   Spectrum expected(rest.size());
@@ -180,7 +188,7 @@ std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, st
   std::size_t run = 0;
   for (std::size_t n = 0; n <= explained.size(); ++n) {
     const bool broken = n < explained.size() && explained[n] > 1e-4 * loudest &&
-                        unexplained[n] > 0.25 * explained[n] && unexplained[n] > 36.0 * kBlock * variance_;
+                        unexplained[n] > 0.25 * explained[n] && unexplained[n] > 36.0 * kBlock * variance;
     // What lasts longer is a gain that changes, or a path that no model fits.
     if (!broken && run > 0 && run <= longest)
       places.push_back(sweep.burst.at - lead_ + static_cast<std::int64_t>((n - run) * kBlock));

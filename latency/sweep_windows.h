@@ -36,14 +36,16 @@ class SweepWindows {
                                   const PathModel& shape);
   /// [control] The mean of the bursts `which`, all cut out at the delay `frames`, for a burst of gain 1.
   HeardWindow mean(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which);
-  /// [control] The variance of a frame that differs between bursts that were equal, of at least two.
+  /// [control] The variance of a frame that differs between bursts that were equal, of at least two: in the
+  /// middle one of them, so that one with a click does not count.
   double scatter(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which,
                  const HeardWindow& mean);
 
   /// [control] Where in a sweep less than 20 ms of what is heard at the delay `frames` is something else than
-  /// in the others: the driver put silence or old sound in its place. Frames of the recording that played.
+  /// in the others, and no noise of that `variance`: the driver put silence or old sound in its place. Frames
+  /// of the recording that played.
   std::vector<std::int64_t> damage(std::span<const double> heard, std::int64_t frames,
-                                   const TrackedSweep& sweep, const HeardWindow& mean);
+                                   const TrackedSweep& sweep, const HeardWindow& mean, double variance);
 
   Fourier& fourier() { return fourier_; }
 
@@ -55,9 +57,9 @@ class SweepWindows {
   const PlayedBursts& bursts_;
   Hertz sample_rate_;
   std::int64_t lead_, frames_;
-  std::vector<double> fade_;            ///< over the window: 0 at its ends, 1 wherever the burst may be
-  double fade_power_ = 0.0;             ///< sum of its squares
-  double variance_ = 0.0, mean_ = 0.0;  ///< of what is heard while nothing is played
+  std::vector<double> fade_;  ///< over the window: 0 at its ends, 1 wherever the burst may be
+  double fade_power_ = 0.0;   ///< sum of its squares
+  double mean_ = 0.0;         ///< of what is heard while nothing is played
   Fourier fourier_;
   Spectrum played_, profile_;
   std::vector<double> noise_;

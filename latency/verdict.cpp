@@ -26,10 +26,10 @@ const char* code(Verdict verdict) {
       return "AGC";
     case Verdict::DirectMonitoring:
       return "DIRECT_MONITORING";
-    case Verdict::LowSnr:
-      return "LOW_SNR";
     case Verdict::NotFlat:
       return "NOT_FLAT";
+    case Verdict::LowSnr:
+      return "LOW_SNR";
     case Verdict::UnstableStart:
       return "UNSTABLE_START";
   }

@@ -18,8 +18,8 @@ enum class Verdict {
   EchoCancel,        ///< something takes away more and more of what is played
   Agc,               ///< the gain depends on the level
   DirectMonitoring,  ///< a second path beside the measured one
-  LowSnr,            ///< too much noise
   NotFlat,           ///< a path whose own delay depends on the frequency: an actuator, a sensor, a room
+  LowSnr,            ///< too much noise
   UnstableStart,     ///< another delay each time that the stream is opened
 };
 

@@ -16,10 +16,10 @@ namespace tactus::test {
 /// A path through which a probe goes and comes back, exact up to rounding.
 struct SimulatedLoop {
   double delay_frames = 1000.0;
-  double gain = 1.0;                 ///< of either sign
-  std::vector<double> high_pass_hz;  ///< corners of coupling capacitors
-  double noise = 0.0;                ///< rms of what is added, white and normal
-  int bits = 0;                      ///< of the converter; 0: none
+  double gain = 1.0;                      ///< of either sign
+  std::vector<double> high_pass_hz = {};  ///< corners of coupling capacitors
+  double noise = 0.0;                     ///< rms of what is added, white and normal
+  int bits = 0;                           ///< of the converter; 0: none
   std::uint64_t seed = 1;
 
   /// What comes back of `played`: `tail` frames more than were played and the delay has. The delay is a
