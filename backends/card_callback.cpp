@@ -80,6 +80,7 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
     // What stood at full level before a stall must not be there again at once.
     const bool resumes = stage == Stage::Playing && silence_at(begin) > patience_;
     watch(frames, begin);
+    if (stage == Stage::Playing) meter_.clock(seconds_at(begin));
     for (int offset = 0; offset < frames; offset += format_.max_frames)
       run(in, out, offset, std::min(format_.max_frames, frames - offset), resumes ? Stage::Finishing : stage);
     const std::chrono::duration<double> took = Clock::now() - begin;
@@ -135,6 +136,11 @@ void CardCallback::watch(int frames, Clock::time_point now) noexcept {
   const double since_gap = 1e-9 * static_cast<double>(now_ns - last_gap_ns_.load(std::memory_order_relaxed));
   if (since_gap > 3 * FrameWatch::kWindowSeconds) meter_.gap(Gap::Unsaid);
   meter_.lost(missing);
+}
+
+double CardCallback::seconds_at(Clock::time_point now) noexcept {
+  if (first_block_ns_ == 0) first_block_ns_ = nanoseconds(now);
+  return 1e-9 * static_cast<double>(nanoseconds(now) - first_block_ns_);
 }
 
 void CardCallback::lost(std::int64_t frames) noexcept {

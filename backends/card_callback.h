@@ -58,6 +58,7 @@ class CardCallback {
   void take_input(const float* const* in, int offset, int frames) noexcept;
   void watch(int frames, Clock::time_point now) noexcept;
   std::chrono::nanoseconds silence_at(Clock::time_point now) const noexcept;
+  double seconds_at(Clock::time_point now) noexcept;
 
   Guarded& processor_;
   const StreamFormat format_;
@@ -71,6 +72,7 @@ class CardCallback {
   std::atomic<bool> busy_{false};
   std::atomic<std::int64_t> last_block_ns_{0};  ///< of the steady clock; when `play` began, until the first
   std::atomic<std::int64_t> last_gap_ns_{0};
+  std::int64_t first_block_ns_ = 0;
   std::int64_t frames_ = 0;  ///< since `play`, with those that the library said it lost
   FrameWatch clock_;
   bool first_ = true;

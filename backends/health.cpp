@@ -15,6 +15,7 @@ Health together(const Health& before, const Health& after) {
   Health both = after;
   both.blocks += before.blocks;
   both.frames += before.frames;
+  both.seconds += before.seconds;
   both.xruns += before.xruns;
   for (std::size_t g = 0; g < kGaps; ++g) both.gaps[g] += before.gaps[g];
   both.lost_frames += before.lost_frames;

@@ -25,6 +25,7 @@ const char* name_of(Gap gap);
 struct Health {
   std::int64_t blocks = 0;
   std::int64_t frames = 0;
+  double seconds = 0.0;                    ///< from the first block to the latest; 0: no clock is looked at
   std::int64_t xruns = 0;                  ///< gaps, whoever noticed them
   std::array<std::int64_t, kGaps> gaps{};  ///< of them, by Gap
   std::int64_t lost_frames = 0;            ///< frames missing in those gaps, as far as they are known
@@ -62,6 +63,8 @@ class HealthMeter {
     if (load > 1.0) add(late_, 1);
     loads_.add(load);
   }
+  /// [realtime, one thread] The block that comes next begins at `seconds` since the first one did.
+  void clock(double seconds) noexcept { seconds_.store(seconds, kRelaxed); }
   /// [realtime, any thread]
   void gap(Gap gap) noexcept { gaps_[static_cast<std::size_t>(gap)].fetch_add(1, kRelaxed); }
   /// [realtime, any thread] They went missing in a gap that is counted.
@@ -76,6 +79,7 @@ class HealthMeter {
     Health health;
     health.blocks = blocks_.load(kRelaxed);
     health.frames = frames_.load(kRelaxed);
+    health.seconds = seconds_.load(kRelaxed);
     for (std::size_t g = 0; g < kGaps; ++g) health.xruns += health.gaps[g] = gaps_[g].load(kRelaxed);
     health.lost_frames = lost_.load(kRelaxed);
     health.bad_input = bad_input_.load(kRelaxed);
@@ -100,7 +104,7 @@ class HealthMeter {
   std::atomic<std::int64_t> blocks_{0}, frames_{0}, late_{0}, lost_{0}, bad_input_{0};
   std::array<std::atomic<std::int64_t>, kGaps> gaps_{};
   std::atomic<int> shortest_{0}, longest_{0}, priority_{0};
-  std::atomic<double> load_sum_{0.0}, peak_load_{0.0};
+  std::atomic<double> seconds_{0.0}, load_sum_{0.0}, peak_load_{0.0};
   LoadHistogram loads_;
 };
 

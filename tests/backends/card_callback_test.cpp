@@ -98,8 +98,10 @@ TEST_CASE("card callback: a block that is longer than promised is cut, and loses
   const auto out = card.block({in}, 1, 10);
   CHECK(card.adder.lengths == std::vector<int>{4, 4, 2});
   for (std::size_t n = 0; n < 10; ++n) CHECK(out[0][n] == Approx(0.125 + 0.01 * static_cast<double>(n)));
+  CHECK(card.callback->health().seconds == 0.0);
   card.block({in}, 1, 3);
   const auto health = card.callback->health();
+  CHECK(health.seconds > 0.0);
   CHECK(health.blocks == 2);
   CHECK(health.frames == 13);
   CHECK(health.shortest_block == 3);

@@ -186,6 +186,7 @@ TEST_CASE("kept stream: health counts over all openings", "[backends]") {
   Health first;
   first.blocks = 3;
   first.frames = 300;
+  first.seconds = 0.25;
   first.xruns = first.gaps[2] = 2;
   first.lost_frames = 7;
   first.shortest_block = 50;
@@ -204,6 +205,7 @@ TEST_CASE("kept stream: health counts over all openings", "[backends]") {
   Health second;
   second.blocks = 1;
   second.frames = 100;
+  second.seconds = 0.5;
   second.xruns = second.gaps[0] = 1;
   second.shortest_block = second.longest_block = 100;
   second.mean_load = 0.6;
@@ -213,6 +215,7 @@ TEST_CASE("kept stream: health counts over all openings", "[backends]") {
   const auto all = f.stream->health();
   CHECK(all.blocks == 4);
   CHECK(all.frames == 400);
+  CHECK(all.seconds == 0.75);
   CHECK(all.xruns == 3);
   CHECK(all.gaps == std::array<std::int64_t, kGaps>{1, 0, 2, 0});
   CHECK(all.lost_frames == 7);
