@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "backends/find_device.h"
+#include "backends/loop/loop.h"
 #if defined(TACTUS_HAS_JACK)
 #include "backends/jack/jack.h"
 #endif
@@ -46,11 +47,31 @@ const std::vector<Maker>& makers() {
   return all;
 }
 
+/// The simulated cards are there for whoever names them, and never found by chance.
+constexpr Maker kSimulated{"loop", make<LoopBackend>};
+
+/// Those that `name` means: all for sound cards if it is empty.
+std::vector<Maker> makers_of(const std::string& name) {
+  if (name == kSimulated.name) return {kSimulated};
+  std::vector<Maker> meant;
+  std::copy_if(makers().begin(), makers().end(), std::back_inserter(meant),
+               [&](const Maker& maker) { return name.empty() || name == maker.name; });
+  return meant;
+}
+
 /// "jack" of "jack:system", if there is such a backend.
 std::string backend_of(const std::string& id) {
-  const auto name = id.substr(0, id.find(':'));
-  const auto names = card_backends();
-  return id.find(':') != std::string::npos && std::count(names.begin(), names.end(), name) > 0 ? name : "";
+  const auto colon = id.find(':');
+  const auto name = colon == std::string::npos ? "" : id.substr(0, colon);
+  return makers_of(name).size() == 1 ? name : "";
+}
+
+/// What `maker` reaches, and, where it can, the device that `id` describes.
+std::unique_ptr<Backend> made(const Maker& maker, const std::string& id) {
+  if (maker.name != std::string{kSimulated.name}) return maker.make();
+  auto simulated = std::make_unique<LoopBackend>();
+  (void)simulated->add(id);
+  return simulated;
 }
 
 }  // namespace
@@ -67,8 +88,8 @@ const char* no_card_backend() {
 }
 
 Result<std::unique_ptr<Backend>> make_card_backend(const std::string& name) {
-  for (const auto& maker : makers())
-    if (name == maker.name) return maker.make();
+  if (!name.empty())
+    for (const auto& maker : makers_of(name)) return maker.make();
   return fail(
       Errc::UnknownName, "--backend", "this program has no backend '" + name + "'",
       makers().empty() ? no_card_backend() : fmt::format("it has {}", fmt::join(card_backends(), ", ")));
@@ -76,8 +97,7 @@ Result<std::unique_ptr<Backend>> make_card_backend(const std::string& name) {
 
 std::vector<BackendDevices> list_devices(const std::string& backend) {
   std::vector<BackendDevices> all;
-  for (const auto& maker : makers())
-    if (backend.empty() || backend == maker.name) all.push_back({maker.name, maker.make()->devices()});
+  for (const auto& maker : makers_of(backend)) all.push_back({maker.name, maker.make()->devices()});
   return all;
 }
 
@@ -89,10 +109,9 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
   const auto named = backend.empty() ? backend_of(wanted) : backend;
   std::vector<Device> others;
   std::string reasons;
-  for (const auto& maker : makers()) {
-    if (!named.empty() && named != maker.name) continue;
-    auto made = maker.make();
-    const auto devices = made->devices();
+  for (const auto& maker : makers_of(named)) {
+    auto there = made(maker, wanted);
+    const auto devices = there->devices();
     if (!devices || devices->empty()) {
       reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", maker.name,
                              devices ? "it sees no device" : to_string(devices.error()));
@@ -106,7 +125,7 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
     }
     auto in = input.empty() ? out : find_device(*devices, input);
     if (!in) return tl::unexpected(in.error());
-    return ChosenDevices{std::move(made), std::move(*out), std::move(*in)};
+    return ChosenDevices{std::move(there), std::move(*out), std::move(*in)};
   }
   if (const auto missing = find_device(others, wanted); !others.empty() && !missing)
     return tl::unexpected(missing.error());

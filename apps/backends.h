@@ -13,7 +13,7 @@ namespace tactus::app {
 std::vector<std::string> card_backends();
 /// Why there is none, where there is none, and what to do.
 const char* no_card_backend();
-/// One of them. Errors: UnknownName, with what there is and how to have it.
+/// One of them, or "loop", the simulated cards. Errors: UnknownName, with what there is and how to have it.
 Result<std::unique_ptr<Backend>> make_card_backend(const std::string& name);
 
 /// All that a backend can open now, or why it cannot tell.
@@ -21,7 +21,7 @@ struct BackendDevices {
   std::string backend;
   Result<std::vector<Device>> devices;
 };
-/// Asks `backend`, or all if it is empty.
+/// Asks `backend`, or all of those for sound cards if it is empty.
 std::vector<BackendDevices> list_devices(const std::string& backend = {});
 
 /// Where a stream is to be opened.

@@ -25,10 +25,11 @@ const std::map<std::string, std::vector<std::string>> kArrows = {
     {"engine/scene", {"engine/runtime"}},
     {"engine/analysis", {"engine/scene"}},
     {"backends", {"engine/core"}},
+    {"backends/loop", {"backends", "engine/dsp"}},
     {"backends/simulated", {"backends", "engine/scene"}},
     {"backends/take", {"backends"}},
     {"latency", {"backends"}},
-    {"apps", {"latency", "engine/analysis", "backends/simulated", "backends/take"}},
+    {"apps", {"latency", "engine/analysis", "backends/loop", "backends/simulated", "backends/take"}},
 };
 
 /// Where the headers that begin like this may be included, as beginnings of paths.

@@ -31,6 +31,7 @@ struct Subject {
 
 Subject offline_subject();
 Subject simulated_subject();
+Subject loop_subject();
 
 /// Makes a fresh one; empty: there is none here, and the output says why.
 using MakeSubject = std::function<std::optional<Subject>()>;

@@ -1,3 +1,4 @@
+#include "backends/loop/loop.h"
 #include "backends/offline/offline.h"
 #include "backends/simulated/simulated.h"
 #include "tests/backends/every_backend.h"
@@ -53,6 +54,14 @@ ribbon     = { from = "cone" }
       SimulatedWorld{.plant = *plant, .delay_frames = 100, .frames = Subject::kFrames, .listener = listener});
   subject.request = two_in_one_out();
   subject.stands_on.push_back(std::move(plant));
+  return subject;
+}
+
+Subject loop_subject() {
+  Subject subject;
+  subject.backend = std::make_unique<LoopBackend>(LoopBackend::Pace::AsFastAsPossible);
+  subject.request = two_in_one_out();
+  subject.live = true;
   return subject;
 }
 

@@ -52,6 +52,7 @@ std::vector<MakeSubject> every_backend() {
   return {
       offline_subject,
       simulated_subject,
+      loop_subject,
 #ifdef TACTUS_HAS_jack
       on_jack_server<JackBackend>,
 #endif

@@ -1,0 +1,241 @@
+#include "backends/loop/loop.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <thread>
+#include <utility>
+
+#include "backends/find_device.h"
+#include "backends/loop/lateness.h"
+#include "backends/loop/loop_path.h"
+#include "engine/core/realtime.h"
+#include "engine/dsp/counter_noise.h"
+
+namespace tactus {
+namespace {
+
+constexpr int kChannels = 2;
+constexpr int kUsualBlock = 64;
+const std::string kPrefix = "loop:";
+
+/// Frames before what is read that a path must know.
+int reach_of(const LoopCard& card, double hardware_frames) {
+  const bool whole = hardware_frames == std::floor(hardware_frames) && card.input_ppm == 0.0;
+  return whole && !card.echo_cancel ? 0 : SincLine::kReach;
+}
+
+Result<LoopTiming> timing_of(const LoopCard& card, Hertz sample_rate, int block) {
+  LoopTiming timing;
+  timing.sample_rate = sample_rate;
+  timing.hardware_frames = frames_in(card.delay, sample_rate) + card.delay_frames;
+  const double ahead = timing.hardware_frames - reach_of(card, timing.hardware_frames);
+  const double longest = card.delay_blocks > 0 ? block : std::min<double>(block, ahead);
+  if (ahead + std::max(0, card.delay_blocks - 1) * block < 1.0 || longest < 1.0)
+    return fail(
+        Errc::OutOfRange, "",
+        fmt::format("a delay of {:g} frames is too short for a simulated card", timing.hardware_frames),
+        fmt::format("give a whole number of frames, or more than {}", SincLine::kReach));
+  timing.block_frames = static_cast<int>(longest);
+  timing.buffer_frames = card.delay_blocks * timing.block_frames;
+  return timing;
+}
+
+/// What this opening adds: 0 … `most`, each equally likely.
+int by_chance(int most, int opening) {
+  const double even = 0.5 + 0.5 * CounterNoise{2, 0}.uniform(opening);
+  return static_cast<int>(even * (most + 1));
+}
+
+std::vector<int> map_of(std::vector<int> map, int channels) {
+  if (!map.empty()) return map;
+  map.resize(static_cast<std::size_t>(channels));
+  std::iota(map.begin(), map.end(), 0);
+  return map;
+}
+
+/// The samples of one block, channel by channel.
+struct Planes {
+  Planes(std::size_t channels, int frames)
+      : samples(channels, std::vector<double>(static_cast<std::size_t>(frames))) {
+    for (auto& channel : samples) pointers.push_back(channel.data());
+  }
+  std::vector<std::vector<double>> samples;
+  std::vector<double*> pointers;
+};
+
+class LoopStream final : public Stream {
+ public:
+  LoopStream(const LoopCard& card, const LoopTiming& timing, const StreamRequest& request,
+             StreamGranted granted, Guarded& processor, LoopBackend::Pace pace, int opening)
+      : card_(card),
+        processor_(processor),
+        pace_(pace),
+        granted_(std::move(granted)),
+        in_map_(map_of(request.in_map, request.in_channels)),
+        out_map_(map_of(request.out_map, request.out_channels)),
+        in_(in_map_.size(), timing.block_frames),
+        out_(out_map_.size(), timing.block_frames),
+        frames_a_block_(std::clamp(static_cast<int>(std::lround(timing.block_frames * card.block_factor)), 1,
+                                   timing.block_frames)),
+        lateness_(card, timing.sample_rate,
+                  by_chance(card.unstable_frames, opening) +
+                      by_chance(card.unstable_blocks, opening) * timing.block_frames,
+                  timing.block_frames + reach_of(card, timing.hardware_frames) - timing.hardware_frames -
+                      timing.buffer_frames) {
+    for (int c = 0; c < kChannels; ++c) paths_.emplace_back(card, timing, c);
+  }
+  ~LoopStream() override { (void)stop(); }
+
+  const StreamGranted& granted() const override { return granted_; }
+  Status start() override {
+    if (thread_.joinable())
+      return fail(Errc::Device, granted_.device, "this stream runs already", "stop it first");
+    running_ = true;
+    thread_ = std::thread{[this] { run(); }};
+    return {};
+  }
+  Status stop() override {
+    running_ = false;
+    if (thread_.joinable()) thread_.join();
+    return {};
+  }
+  StreamState state() const override { return running_ ? StreamState::Running : StreamState::Stopped; }
+  Health health() const override { return meter_.read(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  double true_rate() const { return granted_.format.sample_rate.value * card_.rate_factor; }
+  Clock::time_point due(std::int64_t frames) const {
+    const std::chrono::duration<double> after{static_cast<double>(frames) / true_rate()};
+    return begun_ + std::chrono::duration_cast<Clock::duration>(after);
+  }
+
+  void run() {
+    const NoDenormals no_denormals;
+    const auto first = frame_;
+    begun_ = Clock::now();
+    while (running_) {
+      // A card that hears a block has waited for its last frame.
+      if (pace_ == LoopBackend::Pace::RealTime)
+        std::this_thread::sleep_until(due(frame_ - first + frames_a_block_));
+      block(false);
+    }
+    block(true);
+  }
+
+  void block(bool last) noexcept {
+    hear();
+    const BlockIo io{in_.pointers.data(), out_.pointers.data(), frames_a_block_};
+    if (!last) meter_.clock(static_cast<double>(frame_) / true_rate());
+    const auto begin = Clock::now();
+    if (last)
+      processor_.finish(io);
+    else
+      processor_.process(io);
+    const std::chrono::duration<double> took = Clock::now() - begin;
+    if (!last) meter_.block(frames_a_block_, took.count() * true_rate() / frames_a_block_);
+    play();
+    frame_ += frames_a_block_;
+  }
+
+  void hear() noexcept {
+    Lateness::Gaps gaps;
+    for (int n = 0; n < frames_a_block_; ++n) {
+      const double later = lateness_.at(frame_ + n, gaps);
+      std::array<double, kChannels> heard;
+      for (std::size_t c = 0; c < kChannels; ++c) heard[c] = paths_[c].hear(frame_ + n, later);
+      for (std::size_t c = 0; c < in_map_.size(); ++c)
+        in_.pointers[c][n] = heard[static_cast<std::size_t>(in_map_[c])];
+    }
+    if (!card_.drops_told) return;
+    for (int g = 0; g < gaps.count; ++g) meter_.gap(Gap::Input);
+    if (gaps.lost_frames > 0) meter_.lost(gaps.lost_frames);
+  }
+
+  /// Each path belongs to the input on which it ends.
+  void play() noexcept {
+    if (card_.cable == LoopCard::Cable::None) return;
+    const int crossed = card_.cable == LoopCard::Cable::Crossed ? 1 : 0;
+    for (std::size_t c = 0; c < out_map_.size(); ++c) {
+      auto& path = paths_[static_cast<std::size_t>((out_map_[c] + crossed) % kChannels)];
+      for (int n = 0; n < frames_a_block_; ++n) path.play(frame_ + n, out_.pointers[c][n]);
+    }
+  }
+
+  const LoopCard card_;
+  Guarded& processor_;
+  const LoopBackend::Pace pace_;
+  StreamGranted granted_;
+  std::vector<int> in_map_, out_map_;
+  Planes in_, out_;
+  int frames_a_block_;
+  Lateness lateness_;
+  std::vector<LoopPath> paths_;
+  std::int64_t frame_ = 0;
+  Clock::time_point begun_;
+  HealthMeter meter_;
+  std::atomic<bool> running_{false};
+  std::thread thread_;
+};
+
+Device device_called(const std::string& id, const std::string& about) {
+  Device device;
+  device.id = id;
+  device.name = about;
+  device.in_channels = device.out_channels = kChannels;
+  device.default_rate = 48_kHz;
+  return device;
+}
+
+}  // namespace
+
+Result<std::vector<Device>> LoopBackend::devices() {
+  std::vector<Device> all;
+  for (const auto& card : loop_cards()) all.push_back(device_called(kPrefix + card.name, card.about));
+  for (const auto& [id, card] : cards_) all.push_back(device_called(id, "a simulated card"));
+  all.front().is_default = true;
+  return all;
+}
+
+Status LoopBackend::add(const std::string& id) {
+  const auto known = device_with_id(*devices(), id);
+  if (known) return {};
+  if (!id.starts_with(kPrefix)) return tl::unexpected(known.error());
+  auto card = loop_card(id.substr(kPrefix.size()));
+  if (!card) return tl::unexpected(card.error());
+  add(id, *card);
+  return {};
+}
+
+LoopCard LoopBackend::card(const std::string& id) const {
+  const auto added = cards_.find(id);
+  return added != cards_.end() ? added->second : *loop_card(id.substr(kPrefix.size()));
+}
+
+Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, Guarded& processor) {
+  const auto choice = choose(*devices(), request);
+  if (!choice) return tl::unexpected(choice.error());
+  if (choice->input.id != choice->output.id)
+    return fail(Errc::BadArgument, "", "a simulated card hears nothing of another",
+                "leave out the input device");
+  const auto card = this->card(choice->output.id);
+  const auto timing = timing_of(card, choice->sample_rate, request.block_frames.value_or(kUsualBlock));
+  if (!timing) return tl::unexpected(timing.error());
+
+  auto granted = granted_for(*choice, request);
+  granted.block_frames = granted.format.max_frames = timing->block_frames;
+  granted.periods = card.delay_blocks;
+  granted.input_latency_frames = timing->hardware_frames;
+  granted.output_latency_frames = timing->buffer_frames;
+  if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
+  return std::make_unique<LoopStream>(card, *timing, request, std::move(granted), processor, pace_,
+                                      openings_++);
+}
+
+}  // namespace tactus

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "backends/backend.h"
+#include "backends/loop/loop_card.h"
+
+namespace tactus {
+
+/// A sound card that is only simulated, with a cable from its outputs to its inputs: what goes out comes in
+/// again, in the ways that `LoopCard` has. Its devices are those of `loop_cards` and whatever is added, with
+/// two inputs and two outputs at any rate. For trying out what measures a card, and for testing it.
+///
+/// A thread of its own brings the blocks; `Health::seconds` counts by the clock of the card.
+class LoopBackend final : public Backend {
+ public:
+  enum class Pace {
+    RealTime,
+    AsFastAsPossible,  ///< the same frames, without waiting
+  };
+  explicit LoopBackend(Pace pace = Pace::RealTime) : pace_(pace) {}
+
+  /// [control] One more device, called `id`, "loop:" included.
+  void add(const std::string& id, const LoopCard& card) { cards_[id] = card; }
+  /// [control] The same for an id that says what it is, such as "loop:delay=960.25". Errors: UnknownName.
+  Status add(const std::string& id);
+
+  std::string name() const override { return "loop"; }
+  Result<std::vector<Device>> devices() override;
+  /// [control] See Backend::open. Blocks are never longer than the delay, because a card cannot hear what has
+  /// not been made yet: `granted` says how long. Errors besides: OutOfRange for a delay that is too short.
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override;
+
+ private:
+  LoopCard card(const std::string& id) const;
+
+  Pace pace_;
+  std::map<std::string, LoopCard> cards_;
+  int openings_ = 0;  ///< so far; what is unstable is different in each
+};
+
+}  // namespace tactus

@@ -1,0 +1,81 @@
+#include "backends/loop/loop_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/dsp/one_pole_design.h"
+#include "engine/dsp/quantise.h"
+#include "engine/dsp/time_constant.h"
+
+namespace tactus {
+namespace {
+
+constexpr double kAgcPeak = 0.1, kAgcMostGain = 100.0;
+constexpr Seconds kAgcAttack{0.002}, kAgcRelease{0.5};
+constexpr Seconds kFurthest{2.0};  // that the delay may grow
+
+/// 1 - H of the low-pass.
+FilterCoefficients<1> high_pass(double radians) {
+  auto filter = one_pole_low_pass(radians);
+  filter.b = {1.0 - filter.b[0], -filter.a[0] - filter.b[1]};
+  return filter;
+}
+
+std::int64_t line_frames(const LoopTiming& timing) {
+  return static_cast<std::int64_t>(timing.hardware_frames + frames_in(kFurthest, timing.sample_rate)) +
+         timing.buffer_frames + 2 * timing.block_frames;
+}
+
+}  // namespace
+
+LoopPath::LoopPath(const LoopCard& card, const LoopTiming& timing, int lane)
+    : card_(card),
+      timing_(timing),
+      line_(line_frames(timing)),
+      heard_(card.monitor.frames + timing.buffer_frames),
+      noise_(1, static_cast<std::uint64_t>(lane)),
+      attack_keep_(TimeConstant{timing.sample_rate}.keep(kAgcAttack.value)),
+      release_keep_(TimeConstant{timing.sample_rate}.keep(kAgcRelease.value)),
+      step_(card.bits > 0 ? std::ldexp(1.0, 1 - card.bits) : 0.0),
+      monitor_frames_(std::max(1, card.monitor.frames) +
+                      (card.monitor.in_software ? timing.buffer_frames : 0)) {
+  if (card.high_pass.value > 0.0)
+    high_pass_.emplace().design(high_pass(clamped_radians(card.high_pass.value, timing.sample_rate)));
+  if (card.echo_cancel) canceller_.emplace();
+}
+
+double LoopPath::hear(std::int64_t frame, double later) noexcept {
+  if (card_.monitor.gain != 0.0) {
+    line_.add(frame, card_.monitor.gain * heard_[frame - monitor_frames_]);
+    played_ = true;
+  }
+  const double at = static_cast<double>(frame) - timing_.hardware_frames - later;
+  const auto whole = static_cast<std::int64_t>(std::floor(at));
+  double sample = played_ ? card_.gain * line_.read(whole, at - static_cast<double>(whole)) : 0.0;
+  if (high_pass_) sample = high_pass_->run_single(sample, group_position(frame));
+  sample += card_.dc;
+  if (card_.noise > 0.0) sample += card_.noise * noise_.gaussian(frame);
+  if (card_.agc) sample = controlled(sample);
+  sample = converted(std::clamp(sample, -card_.clip, card_.clip));
+  heard_.forget(frame);
+  heard_.add(frame, sample);
+  if (canceller_) sample = canceller_->step(line_, whole + EchoCanceller::kAhead, sample);
+  line_.forget(frame + timing_.buffer_frames + 2 * timing_.block_frames);
+  return sample;
+}
+
+void LoopPath::play(std::int64_t frame, double sample) noexcept {
+  line_.add(frame + timing_.buffer_frames, converted(sample));
+  played_ = true;
+}
+
+double LoopPath::converted(double sample) const noexcept {
+  return std::clamp(quantise_nearest(sample, step_), -1.0, 1.0);
+}
+
+double LoopPath::controlled(double sample) noexcept {
+  const double level = level_.step(sample, attack_keep_, release_keep_);
+  return sample * std::min(kAgcMostGain, kAgcPeak / std::max(level, 1e-9));
+}
+
+}  // namespace tactus
