@@ -254,6 +254,7 @@ class Analyst {
   void describe() {
     const Response response{mean_, fit_.model, rate(), windows_.fourier()};
     evidence_.echo = fit_.misfit > 1e-3 ? response.echo() : Response::Echo{};
+    if (evidence_.echo.frames != 0) analysis_.echo_frames = evidence_.echo.frames;
     look_at_knocks();
     report_level();
     if (settings_.details) report_details(response);

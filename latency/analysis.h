@@ -69,6 +69,7 @@ struct Analysis {
   double high_pass_hz = 0.0;           ///< sum of the corners of coupling capacitors
   double misfit = 0.0;                 ///< share of the heard power that the model does not explain
   std::array<std::optional<double>, 4> harmonics_db;  ///< H2 … H5, relative to the fundamental
+  std::optional<int> echo_frames;                     ///< from the first arrival to a second one
   std::vector<BandDelay> group_delay;
   std::vector<SweepDelay> sweeps;
   std::vector<DelayStep> steps;

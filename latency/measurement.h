@@ -44,11 +44,14 @@ struct Measurement {
   std::optional<double> reported_frames;  ///< what the driver says: input and output together
 };
 
-/// Called with the share that is done and what is being done.
+/// Called with the share that is done and what is being done, many times a second. May throw to put an end to
+/// it: the stream is then stopped.
 using MeasureProgress = std::function<void(double share, const std::string& what)>;
 
 /// [control] Opens the device again and again: silence, the level, sweeps, the pilot. Whatever goes wrong
-/// with the path is a finding; Errors: those of Backend::open and Stream::start.
+/// with the path is a finding. What another opening would not cure ends it. Errors: BadArgument and
+/// OutOfRange for settings that make no sense; those of Backend::open and Stream::start; Device when it goes
+/// away.
 Result<Measurement> measure(Backend& backend, const MeasureSettings& settings,
                             const MeasureProgress& progress = {});
 

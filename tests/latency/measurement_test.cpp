@@ -1,0 +1,328 @@
+#include "latency/measurement.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+
+#include "backends/loop/loop.h"
+#include "latency/probe_player.h"
+#include "tests/support/allocation_count.h"
+
+using namespace tactus;
+
+namespace {
+
+constexpr double kTooLoud = LevelSearch::kTooLoud;
+
+/// Simulated cards that do not wait for any clock: the first opening is of the first one, and so on.
+class Cards final : public Backend {
+ public:
+  explicit Cards(std::vector<LoopCard> cards) : cards_(std::move(cards)) {
+    loop_.add("loop:test", cards_.front());
+  }
+
+  std::string name() const override { return loop_.name(); }
+  Result<std::vector<Device>> devices() override { return loop_.devices(); }
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+    loop_.add("loop:test", cards_[std::min(next_++, cards_.size() - 1)]);
+    return loop_.open(request, processor);
+  }
+
+ private:
+  LoopBackend loop_{LoopBackend::Pace::AsFastAsPossible};
+  std::vector<LoopCard> cards_;
+  std::size_t next_ = 0;
+};
+
+MeasureSettings on_a_wire(int openings = 1) {
+  MeasureSettings settings;
+  settings.request.device = "loop:test";
+  settings.request.block_frames = 64;
+  settings.guard = {DriveGuard::Kind::Audio, {}};
+  settings.openings = openings;
+  return settings;
+}
+
+Measurement measured(const std::vector<LoopCard>& cards, const MeasureSettings& settings = on_a_wire()) {
+  Cards backend{cards};
+  auto measurement = measure(backend, settings);
+  REQUIRE(measurement);
+  return std::move(*measurement);
+}
+
+LoopCard named(const std::string& text) {
+  const auto card = loop_card(text);
+  REQUIRE(card);
+  return *card;
+}
+
+double loudest(const std::vector<double>& samples) {
+  double most = 0.0;
+  for (const double sample : samples) most = std::max(most, std::abs(sample));
+  return most;
+}
+
+/// What it says, and that it says what to do.
+void expect(const Measurement& measurement, Verdict verdict) {
+  INFO(measurement.finding.what);
+  CHECK(code(measurement.finding.verdict) == std::string{code(verdict)});
+  CHECK(measurement.finding.what.size() > 20);
+  CHECK(measurement.finding.remedy.size() > 20);
+}
+
+}  // namespace
+
+TEST_CASE("measurement: the delay is right to a thousandth of a frame", "[latency][measurement]") {
+  struct Case {
+    const char* card;
+    double frames;
+    int block;
+    double rate;
+  };
+  const auto each = GENERATE(
+      Case{"delay=188.25", 188.25, 64, 48e3}, Case{"delay=1000", 1000, 1, 48e3},
+      Case{"delay=960.5,gain=-1", 960.5, 512, 48e3}, Case{"delay=300.75,gain=-40dB", 300.75, 128, 48e3},
+      Case{"delay=333.1,gain=20dB,noise=-70dB", 333.1, 64, 44.1e3},
+      Case{"delay=50,blocks=2,dc=0.05,bits=16", 306, 128, 96e3}, Case{"delay=20000.3", 20000.3, 64, 48e3});
+  CAPTURE(each.card);
+  auto settings = on_a_wire(2);
+  settings.request.block_frames = each.block;
+  settings.request.sample_rate = Hertz{each.rate};
+  const auto measurement = measured({named(each.card)}, settings);
+  CHECK(code(measurement.finding.verdict) == std::string{"ok"});
+  CHECK(measurement.delay_frames == Approx(each.frames).margin(1e-3));
+  CHECK(measurement.standard_error_frames < 5e-4);
+  CHECK(std::abs(measurement.delay_frames - each.frames) < 6 * measurement.standard_error_frames + 1e-5);
+  REQUIRE(measurement.reported_frames);
+  CHECK(*measurement.reported_frames == Approx(each.frames));
+}
+
+TEST_CASE("measurement: a path of four seconds is waited for", "[latency][measurement]") {
+  auto card = named("delay=200000");
+  card.gain = GENERATE(1.0, 30.0);  // what was sent on the way, in vain, comes back too loud
+  const auto measurement = measured({card});
+  CHECK(code(measurement.finding.verdict) == std::string{"ok"});
+  CHECK(measurement.delay_frames == Approx(200000.0).margin(1e-3));
+  const auto& recording = measurement.openings.front().recording;
+  const auto sweeps = static_cast<std::ptrdiff_t>(recording.played.size()) - 410000;
+  CHECK(loudest({recording.heard[0].begin() + sweeps, recording.heard[0].end()}) < kTooLoud);
+}
+
+TEST_CASE("measurement: what goes wrong is said, with what to do", "[latency][measurement]") {
+  struct Case {
+    const char* card;
+    Verdict verdict;
+  };
+  const auto each = GENERATE(
+      Case{"no_cable", Verdict::NoSignal}, Case{"wrong_channel", Verdict::WrongChannel},
+      Case{"howl", Verdict::Howl}, Case{"clipping", Verdict::Clipping}, Case{"dc=1", Verdict::Clipping},
+      Case{"gain=40dB,noise=-40dB,clip=0.1", Verdict::Clipping}, Case{"drops", Verdict::LostFrames},
+      Case{"wrong_rate", Verdict::ApiMismatch}, Case{"wrong_block", Verdict::ApiMismatch},
+      Case{"drift", Verdict::ClocksDiffer}, Case{"echo_cancel", Verdict::EchoCancel},
+      Case{"agc", Verdict::Agc}, Case{"monitor", Verdict::DirectMonitoring}, Case{"noise", Verdict::LowSnr});
+  CAPTURE(each.card);
+  expect(measured({named(each.card)}), each.verdict);
+}
+
+TEST_CASE("measurement: frames that are lost count although the driver is silent about them",
+          "[latency][measurement]") {
+  auto card = named("20ms");
+  card.drops = {{Seconds{3.0}, Seconds{0.0}, GENERATE(5, -5)}};
+  card.drops_told = false;
+  expect(measured({card}), Verdict::LostFrames);
+}
+
+TEST_CASE("measurement: a gap that the driver tells counts although nothing is missing",
+          "[latency][measurement]") {
+  auto card = named("20ms");
+  card.drops = {{Seconds{3.0}, Seconds{0.0}, 0}};
+  expect(measured({card}), Verdict::LostFrames);
+}
+
+TEST_CASE("measurement: gaps before the sweeps are none", "[latency][measurement]") {
+  auto card = named("20ms");
+  card.drops = {{Seconds{0.05}, Seconds{0.0}, 100}, {Seconds{0.1}, Seconds{0.0}, -100}};
+  const auto measurement = measured({card});
+  CHECK(code(measurement.finding.verdict) == std::string{"ok"});
+  CHECK(measurement.openings.front().health.xruns == 2);
+}
+
+TEST_CASE("measurement: one opening of five may lose frames, two of four may not", "[latency][measurement]") {
+  const auto good = named("20ms"), bad = named("drops");
+  const auto told = measured({good, bad, good, good}, on_a_wire(4));
+  CHECK(code(told.finding.verdict) == std::string{"ok"});
+  CHECK(told.finding.what == "1 of 4 openings lost frames and do not count; the others agree");
+  CHECK(told.delay_frames == Approx(960.0).margin(1e-3));
+  expect(measured({good, bad, bad, good}, on_a_wire(4)), Verdict::LostFrames);
+}
+
+TEST_CASE("measurement: a start that is unstable is told with every delay", "[latency][measurement]") {
+  auto card = named("20ms");
+  auto later = card;
+  later.delay_frames = 0.6;
+  const auto moved = measured({card, later, card}, on_a_wire(3));
+  expect(moved, Verdict::UnstableStart);
+  CHECK(moved.finding.what.find(": 960.000, 960.600, 960.000 frames") != std::string::npos);
+  CHECK(moved.spread_frames == Approx(0.6 / std::sqrt(3.0)).margin(1e-3));
+  later.delay_frames = 0.4;
+  CHECK(code(measured({card, later, card}, on_a_wire(3)).finding.verdict) == std::string{"ok"});
+}
+
+TEST_CASE("measurement: a second arrival is traced to the card or to a connection by another block",
+          "[latency][measurement]") {
+  CHECK(measured({named("monitor")})
+            .finding.what.find(
+                "+201 frames with blocks of 64, +201 with blocks of 128: direct monitoring in the card") !=
+        std::string::npos);
+  CHECK(measured({named("software_monitor")})
+            .finding.what.find(
+                "+329 frames with blocks of 64, +457 with blocks of 128: a connection in software") !=
+        std::string::npos);
+}
+
+TEST_CASE("measurement: in a howl the output is silent from the frame on in which the input is at its end",
+          "[latency][measurement]") {
+  auto card = named("delay=100,noise=0");  // so that nothing begins before the first knock
+  card.monitor = {1.5, 0, false};
+  auto settings = on_a_wire(3);
+  settings.request.block_frames = GENERATE(16, 64);
+  const auto measurement = measured({card}, settings);
+  expect(measurement, Verdict::Howl);
+  REQUIRE(measurement.openings.size() == 1);
+  const auto& recording = measurement.openings.front().recording;
+  const auto& heard = recording.heard[0];
+  const auto loud = std::find_if(heard.begin(), heard.end(), [](double x) { return std::abs(x) > kTooLoud; });
+  REQUIRE(loud != heard.end());
+  const auto at = loud - heard.begin();
+  REQUIRE(loudest({recording.played.begin() + at - 10, recording.played.begin() + at}) >
+          1e-4);  // it was playing
+  CHECK(loudest({recording.played.begin() + at, recording.played.end()}) == 0.0);
+  CHECK(heard.size() - static_cast<std::size_t>(at) > 14000);  // 0.3 s in which it went on
+}
+
+TEST_CASE("measurement: nothing is ever louder than allowed, by the settings or by the guard",
+          "[latency][measurement]") {
+  auto settings = on_a_wire();
+  settings.loudest_dbfs = -20.0;
+  const auto quiet = measured({named("no_cable")}, settings);
+  CHECK(loudest(quiet.openings.front().recording.played) == Approx(0.1).epsilon(0.01));
+  CHECK(loudest(quiet.openings.front().recording.played) <= 0.1);
+  settings.guard.limits.ceiling = 0.03;
+  CHECK(loudest(measured({named("no_cable")}, settings).openings.front().recording.played) <= 0.03);
+}
+
+TEST_CASE("measurement: the level is the softest that stands 30 dB out of the noise",
+          "[latency][measurement]") {
+  // Noise of -70 dBFS rms asks for -40 dBFS rms, which a sweep has at a peak of -37: -50, -44, -38, -32.
+  CHECK(measured({named("noise=-70dB")}).openings.front().level_dbfs == Approx(-32.0).margin(0.2));
+  CHECK(measured({named("noise=-70dB,gain=-10dB")}).openings.front().level_dbfs == Approx(-26.0).margin(6.0));
+  CHECK(measured({named("noise=-110dB")}).openings.front().level_dbfs == Approx(-50.0).margin(0.01));
+}
+
+TEST_CASE("measurement: later openings begin at the level that was found", "[latency][measurement]") {
+  const auto measurement = measured({named("noise=-70dB")}, on_a_wire(3));
+  REQUIRE(measurement.openings.size() == 3);
+  for (const auto& opening : measurement.openings)
+    CHECK(opening.level_dbfs == measurement.openings[0].level_dbfs);
+  CHECK(measurement.openings[1].recording.played.size() < measurement.openings[0].recording.played.size());
+}
+
+TEST_CASE("measurement: five openings last less than 30 s, whatever the delay up to half a second",
+          "[latency][measurement]") {
+  const auto measurement = measured({named(GENERATE("cable", "480ms,noise=-60dB"))}, on_a_wire(5));
+  REQUIRE(measurement.openings.size() == 5);
+  double seconds = 0.0;
+  for (const auto& opening : measurement.openings)
+    seconds += static_cast<double>(opening.recording.played.size()) / 48e3;
+  CHECK(seconds < 30.0);
+}
+
+TEST_CASE("measurement: neither blocks nor the time that passes change what is played and heard",
+          "[latency][measurement]") {
+  const auto once = [&](int block) {
+    auto settings = on_a_wire();
+    settings.request.block_frames = block;
+    return measured({named("delay=600.3,noise=-70dB")}, settings);
+  };
+  const auto first = once(64), again = once(64), longer = once(512), odd = once(17);
+  for (const auto* other : {&again, &longer, &odd}) {
+    CHECK(other->openings[0].recording.played == first.openings[0].recording.played);
+    CHECK(other->openings[0].recording.heard == first.openings[0].recording.heard);
+  }
+}
+
+TEST_CASE("measurement: what the guard puts an end to is no silence", "[latency][measurement]") {
+  auto settings = on_a_wire();
+  settings.guard.kind = DriveGuard::Kind::Drive;
+  settings.guard.limits.travel = TravelLimits{1e-7, 1e-3, 40_Hz, 1.0};
+  const auto measurement = measured({named("20ms")}, settings);
+  expect(measurement, Verdict::Howl);
+  CHECK(measurement.finding.what.find("guard") != std::string::npos);
+}
+
+TEST_CASE("measurement: a drive is measured within its slew limit", "[latency][measurement]") {
+  auto settings = on_a_wire();
+  settings.guard = {DriveGuard::Kind::Drive, cautious_limits()};
+  const auto measurement = measured({named("20ms,noise=-110dB")}, settings);
+  CHECK(code(measurement.finding.verdict) == std::string{"ok"});
+  CHECK(measurement.delay_frames == Approx(960.0).margin(1e-3));
+}
+
+TEST_CASE("measurement: settings that make no sense and devices that are not there are errors",
+          "[latency][measurement]") {
+  Cards backend{{named("20ms")}};
+  auto settings = on_a_wire();
+  settings.openings = 0;
+  CHECK(measure(backend, settings).error().code == Errc::BadArgument);
+  settings = on_a_wire();
+  settings.softest_dbfs = 0.0;
+  CHECK(measure(backend, settings).error().code == Errc::OutOfRange);
+  settings = on_a_wire();
+  settings.request.device = "loop:nothing";
+  CHECK(measure(backend, settings).error().code == Errc::UnknownName);
+  settings = on_a_wire();
+  settings.input = 2;
+  CHECK(measure(backend, settings).error().code == Errc::OutOfRange);
+}
+
+TEST_CASE("measurement: progress only grows", "[latency][measurement]") {
+  Cards backend{{named("20ms")}};
+  double before = 0.0;
+  bool grows = true;
+  std::string said;
+  REQUIRE(measure(backend, on_a_wire(2), [&](double share, const std::string& what) {
+    grows = grows && share >= before && share <= 1.0;
+    before = share;
+    said = what;
+  }));
+  CHECK(grows);
+  CHECK(before > 0.5);
+  CHECK(said == "opening 2 of 2");
+}
+
+TEST_CASE("probe_player: nothing is allocated while it plays", "[latency][measurement]") {
+  ProbePlayer player;
+  ProbePlayer::Script script;
+  script.level.softest = 0.003;
+  script.level.loudest = 0.5;
+  player.set_script(script);
+  Guarded guarded{player, {{DriveGuard::Kind::Audio, {}}}};
+  guarded.set_tap(&player);
+  constexpr int kBlock = 48;
+  REQUIRE(guarded.prepare({48_kHz, 1, 1, kBlock}));
+  std::vector<double> in(kBlock), out(kBlock);
+  const double* ins[] = {in.data()};
+  double* outs[] = {out.data()};
+  const auto before = test::allocation_count();
+  int blocks = 0;
+  for (; !player.done() && blocks < 20000; ++blocks) {
+    guarded.process({ins, outs, kBlock});
+    in = out;  // a delay of one block
+  }
+  CHECK(test::allocation_count() == before);
+  CHECK(player.done());
+  CHECK(player.outcome() == ProbePlayer::Outcome::Played);
+  CHECK(blocks > 5000);
+  CHECK(player.take_recording().heard[0].size() > 240000);
+}
