@@ -11,9 +11,12 @@ const char* const kDelayIs =
     "The delay runs from a voltage at the input to the answer at the output of a program that answers within "
     "the block: converters, driver, blocks and cable are in it.";
 
+bool is_known(const Analysis& analysis) { return analysis.heard || analysis.finding.verdict != Verdict::Ok; }
+
 Hertz LatencyReport::sample_rate() const {
   const auto* opening = shown();
-  return opening == nullptr ? 48_kHz : opening->analysis.sample_rate;
+  if (opening == nullptr) return 48_kHz;
+  return live ? opening->granted.format.sample_rate : opening->analysis.sample_rate;
 }
 
 const Opening* LatencyReport::shown() const {

@@ -24,6 +24,9 @@ struct LatencyReport {
   const Opening* shown() const;
 };
 
+/// Was there anything to analyse? Not if the measurement was given up before.
+bool is_known(const Analysis& analysis);
+
 /// What the delay is, in a sentence.
 extern const char* const kDelayIs;
 

@@ -12,11 +12,16 @@ namespace {
 volatile std::sig_atomic_t interrupted = 0;
 extern "C" void interrupt_measurement(int) { interrupted = 1; }
 
+struct Interrupted {};
+
 }  // namespace
 
-Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings) {
+void heed_interrupts() {
   std::signal(SIGINT, interrupt_measurement);
   std::signal(SIGTERM, interrupt_measurement);
+}
+
+Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings) {
   Progress bar{"measuring"};
   try {
     auto measured = measure(backend, settings, [&](double share, const std::string& what) {

@@ -6,8 +6,8 @@
 
 namespace tactus::app {
 
-/// Ctrl-C.
-struct Interrupted {};
+/// From now on Ctrl-C ends a measurement instead of the program.
+void heed_interrupts();
 
 /// Measures with a bar on stderr. Errors: of `measure`. Nothing: the user ended it; the stream is closed.
 Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings);

@@ -60,8 +60,8 @@ void add_evidence(const Analysis& analysis, Json& json) {
   json["drift_standard_error_ppm"] = known(heard, analysis.drift_standard_error_ppm);
   json["bound_frames"] = known(heard, analysis.bound_frames);
   json["spread_over_sweeps_frames"] = known(heard, analysis.spread_frames);
-  json["noise_floor_dbfs"] = analysis.noise_floor_dbfs;
-  json["dc"] = analysis.dc;
+  json["noise_floor_dbfs"] = known(is_known(analysis), analysis.noise_floor_dbfs);
+  json["dc"] = known(is_known(analysis), analysis.dc);
   json["low_hz"] = known(heard, analysis.low_hz);
   json["high_hz"] = known(heard, analysis.high_hz);
   json["high_pass_hz"] = known(heard, analysis.high_pass_hz);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -48,6 +49,7 @@ void add_delay(const LatencyReport& report, Lines& lines) {
               with_error(measurement.delay_frames, measurement.standard_error_frames),
               with_error(measurement.delay_frames * ms, measurement.standard_error_frames * ms));
     lines.wrap("", kDelayIs);
+    lines.wrap("note", measurement.finding.what);
   } else {
     lines.add("delay", "not known: {}", code(measurement.finding.verdict));
     lines.wrap("seen", measurement.finding.what);
@@ -60,11 +62,14 @@ void add_openings(const LatencyReport& report, Lines& lines) {
   const auto& shown = *report.shown();
   if (report.live) {
     std::string words;
-    for (const auto& opening : measurement.openings)
-      words += (words.empty() ? "" : "  ") + (opening.finding.verdict == Verdict::Ok
-                                                  ? fmt::format("{:.3f}", opening.analysis.delay_frames)
-                                                  : std::string{code(opening.finding.verdict)});
-    lines.add("openings", "{} [frames]", words);
+    bool numbers = false;
+    for (const auto& opening : measurement.openings) {
+      const bool ok = opening.finding.verdict == Verdict::Ok;
+      words += (words.empty() ? "" : "  ") + (ok ? fmt::format("{:.3f}", opening.analysis.delay_frames)
+                                                 : std::string{code(opening.finding.verdict)});
+      numbers = numbers || ok;
+    }
+    lines.wrap("openings", words + (numbers ? " [frames]" : ""));
   }
   if (measurement.openings.size() > 1 && report.ok())
     lines.add("spread", "{:.2g} frames over openings, {:.2g} over {} sweeps", measurement.spread_frames,
@@ -86,19 +91,30 @@ void add_driver(const LatencyReport& report, Lines& lines) {
                                                    beside > 0 ? "more" : "less"));
 }
 
+std::string heard_gaps(const Analysis& analysis) {
+  constexpr std::size_t kMost = 4;
+  const auto& steps = analysis.steps;
+  if (steps.empty()) return "none heard";
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMost, steps.size()); ++i)
+    text += fmt::format("{}{} {:.0f} frames at {:.2f} s", i == 0 ? "" : ", ",
+                        steps[i].frames < 0 ? "lost" : "repeated", std::abs(steps[i].frames),
+                        static_cast<double>(steps[i].frame) / analysis.sample_rate.value);
+  return steps.size() > kMost ? text + fmt::format(", and {} times more", steps.size() - kMost) : text;
+}
+
 void add_gaps(const LatencyReport& report, Lines& lines) {
-  Health health;
-  for (const auto& opening : report.measurement.openings) health = together(health, opening.health);
-  const auto& steps = report.shown()->analysis.steps;
-  std::string heard = "none heard";
-  for (const auto& step : steps)
-    heard = (&step == &steps.front() ? "" : heard + ", ") +
-            fmt::format("{} {:.0f} frames at {:.2f} s", step.frames < 0 ? "lost" : "repeated",
-                        std::abs(step.frames), static_cast<double>(step.frame) / report.sample_rate().value);
-  if (report.live)
-    lines.add("gaps", "{}; {} counted by the driver, {} frames", heard, health.xruns, health.lost_frames);
-  else
-    lines.add("gaps", "{}", heard);
+  const auto& analysis = report.shown()->analysis;
+  auto text = analysis.heard ? heard_gaps(analysis) : std::string{};
+  if (report.live) {
+    Health health;
+    for (const auto& opening : report.measurement.openings) health = together(health, opening.health);
+    text += text.empty() ? "" : "; ";
+    text += health.xruns == 0
+                ? "none counted by the driver"
+                : fmt::format("{} counted by the driver, {} frames", health.xruns, health.lost_frames);
+  }
+  lines.wrap("gaps", text);
 }
 
 std::string noise_text(const Analysis& analysis) {
@@ -119,7 +135,7 @@ void add_path(const Analysis& analysis, Lines& lines) {
     lines.add("path", "{:.2f} dB, {}, {} to {} within 3 dB", unsigned_zero(analysis.gain_db, 0.01),
               analysis.polarity > 0 ? "not inverted" : "inverted", frequency(analysis.low_hz),
               frequency(analysis.high_hz));
-  lines.add("noise", "{}", noise_text(analysis));
+  if (is_known(analysis)) lines.add("noise", "{}", noise_text(analysis));
   std::string harmonics;
   for (std::size_t k = 0; k < analysis.harmonics_db.size(); ++k)
     if (const auto& level = analysis.harmonics_db[k])

@@ -105,7 +105,7 @@ TEST_CASE("latency report: a refusal says its code, what was seen, what to do, a
                        "seen           64 frames were lost at 1.50 s\n"
                        "what to do     use larger blocks\n"));
   contains(text, "gaps           lost 64 frames at 1.50 s; 2 counted by the driver");
-  contains(text, "960.250  960.250  LOST_FRAMES  960.250  960.250");
+  contains(text, "openings       960.250  960.250  LOST_FRAMES  960.250  960.250 [frames]\n");
 }
 
 TEST_CASE("latency report: the JSON of a refusal keeps the evidence and drops the delay", "[latency]") {
@@ -146,6 +146,7 @@ TEST_CASE("latency report: of silence only its noise is told", "[latency]") {
   report.measurement.finding = {Verdict::NoSignal, "nothing came back", "connect the cable"};
   Opening opening;
   opening.finding = report.measurement.finding;
+  opening.analysis.finding = opening.finding;
   opening.analysis.noise_floor_dbfs = -120;
   report.measurement.openings = {opening};
   const auto json = json_of(report);
@@ -154,6 +155,25 @@ TEST_CASE("latency report: of silence only its noise is told", "[latency]") {
   CHECK_FALSE(json.contains("xruns"));
   contains(text_of(report), "noise          -120.0 dBFS, DC 0\n");
   CHECK(test::well_formed(to_svg_page(picture_of(report))));
+}
+
+TEST_CASE("latency report: of what was given up before it was played, nothing is told that nobody knows",
+          "[latency]") {
+  LatencyReport report;
+  report.live = true;
+  report.measurement.finding = {Verdict::Howl, "it howled", "switch monitoring off"};
+  Opening opening;
+  opening.finding = report.measurement.finding;
+  opening.granted.format.sample_rate = 96_kHz;
+  report.measurement.openings = {opening};
+  const auto json = json_of(report);
+  CHECK(json["noise_floor_dbfs"].is_null());
+  CHECK(json["dc"].is_null());
+  CHECK(json["sample_rate_hz"] == 96000);
+  const auto text = text_of(report);
+  CHECK(text.find("noise") == std::string::npos);
+  contains(text, "openings       HOWL\n");
+  contains(text, "gaps           none counted by the driver\n");
 }
 
 TEST_CASE("latency report: the picture is well-formed and has its axes with units", "[latency]") {

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -13,6 +14,8 @@
 #include "engine/dsp/counter_noise.h"
 #include "engine/scene/rig.h"
 #include "tests/engine/graph/temporary_folder.h"
+#include "tests/support/child_process.h"
+#include "tests/support/wait_until.h"
 #include "tests/support/well_formed.h"
 
 using namespace tactus;
@@ -192,12 +195,23 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   says(desk.run("latency probe --out p.wav --level 3"), 2, "must be from -120 to 0 dBFS");
   says(desk.run("latency probe --out p.wav --rate '44.1005 kHz'"), 2, "whole number of hertz");
   says(desk.run("latency bogus"), 2, "bogus");
+  says(desk.run("latency measure --backend none"), 2, "no backend 'none'");
+  says(desk.run("latency measure --output 0"), 2, "--output");
+  says(desk.run("latency measure --out 2"), 2, "the channel is --output 2");
+  says(desk.run("latency measure --rig nowhere.toml"), 3, "nowhere.toml");
+  says(desk.run("latency measure --rig nowhere.toml --block 64"), 2, "--block: does not go with --rig");
+  says(desk.run("latency measure --device loop:20ms --input 3"), 2, "'loop:20ms' has no input 3");
+  says(desk.run("latency measure --device loop:20ms --output 3"), 2, "'loop:20ms' has no output 3");
+  says(desk.run("latency measure --device loop:nothing"), 4, "nothing");
+  says(desk.run("latency sweep --blocks 0"), 2, "--blocks");
+  says(desk.run("latency sweep --device loop:20ms --rates 1"), 2, "--rates");
 }
 
 TEST_CASE("latency: alone it explains itself", "[latency]") {
   const auto ran = Desk{}.run("latency");
   CHECK(ran.exit == 0);
-  for (const char* words : {"probe", "analyze", "Examples:"}) CHECK(ran.out.find(words) != std::string::npos);
+  for (const char* words : {"measure", "sweep", "probe", "analyze", "Examples:"})
+    CHECK(ran.out.find(words) != std::string::npos);
 }
 
 TEST_CASE("latency probe: it is as loud and as long as it says", "[latency]") {
@@ -212,5 +226,117 @@ TEST_CASE("latency probe: it is as loud and as long as it says", "[latency]") {
   CHECK(peak == Approx(0.1).epsilon(0.01));
   CHECK(ran.json()["duration_s"].get<double>() == Approx(static_cast<double>(samples->frames()) / 96000));
   says(desk.run("latency probe --out nowhere/p.wav"), 3, "nowhere/p.wav: it cannot be written");
+}
+
+namespace {
+
+const std::string kShort = " --openings 2 --sweeps 2 --json";
+
+}  // namespace
+
+TEST_CASE("latency measure: the delay of a card is found, reported and kept for it", "[latency]") {
+  const Desk desk;
+  const auto ran =
+      desk.run("latency measure --device loop:20ms --block 64 --out report --wav raw.wav" + kShort);
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  const auto json = ran.json();
+  REQUIRE(json.is_object());
+  CHECK(json["verdict"] == "ok");
+  CHECK(json["delay_ms"].get<double>() == Approx(20).margin(0.001));
+  CHECK(json["openings"].size() == 2);
+  for (const char* key : {"setting", "xruns", "xruns_by_cause", "lost_frames_counted", "reported_frames",
+                          "spread_over_openings_frames", "kept"})
+    CHECK(json.contains(key));
+  CHECK(test::well_formed(text_of(desk.file("report/latency.svg"))));
+  CHECK(nlohmann::json::parse(text_of(desk.file("report/latency.json")))["delay_frames"] ==
+        json["delay_frames"]);
+
+  const auto again = desk.run("latency analyze raw.wav --json");
+  const auto kept = read_wav(desk.file("raw_2.wav"));
+  REQUIRE(kept);
+  CHECK(kept->channels.size() == 3);  // what was played, and two inputs
+  CHECK(again.json()["delay_frames"].get<double>() ==
+        Approx(json["openings"][0]["delay_frames"].get<double>()).margin(1e-4));
+
+  const auto devices = desk.run("devices --backend loop --json").json();
+  int measured = 0;
+  for (const auto& device : devices["devices"]) {
+    if (!device.contains("measured_delay_s")) continue;
+    ++measured;
+    CHECK(device["id"] == "loop:20ms");
+    CHECK(device["measured_delay_s"].get<double>() ==
+          Approx(json["delay_ms"].get<double>() / 1e3).epsilon(1e-12));
+  }
+  CHECK(measured == 1);
+}
+
+TEST_CASE("latency measure: what was measured is what an instrument then reckons with, at that block alone",
+          "[latency]") {
+  const Desk desk;
+  REQUIRE(desk.run("latency measure --device loop:20ms --block 64" + kShort).exit == 0);
+  const auto play = std::string{"play "} + TACTUS_SOURCE_DIR +
+                    "/instruments/haptic_drum --device loop:20ms --duration '0.1 s' --block ";
+  says(desk.run(play + "64"), 0, "delay     20.00 ms measured");
+  says(desk.run(play + "128"), 0, "delay     not measured");
+}
+
+TEST_CASE("latency measure: a refusal has no delay, and keeps none", "[latency]") {
+  const Desk desk;
+  const auto ran = desk.run("latency measure --device loop:no_cable" + kShort);
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 1);
+  CHECK(ran.json()["verdict"] == "NO_SIGNAL");
+  for (const char* key : {"delay_frames", "delay_ms", "standard_error_frames"})
+    CHECK(ran.json()[key].is_null());
+  CHECK_FALSE(fs::exists(desk.state() / "tactus/delays.json"));
+  CHECK(desk.run("latency measure --device loop:20ms --no-keep" + kShort).exit == 0);
+  CHECK_FALSE(fs::exists(desk.state() / "tactus/delays.json"));
+}
+
+TEST_CASE("latency measure: a rig says what to measure, and keeps the delay beside all else", "[latency]") {
+  const Desk desk;
+  const std::string text =
+      "format = 1\nname = \"my desk\"\n[device]\noutput = \"loop:20ms\"\nblock = 64\n"
+      "[inputs]\nmicrophone = { channel = 2, sensitivity = \"50 mV\", volts_per_full_scale = \"1 V\" }\n"
+      "[outputs]\nwoofer = { channel = 2, ceiling = 0.1 }\n[delay]\npad = \"40 ms\"\n";
+  desk.folder.write("desk.toml", text);
+  const auto ran = desk.run("latency measure --rig desk.toml" + kShort);
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(ran.json()["source"].get<std::string>().find("output 2 to input 2") != std::string::npos);
+  for (const auto& opening : ran.json()["openings"]) CHECK(opening["level_dbfs"].get<double>() <= -20);
+  CHECK(text_of(desk.file("desk.toml~")) == text);
+  const auto rig = load_rig(desk.file("desk.toml"), desk.folder.path());
+  REQUIRE(rig);
+  REQUIRE(rig->measured_delay);
+  CHECK(rig->measured_delay->value == Approx(0.02).margin(1e-6));
+  CHECK(rig->pad_delay == Seconds{0.04});
+  CHECK(rig->name == "my desk");
+  CHECK(rig->inputs[0].scale() == Approx(20));
+  CHECK(rig->device.rate == 48_kHz);
+}
+
+TEST_CASE("latency sweep: blocks on the way and what no block takes away are told apart", "[latency]") {
+  const Desk desk;
+  const auto ran = desk.run(
+      "latency sweep --device loop:delay=100,blocks=2 --blocks 64,128,256 --openings 1 --sweeps 2 --json "
+      "--report blocks.svg");
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  const auto json = ran.json();
+  REQUIRE(json["laws"].size() == 1);
+  CHECK(json["laws"][0]["fixed_frames"].get<double>() == Approx(100).margin(0.01));
+  CHECK(json["laws"][0]["per_frame"].get<double>() == Approx(2).margin(1e-4));
+  CHECK(json["shortest"]["block_frames"] == 64);
+  CHECK(test::well_formed(text_of(desk.file("blocks.svg"))));
+}
+
+TEST_CASE("latency sweep: Ctrl-C ends it, with exit code 5", "[latency]") {
+  test::ChildProcess sweep{{TACTUS_PROGRAM, "latency", "sweep", "--device", "loop:20ms", "--blocks", "64"},
+                           test::ChildProcess::Stdout::Logged};
+  REQUIRE(test::wait_until([&] { return sweep.log().find("64 frames") != std::string::npos; }));
+  sweep.send(SIGINT);
+  CHECK(sweep.wait(std::chrono::seconds{5}) == 5);
 }
 #endif
