@@ -38,6 +38,10 @@ int report(const std::vector<Error>& errors) {
 
 int report(const Error& error) { return report(std::vector{error}); }
 
+int exit_of(const Error& error) {
+  return error.code == Errc::BadArgument || error.code == Errc::OutOfRange ? kUsage : kDevice;
+}
+
 Progress::Progress(std::string what) : what_(std::move(what)), terminal_(stderr_is_terminal()) {}
 
 Progress::~Progress() {

@@ -15,6 +15,9 @@ namespace tactus::app {
 int report(const std::vector<Error>& errors);
 int report(const Error& error);
 
+/// The exit code of what a device did not do: a request that it cannot grant is wrong usage.
+int exit_of(const Error& error);
+
 /// What a command cannot do, and the exit code of that.
 struct Refusal {
   std::vector<Error> errors;

@@ -39,7 +39,7 @@ int run(const MeasureOptions& options) {
   if (!loop) return report(loop.error().errors), loop.error().exit;
   heed_interrupts();
   auto measured = measure_now(*loop->devices.backend, loop->settings);
-  if (!measured) return report(measured.error()), kDevice;
+  if (!measured) return report(measured.error()), exit_of(measured.error());
   if (!*measured) return fmt::print(stderr, "interrupted: nothing was kept\n"), kInterrupted;
   LatencyReport found;
   found.live = true;

@@ -147,11 +147,6 @@ Result<double> seconds_of(const std::string& text, const char* option) {
   return seconds;
 }
 
-/// A request that cannot be granted is wrong usage, the rest is the device's.
-int exit_of(const Error& error) {
-  return error.code == Errc::BadArgument || error.code == Errc::OutOfRange ? kUsage : kDevice;
-}
-
 /// Everything but the sound: keys, edits, the status line. Returns why it ended.
 int run(Session& session, Plan& plan, const LiveOptions& options, double seconds) {
   using namespace std::chrono_literals;

@@ -203,6 +203,7 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   says(desk.run("latency measure --device loop:20ms --input 3"), 2, "'loop:20ms' has no input 3");
   says(desk.run("latency measure --device loop:20ms --output 3"), 2, "'loop:20ms' has no output 3");
   says(desk.run("latency measure --device loop:nothing"), 4, "nothing");
+  says(desk.run("latency measure --device loop:20ms --rate '12.5 Hz'"), 2, "from 1 kHz to 1 MHz");
   says(desk.run("latency sweep --blocks 0"), 2, "--blocks");
   says(desk.run("latency sweep --device loop:20ms --rates 1"), 2, "--rates");
 }
