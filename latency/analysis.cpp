@@ -22,10 +22,14 @@ namespace {
 constexpr Seconds kQuiet{0.5};  // as much silence as is listened to
 constexpr Seconds kAir{0.005};  // before the first burst is heard
 constexpr std::int64_t kSearch = 8192;
-constexpr double kLeastStep = 0.75;  // frames: half a frame of noise is not a lost frame
-constexpr double kSilence = 1e-10;   // of the heard power: noise below -100 dB is no help to anybody
-constexpr double kNothing = 1e-18;   // -180 dBFS, below what a float sample of full scale can hold
-constexpr double kDamaged = 0.05;    // of a sweep's power, more than other sweeps leave unexplained
+constexpr double kLeastStep = 0.75;           // frames
+constexpr double kCertain = 6.0;              // standard deviations
+constexpr double kSilence = 1e-10;            // of the heard power: noise below -100 dB is no help to anybody
+constexpr Seconds kThroughActuator{0.00002};  // standard error: five of them are a tenth of a millisecond
+constexpr double kFaintest = -14.0;           // log gain: -122 dB, where no converter hears anything
+constexpr double kNothing = 1e-18;            // -180 dBFS, below what a float sample of full scale can hold
+constexpr double kDamaged = 0.05;             // of a sweep's power, more than other sweeps leave unexplained
+constexpr double kFits = 0.02;                // misfit of a path that the model describes
 constexpr int kDriftRounds = 3;
 
 double decibels(double power) { return 10.0 * std::log10(std::max(power, 1e-30)); }
@@ -55,9 +59,16 @@ std::vector<TrackedSweep> whole_ones(const std::vector<TrackedSweep>& sweeps) {
   return whole;
 }
 
-std::vector<DelayPoint> points_of(const std::vector<TrackedSweep>& sweeps) {
+/// What can be told from noise; but half a frame of noise is not a lost frame.
+double least_step(const std::vector<TrackedSweep>& sweeps) {
+  double widest = 0.0;
+  for (const auto& sweep : sweeps) widest = std::max(widest, sweep.deviation_frames);
+  return std::max(kLeastStep, kCertain * widest);
+}
+
+std::vector<DelayPoint> points_of(const std::vector<TrackedSweep>& sweeps, double delay) {
   std::vector<DelayPoint> points;
-  for (const auto& sweep : sweeps) points.push_back({sweep.burst.at, sweep.delay_frames});
+  for (const auto& sweep : sweeps) points.push_back({sweep.burst.at, delay + sweep.delay_frames});
   return points;
 }
 
@@ -83,6 +94,7 @@ class Analyst {
         search_(through(recording.played, profile_taps()), heard_.size(), recording.sample_rate),
         windows_(bursts_, recording.sample_rate, profile_taps()) {
     analysis_.sample_rate = recording.sample_rate;
+    if (settings.profile) evidence_.widest_error_frames = frames_in(kThroughActuator, recording.sample_rate);
   }
 
   Analysis run() {
@@ -93,7 +105,7 @@ class Analyst {
     follow_clock();
     fit();
     // A tone or a click may correlate with a sweep, but no path makes one from the other.
-    if (fit_.strength < CoarseDelay::kNothing) return not_found();
+    if (fit_.strength < CoarseDelay::kNothing || fit_.model.log_gain < kFaintest) return not_found();
     compare();
     describe();
     analysis_.finding = judge(analysis_, evidence_, heard_);
@@ -132,48 +144,59 @@ class Analyst {
     windows_.set_noise(floor_);
   }
 
-  /// Finds the drift between the clocks, and takes it off what was heard.
+  /// Finds the drift between the clocks, and takes it off what was heard. The sweeps are compared with the
+  /// loudest of them, so that it does not matter what the path makes of a sweep.
   void follow_clock() {
-    PathModel plain;
-    plain.sign = evidence_.coarse.sign;
     steady_heard_ = heard_;
-    if (!evidence_.coarse.clear()) {
-      steady_ = windows_.track(heard_, evidence_.coarse.frames, 0, plain);
-      return;
-    }
-    for (int round = 0;; ++round) {
-      sweeps_ = windows_.track(steady_heard_, evidence_.coarse.frames, kSearch, plain);
+    for (const auto& burst : bursts_.repeated) steady_.push_back({.burst = burst});
+    at_ = evidence_.coarse.frames;
+    for (int round = 0; evidence_.coarse.clear() && round <= kDriftRounds; ++round) {
+      sweeps_ = windows_.track(steady_heard_, at_, kSearch, loudest_sweep());
       const auto whole = whole_ones(sweeps_);
-      const auto trend = DelayTrend::of(points_of(whole), kLeastStep);
+      const auto trend = DelayTrend::of(points_of(whole, 0.0), least_step(whole));
       steady_.clear();
       for (const auto n : trend.longest) steady_.push_back(whole[n]);
       const double length = static_cast<double>(whole.back().burst.end() - whole.front().burst.at);
-      // What the second round finds on top of the first is as uncertain as the first.
-      if (round == 0) analysis_.drift_standard_error_ppm = 1e6 * trend.slope_deviation;
-      if (round == 0) analysis_.drift_ppm = 1e6 * trend.slope;
-      if (round == kDriftRounds || whole.size() < 3 || std::abs(trend.slope) * length < 1e-3 ||
+      if (whole.size() < 3 || std::abs(trend.slope) * length < 1e-3 ||
           std::abs(trend.slope) < 3.0 * trend.slope_deviation)
         break;
       speed_ *= 1.0 + trend.slope;
-      analysis_.drift_ppm = 1e6 * (speed_ - 1.0);
       steadied_ = at_speed(heard_, speed_);
       steady_heard_ = steadied_;
     }
+    at_ += std::llround(middle_delay());
+  }
+
+  Spectrum loudest_sweep() {
+    const auto loudest = std::max_element(bursts_.repeated.begin(), bursts_.repeated.end(),
+                                          [](const Burst& a, const Burst& b) { return a.gain < b.gain; });
+    const TrackedSweep sweep{.burst = *loudest};
+    const auto window = windows_.mean(steady_heard_, at_, {&sweep, 1});
+    return expected(window, fitted(window));
+  }
+
+  PathFit fitted(const HeardWindow& window) {
+    // What a profile knows is not to be guessed again.
+    return fit_path(window,
+                    windows_.start_of(window, evidence_.coarse.sign, evidence_.coarse.clear() ? kSearch : 0),
+                    settings_.profile ? PathShape::Kept : PathShape::Free);
+  }
+
+  /// The model where it fits: it has no noise.
+  Spectrum expected(const HeardWindow& window, const PathFit& fit) const {
+    return fit.misfit < kFits ? windows_.expected(fit.model) : SweepWindows::cleaned(window);
   }
 
   /// The delay of what was played at `frame`, when it is `constant` once the drift is taken off.
   double as_heard(double constant, double frame) const { return (frame + constant) * speed_ - frame; }
 
   void fit() {
-    const double near =
-        evidence_.coarse.clear() ? middle_delay() : static_cast<double>(evidence_.coarse.frames);
-    at_ = std::llround(near);
     mean_ = windows_.mean(steady_heard_, at_, steady_);
-    PathModel start;
-    start.sign = evidence_.coarse.sign;
-    start.delay_frames = near - static_cast<double>(at_);
-    start.log_gain = steady_.front().log_gain;
-    fit_ = fit_path(mean_, start, PathShape::Free);
+    const auto off =
+        windows_.start_of(mean_, evidence_.coarse.sign, evidence_.coarse.clear() ? kSearch : 0).delay_frames;
+    at_ += static_cast<std::int64_t>(off);
+    if (off != 0.0) mean_ = windows_.mean(steady_heard_, at_, steady_);
+    fit_ = fitted(mean_);
   }
 
   void compare() {
@@ -191,23 +214,28 @@ class Analyst {
     return *middle;
   }
 
-  /// Each sweep again, now that the path's shape is known.
+  /// Each sweep again, now that the path is known.
   void compare_sweeps() {
-    sweeps_ = windows_.track(steady_heard_, at_, kSearch, fit_.model);
+    sweeps_ = windows_.track(steady_heard_, at_, kSearch, expected(mean_, fit_));
     const auto whole = whole_ones(sweeps_);
-    trend_ = DelayTrend::of(points_of(whole), kLeastStep);
+    trend_ = DelayTrend::of(points_of(whole, constant()), least_step(whole));
+    analysis_.drift_ppm = 1e6 * (speed_ * (1.0 + trend_.slope) - 1.0);
+    analysis_.drift_standard_error_ppm = 1e6 * trend_.slope_deviation;
     for (const auto& sweep : sweeps_)
       analysis_.sweeps.push_back(
-          {sweep.burst.at, as_heard(sweep.delay_frames, static_cast<double>(sweep.burst.at)),
-           20.0 / std::numbers::ln10 * sweep.log_gain, sweep.burst.gain * bursts_.peak});
+          {sweep.burst.at, as_heard(constant() + sweep.delay_frames, static_cast<double>(sweep.burst.at)),
+           20.0 / std::numbers::ln10 * (fit_.model.log_gain + sweep.log_gain),
+           sweep.burst.gain * bursts_.peak});
     find_steps(whole);
   }
 
+  /// The delay once the drift is taken off.
+  double constant() const { return static_cast<double>(at_) + fit_.model.delay_frames; }
+
   void report_delay() {
-    const double constant = static_cast<double>(at_) + fit_.model.delay_frames;
     const double first = static_cast<double>(bursts_.repeated.front().at);
     const double last = static_cast<double>(bursts_.repeated.back().end());
-    analysis_.delay_frames = as_heard(constant, 0.5 * (first + last));
+    analysis_.delay_frames = as_heard(constant(), 0.5 * (first + last));
     analysis_.spread_frames = trend_.scatter;
     const double by_scatter =
         trend_.scatter / std::sqrt(static_cast<double>(std::max<std::size_t>(1, trend_.longest.size())));
@@ -219,13 +247,14 @@ class Analyst {
 
   /// Sweeps and, behind them, the pilot in pieces.
   void find_steps(const std::vector<TrackedSweep>& whole) {
-    auto points = points_of(whole);
-    if (const auto pilot = bursts_.pilot(rate())) {
+    auto points = points_of(whole, constant());
+    const auto pilot = bursts_.pilot(rate());
+    if (pilot && fit_.misfit < kFits) {
       const auto more =
           track_pilot(recording_.played, steady_heard_, *pilot, at_, fit_.model, profile_taps());
       points.insert(points.end(), more.begin(), more.end());
     }
-    analysis_.steps = DelayTrend::of(points, kLeastStep).steps;
+    analysis_.steps = DelayTrend::of(points, least_step(whole)).steps;
     if (!analysis_.steps.empty()) return;
     for (const auto& sweep : sweeps_)
       for (const auto place : windows_.damage(steady_heard_, at_, sweep, mean_, noise_))
@@ -264,14 +293,20 @@ class Analyst {
   void report_level() {
     const auto path = fit_.model.spectrum(mean_.size, mean_.profile);
     double heard_energy = 0.0, energy = 0.0, slope_energy = 0.0;  // of a burst of gain 1
+    double played = 0.0, played_here = 0.0;
+    const double per_bin = 2.0 / static_cast<double>(mean_.size);
     for (std::size_t b = 1; b < path.size(); ++b) {
-      const double w = 2 * std::numbers::pi * static_cast<double>(b) / static_cast<double>(mean_.size);
-      const double per_bin = 2.0 / static_cast<double>(mean_.size);
-      const double expected = per_bin * std::norm(path[b] * mean_.played[b]);
       heard_energy += per_bin * (std::norm(mean_.heard[b]) - mean_.noise[b]);
+      played += std::norm(mean_.played[b]);
+      if (b < mean_.lowest_bin) continue;
+      const double w = 2 * std::numbers::pi * static_cast<double>(b) / static_cast<double>(mean_.size);
+      const double expected = per_bin * std::norm(path[b] * mean_.played[b]);
+      played_here += std::norm(mean_.played[b]);
       energy += expected;
       slope_energy += w * w * expected;
     }
+    energy *= played / played_here;  // below the model's band as within
+    evidence_.gain_range_db = gain_range_db();
     double weight = 0.0;
     for (const auto& sweep : steady_) weight += sweep.burst.gain * sweep.burst.gain;
     analysis_.bound_frames = std::sqrt(noise_ / (weight * slope_energy));
@@ -279,6 +314,21 @@ class Analyst {
         decibels(std::max(energy, heard_energy) / static_cast<double>(bursts_.waveform.size())) -
         decibels(noise_);
     analysis_.gain_db = 20.0 / std::numbers::ln10 * fit_.model.log_gain;
+  }
+
+  /// Without the profile, where the model was fitted.
+  double gain_range_db() const {
+    double lowest = 1e300, highest = 0.0;
+    for (auto b = mean_.lowest_bin; hertz(b) < measuring_sweep(rate()).stop.value; ++b) {
+      const double gain = std::norm(
+          fit_.model.at(2 * std::numbers::pi * static_cast<double>(b) / static_cast<double>(mean_.size)));
+      lowest = std::min(lowest, gain);
+      highest = std::max(highest, gain);
+    }
+    return decibels(highest / lowest);
+  }
+  double hertz(std::size_t bin) const {
+    return static_cast<double>(bin) / static_cast<double>(mean_.size) * rate().value;
   }
 
   void report_details(const Response& response) {

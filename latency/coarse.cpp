@@ -10,25 +10,9 @@ namespace tactus {
 namespace {
 
 constexpr double kLeastShare = 0.125;  // of the probe's energy must lie within the recording
-constexpr double kFaintest = 1e-11;    // gain of a path that could still be heard, as power
 constexpr Seconds kEdge{0.01};
-constexpr std::size_t kAround = 96;      // frames: by 400 ppm two clocks differ by so much in five seconds
-constexpr double kLowest = 60.0;         // Hz; below there is hum, and little to tell the time by
-constexpr double kSixth = 1.0594630943;  // a twelfth of an octave to either side
-
-/// |Y|² as its mean from f / kSixth to f * kSixth.
-std::vector<double> smoothed_power(const Spectrum& spectrum) {
-  std::vector<double> sums(spectrum.size() + 1, 0.0);
-  for (std::size_t b = 0; b < spectrum.size(); ++b) sums[b + 1] = sums[b] + std::norm(spectrum[b]);
-  std::vector<double> power(spectrum.size());
-  for (std::size_t b = 0; b < spectrum.size(); ++b) {
-    const auto at = static_cast<double>(b);
-    const auto low = static_cast<std::size_t>(at / kSixth);
-    const auto high = std::min(spectrum.size(), static_cast<std::size_t>(at * kSixth) + 1);
-    power[b] = (sums[high] - sums[low]) / static_cast<double>(high - low);
-  }
-  return power;
-}
+constexpr std::size_t kAround = 96;  // frames: by 400 ppm two clocks differ by so much in five seconds
+constexpr double kLowest = 60.0;     // Hz; below there is hum, and little to tell the time by
 
 /// The standard deviation of what is mostly normal, whatever sticks out of it.
 double robust_deviation(std::vector<double> values) {
@@ -92,12 +76,13 @@ std::vector<double> CoarseSearch::correlation(std::span<const double> heard) {
   }
   auto cross = fourier_.forward(centred);
   const auto power = smoothed_power(cross);
+  const double gain = std::accumulate(power.begin(), power.end(), 0.0) /
+                      std::accumulate(played_power_.begin(), played_power_.end(), 0.0);
   const auto lowest =
       static_cast<std::size_t>(kLowest / sample_rate_.value * static_cast<double>(fourier_.size()));
   for (std::size_t b = 0; b < cross.size(); ++b)
-    cross[b] = b < lowest
-                   ? 0.0
-                   : cross[b] * std::conj(played_[b]) / (power[b] + kFaintest * played_power_[b] + 1e-300);
+    cross[b] =
+        b < lowest ? 0.0 : cross[b] * std::conj(played_[b]) / (power[b] + gain * played_power_[b] + 1e-300);
   return fourier_.inverse(cross);
 }
 

@@ -24,10 +24,11 @@ struct CoarseDelay {
   bool clear() const { return prominence >= kClear; }
 };
 
-/// Finds one signal in others by their generalised cross-correlation  IFFT(Y S* / |Y|²),  with |Y|² smoothed
-/// over a sixth of an octave: the matched filter for a weak signal in noise of any colour, and as sharp as
-/// the band allows for a strong one behind a resonance. Source: C. Knapp, G. Carter, "The generalized
-/// correlation method for estimation of time delay", IEEE Trans. ASSP 24, 1976.
+/// Finds one signal in others by their generalised cross-correlation  IFFT(Y S* / (|Y|² + g |S|²)),  powers
+/// smoothed over a sixth of an octave, g the ratio of their sums: close to the matched filter for a weak
+/// signal in noise of any colour, sharp for a strong one, and bounded where either has next to nothing.
+/// Source: C. Knapp, G. Carter, "The generalized correlation method for estimation of time delay", IEEE
+/// Trans. ASSP 24, 1976.
 class CoarseSearch {
  public:
   /// [control] For recordings of up to `frames`.

@@ -18,9 +18,9 @@ constexpr double kGainMoves = 0.5;        // dB
 constexpr double kCancelled = 3.0;        // dB
 constexpr double kUneven = 0.1;           // misfit
 constexpr double kEchoShare = 0.6, kLeastEcho = -30.0;
-constexpr double kMisfit = 0.02;  // of the power: the phase is then wrong by 8 degrees somewhere
-constexpr double kLowSnr = 0.1;   // frames of standard error
-constexpr double kCertain = 5.0;  // standard errors
+constexpr double kMisfit = 0.005;   // of the power: the phase is then wrong by 4 degrees somewhere
+constexpr double kGainRange = 6.0;  // dB; what is between converters has less
+constexpr double kCertain = 5.0;    // standard errors
 
 int longest_clipped_run(std::span<const double> heard) {
   int longest = 0, run = 0;
@@ -143,7 +143,8 @@ std::optional<Finding> second_path(const Evidence& evidence) {
 }
 
 std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidence) {
-  if (evidence.coarse.clear() && analysis.standard_error_frames < kLowSnr) return std::nullopt;
+  if (evidence.coarse.clear() && analysis.standard_error_frames < evidence.widest_error_frames)
+    return std::nullopt;
   return Finding{
       Verdict::LowSnr,
       fmt::format("the noise is too strong: {:.1f} dB of signal above it leave the delay uncertain by {:.2f} "
@@ -152,12 +153,16 @@ std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidenc
       "play louder, raise the input's gain, or find the source of the noise"};
 }
 
-std::optional<Finding> not_flat(const Analysis& analysis) {
-  if (analysis.misfit < kMisfit) return std::nullopt;
+std::optional<Finding> not_flat(const Analysis& analysis, const Evidence& evidence) {
+  std::string what;
+  if (analysis.misfit > kMisfit)
+    what = fmt::format("{:.1f} % of what is heard does not fit any single delay", 100.0 * analysis.misfit);
+  else if (evidence.gain_range_db > kGainRange)
+    what = fmt::format("its gain differs by {:.0f} dB over the band", evidence.gain_range_db);
+  else
+    return std::nullopt;
   return Finding{
-      Verdict::NotFlat,
-      fmt::format("the path is no cable: {:.0f} % of what is heard does not fit any single delay",
-                  100.0 * analysis.misfit),
+      Verdict::NotFlat, "the path is no cable: " + what,
       "join output and input by a cable, or measure the actuator and the sensor with `tactus latency "
       "calibrate` and give its profile"};
 }
@@ -187,7 +192,7 @@ Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<cons
   if (const auto found = clocks_differ(analysis)) return *found;
   if (const auto found = moving_gain(analysis, evidence)) return *found;
   if (const auto found = second_path(evidence)) return *found;
-  if (const auto found = not_flat(analysis)) return *found;
+  if (const auto found = not_flat(analysis, evidence); found && evidence.coarse.clear()) return *found;
   if (const auto found = low_snr(analysis, evidence)) return *found;
   return {};
 }

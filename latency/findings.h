@@ -15,6 +15,8 @@ struct Evidence {
   CoarseDelay coarse;
   std::vector<CoarseDelay> other_channels;  ///< channel by channel, the own one too; empty: not looked at
   Response::Echo echo;
+  double gain_range_db = 0.0;           ///< highest over lowest gain of the model in the band
+  double widest_error_frames = 0.1;     ///< standard error that is still called a result
   std::optional<double> knock_gain_db;  ///< highest gain of bursts before the sweeps
 };
 

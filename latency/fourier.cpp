@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <unsupported/Eigen/FFT>
 
@@ -17,6 +18,31 @@ std::size_t quick_size(std::size_t at_least) {
 }
 
 }  // namespace
+
+std::vector<double> smoothed_power(const Spectrum& spectrum) {
+  // Sums of their own, and not differences of running ones: from bass to treble there may be 300 dB.
+  const double twelfth = std::exp2(1.0 / 12), step = std::exp2(1.0 / 24);
+  const auto mean_around = [&](double bin) {
+    const auto low = static_cast<std::size_t>(bin / twelfth);
+    const auto high =
+        std::max(low + 1, std::min(spectrum.size(), static_cast<std::size_t>(bin * twelfth) + 1));
+    double sum = 0.0;
+    for (auto b = low; b < high; ++b) sum += std::norm(spectrum[b]);
+    return sum / static_cast<double>(high - low);
+  };
+  std::vector<double> power(spectrum.size(), std::norm(spectrum[0]));
+  const auto last = static_cast<double>(spectrum.size() - 1);
+  double here = 1.0, at_here = mean_around(here);
+  for (std::size_t b = 1; b < power.size();) {
+    const double next = std::min(here * step, last), at_next = mean_around(next);
+    for (; b < power.size() && static_cast<double>(b) <= next; ++b)
+      power[b] = next > here ? std::lerp(at_here, at_next, (static_cast<double>(b) - here) / (next - here))
+                             : at_here;
+    here = next;
+    at_here = at_next;
+  }
+  return power;
+}
 
 struct Fourier::Transform {
   Eigen::FFT<double> fft;

@@ -10,6 +10,9 @@ namespace tactus {
 
 using Spectrum = std::vector<std::complex<double>>;
 
+/// [control] |X|² of each bin as its mean over a sixth of an octave around it.
+std::vector<double> smoothed_power(const Spectrum& spectrum);
+
 /// The discrete Fourier transform of real signals of one length:  X[b] = sum of x[n] exp(-2πi b n / size),
 /// bins 0 to size / 2. Shorter signals count as followed by zeros.
 class Fourier {

@@ -13,7 +13,8 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
-constexpr double kPlayed = 1e-5;  // of the power of the loudest bin: below, nothing was played there
+constexpr std::int64_t kAtPath = 16;  // frames
+constexpr double kPlayed = 1e-5;      // of the power of the loudest bin: below, nothing was played there
 constexpr std::array kOctaves{31.25,  62.5,   125.0,  250.0,   500.0,   1000.0,
                               2000.0, 4000.0, 8000.0, 16000.0, 32000.0, 64000.0};
 
@@ -189,17 +190,20 @@ Response::Echo Response::echo() const {
   auto left = power_of(rest);
   const double all = std::accumulate(left.begin(), left.end(), 0.0);
   const auto size = static_cast<std::int64_t>(left.size());
+  // What stands at the path itself is its shape.
+  const auto at = static_cast<std::int64_t>(highest_place(main));
+  for (auto n = at - kAtPath; n <= at + kAtPath; ++n) left[static_cast<std::size_t>((n + size) % size)] = 0.0;
   Echo echo;
   for (int k = 0; k < 3; ++k) {
     const auto place = static_cast<std::int64_t>(highest_place(left));
     if (k == 0) {
-      const auto from_main = place - static_cast<std::int64_t>(highest_place(main));
+      const auto from_main = place - at;
       echo.frames =
           static_cast<int>(std::remainder(static_cast<double>(from_main), static_cast<double>(size)));
       echo.level_db =
           decibels(left[static_cast<std::size_t>(place)] / *std::max_element(main.begin(), main.end()));
     }
-    for (std::int64_t n = place - 8; n <= place + 8; ++n) {
+    for (auto n = place - 8; n <= place + 8; ++n) {
       auto& value = left[static_cast<std::size_t>((n + size) % size)];
       echo.share += value / all;
       value = 0.0;
@@ -242,7 +246,7 @@ std::array<std::optional<double>, 4> harmonics(const HeardWindow& window, const 
   for (std::size_t k = 0; k < found.size(); ++k) {
     const double order = static_cast<double>(k) + 2.0;
     const double harmonic = power(order, order), noise = power(kNowhere, order);
-    if (harmonic > 2.0 * noise) found[k] = decibels((harmonic - noise) / fundamental);
+    if (harmonic > 4.0 * noise) found[k] = decibels((harmonic - noise) / fundamental);
   }
   return found;
 }

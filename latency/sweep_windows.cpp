@@ -11,8 +11,9 @@ namespace {
 constexpr std::int64_t kLead = 64;   // frames before the burst: a filter may answer before its delay
 constexpr Seconds kMostPause{0.12};  // after it; a longer one would add only noise
 constexpr Seconds kLongestDamage{0.02};
-constexpr std::int64_t kReach = 8192;  // frames that may be lost at once and still be found
-constexpr double kLowestHz = 150.0;    // above the corners of coupling capacitors and above hum
+constexpr std::int64_t kReach = 8192;      // frames that may be lost at once and still be found
+constexpr double kLowestOfProfile = 30.0;  // where an actuator's resonance may be all that is heard
+constexpr double kLowestHz = 150.0;        // above the corners of coupling capacitors and above hum
 
 /// Around each burst there are a quarter of a pause for the window's edge, and before it another for what
 /// comes early.
@@ -48,8 +49,9 @@ SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::s
               2 * quarter_pause(bursts, sample_rate)),
       fade_(static_cast<std::size_t>(frames_), 1.0),
       fourier_(static_cast<std::size_t>(frames_ + kReach)),
-      lowest_bin_(static_cast<std::size_t>(
-          std::ceil(kLowestHz / sample_rate.value * static_cast<double>(fourier_.size())))) {
+      lowest_bin_(
+          static_cast<std::size_t>(std::ceil((profile.empty() ? kLowestHz : kLowestOfProfile) /
+                                             sample_rate.value * static_cast<double>(fourier_.size())))) {
   // A window with hard edges would spread hum over all frequencies.
   const auto edge = static_cast<std::size_t>(quarter_pause(bursts, sample_rate));
   for (std::size_t n = 0; n < edge; ++n) {
@@ -87,26 +89,16 @@ HeardWindow SweepWindows::window_of(Spectrum heard, double gain) const {
   return window;
 }
 
-std::int64_t SweepWindows::nearest(const HeardWindow& window, std::int64_t search, double sign) {
-  Spectrum expected = window.played;
-  double loudest = 0.0;
-  for (std::size_t b = 0; b < expected.size(); ++b) {
-    if (!window.profile.empty()) expected[b] *= window.profile[b];
-    loudest = std::max(loudest, std::norm(expected[b]));
-  }
-  // Where next to nothing is expected, a bin would count as much as any other.
+std::int64_t SweepWindows::nearest(const HeardWindow& window, const Spectrum& expected, std::int64_t search) {
   Spectrum cross(window.heard.size());
   for (auto b = window.lowest_bin; b + 1 < cross.size(); ++b)
-    if (std::norm(expected[b]) > 1e-5 * loudest)
-      cross[b] =
-          window.heard[b] * std::conj(expected[b]) / std::sqrt(std::norm(expected[b]) * window.noise[b]);
+    cross[b] = window.heard[b] * std::conj(expected[b]) / window.noise[b];
   const auto correlation = fourier_.inverse(cross);
   const auto size = static_cast<std::int64_t>(correlation.size());
   std::int64_t best = 0;
   double highest = 0.0;
   for (auto lag = -search; lag <= search; ++lag)
-    if (const double value = sign * correlation[static_cast<std::size_t>((lag + size) % size)];
-        value > highest) {
+    if (const double value = correlation[static_cast<std::size_t>((lag + size) % size)]; value > highest) {
       highest = value;
       best = lag;
     }
@@ -114,26 +106,47 @@ std::int64_t SweepWindows::nearest(const HeardWindow& window, std::int64_t searc
 }
 
 std::vector<TrackedSweep> SweepWindows::track(std::span<const double> heard, std::int64_t near,
-                                              std::int64_t search, const PathModel& shape) {
+                                              std::int64_t search, const Spectrum& expected) {
   std::vector<TrackedSweep> tracked;
-  search = std::min(search, kReach);
   for (const auto& burst : bursts_.repeated) {
-    auto delay = near;
-    auto window = window_of(cut(heard, burst.at + delay), burst.gain);
-    if (search > 0) {
-      if (const auto off = nearest(window, search, shape.sign); off != 0) {
-        delay += off;
-        window = window_of(cut(heard, burst.at + delay), burst.gain);
-      }
-    }
-    auto start = shape;
-    start.delay_frames = shape.delay_frames - std::round(shape.delay_frames);
-    start.log_gain = log_gain(window, shape.sign);
+    auto window = window_of(cut(heard, burst.at + near), burst.gain);
+    const auto later = nearest(window, expected, std::min(search, kReach));
+    if (later != 0) window = window_of(cut(heard, burst.at + near + later), burst.gain);
+    window.played = expected;
+    window.profile.clear();
+    PathModel start;
+    start.log_gain = log_gain(window, 1.0);
     const auto fit = fit_path(window, start, PathShape::Kept);
-    tracked.push_back({burst, static_cast<double>(delay) + fit.model.delay_frames, fit.delay_deviation,
-                       fit.model.log_gain, fit.misfit});
+    tracked.push_back({burst, static_cast<double>(later) + fit.model.delay_frames,
+                       fit.delay_deviation * std::sqrt(std::max(1.0, fit.chi_squared)), fit.model.log_gain,
+                       fit.misfit});
   }
   return tracked;
+}
+
+Spectrum SweepWindows::expected(const PathModel& model) const {
+  auto all = model.spectrum(fourier_.size(), profile_);
+  for (std::size_t b = 0; b < all.size(); ++b) all[b] *= played_[b];
+  return all;
+}
+
+Spectrum SweepWindows::cleaned(const HeardWindow& window) {
+  auto all = window.heard;
+  const auto power = smoothed_power(all);
+  for (std::size_t b = 0; b < all.size(); ++b)
+    all[b] *= std::max(0.0, 1.0 - window.noise[b] / std::max(power[b], window.noise[b]));
+  return all;
+}
+
+PathModel SweepWindows::start_of(const HeardWindow& window, double sign, std::int64_t search) {
+  PathModel start;
+  start.sign = sign;
+  start.delay_frames = static_cast<double>(nearest(window, expected(start), search));
+  auto moved = window;
+  moved.played = expected(start);
+  moved.profile.clear();
+  start.log_gain = log_gain(moved, 1.0);
+  return start;
 }
 
 HeardWindow SweepWindows::mean(std::span<const double> heard, std::int64_t frames,

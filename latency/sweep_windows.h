@@ -12,12 +12,12 @@
 
 namespace tactus {
 
-/// One repeated burst as it was heard.
+/// One repeated burst as it was heard, beside what was expected.
 struct TrackedSweep {
   Burst burst;
   double delay_frames = 0.0;
   double deviation_frames = 0.0;  ///< as the noise makes it
-  double log_gain = 0.0;          ///< of the path
+  double log_gain = 0.0;
   double misfit = 0.0;
 };
 
@@ -30,10 +30,17 @@ class SweepWindows {
   /// [control] What is only noise; its spectrum must not be zero anywhere.
   void set_noise(const NoiseFloor& floor);
 
-  /// [control] Each burst by itself: first its delay to the frame, searched within `search` frames of `near`,
-  /// then delay and gain with the shape of `shape`.
+  /// [control] Each burst by itself, cut out at the delay `near` and compared with `expected`, what a burst
+  /// of gain 1 should look like there: how much later it is (first to the frame within `search`, then
+  /// exactly) and how much stronger.
   std::vector<TrackedSweep> track(std::span<const double> heard, std::int64_t near, std::int64_t search,
-                                  const PathModel& shape);
+                                  const Spectrum& expected);
+  /// [control] What a burst looks like behind a path of that model.
+  Spectrum expected(const PathModel& model) const;
+  /// [control] What it looked like, each frequency as far as it stands out of the noise (Wiener's filter).
+  static Spectrum cleaned(const HeardWindow& window);
+  /// [control] Whole frames and gain from which a fit of `window` may start.
+  PathModel start_of(const HeardWindow& window, double sign, std::int64_t search);
   /// [control] The mean of the bursts `which`, all cut out at the delay `frames`, for a burst of gain 1.
   HeardWindow mean(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which);
   /// [control] The variance of a frame that differs between bursts that were equal, of at least two: in the
@@ -52,7 +59,7 @@ class SweepWindows {
  private:
   Spectrum cut(std::span<const double> heard, std::int64_t from);
   HeardWindow window_of(Spectrum heard, double gain) const;
-  std::int64_t nearest(const HeardWindow& window, std::int64_t search, double sign);
+  std::int64_t nearest(const HeardWindow& window, const Spectrum& expected, std::int64_t search);
 
   const PlayedBursts& bursts_;
   Hertz sample_rate_;

@@ -89,7 +89,7 @@ Trial accuracy_trial(const Stimulus& stimulus, int number) {
   const double wanted =
       std::array{-10.0, 0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0}[static_cast<std::size_t>(number / 4 % 8)];
   // A converter has room for noise of -15 dBFS; a louder one comes with a softer signal.
-  const double loudest = -15.0 - wanted - decibels(stimulus.power);
+  const double loudest = -15.0 + wanted - decibels(stimulus.power);
   loop.gain = polarity * std::pow(10.0, std::min(gain_db, loudest) / 20.0);
   const double signal = stimulus.power * loop.gain * loop.gain;
   const double step = std::exp2(1 - loop.bits);

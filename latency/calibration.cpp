@@ -1,0 +1,187 @@
+#include "latency/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "latency/bursts.h"
+#include "latency/noise_floor.h"
+#include "latency/response.h"
+#include "latency/sweep_windows.h"
+#include "latency/toeplitz.h"
+
+namespace tactus {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kLeastSnr = 20.0;       // dB
+constexpr double kMostLeft = 0.05;       // unexplained share that a profile may leave
+constexpr double kTail = 1e-7;           // of the energy, that is cut off at the end of the taps
+constexpr double kFlattest = 1e-5;       // of the probe's power: where nothing was played nothing is guessed
+constexpr double kQuietest = 1e-18;      // variance: -180 dBFS
+constexpr double kFirstSwing = 1.0 / 3;  // of the highest
+
+double energy(const std::vector<double>& samples) {
+  return std::inner_product(samples.begin(), samples.end(), samples.begin(), 0.0);
+}
+
+/// Verdicts that are no objection here: a path through an actuator is not flat, and may ring on.
+bool acceptable(Verdict verdict) {
+  return verdict == Verdict::Ok || verdict == Verdict::NotFlat || verdict == Verdict::DirectMonitoring ||
+         verdict == Verdict::LowSnr;
+}
+
+/// The card's whole frames are taken off by cutting later, the rest by turning the phase.
+HeardWindow without_delay(SweepWindows& windows, std::span<const double> heard, double delay,
+                          std::span<const TrackedSweep> sweeps) {
+  const double whole = std::floor(delay);
+  auto window = windows.mean(heard, static_cast<std::int64_t>(whole), sweeps);
+  for (std::size_t b = 0; b < window.heard.size(); ++b)
+    window.heard[b] *=
+        std::polar(1.0, 2 * pi * static_cast<double>(b) / static_cast<double>(window.size) * (delay - whole));
+  return window;
+}
+
+std::vector<double> taps_of(const HeardWindow& window, Fourier& fourier, std::size_t length, double noise) {
+  Spectrum own(window.played.size()), common(window.played.size());
+  double heard_power = 0.0, played_power = 0.0;
+  for (std::size_t b = 0; b < own.size(); ++b) {
+    own[b] = std::norm(window.played[b]);
+    common[b] = window.heard[b] * std::conj(window.played[b]);
+    heard_power += std::norm(window.heard[b]);
+    played_power += own[b].real();
+  }
+  auto r = fourier.inverse(own), c = fourier.inverse(common);
+  length = std::min(length, c.size() / 2);
+  // Wiener: the variance of the noise over that of a tap, both as far as they are known.
+  const double of_tap = heard_power / played_power / static_cast<double>(length);
+  r[0] += std::max(noise / of_tap, kFlattest * r[0]);
+  auto taps = solve_toeplitz(std::span{r}.first(length), std::span{c}.first(length));
+  const double all = energy(taps);
+  for (double tail = 0.0; taps.size() > 1; taps.pop_back())
+    if ((tail += taps.back() * taps.back()) > kTail * all) break;
+  return taps;
+}
+
+/// The share of what was heard, where it was played, that the taps leave over beyond the noise.
+double unexplained(const HeardWindow& window, const Spectrum& path) {
+  double left = 0.0, heard = 0.0;
+  for (auto b = window.lowest_bin; b + 1 < path.size(); ++b) {
+    left += std::norm(window.heard[b] - path[b] * window.played[b]) - window.noise[b];
+    heard += std::norm(window.heard[b]);
+  }
+  return std::max(0.0, left / heard);
+}
+
+/// Where |H| crosses 1 / sqrt(2) of its peak, walking from it by `step`; nothing if it never does.
+std::optional<double> half_power(const std::vector<double>& power, std::size_t peak, int step) {
+  for (auto b = static_cast<std::ptrdiff_t>(peak); b > 0 && b + 1 < static_cast<std::ptrdiff_t>(power.size());
+       b += step) {
+    const double here = power[static_cast<std::size_t>(b)], next = power[static_cast<std::size_t>(b + step)];
+    if (next > 0.5 * power[peak]) continue;
+    return static_cast<double>(b) + step * (here - 0.5 * power[peak]) / (here - next);
+  }
+  return std::nullopt;
+}
+
+/// Of one resonance, half of the power is at f0 (sqrt(1 + 1 / 4Q²) ± 1 / 2Q): either side tells Q, both
+/// together best.
+std::optional<Resonance> resonance_of(const Spectrum& path, double hertz_per_bin, Hertz low, Hertz high) {
+  std::vector<double> power(path.size(), 0.0);
+  for (std::size_t b = 0; b < power.size(); ++b)
+    if (const double f = static_cast<double>(b) * hertz_per_bin; f >= low.value && f <= high.value)
+      power[b] = std::norm(path[b]);
+  const auto peak = static_cast<std::size_t>(std::max_element(power.begin(), power.end()) - power.begin());
+  const auto known = [&](const std::optional<double>& bin) {
+    return bin && *bin * hertz_per_bin > 1.02 * low.value && *bin * hertz_per_bin < 0.98 * high.value;
+  };
+  const auto below = half_power(power, peak, -1), above = half_power(power, peak, 1);
+  const auto centre = static_cast<double>(peak);
+  Resonance found{centre * hertz_per_bin, 0.0};
+  if (known(below) && known(above))
+    found.q = centre / (*above - *below);
+  else if (known(above) && centre * hertz_per_bin > 1.02 * low.value)
+    found.q = centre * *above / (*above * *above - centre * centre);
+  else if (known(below) && centre * hertz_per_bin < 0.98 * high.value)
+    found.q = centre * *below / (centre * centre - *below * *below);
+  else
+    return std::nullopt;
+  return found;
+}
+
+void describe_swing(const std::vector<double>& taps, Calibration& calibration) {
+  double highest = 0.0;
+  for (const double tap : taps) highest = std::max(highest, std::abs(tap));
+  const auto first = std::find_if(taps.begin(), taps.end(),
+                                  [&](double tap) { return std::abs(tap) >= kFirstSwing * highest; });
+  if (first == taps.end()) return;
+  calibration.polarity = *first < 0.0 ? -1 : 1;
+  calibration.arrival_frames = static_cast<double>(first - taps.begin());
+}
+
+Finding judge(const Calibration& calibration) {
+  if (calibration.snr_db < kLeastSnr)
+    return {
+        Verdict::LowSnr, "the noise is too strong to tell the path's shape",
+        "play louder (but no louder than the actuator stands), raise the sensor's gain, or find the noise"};
+  if (calibration.unexplained > kMostLeft)
+    return {Verdict::NotFlat,
+            "the path is no fixed linear response: part of what is heard changes from sweep to sweep or is "
+            "distorted",
+            "play softer, and make sure that nothing rattles or moves while it is measured"};
+  return {};
+}
+
+}  // namespace
+
+Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationSettings& settings) {
+  if (!(settings.electrical_frames >= 0.0))
+    return fail(Errc::BadArgument, "", "the card's own delay cannot be negative", "measure it over a cable");
+  AnalysisSettings plain;
+  plain.channel = settings.channel;
+  const auto analysis = analyze(recording, plain);
+  if (!analysis) return tl::unexpected{analysis.error()};
+  Calibration calibration;
+  calibration.finding = analysis->finding;
+  calibration.snr_db = analysis->snr_db;
+  if (!analysis->heard || !acceptable(analysis->finding.verdict)) return calibration;
+
+  const auto& heard = recording.heard[static_cast<std::size_t>(settings.channel)];
+  const auto rate = recording.sample_rate;
+  const auto bursts = *find_bursts(recording.played, rate);
+  SweepWindows windows{bursts, rate, {}};
+  NoiseFloor floor;
+  floor.mean = analysis->dc;
+  floor.variance = std::max(kQuietest, std::pow(10.0, analysis->noise_floor_dbfs / 10.0));
+  floor.per_frame = {floor.variance, floor.variance};
+  windows.set_noise(floor);
+  std::vector<TrackedSweep> sweeps;
+  double weight = 0.0;
+  for (const auto& burst : bursts.repeated) {
+    sweeps.push_back({.burst = burst});
+    weight += burst.gain * burst.gain;
+  }
+  const auto window = without_delay(windows, heard, settings.electrical_frames, sweeps);
+  auto& fourier = windows.fourier();
+  auto& profile = calibration.profile;
+  profile.sample_rate = rate;
+  profile.taps = taps_of(window, fourier, static_cast<std::size_t>(frames_in(settings.length, rate)),
+                         floor.variance / weight);
+  profile.low = measuring_sweep(rate).start;
+  profile.high = measuring_sweep(rate).stop;
+
+  const auto path = fourier.forward(profile.taps);
+  calibration.unexplained = unexplained(window, path);
+  calibration.resonance =
+      resonance_of(path, rate.value / static_cast<double>(fourier.size()), profile.low, profile.high);
+  describe_swing(profile.taps, calibration);
+  const Response response{window, PathModel{}, rate, fourier};
+  calibration.spectrum = response.spectrum();
+  calibration.group_delay = response.group_delay(0.0);
+  calibration.finding = judge(calibration);
+  return calibration;
+}
+
+}  // namespace tactus

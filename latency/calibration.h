@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "latency/analysis.h"
+#include "latency/loop_recording.h"
+#include "latency/path_profile.h"
+#include "latency/verdict.h"
+
+namespace tactus {
+
+/// A resonance as its peak shows it.
+struct Resonance {
+  double frequency_hz = 0.0;
+  double q = 0.0;  ///< frequency over the width at -3 dB
+};
+
+/// How an actuator and a sensor answer together, measured from one recording through both.
+struct Calibration {
+  Finding finding;
+  PathProfile profile;
+  int polarity = 1;  ///< of the first swing that reaches a third of the highest
+  std::optional<Resonance> resonance;
+  double arrival_frames = 0.0;  ///< when that swing begins, without the card's delay
+  std::vector<BandDelay> group_delay;
+  std::vector<ResponsePoint> spectrum;
+  double snr_db = 0.0;
+  double unexplained = 0.0;  ///< share of what is heard that the profile does not explain
+};
+
+struct CalibrationSettings {
+  int channel = 0;
+  double electrical_frames = 0.0;  ///< the card's own delay, measured over a cable
+  Seconds length{0.3};             ///< of the response, at most
+};
+
+/// [control] The causal response h of `length` that minimises  |heard - h * played|² + λ |h|²  over the mean
+/// of all sweeps, once the card's delay is taken off: Toeplitz normal equations, by conjugate gradients with
+/// a circulant preconditioner. λ is what the noise asks for. Errors as `analyze`.
+Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationSettings& settings);
+
+}  // namespace tactus
