@@ -90,7 +90,7 @@ const std::vector<Entry>& entries() {
        [] {
          return with([](auto& c) {
            c.gain = from_db(-50.0);
-           c.noise = from_db(-30.0);
+           c.noise = from_db(-36.0);
          });
        }},
       {{"unstable", "another delay each time it is opened"},
