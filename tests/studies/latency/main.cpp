@@ -1,6 +1,6 @@
 // How well the delay is measured: simulated loops in numbers. See scripts/study_latency.
-//   latency_study accuracy COUNT | nothing COUNT | drift COUNT | methods COUNT      prints a table in
-//   Markdown
+//   latency_study accuracy COUNT | nothing COUNT | drift COUNT | paths COUNT | methods COUNT      prints a
+//   table in Markdown
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,15 +9,18 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "latency/analysis.h"
+#include "latency/calibration.h"
 #include "latency/delay_trend.h"
 #include "latency/probe.h"
 #include "tests/studies/latency/baselines.h"
+#include "tests/support/plants.h"
 #include "tests/support/simulated_loop.h"
 
 namespace {
@@ -226,6 +229,52 @@ void drift(int count) {
              std::sqrt(squares[0]), worst[0], std::sqrt(squares[1]), worst[1]);
 }
 
+/// Through actuators: each calibrated once at some delay of the card, then measured at others.
+void paths(int count) {
+  const Stimulus stimulus;
+  constexpr int kElectrical = 960;
+  fmt::print(
+      "| path | heard above the noise | loops | refused without its profile | refused with it | rms error | "
+      "worst error |\n");
+  fmt::print("|---|---|---|---|---|---|---|\n");
+  for (const auto& plant : test::plants())
+    for (const double snr_db : {40.0, 20.0, 10.0}) {
+      double power = 0.0;
+      const auto quiet = test::through_plant(plant, stimulus.samples, 0, 0.0, 1).heard[0];
+      for (const double sample : quiet) power += sample * sample / static_cast<double>(quiet.size());
+      const double noise = std::sqrt(power * std::pow(10.0, -snr_db / 10.0));
+      CalibrationSettings calibrated;
+      calibrated.electrical_frames = kElectrical;
+      const auto calibration =
+          calibrate(test::through_plant(plant, stimulus.samples, kElectrical, noise, 1), calibrated).value();
+      std::vector<std::optional<double>> errors(static_cast<std::size_t>(count));
+      std::atomic<int> refused{0};
+      in_parallel(count, [&](int n) {
+        Draw draw{n};
+        const auto delay = static_cast<int>(draw.between(0.0, 20000.0));
+        const auto recording =
+            test::through_plant(plant, stimulus.samples, delay, noise, static_cast<std::uint64_t>(n) + 2);
+        AnalysisSettings settings;
+        settings.details = false;
+        refused += analyze(recording, settings).value().finding.verdict != Verdict::Ok;
+        settings.profile = calibration.profile;
+        const auto analysis = analyze(recording, settings).value();
+        if (analysis.finding.verdict == Verdict::Ok)
+          errors[static_cast<std::size_t>(n)] = 1e3 * (analysis.delay_frames - delay) / kRate.value;
+      });
+      double squares = 0.0, worst = 0.0;
+      int kept = 0;
+      for (const auto& error : errors)
+        if (error) {
+          ++kept;
+          squares += *error * *error;
+          worst = std::max(worst, std::abs(*error));
+        }
+      fmt::print("| {} | {:.0f} dB | {} | {} | {} | {:.5f} ms | {:.5f} ms |\n", plant.name, snr_db, count,
+                 refused.load(), count - kept, std::sqrt(squares / std::max(1, kept)), worst);
+    }
+}
+
 /// One way to measure: what it plays, and what it makes of what is heard.
 struct Method {
   std::string name;
@@ -301,7 +350,8 @@ int main(int argc, char** argv) {
   if (what == "accuracy") return accuracy(count), 0;
   if (what == "nothing") return nothing(count), 0;
   if (what == "drift") return drift(count), 0;
+  if (what == "paths") return paths(count), 0;
   if (what == "methods") return compare(count), 0;
-  fmt::print(stderr, "accuracy, nothing, drift or methods, and how many loops\n");
+  fmt::print(stderr, "accuracy, nothing, drift, paths or methods, and how many loops\n");
   return 2;
 }
