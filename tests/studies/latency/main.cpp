@@ -270,8 +270,11 @@ void paths(int count) {
           squares += *error * *error;
           worst = std::max(worst, std::abs(*error));
         }
-      fmt::print("| {} | {:.0f} dB | {} | {} | {} | {:.5f} ms | {:.5f} ms |\n", plant.name, snr_db, count,
-                 refused.load(), count - kept, std::sqrt(squares / std::max(1, kept)), worst);
+      const auto errors_text = kept == 0
+                                   ? std::string{"- | -"}
+                                   : fmt::format("{:.5f} ms | {:.5f} ms", std::sqrt(squares / kept), worst);
+      fmt::print("| {} | {:.0f} dB | {} | {} | {} | {} |\n", plant.name, snr_db, count, refused.load(),
+                 count - kept, errors_text);
     }
 }
 
