@@ -1,0 +1,93 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/latency/simulated_cards.h"
+
+// What a measurement says against itself.
+
+using namespace tactus;
+using test::expect;
+using test::measured;
+using test::named;
+using test::on_a_wire;
+
+TEST_CASE("measurement: what goes wrong is said, with what to do", "[latency][measurement]") {
+  struct Case {
+    const char* card;
+    Verdict verdict;
+  };
+  const auto each = GENERATE(
+      Case{"no_cable", Verdict::NoSignal}, Case{"wrong_channel", Verdict::WrongChannel},
+      Case{"howl", Verdict::Howl}, Case{"clipping", Verdict::Clipping}, Case{"dc=1", Verdict::Clipping},
+      Case{"gain=40dB,noise=-40dB,clip=0.1", Verdict::Clipping}, Case{"drops", Verdict::LostFrames},
+      Case{"wrong_rate", Verdict::ApiMismatch}, Case{"wrong_block", Verdict::ApiMismatch},
+      Case{"drift", Verdict::ClocksDiffer}, Case{"echo_cancel", Verdict::EchoCancel},
+      Case{"agc", Verdict::Agc}, Case{"monitor", Verdict::DirectMonitoring}, Case{"noise", Verdict::LowSnr});
+  CAPTURE(each.card);
+  expect(measured({named(each.card)}), each.verdict);
+}
+
+TEST_CASE("measurement: frames that are lost count although the driver is silent about them",
+          "[latency][measurement]") {
+  auto card = named("20ms");
+  card.drops = {{Seconds{3.0}, Seconds{0.0}, GENERATE(5, -5)}};
+  card.drops_told = false;
+  expect(measured({card}), Verdict::LostFrames);
+}
+
+TEST_CASE("measurement: a gap that the driver tells counts although nothing is missing",
+          "[latency][measurement]") {
+  auto card = named("20ms");
+  card.drops = {{Seconds{3.0}, Seconds{0.0}, 0}};
+  expect(measured({card}), Verdict::LostFrames);
+}
+
+TEST_CASE("measurement: gaps before the sweeps are none", "[latency][measurement]") {
+  auto card = named("20ms");
+  card.drops = {{Seconds{0.05}, Seconds{0.0}, 100}, {Seconds{0.1}, Seconds{0.0}, -100}};
+  const auto measurement = measured({card});
+  CHECK(code(measurement.finding.verdict) == std::string{"ok"});
+  CHECK(measurement.openings.front().health.xruns == 2);
+}
+
+TEST_CASE("measurement: one opening of five may lose frames, two of four may not", "[latency][measurement]") {
+  const auto good = named("20ms"), bad = named("drops");
+  const auto told = measured({good, bad, good, good}, on_a_wire(4));
+  CHECK(code(told.finding.verdict) == std::string{"ok"});
+  CHECK(told.finding.what == "1 of 4 openings lost frames and do not count; the others agree");
+  CHECK(told.delay_frames == Approx(960.0).margin(1e-3));
+  expect(measured({good, bad, bad, good}, on_a_wire(4)), Verdict::LostFrames);
+}
+
+TEST_CASE("measurement: a start that is unstable is told with every delay", "[latency][measurement]") {
+  auto card = named("20ms");
+  auto later = card;
+  later.delay_frames = 0.6;
+  const auto moved = measured({card, later, card}, on_a_wire(3));
+  expect(moved, Verdict::UnstableStart);
+  CHECK(moved.finding.what.find(": 960.000, 960.600, 960.000 frames") != std::string::npos);
+  CHECK(moved.spread_frames == Approx(0.6 / std::sqrt(3.0)).margin(1e-3));
+  later.delay_frames = 0.4;
+  CHECK(code(measured({card, later, card}, on_a_wire(3)).finding.verdict) == std::string{"ok"});
+}
+
+TEST_CASE("measurement: a second arrival is traced to the card or to a connection by another block",
+          "[latency][measurement]") {
+  CHECK(measured({named("monitor")})
+            .finding.what.find(
+                "+201 frames with blocks of 64, +201 with blocks of 128: direct monitoring in the card") !=
+        std::string::npos);
+  CHECK(measured({named("software_monitor")})
+            .finding.what.find(
+                "+329 frames with blocks of 64, +457 with blocks of 128: a connection in software") !=
+        std::string::npos);
+}
+
+TEST_CASE("measurement: what the guard puts an end to is no silence", "[latency][measurement]") {
+  auto settings = on_a_wire();
+  settings.guard.kind = DriveGuard::Kind::Drive;
+  settings.guard.limits.travel = TravelLimits{1e-7, 1e-3, 40_Hz, 1.0};
+  const auto measurement = measured({named("20ms")}, settings);
+  expect(measurement, Verdict::Howl);
+  CHECK(measurement.finding.what.find("guard") != std::string::npos);
+}
