@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "backends/resample.h"
+#include "apps/resample.h"
 #include "backends/wav_file.h"
 
 namespace tactus::app {

@@ -10,7 +10,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "backends/resample.h"
+#include "apps/resample.h"
 #include "engine/dsp/counter_noise.h"
 #include "engine/scene/rig.h"
 #include "tests/engine/graph/temporary_folder.h"
@@ -123,7 +123,7 @@ TEST_CASE("latency analyze: the probe is resampled to the capture's rate, or bot
           "[latency]") {
   const Desk desk;
   const auto probe = desk.probe();
-  auto other = resample(later(probe, 960, 0.5), 44100_Hz);
+  auto other = app::resample(later(probe, 960, 0.5), 44100_Hz);
   desk.capture("other.wav", other);
   const auto resampled = desk.run("latency analyze other.wav --probe probe.wav --json");
   INFO(resampled.err);

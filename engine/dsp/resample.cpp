@@ -1,4 +1,4 @@
-#include "backends/resample.h"
+#include "engine/dsp/resample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,13 +91,14 @@ class Weights {
     if (phases_ > 0) {  // exact: whole numbers
       const auto times = n * static_cast<std::int64_t>(from_.value);
       const auto rate = static_cast<std::int64_t>(to_.value);
-      return {times / rate, static_cast<double>(times % rate) / to_.value};
+      const auto behind = (times % rate + rate) % rate;
+      return {(times - behind) / rate, static_cast<double>(behind) / to_.value};
     }
     const double centre = static_cast<double>(n) * grid_.step;
-    return {static_cast<std::int64_t>(centre), centre - std::floor(centre)};
+    return {static_cast<std::int64_t>(std::floor(centre)), centre - std::floor(centre)};
   }
   const double* of(std::int64_t n, double fraction) {
-    if (phases_ > 0) return row(n % phases_);
+    if (phases_ > 0) return row((n % phases_ + phases_) % phases_);
     grid_.weigh(fraction, row(0));
     return row(0);
   }
@@ -113,27 +114,24 @@ class Weights {
 
 }  // namespace
 
-Samples resample(const Samples& samples, Hertz to) {
-  if (to == samples.sample_rate) return samples;
-  const Grid grid{samples.sample_rate, to};
-  Weights weights{grid, samples.sample_rate, to};
-  const auto frames = samples.frames();
-  const auto wanted = static_cast<std::int64_t>(std::llround(static_cast<double>(frames) / grid.step));
-  Samples result{to,
-                 std::vector(samples.channels.size(), std::vector<double>(static_cast<std::size_t>(wanted)))};
-  for (std::int64_t n = 0; n < wanted; ++n) {
-    const auto [middle, fraction] = weights.position(n);
-    const double* const weight = weights.of(n, fraction);
-    const auto first = std::max<std::int64_t>(0, middle - grid.reach);
-    const auto last = std::min(frames - 1, middle + grid.reach);
-    for (std::size_t c = 0; c < samples.channels.size(); ++c) {
-      double sum = 0;
-      for (auto k = first; k <= last; ++k)
-        sum += samples.channels[c][static_cast<std::size_t>(k)] * weight[k - middle + grid.reach];
-      result.channels[c][static_cast<std::size_t>(n)] = sum;
-    }
+std::vector<double> resample(std::span<const double> input, Hertz from, Hertz to, std::int64_t first,
+                             std::int64_t count) {
+  const Grid grid{from, to};
+  Weights weights{grid, from, to};
+  std::vector<double> output(static_cast<std::size_t>(count));
+  for (std::int64_t n = 0; n < count; ++n) {
+    const auto [middle, fraction] = weights.position(first + n);
+    const double* const weight = weights.of(first + n, fraction);
+    const auto begin = std::max<std::int64_t>(0, middle - grid.reach);
+    const auto end = std::min(static_cast<std::int64_t>(input.size()), middle + grid.reach + 1);
+    double sum = 0;
+    for (auto k = begin; k < end; ++k)
+      sum += input[static_cast<std::size_t>(k)] * weight[k - middle + grid.reach];
+    output[static_cast<std::size_t>(n)] = sum;
   }
-  return result;
+  return output;
 }
+
+std::int64_t resampling_reach(Hertz from, Hertz to) { return Grid{from, to}.reach; }
 
 }  // namespace tactus
