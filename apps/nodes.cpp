@@ -54,7 +54,7 @@ Json json_of(const Setting& setting) {
             {"doc", setting.doc},
             {"required", setting.fallback.empty() && !setting.optional}};
   if (setting.kind == Kind::Choice) json["choices"] = setting.choices;
-  if (setting.kind == Kind::Points || setting.kind == Kind::Numbers) json["units"] = setting.choices;
+  if (setting.kind != Kind::Choice && !setting.choices.empty()) json["units"] = setting.choices;
   if (!setting.fallback.empty()) json["default"] = setting.fallback;
   add_range(json, setting.low, setting.high);
   return json;

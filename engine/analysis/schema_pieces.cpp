@@ -39,6 +39,9 @@ Json of_setting(const Setting& setting) {
       return choice(setting.doc, setting.choices);
     case Setting::Kind::Integer:
       return whole_number(setting.doc, setting.low, setting.high);
+    case Setting::Kind::Quantity:
+      return quantity(described(setting.doc, setting.choices.empty() ? "" : setting.choices[0], {}),
+                      setting.low, setting.high);
     case Setting::Kind::Flag:
       return {{"description", setting.doc}, {"type", "boolean"}};
     case Setting::Kind::Points:

@@ -82,6 +82,16 @@ struct Reader {
                "choose between " + short_number(setting.low) + " and " + short_number(setting.high));
   }
 
+  void read_quantity_within(const Value& value) {
+    const auto number = quantity(value, 0);
+    if (!number) return;
+    result.number = *number;
+    const auto text = [&](double si) { return short_quantity(si, unit(0).value_or(Unit{}).dimension); };
+    if (result.number < setting.low || result.number > setting.high)
+      complain(Errc::OutOfRange, value.at, "is out of range",
+               "choose between " + text(setting.low) + " and " + text(setting.high));
+  }
+
   std::optional<double> quantity(const Value& value, std::size_t axis) {
     const auto expected = unit(axis);
     const auto si = expected ? read_quantity(value, *expected, setting.name)
@@ -129,6 +139,8 @@ struct Reader {
       case Setting::Kind::Integer:
       case Setting::Kind::Flag:
         return read_number(value);
+      case Setting::Kind::Quantity:
+        return read_quantity_within(value);
       case Setting::Kind::Points:
       case Setting::Kind::Numbers:
       case Setting::Kind::Names:

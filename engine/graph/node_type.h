@@ -47,14 +47,15 @@ struct OutputPort {
 /// A value that is read once, when the file is loaded: a word, a table, a file's name.
 struct Setting {
   enum class Kind {
-    Choice,   ///< a string, one of `choices`
-    Integer,  ///< a whole number in [low, high]
-    Flag,     ///< true or false
-    Text,     ///< any string
-    File,     ///< path of a file, relative to the graph file, never outside the instruments' folder
-    Points,   ///< [[x, y], …], quantities allowed; the units are those named in `choices` (x, then y)
-    Numbers,  ///< [a, b, …], quantities allowed; the unit is `choices[0]` if there
-    Names,    ///< [node, node, …]
+    Choice,    ///< a string, one of `choices`
+    Integer,   ///< a whole number in [low, high]
+    Quantity,  ///< a number or a quantity in [low, high], SI; the unit is `choices[0]` if there
+    Flag,      ///< true or false
+    Text,      ///< any string
+    File,      ///< path of a file, relative to the graph file, never outside the instruments' folder
+    Points,    ///< [[x, y], …], quantities allowed; the units are those named in `choices` (x, then y)
+    Numbers,   ///< [a, b, …], quantities allowed; the unit is `choices[0]` if there
+    Names,     ///< [node, node, …]
   };
   std::string name;
   Kind kind;
@@ -78,7 +79,7 @@ struct InputInfo {
 /// is a mistake of ours (an assertion), since the compiler checked the file against the declaration.
 struct SettingValue {
   std::string text;                               ///< Choice, Text; File: the resolved path
-  double number = 0;                              ///< Integer, Flag
+  double number = 0;                              ///< Integer, Quantity (SI), Flag
   std::vector<std::pair<double, double>> points;  ///< Points, SI
   std::vector<double> numbers;                    ///< Numbers, SI
   std::vector<std::string> names;                 ///< Names

@@ -1,6 +1,10 @@
 #include "engine/nodes/fir.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/dsp/fir.h"
+#include "engine/dsp/taps_at_rate.h"
 #include "engine/nodes/filter_ports.h"
 #include "engine/nodes/group_steps.h"
 
@@ -9,8 +13,7 @@ namespace {
 
 class FirNode : public Node {
  public:
-  explicit FirNode(const NodeSetup& setup)
-      : sample_rate_(setup.sample_rate), fir_(setup.setting("taps").numbers) {}
+  FirNode(Hertz sample_rate, std::vector<double> taps) : sample_rate_(sample_rate), fir_(std::move(taps)) {}
 
   void process(const NodeBlock& block) noexcept override {
     InARow in_a_row;
@@ -33,30 +36,46 @@ class FirNode : public Node {
 };
 
 Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
-  if (setup.setting("taps").numbers.empty())
+  const auto& taps = setup.setting("taps").numbers;
+  if (taps.empty())
     return fail(Errc::OutOfRange, {}, "a filter without taps is silent",
                 "give at least one number in 'taps'");
-  return std::make_unique<FirNode>(setup);
+  const auto& rate = setup.setting("rate");
+  const Hertz from = rate.given ? Hertz{rate.number} : setup.sample_rate;
+  const auto fits = setup.take_memory(length_at_rate(taps.size(), from, setup.sample_rate));
+  if (!fits) return tl::unexpected(fits.error());
+  return std::make_unique<FirNode>(setup.sample_rate, taps_at_rate(taps, from, setup.sample_rate));
 }
 
 }  // namespace
 
 const NodeType& fir_type() {
-  static const NodeType type{.name = "fir",
-                             .group = "filters",
-                             .summary = "A filter of any shape by its impulse response, one sample a tap.",
-                             .equation = "out[n] = sum over k of taps[k] in[n-k]",
-                             .source = "direct convolution",
-                             .example = "{ type = \"fir\", in = \"piezo\", taps = [0.25, 0.5, 0.25] }",
-                             .inputs = {filtered_input()},
-                             .outputs = {filtered_output("out", "filtered")},
-                             .settings = {{.name = "taps",
-                                           .kind = Setting::Kind::Numbers,
-                                           .doc = "impulse response at the sample rate; plain numbers",
-                                           .choices = {},
-                                           .fallback = {}}},
-                             .make = make,
-                             .range = {}};
+  static const NodeType type{
+      .name = "fir",
+      .group = "filters",
+      .summary = "A filter of any shape by its impulse response, one sample a tap.",
+      .equation = "out[n] = sum over k of taps[k] in[n-k]",
+      .source = "direct convolution; another rate: J. O. Smith, Digital Audio Resampling Home Page, 2002",
+      .example = "{ type = \"fir\", in = \"piezo\", rate = \"48 kHz\", taps = [0.25, 0.5, 0.25] }",
+      .inputs = {filtered_input()},
+      .outputs = {filtered_output("out", "filtered")},
+      .settings = {{.name = "taps",
+                    .kind = Setting::Kind::Numbers,
+                    .doc = "impulse response, one number a sample",
+                    .choices = {},
+                    .fallback = {}},
+                   {.name = "rate",
+                    .kind = Setting::Kind::Quantity,
+                    .doc =
+                        "sample rate that the taps were measured at: where the engine has another one they "
+                        "are resampled; left out: the engine's",
+                    .choices = {"Hz"},
+                    .fallback = {},
+                    .optional = true,
+                    .low = 1000,
+                    .high = 1e6}},
+      .make = make,
+      .range = {}};
   return type;
 }
 

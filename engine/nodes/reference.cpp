@@ -52,7 +52,7 @@ Row row_of(const Setting& setting) {
   std::string kind = setting_kind_name(setting.kind);
   std::string doc = setting.doc;
   if (setting.kind == Kind::Choice) doc = fmt::format("{}: {}", fmt::join(setting.choices, ", "), doc);
-  if (setting.kind == Kind::Points || setting.kind == Kind::Numbers) kind += units_text(setting.choices);
+  if (setting.kind != Kind::Choice) kind += units_text(setting.choices);
   return {setting.name, kind, range_text(setting.low, setting.high),
           !setting.fallback.empty() ? setting.fallback
           : setting.optional        ? "optional"
@@ -249,8 +249,8 @@ std::vector<std::string> groups_of(const NodeTable& table) {
 }  // namespace
 
 const char* setting_kind_name(Setting::Kind kind) {
-  static constexpr const char* kNames[] = {"choice", "whole number", "true or false", "text",
-                                           "file",   "points",       "numbers",       "names"};
+  static constexpr const char* kNames[] = {"choice", "whole number", "quantity", "true or false", "text",
+                                           "file",   "points",       "numbers",  "names"};
   return kNames[static_cast<int>(kind)];
 }
 

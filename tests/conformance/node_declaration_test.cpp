@@ -37,8 +37,8 @@ void check_setting(const NodeType& type, const Setting& setting) {
     CHECK((named || setting.fallback.empty()));
   }
   if (setting.kind == Kind::Points) CHECK(setting.choices.size() == 2);
-  if (setting.kind == Kind::Numbers) CHECK(setting.choices.size() <= 1);
-  if (setting.kind == Kind::Points || setting.kind == Kind::Numbers)
+  if (setting.kind == Kind::Numbers || setting.kind == Kind::Quantity) CHECK(setting.choices.size() <= 1);
+  if (setting.kind != Kind::Choice)
     for (const auto& unit : setting.choices) CHECK(is_port_unit(type, unit));
   if (setting.kind == Kind::Integer && !setting.fallback.empty()) {
     const double fallback = test::setting_value(setting, setting.fallback).number;

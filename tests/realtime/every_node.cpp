@@ -68,6 +68,7 @@ std::string value(const Setting& setting, const std::string& sound_file) {
     case Setting::Kind::Choice:
       return "\"" + setting.choices.front() + "\"";
     case Setting::Kind::Integer:
+    case Setting::Kind::Quantity:
       return short_number(std::max(setting.low, 1.0));
     case Setting::Kind::Flag:
       return "true";

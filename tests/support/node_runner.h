@@ -95,6 +95,9 @@ inline SettingValue setting_value(const Setting& setting, const std::string& tex
     case Setting::Kind::Integer:
       value.number = std::stod(text);
       break;
+    case Setting::Kind::Quantity:
+      value.number = si(text);
+      break;
     case Setting::Kind::Flag:
       value.number = text == "true" ? 1 : 0;
       break;
