@@ -28,11 +28,15 @@ const Opening* LatencyReport::shown() const {
   return openings.empty() ? nullptr : &openings.front();
 }
 
+std::string fixed(double value, int digits) {
+  const bool zero = std::abs(value) < 0.5 * std::pow(10.0, -digits);
+  return fmt::format("{:.{}f}", zero ? 0.0 : value, digits);
+}
+
 std::string with_error(double value, double standard_error) {
   const int digits =
       standard_error > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(standard_error))), 0, 9) : 6;
-  const bool zero = std::abs(value) < 0.5 * std::pow(10.0, -digits);  // without a sign
-  return fmt::format("{0:.{2}f} ± {1:.{2}f}", zero ? 0.0 : value, standard_error, digits);
+  return fixed(value, digits) + " ± " + fixed(standard_error, digits);
 }
 
 }  // namespace tactus::app

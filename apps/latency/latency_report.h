@@ -37,6 +37,8 @@ std::string text_of(const LatencyReport& report);
 /// A page: figures, impulse response, spectrum, group delay, the delay of every sweep.
 std::vector<Figure> picture_of(const LatencyReport& report);
 
+/// With so many digits behind the point; 0 has no sign.
+std::string fixed(double value, int digits);
 /// "960.0031 ± 0.0004": as many digits as the error leaves.
 std::string with_error(double value, double standard_error);
 

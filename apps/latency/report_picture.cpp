@@ -110,24 +110,23 @@ Figure spectrum_figure(const Analysis& analysis) {
 Figure sweeps_figure(const LatencyReport& report) {
   const auto& openings = report.measurement.openings;
   Figure figure;
-  figure.x = openings.size() > 1 ? PlotAxis{.label = "opening of the stream"}
-                                 : PlotAxis{.label = "time of the recording", .unit = "s"};
+  figure.x = {.label = openings.size() > 1 ? "sweep, in the order in which they were played" : "sweep"};
   PlotPanel panel;
   panel.y = {.label = "delay of each sweep", .unit = "frames"};
+  PlotSeries points{.label = {}, .mark = PlotMark::Points, .color = PlotColor::Blue};
   for (std::size_t o = 0; o < openings.size(); ++o) {
-    const auto& analysis = openings[o].analysis;
-    PlotSeries points{
-        .label = {}, .mark = PlotMark::Points, .color = o % 2 == 0 ? PlotColor::Blue : PlotColor::Sky};
-    for (std::size_t k = 0; k < analysis.sweeps.size(); ++k) {
-      const auto& sweep = analysis.sweeps[k];
-      const double share = static_cast<double>(k) / static_cast<double>(analysis.sweeps.size());
-      points.x.push_back(openings.size() > 1
-                             ? static_cast<double>(o + 1) + 0.6 * (share - 0.5)
-                             : static_cast<double>(sweep.played_at) / analysis.sample_rate.value);
+    const auto before = static_cast<double>(points.x.size());
+    for (const auto& sweep : openings[o].analysis.sweeps) {
+      points.x.push_back(static_cast<double>(points.x.size() + 1));
       points.y.push_back(sweep.delay_frames);
     }
-    panel.series.push_back(points);
+    if (openings.size() > 1)
+      panel.spans.push_back({.from = before + 0.5,
+                             .to = static_cast<double>(points.x.size()) + 0.5,
+                             .label = fmt::format("opening {}", o + 1),
+                             .color = o % 2 == 0 ? PlotColor::Sky : PlotColor::Grey});
   }
+  panel.series = {points};
   if (report.ok())
     panel.levels = {{.y = report.measurement.delay_frames, .label = "mean", .color = PlotColor::Vermillion}};
   figure.panels = {panel};
@@ -145,9 +144,9 @@ std::string headline(const LatencyReport& report) {
 
 std::string figures_in_words(const LatencyReport& report, const Analysis& analysis) {
   auto words = report.source;
-  if (!report.ok()) words += ". " + report.measurement.finding.what;
+  if (!report.ok()) words += ". Seen: " + report.measurement.finding.what;
   if (!analysis.heard) return words;
-  words += fmt::format(". Gain {:.2f} dB, {}; {:.0f} dB above the noise", analysis.gain_db,
+  words += fmt::format(". Gain {} dB, {}; {:.0f} dB above the noise", fixed(analysis.gain_db, 1),
                        analysis.polarity > 0 ? "not inverted" : "inverted", analysis.snr_db);
   if (report.measurement.reported_frames)
     words += fmt::format("; the driver says {:.0f} frames", *report.measurement.reported_frames);

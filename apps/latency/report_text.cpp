@@ -127,12 +127,9 @@ std::string noise_text(const Analysis& analysis) {
          dc;
 }
 
-/// Without a sign at 0.
-double unsigned_zero(double value, double step) { return std::abs(value) < step / 2 ? 0.0 : value; }
-
 void add_path(const Analysis& analysis, Lines& lines) {
   if (analysis.heard)
-    lines.add("path", "{:.2f} dB, {}, {} to {} within 3 dB", unsigned_zero(analysis.gain_db, 0.01),
+    lines.add("path", "{} dB, {}, {} to {} within 3 dB", fixed(analysis.gain_db, 2),
               analysis.polarity > 0 ? "not inverted" : "inverted", frequency(analysis.low_hz),
               frequency(analysis.high_hz));
   if (is_known(analysis)) lines.add("noise", "{}", noise_text(analysis));
@@ -159,7 +156,7 @@ void add_group_delay(const Analysis& analysis, Lines& lines) {
   for (const auto& band : analysis.group_delay) {
     const double less = band.delay_frames - analysis.delay_frames;
     heads += fmt::format("{:>8}", frequency(band.centre_hz));
-    values += fmt::format("{:>8.3f}", unsigned_zero(less, 0.001));
+    values += fmt::format("{:>8}", fixed(less, 3));
     errors += fmt::format("{:>8}", error_text(band.standard_error_frames));
   }
   lines.add("group delay", "{}", heads);
