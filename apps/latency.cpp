@@ -10,6 +10,7 @@ void add_latency(CLI::App& app, int& exit_code) {
   command->require_subcommand(0, 1);
   add_latency_measure(*command, exit_code);
   add_latency_sweep(*command, exit_code);
+  add_latency_calibrate(*command, exit_code);
   add_latency_probe(*command, exit_code);
   add_latency_analyze(*command, exit_code);
   command->footer(

@@ -6,6 +6,7 @@
 #include "apps/console.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/loop_options.h"
+#include "apps/latency/profile_file.h"
 #include "apps/latency/recording_files.h"
 #include "latency/analysis.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 struct AnalyzeOptions {
   CaptureFiles files;
-  std::string rate;
+  std::string rate, profile;
   ReportFiles report;
 };
 
@@ -43,6 +44,11 @@ int run(AnalyzeOptions options) {
   if (!capture->note.empty()) fmt::print(stderr, "note: {}\n", capture->note);
   AnalysisSettings settings;
   settings.channel = capture->channel;
+  if (!options.profile.empty()) {
+    auto profile = read_profile(options.profile, capture->recording.sample_rate);
+    if (!profile) return report(profile.error());
+    settings.profile = std::move(*profile);
+  }
   auto analysis = analyze(capture->recording, settings);
   if (!analysis) return report(analysis.error()), kBadFile;
   if (analysis->heard && analysis->delay_frames < -0.5)
@@ -65,6 +71,8 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
                    "channel of FILE with what came back, from 1; [the first, or behind what was played]")
       ->check(CLI::Range(1, 1024));
   command->add_option("--rate", options->rate, "the true sample rate, where the files are wrong about it");
+  command->add_option("--profile", options->profile,
+                      "what was in the loop instead of a cable: a file of tactus latency calibrate");
   add_report_options(*command, options->report);
   command->footer(
       "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n"

@@ -12,6 +12,7 @@ void add_latency_measure(CLI::App& latency, int& exit_code);
 void add_latency_probe(CLI::App& latency, int& exit_code);
 void add_latency_analyze(CLI::App& latency, int& exit_code);
 void add_latency_sweep(CLI::App& latency, int& exit_code);
+void add_latency_calibrate(CLI::App& latency, int& exit_code);
 
 /// Where a report goes, beside stdout.
 struct ReportFiles {

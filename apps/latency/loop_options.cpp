@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "apps/commands.h"
+#include "apps/latency/profile_file.h"
 #include "engine/graph/quantity.h"
 
 namespace tactus::app {
@@ -86,7 +87,7 @@ class LoopMaker {
 
   tl::expected<Loop, Refusal> run() {
     for (const auto step : {&LoopMaker::read_rig, &LoopMaker::choose, &LoopMaker::make_request,
-                            &LoopMaker::choose_channels, &LoopMaker::choose_level})
+                            &LoopMaker::choose_channels, &LoopMaker::choose_level, &LoopMaker::read_path})
       if (auto refusal = (this->*step)()) return tl::unexpected(std::move(*refusal));
     loop_.settings.openings = options_.openings;
     loop_.settings.sweeps = options_.sweeps;
@@ -154,6 +155,14 @@ class LoopMaker {
     return std::nullopt;
   }
 
+  Refused read_path() {
+    if (options_.profile.empty()) return std::nullopt;
+    auto profile = read_profile(options_.profile, *loop_.settings.request.sample_rate);
+    if (!profile) return refuse(profile.error(), kBadFile);
+    loop_.settings.profile = std::move(*profile);
+    return std::nullopt;
+  }
+
   const LoopOptions& options_;
   Loop loop_;
 };
@@ -172,6 +181,12 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
       ->check(CLI::Range(1, 1024));
   command.add_option("--level", options.level,
                      "the loudest that may be played, such as \"-20 dBFS\"; [-6 dBFS]");
+}
+
+void add_setting_options(CLI::App& command, LoopOptions& options) {
+  command.add_option("--rate", options.rate, "sample rate; [the device's]");
+  command.add_option("--block", options.block, "frames a block; [the device's]")->check(CLI::Range(1, 8192));
+  command.add_option("--periods", options.periods, "blocks in the driver's buffer")->check(CLI::Range(1, 64));
 }
 
 tl::expected<Loop, Refusal> make_loop(const LoopOptions& options) { return LoopMaker{options}.run(); }

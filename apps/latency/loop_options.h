@@ -18,10 +18,13 @@ struct LoopOptions {
   std::string rate, level;
   std::optional<int> block, periods;
   int openings = 5, sweeps = 8;
+  std::string profile;  ///< of what is in the loop, a file; empty: a cable
 };
 
 /// --backend to --level: which card, which channels, how loud.
 void add_loop_options(CLI::App& command, LoopOptions& options);
+/// --rate, --block and --periods: one setting.
+void add_setting_options(CLI::App& command, LoopOptions& options);
 
 /// A loop that can be measured.
 struct Loop {

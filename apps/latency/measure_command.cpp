@@ -57,9 +57,9 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
   auto options = std::make_shared<MeasureOptions>();
   auto& loop = options->loop;
   add_loop_options(*command, loop);
-  command->add_option("--rate", loop.rate, "sample rate; [the device's]");
-  command->add_option("--block", loop.block, "frames a block; [the device's]")->check(CLI::Range(1, 8192));
-  command->add_option("--periods", loop.periods, "blocks in the driver's buffer")->check(CLI::Range(1, 64));
+  add_setting_options(*command, loop);
+  command->add_option("--profile", loop.profile,
+                      "what is in the loop instead of a cable: a file of tactus latency calibrate");
   command->add_option("--openings", loop.openings, "how often the stream is opened")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();

@@ -1,0 +1,144 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "apps/latency/keep_delay.h"
+#include "apps/latency/latency_commands.h"
+#include "apps/latency/measure_now.h"
+#include "apps/latency/profile_file.h"
+#include "latency/calibration.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CalibrateOptions {
+  LoopOptions loop;
+  std::string electrical, out;
+  bool json = false;
+};
+
+/// The card's own delay [frames]: as the user says, or the rig, or as it was measured here.
+Result<double> electrical_frames(const CalibrateOptions& options, const Loop& loop,
+                                 const StreamGranted& granted) {
+  const auto rate = granted.format.sample_rate;
+  if (!options.electrical.empty()) {
+    const auto seconds = parse_option(options.electrical, "s", "electrical");
+    return seconds ? Result<double>{*seconds * rate.value} : seconds;
+  }
+  if (loop.rig && loop.rig->measured_delay) return frames_in(*loop.rig->measured_delay, rate);
+  const auto kept = MeasuredDelays::load();
+  if (const auto* found = kept.find(key_of(granted))) return frames_in(found->delay, rate);
+  return fail(Errc::Missing, "--electrical", "the card's own delay was never measured with this setting",
+              "measure it over a cable with tactus latency measure, or give it");
+}
+
+/// What spoils any recording. That the path is no cable is why it is calibrated.
+bool spoils(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::Ok:
+    case Verdict::NotFlat:
+    case Verdict::LowSnr:
+    case Verdict::DirectMonitoring:
+      return false;
+    default:
+      return true;
+  }
+}
+
+Json json_of(const Calibration& calibration, Hertz rate) {
+  const auto& profile = calibration.profile;
+  Json json{{"verdict", code(calibration.finding.verdict)},
+            {"what", calibration.finding.what},
+            {"remedy", calibration.finding.remedy}};
+  if (profile.taps.empty()) return json;
+  json.update({{"polarity", calibration.polarity},
+               {"arrival_frames", calibration.arrival_frames},
+               {"arrival_ms", 1e3 * calibration.arrival_frames / rate.value},
+               {"low_hz", profile.low.value},
+               {"high_hz", profile.high.value},
+               {"resonance_hz", nullptr},
+               {"resonance_q", nullptr},
+               {"snr_db", calibration.snr_db},
+               {"unexplained", calibration.unexplained}});
+  if (calibration.resonance) {
+    json["resonance_hz"] = calibration.resonance->frequency_hz;
+    json["resonance_q"] = calibration.resonance->q;
+  }
+  return json;
+}
+
+void print(const Calibration& calibration, Hertz rate) {
+  const auto& finding = calibration.finding;
+  if (finding.verdict != Verdict::Ok)
+    return fmt::print("no profile      {}\nseen            {}\nwhat to do      {}\n", code(finding.verdict),
+                      finding.what, finding.remedy);
+  fmt::print("arrival         {:.3f} ms behind the card's own delay, {}\n",
+             1e3 * calibration.arrival_frames / rate.value,
+             calibration.polarity > 0 ? "not inverted" : "inverted");
+  fmt::print("known           {:.0f} Hz to {:.0f} Hz\n", calibration.profile.low.value,
+             calibration.profile.high.value);
+  if (calibration.resonance)
+    fmt::print("resonance       {:.1f} Hz, Q {:.2f}\n", calibration.resonance->frequency_hz,
+               calibration.resonance->q);
+  fmt::print("noise           {:.1f} dB below the sweeps\nunexplained     {:.2g} of what is heard\n",
+             calibration.snr_db, calibration.unexplained);
+}
+
+int run(const CalibrateOptions& options) {
+  auto loop = make_loop(options.loop);
+  if (!loop) return report(loop.error().errors), loop.error().exit;
+  heed_interrupts();
+  const auto measured = measure_now(*loop->devices.backend, loop->settings);
+  if (!measured) return report(measured.error()), exit_of(measured.error());
+  if (!*measured) return fmt::print(stderr, "interrupted\n"), kInterrupted;
+  const auto& opening = (*measured)->openings.front();
+  const auto rate = opening.granted.format.sample_rate;
+  Calibration calibration;
+  calibration.finding = opening.finding;
+  if (!spoils(opening.finding.verdict)) {
+    const auto electrical = electrical_frames(options, *loop, opening.granted);
+    if (!electrical) return report(electrical.error()), kUsage;
+    auto found = calibrate(opening.recording, {loop->settings.input, *electrical});
+    if (!found) return report(found.error()), kUsage;
+    calibration = std::move(*found);
+  }
+  const bool ok = calibration.finding.verdict == Verdict::Ok;
+  if (options.json)
+    fmt::print("{}\n", json_of(calibration, rate).dump(2));
+  else
+    print(calibration, rate);
+  if (!ok) return kNo;
+  if (const auto written = write_profile(options.out, calibration.profile); !written)
+    return report(written.error());
+  fmt::print(stderr, "{} is written\n", options.out);
+  return kDone;
+}
+
+}  // namespace
+
+void add_latency_calibrate(CLI::App& latency, int& exit_code) {
+  auto* command = latency.add_subcommand("calibrate", "Measure how an actuator and a sensor answer together");
+  auto options = std::make_shared<CalibrateOptions>();
+  auto& loop = options->loop;
+  loop.openings = 1;
+  add_loop_options(*command, loop);
+  add_setting_options(*command, loop);
+  command->add_option("--electrical", options->electrical,
+                      "the card's own delay, such as \"3.92 ms\"; [the rig's, or as it was measured here]");
+  command->add_option("--out", options->out, "file for the profile, JSON")->required();
+  command->add_flag("--json", options->json, "for machines");
+  command->footer(
+      "Examples:\n  tactus latency measure --rig desk.toml                          # first, over a cable\n"
+      "  tactus latency calibrate --rig desk.toml --out woofer.json      # then through woofer and "
+      "microphone\n"
+      "  tactus latency measure --rig desk.toml --profile woofer.json    # from now on without a cable\n"
+      "The first output of the rig moves, as loud as its guard allows: keep hands away.");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace tactus::app
