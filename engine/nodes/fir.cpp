@@ -1,7 +1,6 @@
 #include "engine/nodes/fir.h"
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "engine/dsp/fir.h"
 #include "engine/dsp/taps_at_rate.h"
