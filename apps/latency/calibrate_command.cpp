@@ -113,7 +113,7 @@ int run(const CalibrateOptions& options) {
   else
     print(calibration, rate);
   if (!ok) return kNo;
-  if (const auto written = write_profile(options.out, calibration.profile); !written)
+  if (const auto written = write_profile(options.out, calibration, opening.granted.device); !written)
     return report(written.error());
   fmt::print(stderr, "{} is written\n", options.out);
   return kDone;
@@ -130,13 +130,15 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
   add_setting_options(*command, loop);
   command->add_option("--electrical", options->electrical,
                       "the card's own delay, such as \"3.92 ms\"; [the rig's, or as it was measured here]");
-  command->add_option("--out", options->out, "file for the profile, JSON")->required();
+  command
+      ->add_option("--out", options->out, "file for the profile, a graph that a scene can use as its plant")
+      ->required();
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus latency measure --rig desk.toml                          # first, over a cable\n"
-      "  tactus latency calibrate --rig desk.toml --out woofer.json      # then through woofer and "
+      "  tactus latency calibrate --rig desk.toml --out woofer.toml      # then through woofer and "
       "microphone\n"
-      "  tactus latency measure --rig desk.toml --profile woofer.json    # from now on without a cable\n"
+      "  tactus latency measure --rig desk.toml --profile woofer.toml    # from now on without a cable\n"
       "The first output of the rig moves, as loud as its guard allows: keep hands away.");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -1,57 +1,55 @@
 #include "apps/latency/profile_file.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
+#include <chrono>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
-#include "apps/play_report.h"
+#include "engine/dsp/taps_at_rate.h"
+#include "engine/scene/path_file.h"
 
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
+std::string today() {
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
+}
 
-PathProfile profile_of(const Json& json) {
-  if (json.at("format") != 1) throw std::runtime_error("another format");
-  PathProfile profile;
-  profile.sample_rate = Hertz{json.at("sample_rate_hz").get<double>()};
-  profile.low = Hertz{json.at("low_hz").get<double>()};
-  profile.high = Hertz{json.at("high_hz").get<double>()};
-  profile.taps = json.at("taps").get<std::vector<double>>();
-  const bool sound =
-      std::all_of(profile.taps.begin(), profile.taps.end(), [](double tap) { return std::isfinite(tap); });
-  if (profile.taps.empty() || !sound || !(profile.sample_rate >= 1_kHz) || !(profile.low < profile.high))
-    throw std::runtime_error("figures that cannot be");
-  return profile;
+std::string found(const Calibration& calibration, const std::string& device) {
+  const auto& profile = calibration.profile;
+  auto text = fmt::format(
+      "Measured {} on {} at {:g} kHz: known from {:.0f} Hz to {:.0f} Hz, arrives after {:.3f} ms, {}",
+      today(), device, profile.sample_rate.value / 1e3, profile.low.value, profile.high.value,
+      1e3 * calibration.arrival_frames / profile.sample_rate.value,
+      calibration.polarity > 0 ? "not inverted" : "inverted");
+  if (const auto& resonance = calibration.resonance)
+    text += fmt::format(", resonance {:.1f} Hz, Q {:.2f}", resonance->frequency_hz, resonance->q);
+  return text + ".";
 }
 
 }  // namespace
 
-Status write_profile(const std::string& file, const PathProfile& profile) {
-  return write_json(file, {{"format", 1},
-                           {"sample_rate_hz", profile.sample_rate.value},
-                           {"low_hz", profile.low.value},
-                           {"high_hz", profile.high.value},
-                           {"taps", profile.taps}});
+Status write_profile(const std::filesystem::path& file, const Calibration& calibration,
+                     const std::string& device) {
+  const auto& profile = calibration.profile;
+  std::ofstream text{file};
+  text << to_text(PathFile{file.stem().string(), found(calibration, device), "tactus latency calibrate",
+                           profile.sample_rate, profile.taps});
+  text.close();
+  if (text) return {};
+  return fail(Errc::BadFile, file.string(), "cannot be written",
+              "choose a folder that exists and can be written");
 }
 
-Result<PathProfile> read_profile(const std::string& file, Hertz sample_rate) {
-  std::ifstream text{file};
-  if (!text) return fail(Errc::BadFile, file, "there is no such file", "tactus latency calibrate writes one");
-  try {
-    auto profile = profile_of(Json::parse(text));
-    if (profile.sample_rate == sample_rate) return profile;
-    return fail(Errc::BadFile, file,
-                fmt::format("it is for {:g} Hz, and this is at {:g} Hz", profile.sample_rate.value,
-                            sample_rate.value),
-                "calibrate again at this rate");
-  } catch (const std::exception& exception) {
-    return fail(Errc::BadFile, file, std::string{"this is no profile of a path ("} + exception.what() + ")",
-                "tactus latency calibrate writes one");
-  }
+Result<PathProfile> read_profile(const std::filesystem::path& file, Hertz sample_rate) {
+  const auto path = load_path(file);
+  if (!path) return tl::unexpected(path.error().front());
+  PathProfile profile;
+  profile.sample_rate = sample_rate;
+  profile.taps = taps_at_rate(path->taps, path->rate, sample_rate);
+  return profile;
 }
 
 }  // namespace tactus::app

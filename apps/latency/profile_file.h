@@ -1,15 +1,19 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "engine/core/error.h"
-#include "latency/path_profile.h"
+#include "latency/calibration.h"
 
 namespace tactus::app {
 
-/// [control] A path's profile as JSON: format, sample_rate_hz, low_hz, high_hz, taps. Errors: BadFile.
-Status write_profile(const std::string& file, const PathProfile& profile);
-/// Errors besides: BadFile if it is not for `sample_rate`.
-Result<PathProfile> read_profile(const std::string& file, Hertz sample_rate);
+/// [control] The profile as a graph that scenes can use (engine/scene/path_file.h), with what was found, and
+/// of which device, in words. Errors: BadFile.
+Status write_profile(const std::filesystem::path& file, const Calibration& calibration,
+                     const std::string& device);
+/// [control] The profile of such a file at `sample_rate`, whatever it was measured at. Errors: the first of
+/// the file.
+Result<PathProfile> read_profile(const std::filesystem::path& file, Hertz sample_rate);
 
 }  // namespace tactus::app

@@ -345,20 +345,25 @@ TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind wh
           "[latency]") {
   const Desk desk;
   const std::string card = " --device loop:cable,high_pass=100 --block 64";
-  says(desk.run("latency calibrate --out path.json" + card), 2, "was never measured with this setting");
+  says(desk.run("latency calibrate --out path.toml" + card), 2, "was never measured with this setting");
   // 60.25 frames and two blocks, of which the profile takes 20 as its own.
-  const auto ran = desk.run("latency calibrate --out path.json --json --electrical '3.504375 ms'" + card);
+  const auto ran = desk.run("latency calibrate --out path.toml --json --electrical '3.504375 ms'" + card);
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 0);
   CHECK(ran.json()["verdict"] == "ok");
   CHECK(ran.json()["polarity"] == 1);
-  const auto found = desk.run("latency measure --no-keep --profile path.json" + card + kShort);
+  const auto found = desk.run("latency measure --no-keep --profile path.toml" + card + kShort);
   INFO(found.out << found.err);
   CHECK(found.exit == 0);
   CHECK(found.json()["delay_frames"].get<double>() == Approx(188.25 - 20.04).margin(0.05));
-  says(desk.run("latency measure --profile path.json --rate '44.1 kHz'" + card), 3, "it is for 48000 Hz");
-  says(desk.run("latency measure --profile nowhere.json" + card), 3, "there is no such file");
-  desk.folder.write("broken.json", "{}");
-  says(desk.run("latency measure --profile broken.json" + card), 3, "this is no profile of a path");
+  // At another rate the profile keeps its time, and the card its frames.
+  const auto other =
+      desk.run("latency measure --no-keep --profile path.toml --rate '44.1 kHz'" + card + kShort);
+  INFO(other.out << other.err);
+  CHECK(other.exit == 0);
+  CHECK(other.json()["delay_frames"].get<double>() == Approx(188.25 - 20.04 * 44.1 / 48).margin(0.05));
+  says(desk.run("latency measure --profile nowhere.toml" + card), 3, "nowhere.toml");
+  desk.folder.write("broken.toml", "format = 1");
+  says(desk.run("latency measure --profile broken.toml" + card), 3, "there is no fir node called 'path'");
 }
 #endif
