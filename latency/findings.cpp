@@ -169,11 +169,11 @@ std::optional<Finding> not_flat(const Analysis& analysis, const Evidence& eviden
 
 }  // namespace
 
-Finding not_heard(const Evidence& evidence, int channel) {
+Finding not_heard(const std::vector<CoarseDelay>& channels, int channel) {
   int loudest = -1;
   double prominence = CoarseDelay::kNothing * 1.5;
-  for (int c = 0; c < static_cast<int>(evidence.other_channels.size()); ++c) {
-    const auto& other = evidence.other_channels[static_cast<std::size_t>(c)];
+  for (int c = 0; c < static_cast<int>(channels.size()); ++c) {
+    const auto& other = channels[static_cast<std::size_t>(c)];
     if (c == channel || other.prominence <= prominence) continue;
     loudest = c;
     prominence = other.prominence;

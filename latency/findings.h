@@ -13,15 +13,14 @@ namespace tactus {
 /// What an analysis knows that its reader need not.
 struct Evidence {
   CoarseDelay coarse;
-  std::vector<CoarseDelay> other_channels;  ///< channel by channel, the own one too; empty: not looked at
   Response::Echo echo;
   double gain_range_db = 0.0;           ///< highest over lowest gain of the model in the band
   double widest_error_frames = 0.1;     ///< standard error that is still called a result
   std::optional<double> knock_gain_db;  ///< highest gain of bursts before the sweeps
 };
 
-/// [control] Nothing was heard on the own channel: why not.
-Finding not_heard(const Evidence& evidence, int channel);
+/// [control] Nothing was heard on the own channel: why not, by what is heard on each.
+Finding not_heard(const std::vector<CoarseDelay>& channels, int channel);
 /// [control] What stands against trusting `analysis` of `heard`, the first of it in the order of Verdict.
 Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> heard);
 

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/core/units.h"
@@ -13,5 +17,13 @@ struct LoopRecording {
   std::vector<double> played;              ///< behind the drive guard, full scale = 1
   std::vector<std::vector<double>> heard;  ///< every input channel
 };
+
+/// [any] The frames [from, to) of `all`, as far as there are any.
+inline std::span<const double> stretch(std::span<const double> all, std::int64_t from, std::int64_t to) {
+  const auto size = static_cast<std::int64_t>(all.size());
+  from = std::clamp<std::int64_t>(from, 0, size);
+  to = std::clamp<std::int64_t>(to, from, size);
+  return all.subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from));
+}
 
 }  // namespace tactus

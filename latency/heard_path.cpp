@@ -1,0 +1,194 @@
+#include "latency/heard_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "latency/pilot_track.h"
+
+namespace tactus {
+namespace {
+
+constexpr Seconds kQuiet{0.5};  // as much silence as is listened to
+constexpr Seconds kAir{0.005};  // before the first burst is heard
+constexpr std::int64_t kSearch = 8192;
+constexpr double kLeastStep = 0.75;  // frames
+constexpr double kCertain = 6.0;     // standard deviations
+constexpr double kSilence = 1e-10;   // of the heard power: noise below -100 dB is no help to anybody
+constexpr double kFaintest = -14.0;  // log gain: -122 dB, where no converter hears anything
+constexpr double kNothing = 1e-18;   // -180 dBFS, below what a float sample of full scale can hold
+constexpr double kDamaged = 0.05;    // of a sweep's power, more than other sweeps leave unexplained
+constexpr int kDriftRounds = 3;
+
+double power(std::span<const double> samples, double mean) {
+  double sum = 0.0;
+  for (const double sample : samples) sum += (sample - mean) * (sample - mean);
+  return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
+}
+
+/// Sweeps in which nothing is broken: those that leave about as much unexplained as the others.
+std::vector<TrackedSweep> whole_ones(const std::vector<TrackedSweep>& sweeps) {
+  std::vector<double> misfits;
+  for (const auto& sweep : sweeps) misfits.push_back(sweep.misfit);
+  const auto middle = misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2);
+  std::nth_element(misfits.begin(), middle, misfits.end());
+  std::vector<TrackedSweep> whole;
+  for (const auto& sweep : sweeps)
+    if (sweep.misfit <= *middle + kDamaged) whole.push_back(sweep);
+  return whole;
+}
+
+/// What can be told from noise; but half a frame of noise is not a lost frame.
+double least_step(const std::vector<TrackedSweep>& sweeps) {
+  double widest = 0.0;
+  for (const auto& sweep : sweeps) widest = std::max(widest, sweep.deviation_frames);
+  return std::max(kLeastStep, kCertain * widest);
+}
+
+std::vector<DelayPoint> points_of(const std::vector<TrackedSweep>& sweeps, double delay) {
+  std::vector<DelayPoint> points;
+  for (const auto& sweep : sweeps) points.push_back({sweep.burst.at, delay + sweep.delay_frames});
+  return points;
+}
+
+/// What a path of these taps makes of `played`; without taps a cable.
+std::vector<double> through(const std::vector<double>& played, std::span<const double> taps) {
+  if (taps.empty()) return played;
+  Fourier fourier{played.size() + taps.size()};
+  auto spectrum = fourier.forward(played);
+  const auto path = fourier.forward(taps);
+  for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= path[b];
+  auto heard = fourier.inverse(spectrum);
+  heard.resize(played.size());
+  return heard;
+}
+
+}  // namespace
+
+HeardPath::HeardPath(const LoopRecording& of, const AnalysisSettings& with, PlayedBursts played)
+    : recording(of),
+      settings(with),
+      bursts(std::move(played)),
+      heard(of.heard[static_cast<std::size_t>(with.channel)]),
+      windows(bursts, of.sample_rate, profile_taps()),
+      search_(through(of.played, profile_taps()), heard.size(), of.sample_rate) {}
+
+std::span<const double> HeardPath::profile_taps() const {
+  return settings.profile ? std::span<const double>{settings.profile->taps} : std::span<const double>{};
+}
+
+std::vector<CoarseDelay> HeardPath::every_channel() {
+  std::vector<CoarseDelay> all;
+  for (const auto& channel : recording.heard) all.push_back(search_.find(channel));
+  return all;
+}
+
+bool HeardPath::find() {
+  coarse = search_.find(heard);
+  listen_to_quiet();
+  return coarse.found();
+}
+
+/// The last half second before the first burst is heard; all of it, if none is.
+void HeardPath::listen_to_quiet() {
+  std::span<const double> quiet = heard;
+  if (coarse.found()) {
+    auto first = bursts.repeated.front().at;
+    if (!bursts.others.empty()) first = std::min(first, bursts.others.front().at);
+    const auto end = first + coarse.frames - static_cast<std::int64_t>(frames_in(kAir, rate()));
+    quiet = stretch(heard, end - static_cast<std::int64_t>(frames_in(kQuiet, rate())), end);
+  }
+  floor = NoiseFloor::of(quiet);
+  const auto from = bursts.repeated.front().at + coarse.frames;
+  const double signal = power(stretch(heard, from, from + bursts.repeated.front().frames), floor.mean);
+  for (auto& each : floor.per_frame) each = std::max(each, kSilence * signal + kNothing);
+  windows.set_noise(floor);
+}
+
+/// The sweeps are compared with the loudest of them where no model fits, so that it does not matter what the
+/// path makes of a sweep.
+void HeardPath::follow_clock() {
+  steady_heard = heard;
+  for (const auto& burst : bursts.repeated) steady.push_back({.burst = burst});
+  at = coarse.frames;
+  for (int round = 0; coarse.clear() && round <= kDriftRounds; ++round) {
+    sweeps = windows.track(steady_heard, at, kSearch, loudest_sweep());
+    const auto whole = whole_ones(sweeps);
+    const auto line = DelayTrend::of(points_of(whole, 0.0), least_step(whole));
+    steady.clear();
+    for (const auto n : line.longest) steady.push_back(whole[n]);
+    const double length = static_cast<double>(whole.back().burst.end() - whole.front().burst.at);
+    if (whole.size() < 3 || std::abs(line.slope) * length < 1e-3 ||
+        std::abs(line.slope) < 3.0 * line.slope_deviation)
+      break;
+    speed *= 1.0 + line.slope;
+    steadied_ = at_speed(heard, speed);
+    steady_heard = steadied_;
+  }
+  at += std::llround(middle_delay());
+}
+
+Spectrum HeardPath::loudest_sweep() {
+  const auto loudest = std::max_element(bursts.repeated.begin(), bursts.repeated.end(),
+                                        [](const Burst& a, const Burst& b) { return a.gain < b.gain; });
+  const TrackedSweep sweep{.burst = *loudest};
+  const auto window = windows.mean(steady_heard, at, {&sweep, 1});
+  return expected(window, fit_of(window));
+}
+
+std::int64_t HeardPath::reach() const { return coarse.clear() ? kSearch : 0; }
+
+PathFit HeardPath::fit_of(const HeardWindow& window) {
+  // What a profile knows is not to be guessed again.
+  return fit_path(window, windows.start_of(window, coarse.sign, reach()),
+                  settings.profile ? PathShape::Kept : PathShape::Free);
+}
+
+/// The model where it fits: it has no noise.
+Spectrum HeardPath::expected(const HeardWindow& window, const PathFit& fit) const {
+  return fit.misfit < kFits ? windows.expected(fit.model) : SweepWindows::cleaned(window);
+}
+
+bool HeardPath::fit() {
+  mean = windows.mean(steady_heard, at, steady);
+  const auto off = windows.start_of(mean, coarse.sign, reach()).delay_frames;
+  at += static_cast<std::int64_t>(off);
+  if (off != 0.0) mean = windows.mean(steady_heard, at, steady);
+  fitted = fit_of(mean);
+  noise = floor.variance;
+  if (steady.size() > 1) noise = std::max(noise, windows.scatter(steady_heard, at, steady, mean));
+  // A tone or a click may correlate with a sweep, but no path makes one from the other.
+  return fitted.strength >= CoarseDelay::kNothing && fitted.model.log_gain >= kFaintest;
+}
+
+double HeardPath::middle_delay() const {
+  std::vector<double> delays;
+  for (const auto& sweep : steady) delays.push_back(sweep.delay_frames);
+  const auto middle = delays.begin() + static_cast<std::ptrdiff_t>(delays.size() / 2);
+  std::nth_element(delays.begin(), middle, delays.end());
+  return *middle;
+}
+
+void HeardPath::compare_sweeps() {
+  sweeps = windows.track(steady_heard, at, kSearch, expected(mean, fitted));
+  const auto whole = whole_ones(sweeps);
+  trend = DelayTrend::of(points_of(whole, constant()), least_step(whole));
+  find_steps(whole);
+}
+
+/// Sweeps and, behind them, the pilot in pieces.
+void HeardPath::find_steps(const std::vector<TrackedSweep>& whole) {
+  auto points = points_of(whole, constant());
+  const auto pilot = bursts.pilot(rate());
+  if (pilot && fitted.misfit < kFits) {
+    const auto more = track_pilot(recording.played, steady_heard, *pilot, at, fitted.model, profile_taps());
+    points.insert(points.end(), more.begin(), more.end());
+  }
+  steps = DelayTrend::of(points, least_step(whole)).steps;
+  if (!steps.empty()) return;
+  for (const auto& sweep : sweeps)
+    for (const auto place : windows.damage(steady_heard, at, sweep, mean, noise))
+      steps.push_back({place, 0.0});
+}
+
+}  // namespace tactus

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "latency/analysis.h"
+#include "latency/bursts.h"
+#include "latency/coarse.h"
+#include "latency/delay_trend.h"
+#include "latency/loop_recording.h"
+#include "latency/noise_floor.h"
+#include "latency/path_model.h"
+#include "latency/sweep_windows.h"
+
+namespace tactus {
+
+/// Finds the path in a recording, step by step: where the probe is heard, what is noise, how the clocks
+/// drift, the model of the path, and every sweep beside it. Each step needs those above it.
+class HeardPath {
+ public:
+  static constexpr double kFits = 0.02;  ///< misfit of a path that the model describes
+
+  /// [control] `recording` and `settings` outlive it.
+  HeardPath(const LoopRecording& recording, const AnalysisSettings& settings, PlayedBursts bursts);
+
+  /// [control] Whether anything is heard at all.
+  bool find();
+  /// [control] Takes the drift between the clocks off what was heard.
+  void follow_clock();
+  /// [control] Whether there is a path behind what was found.
+  bool fit();
+  /// [control] Each sweep beside what the path makes of it.
+  void compare_sweeps();
+  /// [control] What is heard of the probe on every input.
+  std::vector<CoarseDelay> every_channel();
+
+  /// [any] The delay of what was played at `frame`, when it is `constant` once the drift is taken off.
+  double as_heard(double constant, double frame) const { return (frame + constant) * speed - frame; }
+  /// [any] The delay once the drift is taken off.
+  double constant() const { return static_cast<double>(at) + fitted.model.delay_frames; }
+  std::span<const double> profile_taps() const;
+  Hertz rate() const { return recording.sample_rate; }
+
+  const LoopRecording& recording;
+  const AnalysisSettings& settings;
+  PlayedBursts bursts;
+  std::span<const double> heard;
+  SweepWindows windows;
+
+  CoarseDelay coarse;
+  NoiseFloor floor;
+  double speed = 1.0;                    ///< of the input's clock, in frames that were played
+  std::span<const double> steady_heard;  ///< at the speed of what was played
+  std::vector<TrackedSweep> steady;      ///< the longest stretch of whole sweeps without a step
+  std::int64_t at = 0;                   ///< whole frames of the delay
+  HeardWindow mean;                      ///< of the steady sweeps
+  PathFit fitted;
+  double noise = 0.0;                ///< variance of a frame
+  std::vector<TrackedSweep> sweeps;  ///< all of them, beside the path
+  std::vector<DelayStep> steps;
+  DelayTrend trend;
+
+ private:
+  void listen_to_quiet();
+  Spectrum loudest_sweep();
+  std::int64_t reach() const;
+  PathFit fit_of(const HeardWindow& window);
+  Spectrum expected(const HeardWindow& window, const PathFit& fit) const;
+  double middle_delay() const;
+  void find_steps(const std::vector<TrackedSweep>& whole);
+
+  CoarseSearch search_;
+  std::vector<double> steadied_;
+};
+
+}  // namespace tactus
