@@ -189,8 +189,8 @@ Finding not_heard(const std::vector<CoarseDelay>& channels, int channel) {
 Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> heard) {
   if (const auto found = clipping(analysis, heard)) return *found;
   if (const auto found = lost_frames(analysis)) return *found;
-  if (const auto found = clocks_differ(analysis)) return *found;
   if (const auto found = moving_gain(analysis, evidence)) return *found;
+  if (const auto found = clocks_differ(analysis)) return *found;
   if (const auto found = second_path(evidence)) return *found;
   if (const auto found = not_flat(analysis, evidence); found && evidence.coarse.clear()) return *found;
   if (const auto found = low_snr(analysis, evidence)) return *found;

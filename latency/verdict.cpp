@@ -18,12 +18,12 @@ const char* code(Verdict verdict) {
       return "LOST_FRAMES";
     case Verdict::ApiMismatch:
       return "API_MISMATCH";
-    case Verdict::ClocksDiffer:
-      return "CLOCKS_DIFFER";
     case Verdict::EchoCancel:
       return "ECHO_CANCEL";
     case Verdict::Agc:
       return "AGC";
+    case Verdict::ClocksDiffer:
+      return "CLOCKS_DIFFER";
     case Verdict::DirectMonitoring:
       return "DIRECT_MONITORING";
     case Verdict::NotFlat:

@@ -14,9 +14,9 @@ enum class Verdict {
   Clipping,          ///< the input was at its end
   LostFrames,        ///< the driver dropped or repeated frames
   ApiMismatch,       ///< the stream does not run as it was granted
-  ClocksDiffer,      ///< input and output run at different speeds, so the delay moves
   EchoCancel,        ///< something takes away more and more of what is played
   Agc,               ///< the gain depends on the level
+  ClocksDiffer,      ///< input and output run at different speeds, so the delay moves
   DirectMonitoring,  ///< a second path beside the measured one
   NotFlat,           ///< a path whose own delay depends on the frequency: an actuator, a sensor, a room
   LowSnr,            ///< too much noise
