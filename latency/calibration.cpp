@@ -177,7 +177,10 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   calibration.resonance =
       resonance_of(path, rate.value / static_cast<double>(fourier.size()), profile.low, profile.high);
   describe_swing(profile.taps, calibration);
-  const Response response{window, PathModel{}, rate, fourier};
+  // Group delays are looked for around the arrival.
+  PathModel arrival;
+  arrival.delay_frames = calibration.arrival_frames;
+  const Response response{window, arrival, rate, fourier};
   calibration.spectrum = response.spectrum();
   calibration.group_delay = response.group_delay(0.0);
   calibration.finding = judge(calibration);

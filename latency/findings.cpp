@@ -181,7 +181,7 @@ Finding not_heard(const std::vector<CoarseDelay>& channels, int channel) {
   if (loudest >= 0)
     return {Verdict::WrongChannel,
             fmt::format("nothing is heard on input {}, but on input {}", channel + 1, loudest + 1),
-            fmt::format("measure with --input {}, or move the cable to input {}", loudest + 1, channel + 1)};
+            fmt::format("measure with --in {}, or move the cable to input {}", loudest + 1, channel + 1)};
   return {Verdict::NoSignal, fmt::format("nothing of what was played is heard on input {}", channel + 1),
           "join the output to the input by a cable, and look whether one of them is muted or turned down"};
 }

@@ -67,19 +67,6 @@ struct Band {
   }
 };
 
-/// The delay at which the band agrees best, by steps of a quarter of what its width can tell.
-double coarse_band_delay(const Band& band) {
-  constexpr int kSteps = 32;
-  const double step = pi / 2 / (band.w.back() - band.w.front());
-  double best = 0.0, highest = -1.0;
-  for (int k = -kSteps; k <= kSteps; ++k)
-    if (const double value = std::abs(band.sum(k * step)); value > highest) {
-      highest = value;
-      best = k * step;
-    }
-  return best;
-}
-
 /// Least squares of the phases around the mean phase: the slope that is left, and 1 / its variance.
 std::pair<double, double> phase_slope(const Band& band, double delay) {
   const auto mean = band.sum(delay);
@@ -95,7 +82,15 @@ std::pair<double, double> phase_slope(const Band& band, double delay) {
   return {-common / weights, 2.0 * weights};
 }
 
-std::size_t highest_place(const std::vector<double>& power) {
+/// Of the highest magnitude; the upper half of the circle is below 0.
+double highest_place(const std::vector<double>& samples) {
+  const auto highest = std::max_element(samples.begin(), samples.end(),
+                                        [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const auto size = static_cast<double>(samples.size());
+  return std::remainder(static_cast<double>(highest - samples.begin()), size);
+}
+
+std::size_t highest_power(const std::vector<double>& power) {
   return static_cast<std::size_t>(std::max_element(power.begin(), power.end()) - power.begin());
 }
 
@@ -136,6 +131,7 @@ std::vector<BandDelay> Response::group_delay(double at) const {
   std::vector<BandDelay> delays;
   for (const double octave : kOctaves) {
     Band band;
+    Spectrum alone(window_.played.size());
     double noise = 0.0, power = 0.0;
     for (std::size_t b = 1; b + 1 < window_.played.size(); ++b) {
       const double f = hertz(b);
@@ -146,11 +142,12 @@ std::vector<BandDelay> Response::group_delay(double at) const {
       band.w.push_back(w);
       band.answer.push_back(window_.heard[b] / window_.played[b] * std::polar(1.0, w * model_.delay_frames));
       band.weight.push_back(played_power / window_.noise[b]);
+      alone[b] = band.weight.back() * band.answer.back();
       noise += window_.noise[b];
       power += std::norm(window_.heard[b]);
     }
     if (band.w.size() < 8 || power < 4.0 * noise) continue;
-    double delay = coarse_band_delay(band), certainty = 0.0;
+    double delay = highest_place(fourier_.inverse(alone)), certainty = 0.0;
     for (int round = 0; round < 3; ++round) {
       const auto [more, weight] = phase_slope(band, delay);
       delay += more;
@@ -191,11 +188,11 @@ Response::Echo Response::echo() const {
   const double all = std::accumulate(left.begin(), left.end(), 0.0);
   const auto size = static_cast<std::int64_t>(left.size());
   // What stands at the path itself is its shape.
-  const auto at = static_cast<std::int64_t>(highest_place(main));
+  const auto at = static_cast<std::int64_t>(highest_power(main));
   for (auto n = at - kAtPath; n <= at + kAtPath; ++n) left[static_cast<std::size_t>((n + size) % size)] = 0.0;
   Echo echo;
   for (int k = 0; k < 3; ++k) {
-    const auto place = static_cast<std::int64_t>(highest_place(left));
+    const auto place = static_cast<std::int64_t>(highest_power(left));
     if (k == 0) {
       const auto from_main = place - at;
       echo.frames =

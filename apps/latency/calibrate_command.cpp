@@ -9,6 +9,8 @@
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/measure_now.h"
 #include "apps/latency/profile_file.h"
+#include "apps/latency/recording_files.h"
+#include "apps/play_report.h"
 #include "latency/calibration.h"
 
 namespace tactus::app {
@@ -18,7 +20,7 @@ using Json = nlohmann::ordered_json;
 
 struct CalibrateOptions {
   LoopOptions loop;
-  std::string electrical, out;
+  std::string electrical, out, picture, sound;
   bool json = false;
 };
 
@@ -64,7 +66,13 @@ Json json_of(const Calibration& calibration, Hertz rate) {
                {"resonance_hz", nullptr},
                {"resonance_q", nullptr},
                {"snr_db", calibration.snr_db},
-               {"unexplained", calibration.unexplained}});
+               {"unexplained", calibration.unexplained},
+               {"group_delay", Json::array()}});
+  for (const auto& octave : calibration.group_delay)
+    json["group_delay"].push_back({{"centre_hz", octave.centre_hz},
+                                   {"delay_frames", octave.delay_frames},
+                                   {"delay_ms", 1e3 * octave.delay_frames / rate.value},
+                                   {"standard_error_frames", octave.standard_error_frames}});
   if (calibration.resonance) {
     json["resonance_hz"] = calibration.resonance->frequency_hz;
     json["resonance_q"] = calibration.resonance->q;
@@ -87,6 +95,21 @@ void print(const Calibration& calibration, Hertz rate) {
                calibration.resonance->q);
   fmt::print("noise           {:.1f} dB below the sweeps\nunexplained     {:.2g} of what is heard\n",
              calibration.snr_db, calibration.unexplained);
+  fmt::print("group delay    ");
+  for (const auto& octave : calibration.group_delay) fmt::print(" {:>9.0f} Hz", octave.centre_hz);
+  fmt::print("\n               ");
+  for (const auto& octave : calibration.group_delay)
+    fmt::print(" {:>9.3f} ms", 1e3 * octave.delay_frames / rate.value);
+  fmt::print("\n");
+}
+
+/// The picture and the recording, where they are wanted.
+Status write_evidence(const CalibrateOptions& options, const Calibration& calibration,
+                      const Opening& opening) {
+  if (!options.sound.empty())
+    if (auto status = write_recording(options.sound, opening.recording); !status) return status;
+  if (options.picture.empty() || calibration.spectrum.empty()) return {};
+  return write_svg_page(options.picture, picture_of(calibration));
 }
 
 int run(const CalibrateOptions& options) {
@@ -112,6 +135,8 @@ int run(const CalibrateOptions& options) {
     fmt::print("{}\n", json_of(calibration, rate).dump(2));
   else
     print(calibration, rate);
+  if (const auto written = write_evidence(options, calibration, opening); !written)
+    return report(written.error());
   if (!ok) return kNo;
   if (const auto written = write_profile(options.out, calibration, opening.granted.device); !written)
     return report(written.error());
@@ -131,12 +156,14 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
   command->add_option("--electrical", options->electrical,
                       "the card's own delay, such as \"3.92 ms\"; [the rig's, or as it was measured here]");
   command
-      ->add_option("--out", options->out, "file for the profile, a graph that a scene can use as its plant")
+      ->add_option("--save", options->out, "file for the profile, a graph that a scene can use as its plant")
       ->required();
+  command->add_option("--report", options->picture, "a picture of it, an SVG file");
+  command->add_option("--wav", options->sound, "keep what was played and heard, for analyze");
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus latency measure --rig desk.toml                          # first, over a cable\n"
-      "  tactus latency calibrate --rig desk.toml --out woofer.toml      # then through woofer and "
+      "  tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "
       "microphone\n"
       "  tactus latency measure --rig desk.toml --profile woofer.toml    # from now on without a cable\n"
       "The first output of the rig moves, as loud as its guard allows: keep hands away.");

@@ -22,7 +22,7 @@ struct ReportFiles {
   bool json = false;    ///< stdout is for machines
 };
 
-/// --out, --report, --json
+/// --folder, --report, --json
 void add_report_options(CLI::App& command, ReportFiles& files);
 /// Writes the files, prints the report, and gives the exit code.
 int publish(LatencyReport report, const ReportFiles& files);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/analysis/svg.h"
+#include "latency/calibration.h"
 #include "latency/measurement.h"
 
 namespace tactus::app {
@@ -36,6 +37,8 @@ nlohmann::ordered_json json_of(const LatencyReport& report);
 std::string text_of(const LatencyReport& report);
 /// A page: figures, impulse response, spectrum, group delay, the delay of every sweep.
 std::vector<Figure> picture_of(const LatencyReport& report);
+/// A page: impulse response, spectrum, group delay of an actuator and a sensor.
+std::vector<Figure> picture_of(const Calibration& calibration);
 
 /// With so many digits behind the point; 0 has no sign.
 std::string fixed(double value, int digits);

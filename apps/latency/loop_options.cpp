@@ -134,8 +134,8 @@ class LoopMaker {
     const int input = options_.input.value_or(rig() ? first_channel(rig()->inputs) : 1);
     const int output = options_.output.value_or(rig() ? first_channel(rig()->outputs) : 1);
     const auto& devices = loop_.devices;
-    if (auto wrong = check_channel(input, devices.input.in_channels, devices.input, "--input")) return wrong;
-    if (auto wrong = check_channel(output, devices.output.out_channels, devices.output, "--output"))
+    if (auto wrong = check_channel(input, devices.input.in_channels, devices.input, "--in")) return wrong;
+    if (auto wrong = check_channel(output, devices.output.out_channels, devices.output, "--out"))
       return wrong;
     loop_.settings.input = input - 1;
     loop_.settings.output = output - 1;
@@ -175,9 +175,9 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--input-device", options.input_device, "where the input is on another device");
   command.add_option("--rig", options.rig,
                      "rig file: device, setting, and what hangs on the output; it keeps the measured delay");
-  command.add_option("--input", options.input, "channel that the loop comes back on, from 1")
+  command.add_option("--in,--input", options.input, "channel that the loop comes back on, from 1")
       ->check(CLI::Range(1, 1024));
-  command.add_option("--output", options.output, "channel that the loop goes out on, from 1")
+  command.add_option("--out,--output", options.output, "channel that the loop goes out on, from 1")
       ->check(CLI::Range(1, 1024));
   command.add_option("--level", options.level,
                      "the loudest that may be played, such as \"-20 dBFS\"; [-6 dBFS]");

@@ -69,8 +69,8 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
   command->add_flag("--no-keep", options->no_keep, "write the delay nowhere");
   command->footer(
       "Examples:\n  tactus latency measure --device jack:system\n"
-      "  tactus latency measure --device USB --input 2 --output 2 --rate \"96 kHz\" --block 64\n"
-      "  tactus latency measure --rig desk.toml --out delay\n"
+      "  tactus latency measure --device USB --in 2 --out 2 --rate \"96 kHz\" --block 64\n"
+      "  tactus latency measure --rig desk.toml --folder delay\n"
       "Connect the output with the input by a cable, and take the speakers off: what is played begins softly "
       "and becomes no louder than it must.\n"
       "Exit code 1: there is no delay to be trusted, and the report says why and what to do.");

@@ -58,18 +58,11 @@ Status write_files(LatencyReport& report, const ReportFiles& files) {
   return files.folder.empty() ? Status{} : write_folder(report, files.folder);
 }
 
-/// The number of a channel would become the name of a folder.
-std::string no_number(const std::string& text) {
-  const bool number =
-      !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-  return number ? "is a folder for the report; the channel is --output " + text : "";
-}
-
 }  // namespace
 
 void add_report_options(CLI::App& command, ReportFiles& files) {
-  command.add_option("--out", files.folder, "folder for the picture, the report as JSON and the recordings")
-      ->check(no_number);
+  command.add_option("--folder", files.folder,
+                     "folder for the picture, the report as JSON and the recordings");
   command.add_option("--report", files.picture, "the picture alone, an SVG file");
   command.add_flag("--json", files.json, "for machines");
 }

@@ -46,7 +46,8 @@ std::vector<double> envelope_db(const std::vector<double>& samples) {
   return envelope;
 }
 
-Figure response_figure(const LatencyReport& report, const Analysis& analysis) {
+/// `marked`: the delay is one to be trusted.
+Figure response_figure(const Analysis& analysis, bool marked) {
   const auto shown = around_delay(analysis);
   Figure figure;
   figure.x = {.label = "delay", .unit = "s"};
@@ -54,7 +55,7 @@ Figure response_figure(const LatencyReport& report, const Analysis& analysis) {
   linear.y = {.label = "impulse response"};
   linear.series = {{.label = {}, .x = shown.delay_s, .y = shown.samples}};
   linear.height = 1.3;
-  if (report.ok())
+  if (marked)
     linear.events = {{.x = analysis.delay_frames / analysis.sample_rate.value,
                       .label = fmt::format("{:.2f} frames", analysis.delay_frames),
                       .color = PlotColor::Vermillion}};
@@ -158,11 +159,32 @@ std::string figures_in_words(const LatencyReport& report, const Analysis& analys
 std::vector<Figure> picture_of(const LatencyReport& report) {
   const auto* shown = report.shown();
   const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
-  auto page = analysis.heard ? std::vector{response_figure(report, analysis), spectrum_figure(analysis),
+  auto page = analysis.heard ? std::vector{response_figure(analysis, report.ok()), spectrum_figure(analysis),
                                            sweeps_figure(report)}
                              : std::vector{Figure{}};
   page.front().title = headline(report);
   page.front().subtitle = figures_in_words(report, analysis);
+  return page;
+}
+
+std::vector<Figure> picture_of(const Calibration& calibration) {
+  Analysis path;
+  path.sample_rate = calibration.profile.sample_rate;
+  path.response = calibration.profile.taps;
+  path.spectrum = calibration.spectrum;
+  path.group_delay = calibration.group_delay;
+  std::vector page{response_figure(path, false), spectrum_figure(path)};
+  const auto& finding = calibration.finding;
+  page.front().title = finding.verdict == Verdict::Ok
+                           ? fmt::format("Path, {}", calibration.polarity > 0 ? "not inverted" : "inverted")
+                           : fmt::format("No profile: {}", code(finding.verdict));
+  page.front().subtitle =
+      calibration.resonance
+          ? fmt::format(
+                "Resonance {:.1f} Hz, Q {:.2f}; {:.0f} dB above the noise. The card's own delay is taken "
+                "off.",
+                calibration.resonance->frequency_hz, calibration.resonance->q, calibration.snr_db)
+          : fmt::format("{:.0f} dB above the noise. The card's own delay is taken off.", calibration.snr_db);
   return page;
 }
 

@@ -196,8 +196,7 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   says(desk.run("latency probe --out p.wav --rate '44.1005 kHz'"), 2, "whole number of hertz");
   says(desk.run("latency bogus"), 2, "bogus");
   says(desk.run("latency measure --backend none"), 2, "no backend 'none'");
-  says(desk.run("latency measure --output 0"), 2, "--output");
-  says(desk.run("latency measure --out 2"), 2, "the channel is --output 2");
+  says(desk.run("latency measure --out 0"), 2, "--out");
   says(desk.run("latency measure --rig nowhere.toml"), 3, "nowhere.toml");
   says(desk.run("latency measure --rig nowhere.toml --block 64"), 2, "--block: does not go with --rig");
   says(desk.run("latency measure --device loop:20ms --input 3"), 2, "'loop:20ms' has no input 3");
@@ -238,7 +237,7 @@ const std::string kShort = " --openings 2 --sweeps 2 --json";
 TEST_CASE("latency measure: the delay of a card is found, reported and kept for it", "[latency]") {
   const Desk desk;
   const auto ran =
-      desk.run("latency measure --device loop:20ms --block 64 --out report --wav raw.wav" + kShort);
+      desk.run("latency measure --device loop:20ms --block 64 --folder report --wav raw.wav" + kShort);
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 0);
   const auto json = ran.json();
@@ -345,9 +344,9 @@ TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind wh
           "[latency]") {
   const Desk desk;
   const std::string card = " --device loop:cable,high_pass=100 --block 64";
-  says(desk.run("latency calibrate --out path.toml" + card), 2, "was never measured with this setting");
+  says(desk.run("latency calibrate --save path.toml" + card), 2, "was never measured with this setting");
   // 60.25 frames and two blocks, of which the profile takes 20 as its own.
-  const auto ran = desk.run("latency calibrate --out path.toml --json --electrical '3.504375 ms'" + card);
+  const auto ran = desk.run("latency calibrate --save path.toml --json --electrical '3.504375 ms'" + card);
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 0);
   CHECK(ran.json()["verdict"] == "ok");
