@@ -9,6 +9,7 @@ namespace tactus::app {
 namespace {
 
 constexpr double kBefore_s = 0.001, kAfter_s = 0.004;  // that the impulse response is shown around the delay
+constexpr double kRinging_s = 0.06;                    // and of an actuator, after the drive
 constexpr double kFloor_db = -120.0;
 
 /// The part of the response that is shown.
@@ -16,13 +17,13 @@ struct Shown {
   std::vector<double> delay_s, samples;
 };
 
-Shown around_delay(const Analysis& analysis) {
+Shown around_delay(const Analysis& analysis, double after_s) {
   const double rate = analysis.sample_rate.value;
   Shown shown;
   for (std::size_t n = 0; n < analysis.response.size(); ++n) {
     const double at = (static_cast<double>(analysis.response_at) + static_cast<double>(n)) / rate;
     const double from_delay = at - analysis.delay_frames / rate;
-    if (from_delay < -kBefore_s || from_delay > kAfter_s) continue;
+    if (from_delay < -kBefore_s || from_delay > after_s) continue;
     shown.delay_s.push_back(at);
     shown.samples.push_back(analysis.response[n]);
   }
@@ -47,8 +48,8 @@ std::vector<double> envelope_db(const std::vector<double>& samples) {
 }
 
 /// `marked`: the delay is one to be trusted.
-Figure response_figure(const Analysis& analysis, bool marked) {
-  const auto shown = around_delay(analysis);
+Figure response_figure(const Analysis& analysis, bool marked, double after_s) {
+  const auto shown = around_delay(analysis, after_s);
   Figure figure;
   figure.x = {.label = "delay", .unit = "s"};
   PlotPanel linear, envelope;
@@ -159,8 +160,8 @@ std::string figures_in_words(const LatencyReport& report, const Analysis& analys
 std::vector<Figure> picture_of(const LatencyReport& report) {
   const auto* shown = report.shown();
   const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
-  auto page = analysis.heard ? std::vector{response_figure(analysis, report.ok()), spectrum_figure(analysis),
-                                           sweeps_figure(report)}
+  auto page = analysis.heard ? std::vector{response_figure(analysis, report.ok(), kAfter_s),
+                                           spectrum_figure(analysis), sweeps_figure(report)}
                              : std::vector{Figure{}};
   page.front().title = headline(report);
   page.front().subtitle = figures_in_words(report, analysis);
@@ -173,7 +174,7 @@ std::vector<Figure> picture_of(const Calibration& calibration) {
   path.response = calibration.profile.taps;
   path.spectrum = calibration.spectrum;
   path.group_delay = calibration.group_delay;
-  std::vector page{response_figure(path, false), spectrum_figure(path)};
+  std::vector page{response_figure(path, false, kRinging_s), spectrum_figure(path)};
   const auto& finding = calibration.finding;
   page.front().title = finding.verdict == Verdict::Ok
                            ? fmt::format("Path, {}", calibration.polarity > 0 ? "not inverted" : "inverted")
