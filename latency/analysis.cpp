@@ -88,7 +88,8 @@ void report_delay(const HeardPath& path, Analysis& analysis) {
       path.trend.scatter /
       std::sqrt(static_cast<double>(std::max<std::size_t>(1, path.trend.longest.size())));
   const double by_noise = path.fitted.delay_deviation * std::sqrt(std::max(1.0, path.fitted.chi_squared));
-  analysis.standard_error_frames = std::max(by_scatter, by_noise);
+  // With few sweeps scatter says little, and nobody is better than the bound.
+  analysis.standard_error_frames = std::max({by_scatter, by_noise, analysis.bound_frames});
   analysis.polarity = path.fitted.model.sign < 0.0 ? -1 : 1;
   analysis.misfit = path.fitted.misfit;
 }
@@ -144,9 +145,9 @@ void report(HeardPath& path, Analysis& analysis) {
   if (evidence.echo.frames != 0) analysis.echo_frames = evidence.echo.frames;
   evidence.knock_gain_db = knock_gain_db(path);
   evidence.gain_range_db = gain_range_db(path);
-  report_delay(path, analysis);
   report_sweeps(path, analysis);
   report_level(path, analysis);
+  report_delay(path, analysis);
   if (path.settings.details) report_details(path, response, analysis);
   analysis.finding = judge(analysis, evidence, path.heard);
 }

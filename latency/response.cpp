@@ -14,7 +14,9 @@ using Complex = std::complex<double>;
 using std::numbers::pi;
 
 constexpr std::int64_t kAtPath = 16;  // frames
-constexpr double kPlayed = 1e-5;      // of the power of the loudest bin: below, nothing was played there
+constexpr double kOwn =
+    1e-9;  // -90 dB: what the edges of the sweep itself leave at the places of the harmonics
+constexpr double kPlayed = 1e-5;  // of the power of the loudest bin: below, nothing was played there
 constexpr std::array kOctaves{31.25,  62.5,   125.0,  250.0,   500.0,   1000.0,
                               2000.0, 4000.0, 8000.0, 16000.0, 32000.0, 64000.0};
 
@@ -243,7 +245,8 @@ std::array<std::optional<double>, 4> harmonics(const HeardWindow& window, const 
   for (std::size_t k = 0; k < found.size(); ++k) {
     const double order = static_cast<double>(k) + 2.0;
     const double harmonic = power(order, order), noise = power(kNowhere, order);
-    if (harmonic > 4.0 * noise) found[k] = decibels((harmonic - noise) / fundamental);
+    if (harmonic > 4.0 * noise && harmonic > kOwn * fundamental)
+      found[k] = decibels((harmonic - noise) / fundamental);
   }
   return found;
 }

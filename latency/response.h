@@ -47,7 +47,8 @@ class Response {
 };
 
 /// [control] H2 … H5 in dB below the fundamental, for fundamentals around 1 kHz: the responses that stand
-/// before the linear one in what was heard of an exponential sweep. Nothing where noise is stronger.
+/// before the linear one in what was heard of an exponential sweep. Nothing where noise is
+/// stronger, or below -90 dB.
 std::array<std::optional<double>, 4> harmonics(const HeardWindow& window, const PathModel& model,
                                                const ExponentialSweep& sweep, Hertz sample_rate,
                                                Fourier& fourier);

@@ -89,12 +89,12 @@ TEST_CASE("latency analyze: a probe that was played and recorded gives its delay
   const auto json = ran.json();
   REQUIRE(json.is_object());
   CHECK(json["verdict"] == "ok");
-  CHECK(json["delay_frames"].get<double>() == Approx(960).margin(0.01));
-  CHECK(json["delay_ms"].get<double>() == Approx(20).margin(0.01 / 48));
+  CHECK(json["delay_frames"].get<double>() == Approx(960).epsilon(0).margin(0.01));
+  CHECK(json["delay_ms"].get<double>() == Approx(20).epsilon(0).margin(0.01 / 48));
   CHECK(json["standard_error_frames"].get<double>() < 0.01);
   CHECK(json["polarity"] == -1);
-  CHECK(json["gain_db"].get<double>() == Approx(20 * std::log10(0.5)).margin(0.01));
-  CHECK(json["noise_floor_dbfs"].get<double>() == Approx(-80).margin(1));
+  CHECK(json["gain_db"].get<double>() == Approx(20 * std::log10(0.5)).epsilon(0).margin(0.01));
+  CHECK(json["noise_floor_dbfs"].get<double>() == Approx(-80).epsilon(0).margin(1));
   for (const char* key : {"snr_db", "drift_ppm", "bound_frames", "spread_over_sweeps_frames", "dc", "low_hz",
                           "high_hz", "harmonics_db", "group_delay", "steps", "sweeps", "what", "remedy",
                           "delay_is", "openings", "written"})
@@ -112,7 +112,7 @@ TEST_CASE("latency analyze: a recording without the probe is refused, without a 
   CHECK(json["verdict"] == "NO_SIGNAL");
   for (const char* key : {"delay_frames", "delay_ms", "standard_error_frames", "polarity"})
     CHECK(json[key].is_null());
-  CHECK(json["noise_floor_dbfs"].get<double>() == Approx(-80).margin(1));
+  CHECK(json["noise_floor_dbfs"].get<double>() == Approx(-80).epsilon(0).margin(1));
   CHECK_FALSE(json["remedy"].get<std::string>().empty());
   const auto text = desk.run("latency analyze capture.wav --probe probe.wav");
   CHECK(text.exit == 1);
@@ -129,7 +129,8 @@ TEST_CASE("latency analyze: the probe is resampled to the capture's rate, or bot
   INFO(resampled.err);
   CHECK(resampled.err.find("the probe was resampled") != std::string::npos);
   CHECK(resampled.json()["sample_rate_hz"] == 44100);
-  CHECK(resampled.json()["delay_frames"].get<double>() == Approx(960 * 44100.0 / 48000).margin(0.02));
+  CHECK(resampled.json()["delay_frames"].get<double>() ==
+        Approx(960 * 44100.0 / 48000).epsilon(0).margin(0.02));
 
   auto lying = later(probe, 960, 0.5);
   lying.sample_rate = 44100_Hz;
@@ -137,7 +138,7 @@ TEST_CASE("latency analyze: the probe is resampled to the capture's rate, or bot
   const auto corrected = desk.run("latency analyze lying.wav --probe probe.wav --rate '48 kHz' --json");
   INFO(corrected.err);
   CHECK(corrected.json()["sample_rate_hz"] == 48000);
-  CHECK(corrected.json()["delay_frames"].get<double>() == Approx(960).margin(0.01));
+  CHECK(corrected.json()["delay_frames"].get<double>() == Approx(960).epsilon(0).margin(0.01));
 }
 
 TEST_CASE("latency analyze: a file with what was played in its first channel needs no probe", "[latency]") {
@@ -152,7 +153,7 @@ TEST_CASE("latency analyze: a file with what was played in its first channel nee
   const auto ran = desk.run("latency analyze raw.wav --channel 3 --json");
   INFO(ran.out << ran.err);
   CHECK(ran.exit == 0);
-  CHECK(ran.json()["delay_frames"].get<double>() == Approx(480).margin(0.01));
+  CHECK(ran.json()["delay_frames"].get<double>() == Approx(480).epsilon(0).margin(0.01));
   CHECK(desk.run("latency analyze raw.wav --json").json()["verdict"] == "WRONG_CHANNEL");
   says(desk.run("latency analyze raw.wav --channel 1"), 2, "channel 1 is what was played");
   says(desk.run("latency analyze raw.wav --channel 4"), 2, "'raw.wav' has no channel 4; it has 2 to 3");
@@ -243,7 +244,7 @@ TEST_CASE("latency measure: the delay of a card is found, reported and kept for 
   const auto json = ran.json();
   REQUIRE(json.is_object());
   CHECK(json["verdict"] == "ok");
-  CHECK(json["delay_ms"].get<double>() == Approx(20).margin(0.001));
+  CHECK(json["delay_ms"].get<double>() == Approx(20).epsilon(0).margin(0.001));
   CHECK(json["openings"].size() == 2);
   for (const char* key : {"setting", "xruns", "xruns_by_cause", "lost_frames_counted", "reported_frames",
                           "spread_over_openings_frames", "kept"})
@@ -257,7 +258,7 @@ TEST_CASE("latency measure: the delay of a card is found, reported and kept for 
   REQUIRE(kept);
   CHECK(kept->channels.size() == 3);  // what was played, and two inputs
   CHECK(again.json()["delay_frames"].get<double>() ==
-        Approx(json["openings"][0]["delay_frames"].get<double>()).margin(1e-4));
+        Approx(json["openings"][0]["delay_frames"].get<double>()).epsilon(0).margin(1e-4));
 
   const auto devices = desk.run("devices --backend loop --json").json();
   int measured = 0;
@@ -310,7 +311,7 @@ TEST_CASE("latency measure: a rig says what to measure, and keeps the delay besi
   const auto rig = load_rig(desk.file("desk.toml"), desk.folder.path());
   REQUIRE(rig);
   REQUIRE(rig->measured_delay);
-  CHECK(rig->measured_delay->value == Approx(0.02).margin(1e-6));
+  CHECK(rig->measured_delay->value == Approx(0.02).epsilon(0).margin(1e-6));
   CHECK(rig->pad_delay == Seconds{0.04});
   CHECK(rig->name == "my desk");
   CHECK(rig->inputs[0].scale() == Approx(20));
@@ -326,8 +327,8 @@ TEST_CASE("latency sweep: blocks on the way and what no block takes away are tol
   CHECK(ran.exit == 0);
   const auto json = ran.json();
   REQUIRE(json["laws"].size() == 1);
-  CHECK(json["laws"][0]["fixed_frames"].get<double>() == Approx(100).margin(0.01));
-  CHECK(json["laws"][0]["per_frame"].get<double>() == Approx(2).margin(1e-4));
+  CHECK(json["laws"][0]["fixed_frames"].get<double>() == Approx(100).epsilon(0).margin(0.01));
+  CHECK(json["laws"][0]["per_frame"].get<double>() == Approx(2).epsilon(0).margin(1e-4));
   CHECK(json["shortest"]["block_frames"] == 64);
   CHECK(test::well_formed(text_of(desk.file("blocks.svg"))));
 }
@@ -354,13 +355,14 @@ TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind wh
   const auto found = desk.run("latency measure --no-keep --profile path.toml" + card + kShort);
   INFO(found.out << found.err);
   CHECK(found.exit == 0);
-  CHECK(found.json()["delay_frames"].get<double>() == Approx(188.25 - 20.04).margin(0.05));
+  CHECK(found.json()["delay_frames"].get<double>() == Approx(188.25 - 20.04).epsilon(0).margin(0.05));
   // At another rate the profile keeps its time, and the card its frames.
   const auto other =
       desk.run("latency measure --no-keep --profile path.toml --rate '44.1 kHz'" + card + kShort);
   INFO(other.out << other.err);
   CHECK(other.exit == 0);
-  CHECK(other.json()["delay_frames"].get<double>() == Approx(188.25 - 20.04 * 44.1 / 48).margin(0.05));
+  CHECK(other.json()["delay_frames"].get<double>() ==
+        Approx(188.25 - 20.04 * 44.1 / 48).epsilon(0).margin(0.05));
   says(desk.run("latency measure --profile nowhere.toml" + card), 3, "nowhere.toml");
   desk.folder.write("broken.toml", "format = 1");
   says(desk.run("latency measure --profile broken.toml" + card), 3, "there is no fir node called 'path'");
