@@ -87,9 +87,10 @@ void report_delay(const HeardPath& path, Analysis& analysis) {
   const double by_scatter =
       path.trend.scatter /
       std::sqrt(static_cast<double>(std::max<std::size_t>(1, path.trend.longest.size())));
+  // Noise that is there only while something sounds.
+  const double more = path.floor.variance > 1e-16 ? std::max(1.0, path.noise / path.floor.variance) : 1.0;
   const double by_noise = path.fitted.delay_deviation * std::sqrt(std::max(1.0, path.fitted.chi_squared));
-  // With few sweeps scatter says little, and nobody is better than the bound.
-  analysis.standard_error_frames = std::max({by_scatter, by_noise, analysis.bound_frames});
+  analysis.standard_error_frames = std::max(by_scatter, by_noise * std::sqrt(more));
   analysis.polarity = path.fitted.model.sign < 0.0 ? -1 : 1;
   analysis.misfit = path.fitted.misfit;
 }
@@ -98,6 +99,7 @@ void report_sweeps(const HeardPath& path, Analysis& analysis) {
   analysis.drift_ppm = 1e6 * (path.speed * (1.0 + path.trend.slope) - 1.0);
   analysis.drift_standard_error_ppm = 1e6 * path.trend.slope_deviation;
   analysis.steps = path.steps;
+  analysis.compared = path.sweeps.size() >= 3;
   for (const auto& sweep : path.sweeps)
     analysis.sweeps.push_back(
         {sweep.burst.at,
@@ -139,6 +141,7 @@ void report_details(HeardPath& path, const Response& response, Analysis& analysi
 void report(HeardPath& path, Analysis& analysis) {
   Evidence evidence;
   evidence.coarse = path.coarse;
+  evidence.overdriven = path.overdriven;
   if (path.settings.profile) evidence.widest_error_frames = frames_in(kThroughActuator, path.rate());
   const Response response{path.mean, path.fitted.model, path.rate(), path.windows.fourier()};
   if (path.fitted.misfit > 1e-3) evidence.echo = response.echo();

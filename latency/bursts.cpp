@@ -10,8 +10,8 @@ namespace {
 
 constexpr Seconds kPause{0.02};
 constexpr Seconds kPilot{0.25};
-constexpr double kSilence = 1e-6;  // of the peak
-constexpr int kSearch = 48;        // frames that rounding may hide at the soft beginning of a burst
+constexpr double kSilence = 3e-3;      // of the peak: dither and noise of converters lie below
+constexpr std::int64_t kSearch = 256;  // frames that may be hidden at the soft beginning of a burst
 constexpr double kAlike = 0.99, kSame = 1.0 - 1e-9;
 
 double peak(std::span<const double> samples) {

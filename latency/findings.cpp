@@ -131,13 +131,20 @@ std::optional<Finding> moving_gain(const Analysis& analysis, const Evidence& evi
       "switch automatic gain, noise suppression and limiters of the input off"};
 }
 
+std::optional<Finding> overdriven(const Evidence& evidence) {
+  if (!evidence.overdriven) return std::nullopt;
+  return Finding{Verdict::Clipping,
+                 "loud and soft sweeps differ in shape: something on the way is overdriven",
+                 "turn the input's gain or the output's level down, or measure with a lower --level"};
+}
+
 std::optional<Finding> second_path(const Evidence& evidence) {
   const auto& echo = evidence.echo;
   if (echo.share < kEchoShare || echo.level_db < kLeastEcho) return std::nullopt;
   return Finding{
       Verdict::DirectMonitoring,
-      fmt::format("it is heard twice: {:.1f} dB below the first, {:+d} frames from it", -echo.level_db,
-                  echo.frames),
+      fmt::format("it is heard twice: {:.1f} dB {} the first, {:+d} frames from it", std::abs(echo.level_db),
+                  echo.level_db > 0.0 ? "above" : "below", echo.frames),
       "switch direct monitoring off in the card's mixer, and take away connections from its inputs to its "
       "outputs"};
 }
@@ -145,6 +152,13 @@ std::optional<Finding> second_path(const Evidence& evidence) {
 std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidence) {
   if (evidence.coarse.clear() && analysis.standard_error_frames < evidence.widest_error_frames)
     return std::nullopt;
+  if (!evidence.coarse.clear())
+    return Finding{
+        Verdict::LowSnr,
+        fmt::format("the noise is too strong: with {:.1f} dB of signal above it single sweeps cannot be told "
+                    "apart, so neither lost frames nor drift",
+                    analysis.snr_db),
+        "play louder, raise the input's gain, or find the source of the noise"};
   return Finding{
       Verdict::LowSnr,
       fmt::format("the noise is too strong: {:.1f} dB of signal above it leave the delay uncertain by {:.2f} "
@@ -190,6 +204,7 @@ Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<cons
   if (const auto found = clipping(analysis, heard)) return *found;
   if (const auto found = lost_frames(analysis)) return *found;
   if (const auto found = moving_gain(analysis, evidence)) return *found;
+  if (const auto found = overdriven(evidence)) return *found;
   if (const auto found = clocks_differ(analysis)) return *found;
   if (const auto found = second_path(evidence)) return *found;
   if (const auto found = not_flat(analysis, evidence); found && evidence.coarse.clear()) return *found;

@@ -14,6 +14,7 @@ namespace tactus {
 struct Evidence {
   CoarseDelay coarse;
   Response::Echo echo;
+  bool overdriven = false;              ///< loud and soft sweeps differ in shape
   double gain_range_db = 0.0;           ///< highest over lowest gain of the model in the band
   double widest_error_frames = 0.1;     ///< standard error that is still called a result
   std::optional<double> knock_gain_db;  ///< highest gain of bursts before the sweeps

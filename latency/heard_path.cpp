@@ -12,13 +12,24 @@ namespace {
 constexpr Seconds kQuiet{0.5};  // as much silence as is listened to
 constexpr Seconds kAir{0.005};  // before the first burst is heard
 constexpr std::int64_t kSearch = 8192;
-constexpr double kLeastStep = 0.75;  // frames
-constexpr double kCertain = 6.0;     // standard deviations
-constexpr double kSilence = 1e-10;   // of the heard power: noise below -100 dB is no help to anybody
-constexpr double kFaintest = -14.0;  // log gain: -122 dB, where no converter hears anything
-constexpr double kNothing = 1e-18;   // -180 dBFS, below what a float sample of full scale can hold
-constexpr double kDamaged = 0.05;    // of a sweep's power, more than other sweeps leave unexplained
+constexpr double kLeastStep = 0.75;       // frames
+constexpr double kCertain = 6.0;          // standard deviations
+constexpr double kSilence = 1e-10;        // of the heard power: noise below -100 dB is no help to anybody
+constexpr double kFaintest = -14.0;       // log gain: -122 dB, where no converter hears anything
+constexpr double kNothing = 1e-18;        // -180 dBFS, below what a float sample of full scale can hold
+constexpr double kDamaged = 0.05;         // of a sweep's power, more than other sweeps leave unexplained
+constexpr double kTouched = 1e-3;         // the same, for a sweep that is told of but still used
+constexpr std::int64_t kSamePlace = 128;  // frames
 constexpr int kDriftRounds = 3;
+
+/// Of a converter of 16 or 24 bits, if all samples are its steps.
+double rounding_variance(std::span<const double> samples) {
+  for (const double steps : {0x1p15, 0x1p23})
+    if (std::all_of(samples.begin(), samples.end(),
+                    [&](double sample) { return std::rint(sample * steps) == sample * steps; }))
+      return 1.0 / (12.0 * steps * steps);
+  return 0.0;
+}
 
 double power(std::span<const double> samples, double mean) {
   double sum = 0.0;
@@ -26,15 +37,20 @@ double power(std::span<const double> samples, double mean) {
   return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
 }
 
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// Sweeps in which nothing is broken: those that leave about as much unexplained as the others.
 std::vector<TrackedSweep> whole_ones(const std::vector<TrackedSweep>& sweeps) {
   std::vector<double> misfits;
   for (const auto& sweep : sweeps) misfits.push_back(sweep.misfit);
-  const auto middle = misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2);
-  std::nth_element(misfits.begin(), middle, misfits.end());
+  const double usual = median(misfits);
   std::vector<TrackedSweep> whole;
   for (const auto& sweep : sweeps)
-    if (sweep.misfit <= *middle + kDamaged) whole.push_back(sweep);
+    if (sweep.misfit <= usual + kDamaged) whole.push_back(sweep);
   return whole;
 }
 
@@ -99,6 +115,9 @@ void HeardPath::listen_to_quiet() {
     quiet = stretch(heard, end - static_cast<std::int64_t>(frames_in(kQuiet, rate())), end);
   }
   floor = NoiseFloor::of(quiet);
+  const double rounding = rounding_variance(heard);  // in digital silence there is none, but beside a sweep
+  floor.variance = std::max(floor.variance, rounding);
+  for (auto& each : floor.per_frame) each = std::max(each, rounding);
   const auto from = bursts.repeated.front().at + coarse.frames;
   const double signal = power(stretch(heard, from, from + bursts.repeated.front().frames), floor.mean);
   for (auto& each : floor.per_frame) each = std::max(each, kSilence * signal + kNothing);
@@ -164,9 +183,7 @@ bool HeardPath::fit() {
 double HeardPath::middle_delay() const {
   std::vector<double> delays;
   for (const auto& sweep : steady) delays.push_back(sweep.delay_frames);
-  const auto middle = delays.begin() + static_cast<std::ptrdiff_t>(delays.size() / 2);
-  std::nth_element(delays.begin(), middle, delays.end());
-  return *middle;
+  return median(std::move(delays));
 }
 
 void HeardPath::compare_sweeps() {
@@ -186,9 +203,35 @@ void HeardPath::find_steps(const std::vector<TrackedSweep>& whole) {
   }
   steps = DelayTrend::of(points, least_step(whole)).steps;
   if (!steps.empty()) return;
-  for (const auto& sweep : sweeps)
-    for (const auto place : windows.damage(steady_heard, at, sweep, mean, noise))
-      steps.push_back({place, 0.0});
+  find_damage();
+}
+
+/// In a sweep that leaves more unexplained than the others, or has something else in it for a moment. What
+/// stands at the same place of two sweeps is no damage: loud and soft ones differ there.
+void HeardPath::find_damage() {
+  std::vector<double> misfits;
+  for (const auto& sweep : sweeps) misfits.push_back(sweep.misfit);
+  const double usual = median(misfits);
+  struct Damage {
+    std::size_t sweep;
+    std::int64_t frame;
+  };
+  std::vector<Damage> damage;
+  for (std::size_t n = 0; n < sweeps.size(); ++n) {
+    const auto places = windows.damage(steady_heard, at, sweeps[n], mean, noise);
+    for (const auto place : places) damage.push_back({n, place});
+    if (places.empty() && sweeps[n].misfit > usual + kTouched) damage.push_back({n, sweeps[n].burst.at});
+  }
+  const auto offset = [&](const Damage& one) { return one.frame - sweeps[one.sweep].burst.at; };
+  for (const auto& one : damage) {
+    const bool again = std::any_of(damage.begin(), damage.end(), [&](const Damage& other) {
+      return other.sweep != one.sweep && std::abs(offset(other) - offset(one)) <= kSamePlace;
+    });
+    if (again)
+      overdriven = true;
+    else
+      steps.push_back({one.frame, 0.0});
+  }
 }
 
 }  // namespace tactus

@@ -60,6 +60,7 @@ class HeardPath {
   double noise = 0.0;                ///< variance of a frame
   std::vector<TrackedSweep> sweeps;  ///< all of them, beside the path
   std::vector<DelayStep> steps;
+  bool overdriven = false;  ///< loud and soft sweeps differ in shape
   DelayTrend trend;
 
  private:
@@ -70,6 +71,7 @@ class HeardPath {
   Spectrum expected(const HeardWindow& window, const PathFit& fit) const;
   double middle_delay() const;
   void find_steps(const std::vector<TrackedSweep>& whole);
+  void find_damage();
 
   CoarseSearch search_;
   std::vector<double> steadied_;

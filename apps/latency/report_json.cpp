@@ -56,8 +56,8 @@ void add_evidence(const Analysis& analysis, Json& json) {
   json["polarity"] = known(heard, analysis.polarity);
   json["gain_db"] = known(heard, analysis.gain_db);
   json["snr_db"] = known(heard, analysis.snr_db);
-  json["drift_ppm"] = known(heard, analysis.drift_ppm);
-  json["drift_standard_error_ppm"] = known(heard, analysis.drift_standard_error_ppm);
+  json["drift_ppm"] = known(heard && analysis.compared, analysis.drift_ppm);
+  json["drift_standard_error_ppm"] = known(heard && analysis.compared, analysis.drift_standard_error_ppm);
   json["bound_frames"] = known(heard, analysis.bound_frames);
   json["spread_over_sweeps_frames"] = known(heard, analysis.spread_frames);
   json["noise_floor_dbfs"] = known(is_known(analysis), analysis.noise_floor_dbfs);

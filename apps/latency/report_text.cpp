@@ -138,7 +138,9 @@ void add_path(const Analysis& analysis, Lines& lines) {
     if (const auto& level = analysis.harmonics_db[k])
       harmonics += fmt::format("{}H{} {:.0f} dB", harmonics.empty() ? "" : ", ", k + 2, *level);
   if (!harmonics.empty()) lines.add("distortion", "{}", harmonics);
-  if (analysis.heard)
+  if (analysis.heard && !analysis.compared)
+    lines.add("clock", "not known, nor whether frames were lost: less than three sweeps can be compared");
+  if (analysis.heard && analysis.compared)
     lines.add("clock", "drift {} ppm",
               with_error(analysis.drift_ppm, std::max(0.001, analysis.drift_standard_error_ppm)));
 }
