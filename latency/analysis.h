@@ -63,7 +63,7 @@ struct Analysis {
   double snr_db = 0.0;   ///< per sample, while a sweep at full level is heard
   double noise_floor_dbfs = 0.0;
   double dc = 0.0;         ///< full scale
-  bool compared = true;   ///< at least three sweeps, so that drift and lost frames show
+  bool compared = true;    ///< at least three sweeps, so that drift and lost frames show
   double drift_ppm = 0.0;  ///< by which the delay grows: a millionth of a frame in every frame
   double drift_standard_error_ppm = 0.0;
   double low_hz = 0.0, high_hz = 0.0;  ///< where the gain is within 3 dB of its middle
