@@ -10,6 +10,7 @@
 #include "latency/heard_path.h"
 #include "latency/probe.h"
 #include "latency/response.h"
+#include "latency/second_path.h"
 
 namespace tactus {
 namespace {
@@ -53,6 +54,7 @@ double gain_range_db(const HeardPath& path) {
   }
   return decibels(highest / lowest);
 }
+
 /// How strong signal and noise are, and what nobody could do better with them.
 void report_level(const HeardPath& path, Analysis& analysis) {
   const auto response = path.fitted.model.spectrum(path.mean.size, path.mean.profile);
@@ -144,7 +146,11 @@ void report(HeardPath& path, Analysis& analysis) {
   evidence.overdriven = path.overdriven;
   if (path.settings.profile) evidence.widest_error_frames = frames_in(kThroughActuator, path.rate());
   const Response response{path.mean, path.fitted.model, path.rate(), path.windows.fourier()};
-  if (path.fitted.misfit > 1e-3) evidence.echo = response.echo();
+  evidence.second = find_second_path(path);
+  if (evidence.second)
+    analysis.echo_frames = static_cast<int>(evidence.second->frames);
+  else if (path.fitted.misfit > 1e-3)
+    evidence.echo = response.echo();
   if (evidence.echo.frames != 0) analysis.echo_frames = evidence.echo.frames;
   evidence.knock_gain_db = knock_gain_db(path);
   evidence.gain_range_db = gain_range_db(path);

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "latency/median.h"
+
 namespace tactus {
 namespace {
 
@@ -13,14 +15,6 @@ constexpr double kLeastShare = 0.125;  // of the probe's energy must lie within 
 constexpr Seconds kEdge{0.01};
 constexpr std::size_t kAround = 96;  // frames: by 400 ppm two clocks differ by so much in five seconds
 constexpr double kLowest = 60.0;     // Hz; below there is hum, and little to tell the time by
-
-/// The standard deviation of what is mostly normal, whatever sticks out of it.
-double robust_deviation(std::vector<double> values) {
-  for (auto& value : values) value = std::abs(value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle / 0.6745;
-}
 
 std::size_t loudest(const std::vector<double>& values, std::size_t from, std::size_t to) {
   const auto begin = values.begin() + static_cast<std::ptrdiff_t>(from),
@@ -107,6 +101,14 @@ CoarseDelay CoarseSearch::find(std::span<const double> heard) {
   found.sign = evened[best] < 0.0 ? -1.0 : 1.0;
   found.frames = delays[best];
   return found;
+}
+
+std::vector<double> CoarseSearch::behind(const PathModel& model) {
+  auto spectrum = model.spectrum(fourier_.size(), {});
+  for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= played_[b];
+  auto heard = fourier_.inverse(spectrum);
+  heard.resize(static_cast<std::size_t>(frames_));
+  return heard;
 }
 
 }  // namespace tactus

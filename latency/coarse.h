@@ -6,6 +6,7 @@
 
 #include "engine/core/units.h"
 #include "latency/fourier.h"
+#include "latency/path_model.h"
 
 namespace tactus {
 
@@ -35,6 +36,8 @@ class CoarseSearch {
   CoarseSearch(std::span<const double> played, std::size_t frames, Hertz sample_rate);
   /// [control]
   CoarseDelay find(std::span<const double> heard);
+  /// [control] What a path of that model makes of what was played.
+  std::vector<double> behind(const PathModel& model);
 
  private:
   /// At delays from 0 on, those below 0 from the end backwards.

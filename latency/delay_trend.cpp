@@ -5,15 +5,10 @@
 #include <cstddef>
 #include <numbers>
 
+#include "latency/median.h"
+
 namespace tactus {
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double slope_between(const DelayPoint& a, const DelayPoint& b) {
   return (b.delay_frames - a.delay_frames) / static_cast<double>(b.played_at - a.played_at);

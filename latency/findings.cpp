@@ -138,15 +138,24 @@ std::optional<Finding> overdriven(const Evidence& evidence) {
                  "turn the input's gain or the output's level down, or measure with a lower --level"};
 }
 
-std::optional<Finding> second_path(const Evidence& evidence) {
-  const auto& echo = evidence.echo;
-  if (echo.share < kEchoShare || echo.level_db < kLeastEcho) return std::nullopt;
-  return Finding{
+Finding heard_twice(std::int64_t frames, double level_db) {
+  return {
       Verdict::DirectMonitoring,
-      fmt::format("it is heard twice: {:.1f} dB {} the first, {:+d} frames from it", std::abs(echo.level_db),
-                  echo.level_db > 0.0 ? "above" : "below", echo.frames),
+      fmt::format("it is heard twice: {:.1f} dB {} the first, {:+d} frames from it", std::abs(level_db),
+                  level_db > 0.0 ? "above" : "below", frames),
       "switch direct monitoring off in the card's mixer, and take away connections from its inputs to its "
       "outputs"};
+}
+
+std::optional<Finding> far_path(const Evidence& evidence) {
+  if (!evidence.second) return std::nullopt;
+  return heard_twice(evidence.second->frames, evidence.second->level_db);
+}
+
+std::optional<Finding> near_path(const Evidence& evidence) {
+  const auto& echo = evidence.echo;
+  if (echo.share < kEchoShare || echo.level_db < kLeastEcho) return std::nullopt;
+  return heard_twice(echo.frames, echo.level_db);
 }
 
 std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidence) {
@@ -202,11 +211,13 @@ Finding not_heard(const std::vector<CoarseDelay>& channels, int channel) {
 
 Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> heard) {
   if (const auto found = clipping(analysis, heard)) return *found;
+  // It overlaps the sweeps, so that nothing else can be told from them.
+  if (const auto found = far_path(evidence)) return *found;
   if (const auto found = lost_frames(analysis)) return *found;
   if (const auto found = moving_gain(analysis, evidence)) return *found;
   if (const auto found = overdriven(evidence)) return *found;
   if (const auto found = clocks_differ(analysis)) return *found;
-  if (const auto found = second_path(evidence)) return *found;
+  if (const auto found = near_path(evidence)) return *found;
   if (const auto found = not_flat(analysis, evidence); found && evidence.coarse.clear()) return *found;
   if (const auto found = low_snr(analysis, evidence)) return *found;
   return {};

@@ -7,6 +7,7 @@
 #include "latency/analysis.h"
 #include "latency/coarse.h"
 #include "latency/response.h"
+#include "latency/second_path.h"
 
 namespace tactus {
 
@@ -14,6 +15,7 @@ namespace tactus {
 struct Evidence {
   CoarseDelay coarse;
   Response::Echo echo;
+  std::optional<SecondPath> second;     ///< further away
   bool overdriven = false;              ///< loud and soft sweeps differ in shape
   double gain_range_db = 0.0;           ///< highest over lowest gain of the model in the band
   double widest_error_frames = 0.1;     ///< standard error that is still called a result

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "latency/median.h"
 #include "latency/pilot_track.h"
 
 namespace tactus {
@@ -37,17 +38,15 @@ double power(std::span<const double> samples, double mean) {
   return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double usual_misfit(const std::vector<TrackedSweep>& sweeps) {
+  std::vector<double> misfits;
+  for (const auto& sweep : sweeps) misfits.push_back(sweep.misfit);
+  return median(std::move(misfits));
 }
 
 /// Sweeps in which nothing is broken: those that leave about as much unexplained as the others.
 std::vector<TrackedSweep> whole_ones(const std::vector<TrackedSweep>& sweeps) {
-  std::vector<double> misfits;
-  for (const auto& sweep : sweeps) misfits.push_back(sweep.misfit);
-  const double usual = median(misfits);
+  const double usual = usual_misfit(sweeps);
   std::vector<TrackedSweep> whole;
   for (const auto& sweep : sweeps)
     if (sweep.misfit <= usual + kDamaged) whole.push_back(sweep);
@@ -209,9 +208,7 @@ void HeardPath::find_steps(const std::vector<TrackedSweep>& whole) {
 /// In a sweep that leaves more unexplained than the others, or has something else in it for a moment. What
 /// stands at the same place of two sweeps is no damage: loud and soft ones differ there.
 void HeardPath::find_damage() {
-  std::vector<double> misfits;
-  for (const auto& sweep : sweeps) misfits.push_back(sweep.misfit);
-  const double usual = median(misfits);
+  const double usual = usual_misfit(sweeps);
   struct Damage {
     std::size_t sweep;
     std::int64_t frame;

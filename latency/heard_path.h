@@ -35,6 +35,8 @@ class HeardPath {
   void compare_sweeps();
   /// [control] What is heard of the probe on every input.
   std::vector<CoarseDelay> every_channel();
+  /// [control] For more of what was played, in recordings as long as `heard`.
+  CoarseSearch& search() { return search_; }
 
   /// [any] The delay of what was played at `frame`, when it is `constant` once the drift is taken off.
   double as_heard(double constant, double frame) const { return (frame + constant) * speed - frame; }

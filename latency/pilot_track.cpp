@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "latency/fourier.h"
+#include "latency/median.h"
 
 namespace tactus {
 namespace {
@@ -36,13 +37,6 @@ std::vector<double> cut(std::span<const double> all, std::int64_t from, std::int
   return piece;
 }
 
-double median_magnitude(std::vector<double> values) {
-  for (auto& value : values) value = std::abs(value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 std::vector<DelayPoint> track_pilot(std::span<const double> played, std::span<const double> heard,
@@ -60,7 +54,7 @@ std::vector<DelayPoint> track_pilot(std::span<const double> played, std::span<co
     auto correlation = fourier.inverse(cross);
     correlation.resize(static_cast<std::size_t>(2 * kReach));
     const auto highest = std::max_element(correlation.begin(), correlation.end());
-    if (!(*highest > kProminent * median_magnitude(correlation) / 0.6745)) continue;
+    if (!(*highest > kProminent * robust_deviation(correlation))) continue;
     const auto off = highest - correlation.begin() - kReach;
     points.push_back({pilot.at + from, static_cast<double>(at + off) + model.delay_frames});
   }

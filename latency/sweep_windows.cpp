@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
+
+#include "latency/median.h"
 
 namespace tactus {
 namespace {
@@ -178,9 +181,7 @@ double SweepWindows::scatter(std::span<const double> heard, std::int64_t frames,
     variances.push_back(power / (1.0 - gain * gain / weight) / static_cast<double>(fourier_.size()) /
                         fade_power_ / share);
   }
-  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
-  std::nth_element(variances.begin(), middle, variances.end());
-  return *middle;
+  return median(std::move(variances));
 }
 
 std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, std::int64_t frames,

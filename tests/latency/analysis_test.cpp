@@ -278,6 +278,36 @@ TEST_CASE("analysis: a second path is heard as one", "[latency]") {
   CHECK(analysis.finding.what.find("+300 frames") != std::string::npos);
 }
 
+TEST_CASE("analysis: a second path is heard as one at any distance, before the first one or behind it",
+          "[latency]") {
+  const auto distance = GENERATE(-25000, -9000, 8500, 20000, 60000);
+  const auto level = GENERATE(0.5, 0.3, 0.1, 0.02);
+  CAPTURE(distance, level);
+  auto recording =
+      SimulatedLoop{.delay_frames = 30960.25, .gain = 0.5, .noise = 1e-5}.record(probe(), 48_kHz, 70000);
+  const auto second =
+      SimulatedLoop{.delay_frames = 30960.25 + distance, .gain = 0.5 * level}.record(probe(), 48_kHz, 0);
+  auto& heard = recording.heard[0];
+  for (std::size_t n = 0; n < std::min(heard.size(), second.heard[0].size()); ++n)
+    heard[n] += second.heard[0][n];
+  const auto analysis = analysis_of(recording);
+  CHECK(verdict(analysis) == "DIRECT_MONITORING");
+  REQUIRE(analysis.echo_frames);
+  CHECK(std::abs(*analysis.echo_frames - distance) <= 1);
+  CAPTURE(analysis.finding.what);
+  const double told = std::stod(analysis.finding.what.substr(analysis.finding.what.find(':') + 1));
+  CHECK(told == Approx(-20 * std::log10(level)).epsilon(0).margin(1.0));
+}
+
+TEST_CASE("analysis: more frames lost than a sweep is searched for are no second path", "[latency]") {
+  const auto at = GENERATE(0.3, 0.5, 0.7, 0.9);
+  auto recording = SimulatedLoop{.delay_frames = 30960.25, .noise = 1e-4}.record(probe(), 48_kHz);
+  auto& heard = recording.heard[0];
+  const auto from = heard.begin() + static_cast<std::ptrdiff_t>(at * static_cast<double>(probe().size()));
+  heard.erase(from, from + 12000);
+  CHECK(verdict(analysis_of(recording)) == "LOST_FRAMES");
+}
+
 TEST_CASE("analysis: noise that leaves the delay uncertain is told", "[latency]") {
   const auto analysis =
       analysis_of({.delay_frames = 960.25, .gain = 0.002, .noise = noise_for(-27.0, 0.002)});

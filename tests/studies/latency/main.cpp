@@ -325,7 +325,7 @@ void compare(int count) {
         test::SimulatedLoop loop;
         loop.seed = static_cast<std::uint64_t>(n);
         loop.delay_frames = draw.between(each.longest > 65536 ? 65536.0 : 0.0, each.longest);
-        loop.gain = draw.coin() ? 0.5 : -0.5;
+        loop.gain = draw.coin() ? 0.1 : -0.1;
         if (each.coupling_hz > 0.0) loop.high_pass_hz = {each.coupling_hz};
         loop.noise = std::sqrt(stimulus.power * loop.gain * loop.gain * std::pow(10.0, -each.snr_db / 10.0));
         const auto recording = loop.record(method.played, kRate);

@@ -1,0 +1,48 @@
+#include "latency/second_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "latency/median.h"
+
+namespace tactus {
+namespace {
+
+constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousandth of a frame
+
+double product(std::span<const double> a, std::span<const double> b) {
+  return std::inner_product(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(std::min(a.size(), b.size())),
+                            b.begin(), 0.0);
+}
+
+}  // namespace
+
+std::optional<SecondPath> find_second_path(HeardPath& path) {
+  if (!path.coarse.clear()) return std::nullopt;
+  auto model = path.fitted.model;
+  model.delay_frames = path.constant();
+  const auto first = path.search().behind(model);
+  std::vector<double> rest(path.steady_heard.begin(), path.steady_heard.end());
+  for (std::size_t n = 0; n < rest.size(); ++n) rest[n] -= path.floor.mean + first[n];
+  if (product(rest, rest) < kSoftest * kSoftest * product(first, first)) return std::nullopt;
+
+  const auto found = path.search().find(rest);
+  SecondPath second;
+  second.frames = found.frames - std::llround(path.constant());
+  if (!found.clear() || std::abs(second.frames) <= SecondPath::kNear) return std::nullopt;
+  std::vector<double> levels;
+  for (const auto& burst : path.bursts.repeated) {
+    const auto whole = stretch(first, burst.at + path.at, burst.end() + path.at);
+    const auto again = stretch(rest, burst.at + found.frames, burst.end() + found.frames);
+    if (again.size() == whole.size())
+      levels.push_back(std::abs(product(again, whole)) / product(whole, whole));
+  }
+  const double level = median(levels);
+  if (!(level > kSoftest)) return std::nullopt;
+  second.level_db = 20.0 * std::log10(level);
+  return second;
+}
+
+}  // namespace tactus
