@@ -196,7 +196,8 @@ Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings&
     analysis.heard = path.fit();
   }
   if (!analysis.heard) {
-    analysis.finding = not_heard(path.every_channel(), settings.channel);
+    analysis.finding =
+        path.bursts.repeated.empty() ? not_whole() : not_heard(path.every_channel(), settings.channel);
     return analysis;
   }
   if (path.coarse.clear()) path.compare_sweeps();

@@ -1,9 +1,12 @@
 #include "latency/calibration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "latency/bursts.h"
 #include "latency/noise_floor.h"
@@ -25,12 +28,6 @@ constexpr double kFirstSwing = 1.0 / 3;  // of the highest
 
 double energy(const std::vector<double>& samples) {
   return std::inner_product(samples.begin(), samples.end(), samples.begin(), 0.0);
-}
-
-/// Verdicts that are no objection here: a path through an actuator is not flat, and may ring on.
-bool acceptable(Verdict verdict) {
-  return verdict == Verdict::Ok || verdict == Verdict::NotFlat || verdict == Verdict::DirectMonitoring ||
-         verdict == Verdict::LowSnr;
 }
 
 /// The card's whole frames are taken off by cutting later, the rest by turning the phase.
@@ -121,40 +118,57 @@ void describe_swing(const std::vector<double>& taps, Calibration& calibration) {
   calibration.arrival_frames = static_cast<double>(first - taps.begin());
 }
 
-Finding judge(const Calibration& calibration) {
-  if (calibration.snr_db < kLeastSnr)
+Finding judge(const Calibration& calibration, double electrical_frames) {
+  if (calibration.heard.snr_db < kLeastSnr)
     return {
         Verdict::LowSnr, "the noise is too strong to tell the path's shape",
         "play louder (but no louder than the actuator stands), raise the sensor's gain, or find the noise"};
-  if (calibration.unexplained > kMostLeft)
+  if (calibration.unexplained <= kMostLeft) return {};
+  if (calibration.heard.delay_frames < electrical_frames - 1.0)
     return {Verdict::NotFlat,
-            "the path is no fixed linear response: part of what is heard changes from sweep to sweep or is "
-            "distorted",
-            "play softer, and make sure that nothing rattles or moves while it is measured"};
-  return {};
+            fmt::format("it is heard {:.0f} frames before the card's own delay has passed",
+                        electrical_frames - calibration.heard.delay_frames),
+            "the delay that is to be taken off is too long: measure it again over a cable, with the same "
+            "setting"};
+  return {Verdict::NotFlat,
+          "the path is no fixed linear response: part of what is heard changes from sweep to sweep or is "
+          "distorted",
+          "play softer, and make sure that nothing rattles or moves while it is measured"};
 }
 
 }  // namespace
+
+bool spoils(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::Ok:
+    case Verdict::NotFlat:
+    case Verdict::LowSnr:
+    case Verdict::DirectMonitoring:
+      return false;
+    default:
+      return true;
+  }
+}
 
 Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationSettings& settings) {
   if (!(settings.electrical_frames >= 0.0))
     return fail(Errc::BadArgument, "", "the card's own delay cannot be negative", "measure it over a cable");
   AnalysisSettings plain;
   plain.channel = settings.channel;
-  const auto analysis = analyze(recording, plain);
+  auto analysis = analyze(recording, plain);
   if (!analysis) return tl::unexpected{analysis.error()};
   Calibration calibration;
-  calibration.finding = analysis->finding;
-  calibration.snr_db = analysis->snr_db;
-  if (!analysis->heard || !acceptable(analysis->finding.verdict)) return calibration;
+  calibration.heard = std::move(*analysis);
+  calibration.finding = calibration.heard.finding;
+  if (!calibration.heard.heard || spoils(calibration.finding.verdict)) return calibration;
 
   const auto& heard = recording.heard[static_cast<std::size_t>(settings.channel)];
   const auto rate = recording.sample_rate;
   const auto bursts = *find_bursts(recording.played, rate);
   SweepWindows windows{bursts, rate, {}};
   NoiseFloor floor;
-  floor.mean = analysis->dc;
-  floor.variance = std::max(kQuietest, std::pow(10.0, analysis->noise_floor_dbfs / 10.0));
+  floor.mean = calibration.heard.dc;
+  floor.variance = std::max(kQuietest, std::pow(10.0, calibration.heard.noise_floor_dbfs / 10.0));
   floor.per_frame = {floor.variance, floor.variance};
   windows.set_noise(floor);
   std::vector<TrackedSweep> sweeps;
@@ -183,7 +197,7 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   const Response response{window, arrival, rate, fourier};
   calibration.spectrum = response.spectrum();
   calibration.group_delay = response.group_delay(0.0);
-  calibration.finding = judge(calibration);
+  calibration.finding = judge(calibration, settings.electrical_frames);
   return calibration;
 }
 

@@ -26,7 +26,7 @@ struct Calibration {
   double arrival_frames = 0.0;  ///< when that swing begins, without the card's delay
   std::vector<BandDelay> group_delay;
   std::vector<ResponsePoint> spectrum;
-  double snr_db = 0.0;
+  Analysis heard;            ///< as if it were a cable
   double unexplained = 0.0;  ///< share of what is heard that the profile does not explain
 };
 
@@ -35,6 +35,9 @@ struct CalibrationSettings {
   double electrical_frames = 0.0;  ///< the card's own delay, measured over a cable
   Seconds length{0.3};             ///< of the response, at most
 };
+
+/// [any] Does a verdict about a recording spoil it for calibration, too? That its path is no cable does not.
+bool spoils(Verdict verdict);
 
 /// [control] The causal response h of `length` that minimises  |heard - h * played|² + λ |h|²  over the mean
 /// of all sweeps, once the card's delay is taken off: Toeplitz normal equations, by conjugate gradients with

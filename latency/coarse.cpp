@@ -14,6 +14,7 @@ namespace {
 constexpr double kLeastShare = 0.125;  // of the probe's energy must lie within the recording
 constexpr Seconds kEdge{0.01};
 constexpr std::size_t kAround = 96;  // frames: by 400 ppm two clocks differ by so much in five seconds
+constexpr double kRounding = 1e-9;   // of the mean: direct current, and nothing else
 constexpr double kLowest = 60.0;     // Hz; below there is hum, and little to tell the time by
 
 std::size_t loudest(const std::vector<double>& values, std::size_t from, std::size_t to) {
@@ -62,6 +63,9 @@ std::vector<double> CoarseSearch::correlation(std::span<const double> heard) {
   // Its mean, and its edges, would be heard everywhere.
   const double mean = std::accumulate(heard.begin(), heard.end(), 0.0) / static_cast<double>(heard.size());
   std::vector<double> centred(heard.begin(), heard.end());
+  double farthest = 0.0;
+  for (const double sample : heard) farthest = std::max(farthest, std::abs(sample - mean));
+  if (farthest <= kRounding * std::abs(mean)) return std::vector<double>(fourier_.size(), 0.0);
   const auto edge = std::min(heard.size() / 2, static_cast<std::size_t>(frames_in(kEdge, sample_rate_)));
   for (std::size_t n = 0; n < centred.size(); ++n) {
     const double inside =

@@ -22,6 +22,10 @@ constexpr double kMisfit = 0.005;   // of the power: the phase is then wrong by 
 constexpr double kGainRange = 6.0;  // dB; what is between converters has less
 constexpr double kCertain = 5.0;    // standard errors
 
+constexpr const char* kAgainstOverload =
+    "turn the input's gain or the output's level down, or measure with a lower --level";
+constexpr const char* kAgainstNoise = "play louder, raise the input's gain, or find the source of the noise";
+
 int longest_clipped_run(std::span<const double> heard) {
   int longest = 0, run = 0;
   for (std::size_t n = 0; n < heard.size(); ++n) {
@@ -32,17 +36,17 @@ int longest_clipped_run(std::span<const double> heard) {
 }
 
 std::optional<Finding> clipping(const Analysis& analysis, std::span<const double> heard) {
-  const char* remedy = "turn the input's gain or the output's level down, or measure with a lower --level";
   if (const int run = longest_clipped_run(heard); run >= kClippedRun)
     return Finding{Verdict::Clipping,
-                   fmt::format("the input is at full scale for up to {} frames in a row", run), remedy};
+                   fmt::format("the input is at full scale for up to {} frames in a row", run),
+                   kAgainstOverload};
   for (std::size_t k = 0; k < analysis.harmonics_db.size() && analysis.snr_db > kTellsHarmonics; ++k)
     if (analysis.harmonics_db[k].value_or(-1e9) > kOverdriven)
       return Finding{
           Verdict::Clipping,
           fmt::format("harmonic {} is only {:.0f} dB below the sweep: something on the way is overdriven",
                       k + 2, -*analysis.harmonics_db[k]),
-          remedy};
+          kAgainstOverload};
   return std::nullopt;
 }
 
@@ -57,9 +61,7 @@ std::optional<Finding> lost_frames(const Analysis& analysis) {
   return Finding{
       Verdict::LostFrames,
       what + (analysis.steps.size() > 1 ? fmt::format(", and {} times more", analysis.steps.size() - 1) : ""),
-      "use a longer block or more periods (`tactus latency sweep` finds the smallest that holds), close "
-      "other "
-      "programs, and see `tactus doctor`"};
+      kAgainstGaps};
 }
 
 std::optional<Finding> clocks_differ(const Analysis& analysis) {
@@ -135,7 +137,7 @@ std::optional<Finding> overdriven(const Evidence& evidence) {
   if (!evidence.overdriven) return std::nullopt;
   return Finding{Verdict::Clipping,
                  "loud and soft sweeps differ in shape: something on the way is overdriven",
-                 "turn the input's gain or the output's level down, or measure with a lower --level"};
+                 kAgainstOverload};
 }
 
 Finding heard_twice(std::int64_t frames, double level_db) {
@@ -167,13 +169,13 @@ std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidenc
         fmt::format("the noise is too strong: with {:.1f} dB of signal above it single sweeps cannot be told "
                     "apart, so neither lost frames nor drift",
                     analysis.snr_db),
-        "play louder, raise the input's gain, or find the source of the noise"};
+        kAgainstNoise};
   return Finding{
       Verdict::LowSnr,
       fmt::format("the noise is too strong: {:.1f} dB of signal above it leave the delay uncertain by {:.2f} "
                   "frames",
                   analysis.snr_db, analysis.standard_error_frames),
-      "play louder, raise the input's gain, or find the source of the noise"};
+      kAgainstNoise};
 }
 
 std::optional<Finding> not_flat(const Analysis& analysis, const Evidence& evidence) {
@@ -192,6 +194,11 @@ std::optional<Finding> not_flat(const Analysis& analysis, const Evidence& eviden
 
 }  // namespace
 
+Finding not_whole() {
+  return {Verdict::NoSignal, "not one sweep was recorded from its beginning to its end",
+          "record from before the probe begins until after it has ended"};
+}
+
 Finding not_heard(const std::vector<CoarseDelay>& channels, int channel) {
   int loudest = -1;
   double prominence = CoarseDelay::kNothing * 1.5;
@@ -204,7 +211,8 @@ Finding not_heard(const std::vector<CoarseDelay>& channels, int channel) {
   if (loudest >= 0)
     return {Verdict::WrongChannel,
             fmt::format("nothing is heard on input {}, but on input {}", channel + 1, loudest + 1),
-            fmt::format("measure with --in {}, or move the cable to input {}", loudest + 1, channel + 1)};
+            fmt::format("choose input {} (--in, of a file --channel), or move the cable to input {}",
+                        loudest + 1, channel + 1)};
   return {Verdict::NoSignal, fmt::format("nothing of what was played is heard on input {}", channel + 1),
           "join the output to the input by a cable, and look whether one of them is muted or turned down"};
 }

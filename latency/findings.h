@@ -11,6 +11,11 @@
 
 namespace tactus {
 
+/// What to do about lost frames.
+inline constexpr const char* kAgainstGaps =
+    "use a longer block or more periods (`tactus latency sweep` finds the smallest that holds), close other "
+    "programs, and see `tactus doctor`";
+
 /// What an analysis knows that its reader need not.
 struct Evidence {
   CoarseDelay coarse;
@@ -22,6 +27,8 @@ struct Evidence {
   std::optional<double> knock_gain_db;  ///< highest gain of bursts before the sweeps
 };
 
+/// [control] It was heard, but no sweep from its beginning to its end.
+Finding not_whole();
 /// [control] Nothing was heard on the own channel: why not, by what is heard on each.
 Finding not_heard(const std::vector<CoarseDelay>& channels, int channel);
 /// [control] What stands against trusting `analysis` of `heard`, the first of it in the order of Verdict.

@@ -20,6 +20,7 @@ constexpr double kFaintest = -14.0;       // log gain: -122 dB, where no convert
 constexpr double kNothing = 1e-18;        // -180 dBFS, below what a float sample of full scale can hold
 constexpr double kDamaged = 0.05;         // of a sweep's power, more than other sweeps leave unexplained
 constexpr double kTouched = 1e-3;         // the same, for a sweep that is told of but still used
+constexpr double kNoisier = 1.5;          // than other sweeps is one that something happened to
 constexpr std::int64_t kSamePlace = 128;  // frames
 constexpr int kDriftRounds = 3;
 
@@ -38,18 +39,18 @@ double power(std::span<const double> samples, double mean) {
   return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
 }
 
-double usual_misfit(const std::vector<TrackedSweep>& sweeps) {
-  std::vector<double> misfits;
-  for (const auto& sweep : sweeps) misfits.push_back(sweep.misfit);
-  return median(std::move(misfits));
+double usual(double TrackedSweep::*of, const std::vector<TrackedSweep>& sweeps) {
+  std::vector<double> all;
+  for (const auto& sweep : sweeps) all.push_back(sweep.*of);
+  return median(std::move(all));
 }
 
 /// Sweeps in which nothing is broken: those that leave about as much unexplained as the others.
 std::vector<TrackedSweep> whole_ones(const std::vector<TrackedSweep>& sweeps) {
-  const double usual = usual_misfit(sweeps);
+  const double most = usual(&TrackedSweep::misfit, sweeps) + kDamaged;
   std::vector<TrackedSweep> whole;
   for (const auto& sweep : sweeps)
-    if (sweep.misfit <= usual + kDamaged) whole.push_back(sweep);
+    if (sweep.misfit <= most) whole.push_back(sweep);
   return whole;
 }
 
@@ -101,7 +102,12 @@ std::vector<CoarseDelay> HeardPath::every_channel() {
 bool HeardPath::find() {
   coarse = search_.find(heard);
   listen_to_quiet();
-  return coarse.found();
+  if (!coarse.clear()) return coarse.found();
+  const auto recorded = static_cast<std::int64_t>(heard.size());
+  std::erase_if(bursts.repeated, [&](const Burst& burst) {
+    return burst.at + coarse.frames < 0 || burst.end() + coarse.frames > recorded;
+  });
+  return !bursts.repeated.empty();
 }
 
 /// The last half second before the first burst is heard; all of it, if none is.
@@ -208,7 +214,8 @@ void HeardPath::find_steps(const std::vector<TrackedSweep>& whole) {
 /// In a sweep that leaves more unexplained than the others, or has something else in it for a moment. What
 /// stands at the same place of two sweeps is no damage: loud and soft ones differ there.
 void HeardPath::find_damage() {
-  const double usual = usual_misfit(sweeps);
+  const double misfit = usual(&TrackedSweep::misfit, sweeps) + kTouched;
+  const double chi_squared = kNoisier * usual(&TrackedSweep::chi_squared, sweeps);
   struct Damage {
     std::size_t sweep;
     std::int64_t frame;
@@ -217,7 +224,9 @@ void HeardPath::find_damage() {
   for (std::size_t n = 0; n < sweeps.size(); ++n) {
     const auto places = windows.damage(steady_heard, at, sweeps[n], mean, noise);
     for (const auto place : places) damage.push_back({n, place});
-    if (places.empty() && sweeps[n].misfit > usual + kTouched) damage.push_back({n, sweeps[n].burst.at});
+    // Of a soft sweep, noise is a larger share.
+    const bool touched = sweeps[n].misfit > misfit && sweeps[n].chi_squared > chi_squared;
+    if (places.empty() && touched) damage.push_back({n, sweeps[n].burst.at});
   }
   const auto offset = [&](const Damage& one) { return one.frame - sweeps[one.sweep].burst.at; };
   for (const auto& one : damage) {

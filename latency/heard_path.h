@@ -25,7 +25,8 @@ class HeardPath {
   /// [control] `recording` and `settings` outlive it.
   HeardPath(const LoopRecording& recording, const AnalysisSettings& settings, PlayedBursts bursts);
 
-  /// [control] Whether anything is heard at all.
+  /// [control] Whether anything is heard. If it is clear where, those bursts that were not recorded as a
+  /// whole are forgotten; one has to be left.
   bool find();
   /// [control] Takes the drift between the clocks off what was heard.
   void follow_clock();

@@ -164,9 +164,7 @@ class Session {
 
   /// Opening it again may tell something else.
   static bool is_hopeful(const Opening& opening) {
-    const auto verdict = opening.finding.verdict;
-    return verdict == Verdict::Ok || verdict == Verdict::LostFrames || verdict == Verdict::LowSnr ||
-           verdict == Verdict::NotFlat;
+    return opening.finding.verdict == Verdict::Ok || opening.finding.verdict == Verdict::LostFrames;
   }
 
   void tell_where_it_comes_from(Measurement& measurement) {

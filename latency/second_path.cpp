@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "latency/median.h"
@@ -11,10 +13,24 @@ namespace tactus {
 namespace {
 
 constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousandth of a frame
+constexpr double kAside = 2.0;
 
 double product(std::span<const double> a, std::span<const double> b) {
   return std::inner_product(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(std::min(a.size(), b.size())),
                             b.begin(), 0.0);
+}
+
+/// How much of what the path brings of a burst stands in `rest` at the delay `frames`, beside the path.
+double usual_level(const HeardPath& path, std::span<const double> first, std::span<const double> rest,
+                   std::int64_t frames) {
+  std::vector<double> levels;
+  for (const auto& burst : path.bursts.repeated) {
+    const auto whole = stretch(first, burst.at + path.at, burst.end() + path.at);
+    const auto again = stretch(rest, burst.at + frames, burst.end() + frames);
+    if (again.size() == whole.size())
+      levels.push_back(std::abs(product(again, whole)) / product(whole, whole));
+  }
+  return median(std::move(levels));
 }
 
 }  // namespace
@@ -32,15 +48,9 @@ std::optional<SecondPath> find_second_path(HeardPath& path) {
   SecondPath second;
   second.frames = found.frames - std::llround(path.constant());
   if (!found.clear() || std::abs(second.frames) <= SecondPath::kNear) return std::nullopt;
-  std::vector<double> levels;
-  for (const auto& burst : path.bursts.repeated) {
-    const auto whole = stretch(first, burst.at + path.at, burst.end() + path.at);
-    const auto again = stretch(rest, burst.at + found.frames, burst.end() + found.frames);
-    if (again.size() == whole.size())
-      levels.push_back(std::abs(product(again, whole)) / product(whole, whole));
-  }
-  const double level = median(levels);
-  if (!(level > kSoftest)) return std::nullopt;
+  const double level = usual_level(path, first, rest, found.frames);
+  // A gain that moves leaves something at the path itself, which may look alike sweeps later.
+  if (level < kSoftest || level < kAside * usual_level(path, first, rest, path.at)) return std::nullopt;
   second.level_db = 20.0 * std::log10(level);
   return second;
 }

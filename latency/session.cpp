@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "latency/findings.h"
+
 namespace tactus {
 namespace {
 
@@ -69,7 +71,7 @@ void add_lost(Findings& findings, const Health& before, const Health& after) {
       {Verdict::LostFrames,
        fmt::format("the driver counted {} gap{} and {} lost frames while the sweeps were played", gaps,
                    gaps == 1 ? "" : "s", lost),
-       "use a longer block or more periods, close other programs, and see `tactus doctor`"});
+       kAgainstGaps});
 }
 
 void add_mismatch(Findings& findings, const StreamGranted& granted, const Health& before,

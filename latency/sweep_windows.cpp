@@ -122,7 +122,7 @@ std::vector<TrackedSweep> SweepWindows::track(std::span<const double> heard, std
     const auto fit = fit_path(window, start, PathShape::Kept);
     tracked.push_back({burst, static_cast<double>(later) + fit.model.delay_frames,
                        fit.delay_deviation * std::sqrt(std::max(1.0, fit.chi_squared)), fit.model.log_gain,
-                       fit.misfit});
+                       fit.misfit, fit.chi_squared});
   }
   return tracked;
 }

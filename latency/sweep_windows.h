@@ -19,6 +19,7 @@ struct TrackedSweep {
   double deviation_frames = 0.0;  ///< as the noise makes it
   double log_gain = 0.0;
   double misfit = 0.0;
+  double chi_squared = 1.0;
 };
 
 /// Cuts what was heard of the repeated bursts out of a recording, and fits the path to it.

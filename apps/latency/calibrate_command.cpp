@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +8,7 @@
 #include "apps/console.h"
 #include "apps/latency/keep_delay.h"
 #include "apps/latency/latency_commands.h"
+#include "apps/latency/latency_report.h"
 #include "apps/latency/measure_now.h"
 #include "apps/latency/profile_file.h"
 #include "apps/latency/recording_files.h"
@@ -39,33 +41,19 @@ Result<double> electrical_frames(const CalibrateOptions& options, const Loop& lo
               "measure it over a cable with tactus latency measure, or give it");
 }
 
-/// What spoils any recording. That the path is no cable is why it is calibrated.
-bool spoils(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::Ok:
-    case Verdict::NotFlat:
-    case Verdict::LowSnr:
-    case Verdict::DirectMonitoring:
-      return false;
-    default:
-      return true;
-  }
-}
-
 Json json_of(const Calibration& calibration, Hertz rate) {
   const auto& profile = calibration.profile;
-  Json json{{"verdict", code(calibration.finding.verdict)},
-            {"what", calibration.finding.what},
-            {"remedy", calibration.finding.remedy}};
+  // The swing begins somewhere within a frame.
+  const double error = std::hypot(calibration.heard.standard_error_frames, 1.0 / std::sqrt(12.0));
+  auto json =
+      essentials_json({calibration.finding, rate, calibration.arrival_frames, error}, calibration.heard);
+  json["delay_is"] = "from the drive to the first swing of what is heard, without the card's own delay";
   if (profile.taps.empty()) return json;
-  json.update({{"polarity", calibration.polarity},
-               {"arrival_frames", calibration.arrival_frames},
-               {"arrival_ms", 1e3 * calibration.arrival_frames / rate.value},
-               {"low_hz", profile.low.value},
+  json["polarity"] = calibration.polarity;
+  json.update({{"low_hz", profile.low.value},
                {"high_hz", profile.high.value},
                {"resonance_hz", nullptr},
                {"resonance_q", nullptr},
-               {"snr_db", calibration.snr_db},
                {"unexplained", calibration.unexplained},
                {"group_delay", Json::array()}});
   for (const auto& octave : calibration.group_delay)
@@ -94,7 +82,7 @@ void print(const Calibration& calibration, Hertz rate) {
     fmt::print("resonance       {:.1f} Hz, Q {:.2f}\n", calibration.resonance->frequency_hz,
                calibration.resonance->q);
   fmt::print("noise           {:.1f} dB below the sweeps\nunexplained     {:.2g} of what is heard\n",
-             calibration.snr_db, calibration.unexplained);
+             calibration.heard.snr_db, calibration.unexplained);
   fmt::print("group delay    ");
   for (const auto& octave : calibration.group_delay) fmt::print(" {:>9.0f} Hz", octave.centre_hz);
   fmt::print("\n               ");
@@ -123,6 +111,7 @@ int run(const CalibrateOptions& options) {
   const auto rate = opening.granted.format.sample_rate;
   Calibration calibration;
   calibration.finding = opening.finding;
+  calibration.heard = opening.analysis;
   if (!spoils(opening.finding.verdict)) {
     const auto electrical = electrical_frames(options, *loop, opening.granted);
     if (!electrical) return report(electrical.error()), kUsage;

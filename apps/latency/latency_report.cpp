@@ -19,9 +19,9 @@ Hertz LatencyReport::sample_rate() const {
   return live ? opening->granted.format.sample_rate : opening->analysis.sample_rate;
 }
 
-const Opening* LatencyReport::shown() const {
+const Opening* shown_of(const Measurement& measurement) {
   const auto& openings = measurement.openings;
-  const auto found = std::find_if(openings.begin(), openings.end(), [this](const Opening& opening) {
+  const auto found = std::find_if(openings.begin(), openings.end(), [&](const Opening& opening) {
     return opening.finding.verdict == measurement.finding.verdict;
   });
   if (found != openings.end()) return &*found;

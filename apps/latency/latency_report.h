@@ -11,6 +11,9 @@
 
 namespace tactus::app {
 
+/// The opening that shows best what was found: the first with the verdict of the whole. nullptr: none.
+const Opening* shown_of(const Measurement& measurement);
+
 /// What is told of a measurement. One that somebody else recorded has a single opening, of no stream.
 struct LatencyReport {
   std::string source;  ///< a device and its setting, or a file
@@ -21,8 +24,7 @@ struct LatencyReport {
 
   bool ok() const { return measurement.finding.verdict == Verdict::Ok; }
   Hertz sample_rate() const;
-  /// The opening that shows best what was found: the first with the verdict of the whole. nullptr: none.
-  const Opening* shown() const;
+  const Opening* shown() const { return shown_of(measurement); }
 };
 
 /// Was there anything to analyse? Not if the measurement was given up before.
@@ -30,6 +32,14 @@ bool is_known(const Analysis& analysis);
 
 /// What the delay is, in a sentence.
 extern const char* const kDelayIs;
+
+/// What every report says of a delay.
+struct Essentials {
+  Finding finding;
+  Hertz sample_rate;
+  double delay_frames = 0.0, standard_error_frames = 0.0;
+};
+nlohmann::ordered_json essentials_json(const Essentials& essentials, const Analysis& analysis);
 
 /// One object, the same keys for every measurement; null is what is not known or not to be trusted.
 nlohmann::ordered_json json_of(const LatencyReport& report);

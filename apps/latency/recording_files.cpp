@@ -57,17 +57,11 @@ Result<Capture> joined(const CaptureFiles& files, Samples heard) {
   auto probe = read(files.probe, files.rate);
   if (!probe) return tl::unexpected(probe.error());
   auto played = at_rate(std::move(*probe), heard, capture);
-  if (heard.frames() < played.frames())
-    return fail(Errc::BadFile, files.capture,
-                fmt::format("it lasts {:.2f} s, the probe {:.2f} s",
-                            static_cast<double>(heard.frames()) / heard.sample_rate.value,
-                            static_cast<double>(played.frames()) / heard.sample_rate.value),
-                "record from before the probe begins until after it has ended");
   const auto channel = heard_channel(files, 1, static_cast<int>(heard.channels.size()));
   if (!channel) return tl::unexpected(channel.error());
   capture.channel = *channel;
   auto& first = played.channels.front();
-  first.resize(static_cast<std::size_t>(heard.frames()));
+  first.resize(static_cast<std::size_t>(std::max(heard.frames(), played.frames())));
   capture.recording = {heard.sample_rate, std::move(first), std::move(heard.channels)};
   return capture;
 }

@@ -13,8 +13,6 @@ Json known(bool is_known, const T& value) {
   return is_known ? Json(value) : Json(nullptr);
 }
 
-double ms(double frames, Hertz rate) { return 1e3 * frames / rate.value; }
-
 Json json_of(const std::vector<SweepDelay>& sweeps, Hertz rate) {
   Json all = Json::array();
   for (const auto& sweep : sweeps)
@@ -53,10 +51,6 @@ Json harmonics_json(const Analysis& analysis) {
 /// What one recording shows, but for the delay itself.
 void add_evidence(const Analysis& analysis, Json& json) {
   const bool heard = analysis.heard;
-  json["polarity"] = known(heard, analysis.polarity);
-  json["gain_db"] = known(heard, analysis.gain_db);
-  json["snr_db"] = known(heard, analysis.snr_db);
-  json["drift_ppm"] = known(heard && analysis.compared, analysis.drift_ppm);
   json["drift_standard_error_ppm"] = known(heard && analysis.compared, analysis.drift_standard_error_ppm);
   json["bound_frames"] = known(heard, analysis.bound_frames);
   json["spread_over_sweeps_frames"] = known(heard, analysis.spread_frames);
@@ -96,11 +90,9 @@ Json health_json(const Health& health) {
 
 Json opening_json(const Opening& opening, bool live) {
   const auto& analysis = opening.analysis;
-  const bool trusted = opening.finding.verdict == Verdict::Ok;
-  Json json{{"verdict", code(opening.finding.verdict)},
-            {"what", opening.finding.what},
-            {"delay_frames", known(trusted, analysis.delay_frames)},
-            {"standard_error_frames", known(trusted, analysis.standard_error_frames)}};
+  const auto rate = live ? opening.granted.format.sample_rate : analysis.sample_rate;
+  auto json = essentials_json({opening.finding, rate, analysis.delay_frames, analysis.standard_error_frames},
+                              analysis);
   if (live) {
     json["level_dbfs"] = opening.level_dbfs;
     json["setting"] = granted_json(opening.granted);
@@ -112,20 +104,31 @@ Json opening_json(const Opening& opening, bool live) {
 
 }  // namespace
 
+Json essentials_json(const Essentials& of, const Analysis& analysis) {
+  const bool ok = of.finding.verdict == Verdict::Ok, heard = analysis.heard;
+  return {{"verdict", code(of.finding.verdict)},
+          {"what", of.finding.what},
+          {"remedy", of.finding.remedy},
+          {"delay_frames", known(ok, of.delay_frames)},
+          {"delay_ms", known(ok, 1e3 * of.delay_frames / of.sample_rate.value)},
+          {"standard_error_frames", known(ok, of.standard_error_frames)},
+          {"polarity", known(heard, analysis.polarity)},
+          {"gain_db", known(heard, analysis.gain_db)},
+          {"snr_db", known(heard, analysis.snr_db)},
+          {"drift_ppm", known(heard && analysis.compared, analysis.drift_ppm)}};
+}
+
 Json json_of(const LatencyReport& report) {
   const auto& measurement = report.measurement;
-  const bool ok = report.ok();
   const auto rate = report.sample_rate();
-  Json json{{"source", report.source},
-            {"verdict", code(measurement.finding.verdict)},
-            {"what", measurement.finding.what},
-            {"remedy", measurement.finding.remedy},
-            {"delay_frames", known(ok, measurement.delay_frames)},
-            {"delay_ms", known(ok, ms(measurement.delay_frames, rate))},
-            {"standard_error_frames", known(ok, measurement.standard_error_frames)},
-            {"delay_is", kDelayIs},
-            {"sample_rate_hz", rate.value}};
-  if (const auto* shown = report.shown()) add_evidence(shown->analysis, json);
+  const auto* shown = report.shown();
+  const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
+  Json json{{"source", report.source}};
+  json.update(essentials_json(
+      {measurement.finding, rate, measurement.delay_frames, measurement.standard_error_frames}, analysis));
+  json["delay_is"] = kDelayIs;
+  json["sample_rate_hz"] = rate.value;
+  if (shown != nullptr) add_evidence(analysis, json);
   if (report.live) {
     json["spread_over_openings_frames"] = measurement.spread_frames;
     json["reported_frames"] =
@@ -133,7 +136,7 @@ Json json_of(const LatencyReport& report) {
     Health all;
     for (const auto& opening : measurement.openings) all = together(all, opening.health);
     json.update(health_json(all));
-    if (const auto* shown = report.shown()) json["setting"] = granted_json(shown->granted);
+    if (shown != nullptr) json["setting"] = granted_json(shown->granted);
   }
   json["openings"] = Json::array();
   for (const auto& opening : measurement.openings)

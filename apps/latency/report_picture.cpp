@@ -108,6 +108,16 @@ Figure spectrum_figure(const Analysis& analysis) {
   return figure;
 }
 
+/// Noise alone would fill the panel as if it were much.
+void widen(const std::vector<double>& values, PlotAxis& axis) {
+  constexpr double kLeast = 0.001;  // frames
+  if (values.empty()) return;
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  if (*high - *low >= kLeast) return;
+  axis.low = 0.5 * (*low + *high - kLeast);
+  axis.high = *axis.low + kLeast;
+}
+
 /// Every sweep of every opening, one opening after the other.
 Figure sweeps_figure(const LatencyReport& report) {
   const auto& openings = report.measurement.openings;
@@ -129,6 +139,7 @@ Figure sweeps_figure(const LatencyReport& report) {
                              .color = o % 2 == 0 ? PlotColor::Sky : PlotColor::Grey});
   }
   panel.series = {points};
+  widen(points.y, panel.y);
   if (report.ok())
     panel.levels = {{.y = report.measurement.delay_frames, .label = "mean", .color = PlotColor::Vermillion}};
   figure.panels = {panel};
@@ -184,8 +195,9 @@ std::vector<Figure> picture_of(const Calibration& calibration) {
           ? fmt::format(
                 "Resonance {:.1f} Hz, Q {:.2f}; {:.0f} dB above the noise. The card's own delay is taken "
                 "off.",
-                calibration.resonance->frequency_hz, calibration.resonance->q, calibration.snr_db)
-          : fmt::format("{:.0f} dB above the noise. The card's own delay is taken off.", calibration.snr_db);
+                calibration.resonance->frequency_hz, calibration.resonance->q, calibration.heard.snr_db)
+          : fmt::format("{:.0f} dB above the noise. The card's own delay is taken off.",
+                        calibration.heard.snr_db);
   return page;
 }
 

@@ -74,7 +74,7 @@ void add_openings(const LatencyReport& report, Lines& lines) {
   if (measurement.openings.size() > 1 && report.ok())
     lines.add("spread", "{:.2g} frames over openings, {:.2g} over {} sweeps", measurement.spread_frames,
               shown.analysis.spread_frames, shown.analysis.sweeps.size());
-  else if (shown.analysis.heard)
+  else if (shown.analysis.heard && shown.analysis.sweeps.size() > 1)
     lines.add("spread", "{:.2g} frames over {} sweeps", shown.analysis.spread_frames,
               shown.analysis.sweeps.size());
 }
@@ -94,7 +94,7 @@ void add_driver(const LatencyReport& report, Lines& lines) {
 std::string heard_gaps(const Analysis& analysis) {
   constexpr std::size_t kMost = 4;
   const auto& steps = analysis.steps;
-  if (steps.empty()) return "none heard";
+  if (steps.empty()) return analysis.compared ? "none heard" : "not known";
   std::string text;
   for (std::size_t i = 0; i < std::min(kMost, steps.size()); ++i)
     text += fmt::format("{}{} {:.0f} frames at {:.2f} s", i == 0 ? "" : ", ",
@@ -118,6 +118,8 @@ void add_gaps(const LatencyReport& report, Lines& lines) {
 }
 
 std::string noise_text(const Analysis& analysis) {
+  constexpr double kNone = -200.0;  // dBFS; no converter is so quiet
+  if (analysis.noise_floor_dbfs < kNone) return "none: no converter is on the way";
   const auto level = fmt::format("{:.1f} dBFS, ", analysis.noise_floor_dbfs);
   const auto dc = fmt::format("DC {:.2g}", analysis.dc);
   if (!analysis.heard) return level + dc;

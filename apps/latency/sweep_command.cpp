@@ -53,6 +53,7 @@ void take(const Measurement& measurement, SweepRow& row) {
   setting.delay_frames = measurement.delay_frames;
   setting.standard_error_frames = measurement.standard_error_frames;
   row.reported_frames = measurement.reported_frames;
+  row.heard = shown_of(measurement)->analysis;
   for (const auto& opening : measurement.openings) {
     row.xruns += opening.health.xruns;
     row.lost_frames += opening.health.lost_frames;

@@ -36,7 +36,6 @@ std::string line_of(const SweepRow& row) {
                        periods_text(row.asked_periods.value_or(0)), note_of(row));
   const auto head = fmt::format("{:>8g}  {:>6}  {:>7}", setting.sample_rate.value / 1e3, setting.block_frames,
                                 periods_text(setting.periods));
-  if (row.again) return head + fmt::format("  {} were asked for; measured already\n", row.asked_block);
   const bool known = setting.finding.verdict == Verdict::Ok;
   const auto note = note_of(row);
   return head + fmt::format("  {:>24}  {:>9}  {:>5}  {:>6}  {:>6}{}\n",
@@ -46,6 +45,17 @@ std::string line_of(const SweepRow& row) {
                             row.lost_frames,
                             row.reported_frames ? fmt::format("{:.0f}", *row.reported_frames) : "?",
                             note.empty() ? "" : "  " + note);
+}
+
+/// Blocks that the device turned into one that it has.
+std::string again_in_words(const std::vector<SweepRow>& rows) {
+  std::string asked;
+  for (const auto& row : rows)
+    if (row.again) asked += fmt::format("{}{}", asked.empty() ? "" : ", ", row.asked_block);
+  if (asked.empty()) return "";
+  return fmt::format(
+      "Of {} frames the device, or its server, made one of these blocks: where it decides, set it there.\n",
+      asked);
 }
 
 std::string law_in_words(const LawOfGroup& group) {
@@ -63,6 +73,12 @@ std::string law_in_words(const LawOfGroup& group) {
                                   : "; two settings, which any line fits");
 }
 
+Json essentials_of(const SweepRow& row) {
+  const auto& setting = row.setting;
+  return essentials_json(
+      {setting.finding, setting.sample_rate, setting.delay_frames, setting.standard_error_frames}, row.heard);
+}
+
 Json json_of(const SweepRow& row) {
   const auto& setting = row.setting;
   Json json{{"asked_block_frames", row.asked_block},
@@ -72,15 +88,11 @@ Json json_of(const SweepRow& row) {
     json["refused"] = to_string(*row.refused);
     return json;
   }
-  const bool known = setting.finding.verdict == Verdict::Ok;
   json["block_frames"] = setting.block_frames;
   json["periods"] = setting.periods > 0 ? Json(setting.periods) : Json(nullptr);
   json["measured_already"] = row.again;
-  json["verdict"] = code(setting.finding.verdict);
-  json["what"] = setting.finding.what;
-  json["delay_frames"] = known ? Json(setting.delay_frames) : Json(nullptr);
-  json["delay_ms"] = known ? Json(1e3 * setting.delay().value) : Json(nullptr);
-  json["standard_error_frames"] = known ? Json(setting.standard_error_frames) : Json(nullptr);
+  if (row.again) return json;
+  json.update(essentials_of(row));
   json["xruns"] = row.xruns;
   json["lost_frames_counted"] = row.lost_frames;
   json["lost_frames_heard"] = row.heard_lost_frames;
@@ -158,6 +170,16 @@ std::vector<SettingDelay> SweepReport::settings() const {
   return all;
 }
 
+const SweepRow* SweepReport::told() const {
+  std::vector<const SweepRow*> measured;
+  for (const auto& row : rows)
+    if (!row.refused && !row.again) measured.push_back(&row);
+  if (measured.empty()) return nullptr;
+  const auto all = settings();
+  const auto* shortest = shortest_good(all);
+  return shortest == nullptr ? measured.back() : measured[static_cast<std::size_t>(shortest - all.data())];
+}
+
 std::vector<LawOfGroup> SweepReport::laws() const {
   std::vector<LawOfGroup> laws;
   for (const auto& group : groups_of(settings()))
@@ -168,7 +190,9 @@ std::vector<LawOfGroup> SweepReport::laws() const {
 
 Json json_of(const SweepReport& report) {
   const auto settings = report.settings();
-  Json json{{"source", report.source}, {"settings", Json::array()}, {"laws", Json::array()}};
+  Json json{{"source", report.source}};
+  if (const auto* row = report.told()) json.update(essentials_of(*row));
+  json["settings"] = json["laws"] = Json::array();
   for (const auto& row : report.rows) json["settings"].push_back(json_of(row));
   for (const auto& law : report.laws()) json["laws"].push_back(json_of(law));
   const auto* shortest = shortest_good(settings);
@@ -189,8 +213,9 @@ std::string text_of(const SweepReport& report) {
   auto text =
       fmt::format("{}\n\n{:>8}  {:>6}  {:>7}  {:>24}  {:>9}  {:>5}  {:>6}  {:>6}\n", report.source,
                   "rate/kHz", "block", "periods", "delay/frames", "delay/ms", "xruns", "lost", "driver");
-  for (const auto& row : report.rows) text += line_of(row);
-  text += "\n";
+  for (const auto& row : report.rows)
+    if (!row.again) text += line_of(row);
+  text += "\n" + again_in_words(report.rows);
   for (const auto& law : report.laws()) text += law_in_words(law) + "\n";
   text += recommendation(report.settings()) + "\n";
   for (const auto& file : report.written) text += "written: " + file + "\n";

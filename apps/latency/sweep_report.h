@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/analysis/svg.h"
+#include "latency/analysis.h"
 #include "latency/block_law.h"
 
 namespace tactus::app {
@@ -20,6 +21,7 @@ struct SweepRow {
   std::int64_t xruns = 0, lost_frames = 0;
   double heard_lost_frames = 0.0;  ///< by what came back
   std::optional<double> reported_frames;
+  Analysis heard;
 };
 
 /// Those of one rate and one number of periods, and the line through them.
@@ -36,6 +38,8 @@ struct SweepReport {
 
   /// What was measured, each once.
   std::vector<SettingDelay> settings() const;
+  /// The row to play with; without one, the last that was measured; nullptr: none was.
+  const SweepRow* told() const;
   std::vector<LawOfGroup> laws() const;
 };
 

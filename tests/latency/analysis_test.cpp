@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "latency/bursts.h"
 #include "latency/delay_trend.h"
 #include "latency/probe.h"
 #include "tests/support/simulated_loop.h"
@@ -159,6 +160,7 @@ TEST_CASE("analysis: nothing is heard where there is nothing", "[latency]") {
   if (what != "noise" && what != "click") std::fill(heard.begin(), heard.end(), what == "DC" ? 0.3 : 0.0);
   if (what == "tone")
     for (std::size_t n = 0; n < heard.size(); ++n) heard[n] = 0.01 * std::sin(0.1 * static_cast<double>(n));
+  CAPTURE(what);
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "NO_SIGNAL");
   CHECK_FALSE(analysis.heard);
@@ -306,6 +308,35 @@ TEST_CASE("analysis: more frames lost than a sweep is searched for are no second
   const auto from = heard.begin() + static_cast<std::ptrdiff_t>(at * static_cast<double>(probe().size()));
   heard.erase(from, from + 12000);
   CHECK(verdict(analysis_of(recording)) == "LOST_FRAMES");
+}
+
+TEST_CASE("analysis: of a recording that begins late or ends early, the whole sweeps count", "[latency]") {
+  auto recording = SimulatedLoop{.delay_frames = 960.25, .noise = 1e-4}.record(probe(), 48_kHz);
+  auto& heard = recording.heard[0];
+  const auto sweeps = find_bursts(probe(), 48_kHz)->repeated;
+  REQUIRE(sweeps.size() == 8);
+  SECTION("it ends within the fifth sweep") {
+    heard.resize(static_cast<std::size_t>(sweeps[4].end()));
+    const auto analysis = analysis_of(recording);
+    CHECK(verdict(analysis) == "ok");
+    CHECK(analysis.sweeps.size() == 4);
+    CHECK(analysis.delay_frames == Approx(960.25).epsilon(0).margin(0.001));
+  }
+  SECTION("it begins within the second sweep") {
+    const auto late = sweeps[1].at + 2000;
+    heard.erase(heard.begin(), heard.begin() + static_cast<std::ptrdiff_t>(late));
+    const auto analysis = analysis_of(recording);
+    CHECK(verdict(analysis) == "ok");
+    CHECK(analysis.sweeps.size() == 6);
+    CHECK(analysis.delay_frames == Approx(960.25 - static_cast<double>(late)).epsilon(0).margin(0.001));
+  }
+  SECTION("it has none from its beginning to its end") {
+    recording.played.resize(static_cast<std::size_t>(sweeps[0].end()));
+    heard.resize(recording.played.size());
+    const auto analysis = analysis_of(recording);
+    CHECK(verdict(analysis) == "NO_SIGNAL");
+    CHECK(analysis.finding.what == "not one sweep was recorded from its beginning to its end");
+  }
 }
 
 TEST_CASE("analysis: noise that leaves the delay uncertain is told", "[latency]") {
