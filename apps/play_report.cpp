@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/console.h"
+#include "engine/core/decibels.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/events.h"
 
@@ -99,7 +100,7 @@ Json events_json(const std::vector<std::string>& names, const std::vector<std::v
   Json json{{"events", Json::array()}};
   for (const auto& event : events) {
     Json entry{{"time_s", event.time_s}, {"node", event.node}};
-    if (event.level > 0) entry["level_db"] = 20 * std::log10(event.level);
+    if (event.level > 0) entry["level_db"] = amplitude_to_db(event.level);
     json["events"].push_back(entry);
   }
   return json;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +43,14 @@ struct StreamRequest {
   std::string client_name = "tactus";
 };
 
+/// [control] The channels that a map of a request means.
+inline std::vector<int> channels_of(std::vector<int> map, int channels) {
+  if (!map.empty()) return map;
+  map.resize(static_cast<std::size_t>(channels));
+  std::iota(map.begin(), map.end(), 0);
+  return map;
+}
+
 /// What was granted. Only this counts: drivers round block sizes and add buffers of their own.
 struct StreamGranted {
   std::string device;        ///< Device::id of the outputs, or of the inputs where there are no outputs
@@ -48,7 +58,7 @@ struct StreamGranted {
   StreamFormat format;
   int block_frames = 0;  ///< 0: changes from block to block
   int periods = 0;       ///< 0: not known
-  /// What the driver says about its own delay [frames]. It may be wrong.
+  /// What the driver says about its own delay [frames]. It may be wrong: tactus latency measure tells.
   std::optional<double> input_latency_frames;
   std::optional<double> output_latency_frames;
   bool xruns_move_delay = false;  ///< a gap may change the delay from then on

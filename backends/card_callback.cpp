@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <thread>
 
 #include "backends/realtime_thread.h"
@@ -11,13 +10,6 @@ namespace tactus {
 namespace {
 
 constexpr std::chrono::milliseconds kStall{500};
-
-std::vector<int> map_of(const std::vector<int>& map, int channels) {
-  if (!map.empty()) return map;
-  std::vector<int> first(static_cast<std::size_t>(channels));
-  std::iota(first.begin(), first.end(), 0);
-  return first;
-}
 
 std::int64_t nanoseconds(std::chrono::steady_clock::time_point time) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
@@ -33,8 +25,8 @@ CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, con
       patience_(std::max<std::chrono::nanoseconds>(
           kStall, std::chrono::nanoseconds{std::llround(4e9 * granted.format.max_frames /
                                                         granted.format.sample_rate.value)})),
-      in_map_(map_of(request.in_map, granted.format.in_channels)),
-      out_map_(map_of(request.out_map, granted.format.out_channels)),
+      in_map_(channels_of(request.in_map, granted.format.in_channels)),
+      out_map_(channels_of(request.out_map, granted.format.out_channels)),
       clock_(granted.format.sample_rate.value) {
   const std::vector<double> zeros(static_cast<std::size_t>(format_.max_frames));
   in_samples_.assign(in_map_.size(), zeros);

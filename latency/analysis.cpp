@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "engine/core/decibels.h"
 #include "latency/findings.h"
 #include "latency/heard_path.h"
 #include "latency/probe.h"
@@ -16,8 +17,6 @@ namespace tactus {
 namespace {
 
 constexpr Seconds kThroughActuator{0.00002};  // standard error: five of them are a tenth of a millisecond
-
-double decibels(double power) { return 10.0 * std::log10(std::max(power, 1e-30)); }
 
 /// The gain of the bursts before the sweeps (the level ramp), for what changes with time.
 std::optional<double> knock_gain_db(const HeardPath& path) {
@@ -34,7 +33,7 @@ std::optional<double> knock_gain_db(const HeardPath& path) {
     }
     // Only what stands 20 dB out of the noise tells its gain within a decibel.
     if (common * common < 100.0 * loudness * path.floor.variance) continue;
-    const double gain = decibels(common * common / (loudness * loudness));
+    const double gain = power_to_db(common * common / (loudness * loudness));
     highest = std::max(highest.value_or(gain), gain);
   }
   return highest;
@@ -46,13 +45,13 @@ double gain_range_db(const HeardPath& path) {
   const auto hertz = [&](std::size_t bin) {
     return static_cast<double>(bin) / static_cast<double>(path.mean.size) * path.rate().value;
   };
-  for (auto b = path.mean.lowest_bin; hertz(b) < measuring_sweep(path.rate()).stop.value; ++b) {
-    const double gain = std::norm(path.fitted.model.at(2 * std::numbers::pi * static_cast<double>(b) /
-                                                       static_cast<double>(path.mean.size)));
+  const double stop = measuring_sweep(path.rate()).stop.value;
+  for (auto b = path.mean.lowest_bin; hertz(b) < stop; ++b) {
+    const double gain = std::norm(path.fitted.model.at(angular_frequency(b, path.mean.size)));
     lowest = std::min(lowest, gain);
     highest = std::max(highest, gain);
   }
-  return decibels(highest / lowest);
+  return power_to_db(highest / lowest);
 }
 
 /// How strong signal and noise are, and what nobody could do better with them.
@@ -65,19 +64,17 @@ void report_level(const HeardPath& path, Analysis& analysis) {
     heard_energy += per_bin * (std::norm(path.mean.heard[b]) - path.mean.noise[b]);
     played += std::norm(path.mean.played[b]);
     if (b < path.mean.lowest_bin) continue;
-    const double w = 2 * std::numbers::pi * static_cast<double>(b) / static_cast<double>(path.mean.size);
+    const double w = angular_frequency(b, path.mean.size);
     const double expected = per_bin * std::norm(response[b] * path.mean.played[b]);
     played_here += std::norm(path.mean.played[b]);
     energy += expected;
     slope_energy += w * w * expected;
   }
   energy *= played / played_here;  // below the model's band as within
-  double weight = 0.0;
-  for (const auto& sweep : path.steady) weight += sweep.burst.gain * sweep.burst.gain;
-  analysis.bound_frames = std::sqrt(path.noise / (weight * slope_energy));
+  analysis.bound_frames = std::sqrt(path.noise / (total_power(path.steady) * slope_energy));
   analysis.snr_db =
-      decibels(std::max(energy, heard_energy) / static_cast<double>(path.bursts.waveform.size())) -
-      decibels(path.noise);
+      power_to_db(std::max(energy, heard_energy) / static_cast<double>(path.bursts.waveform.size())) -
+      power_to_db(path.noise);
   analysis.gain_db = 20.0 / std::numbers::ln10 * path.fitted.model.log_gain;
 }
 
@@ -190,7 +187,7 @@ Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings&
   analysis.sample_rate = recording.sample_rate;
   analysis.heard = path.find();
   analysis.dc = path.floor.mean;
-  analysis.noise_floor_dbfs = decibels(path.floor.variance);
+  analysis.noise_floor_dbfs = power_to_db(path.floor.variance);
   if (analysis.heard) {
     path.follow_clock();
     analysis.heard = path.fit();

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
+#include "engine/core/decibels.h"
 #include "latency/bursts.h"
 #include "latency/noise_floor.h"
 #include "latency/response.h"
@@ -16,8 +16,6 @@
 
 namespace tactus {
 namespace {
-
-using std::numbers::pi;
 
 constexpr double kLeastSnr = 20.0;       // dB
 constexpr double kMostLeft = 0.05;       // unexplained share that a profile may leave
@@ -36,8 +34,7 @@ HeardWindow without_delay(SweepWindows& windows, std::span<const double> heard, 
   const double whole = std::floor(delay);
   auto window = windows.mean(heard, static_cast<std::int64_t>(whole), sweeps);
   for (std::size_t b = 0; b < window.heard.size(); ++b)
-    window.heard[b] *=
-        std::polar(1.0, 2 * pi * static_cast<double>(b) / static_cast<double>(window.size) * (delay - whole));
+    window.heard[b] *= std::polar(1.0, angular_frequency(b, window.size) * (delay - whole));
   return window;
 }
 
@@ -168,21 +165,17 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   SweepWindows windows{bursts, rate, {}};
   NoiseFloor floor;
   floor.mean = calibration.heard.dc;
-  floor.variance = std::max(kQuietest, std::pow(10.0, calibration.heard.noise_floor_dbfs / 10.0));
+  floor.variance = std::max(kQuietest, power_from_db(calibration.heard.noise_floor_dbfs));
   floor.per_frame = {floor.variance, floor.variance};
   windows.set_noise(floor);
   std::vector<TrackedSweep> sweeps;
-  double weight = 0.0;
-  for (const auto& burst : bursts.repeated) {
-    sweeps.push_back({.burst = burst});
-    weight += burst.gain * burst.gain;
-  }
+  for (const auto& burst : bursts.repeated) sweeps.push_back({.burst = burst});
   const auto window = without_delay(windows, heard, settings.electrical_frames, sweeps);
   auto& fourier = windows.fourier();
   auto& profile = calibration.profile;
   profile.sample_rate = rate;
   profile.taps = taps_of(window, fourier, static_cast<std::size_t>(frames_in(settings.length, rate)),
-                         floor.variance / weight);
+                         floor.variance / total_power(sweeps));
   profile.low = measuring_sweep(rate).start;
   profile.high = measuring_sweep(rate).stop;
 

@@ -3,12 +3,18 @@
 #include <complex>
 #include <cstddef>
 #include <memory>
+#include <numbers>
 #include <span>
 #include <vector>
 
 namespace tactus {
 
 using Spectrum = std::vector<std::complex<double>>;
+
+/// [any] The angular frequency [rad/frame] of a bin of a transform of that size.
+inline double angular_frequency(std::size_t bin, std::size_t size) {
+  return 2 * std::numbers::pi * static_cast<double>(bin) / static_cast<double>(size);
+}
 
 /// [control] |X|² of each bin as its mean over a sixth of an octave around it.
 std::vector<double> smoothed_power(const Spectrum& spectrum);

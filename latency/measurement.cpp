@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "backends/find_device.h"
+#include "engine/core/decibels.h"
 #include "latency/probe.h"
 #include "latency/probe_player.h"
 #include "latency/session.h"
@@ -22,12 +23,10 @@ constexpr std::chrono::milliseconds kTick{10};
 constexpr std::chrono::seconds kPatience{3};  // with a stream that brings no block
 constexpr int kMostInputs = 16;               // that are listened to: memory
 
-double from_db(double db) { return std::pow(10.0, db / 20.0); }
-
 /// As loud as the sweep may be before the guard changes its shape.
 double loudest(const MeasureSettings& settings, Hertz rate) {
   const auto& limits = settings.guard.limits;
-  double level = std::min(from_db(settings.loudest_dbfs), limits.ceiling);
+  double level = std::min(amplitude_from_db(settings.loudest_dbfs), limits.ceiling);
   if (settings.guard.kind == DriveGuard::Kind::Drive)
     level =
         std::min(level, limits.slew_per_second / (2 * std::numbers::pi * measuring_sweep(rate).stop.value));
@@ -99,7 +98,7 @@ class Session {
     script.input = input_;
     script.sweeps = settings_.sweeps;
     script.level.loudest = loudest(settings_, *request.sample_rate);
-    script.level.softest = std::min(from_db(settings_.softest_dbfs), script.level.loudest);
+    script.level.softest = std::min(amplitude_from_db(settings_.softest_dbfs), script.level.loudest);
     script.level.quiet = settings_.guard.limits.soft_start + LevelSearch::kWindow;
     script.level.known = known_;
     player_.set_script(script);
@@ -136,7 +135,7 @@ class Session {
     Opening opening;
     opening.granted = stream.granted();
     opening.health = stream.health();
-    opening.level_dbfs = 20.0 * std::log10(std::max(player_.level().level, 1e-9));
+    opening.level_dbfs = amplitude_to_db(player_.level().level);
     std::vector<GuardEvent> events;
     for (GuardEvent event; guarded_.take_event(event);) events.push_back(event);
     auto findings = stream_findings(player_, opening.granted, events, input_,

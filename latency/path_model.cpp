@@ -75,7 +75,7 @@ class Bins {
 
  private:
   void add(std::size_t b, const PathModel& model, Equations& sum) const {
-    const double w = 2 * pi * static_cast<double>(b) / static_cast<double>(window_.size);
+    const double w = angular_frequency(b, window_.size);
     const double weight = 2.0 / window_.noise[b];  // a complex bin is two measurements
     const Complex profile = window_.profile.empty() ? Complex{1.0} : window_.profile[b];
     const Complex expected = model.at(w) * profile * window_.played[b];
@@ -122,7 +122,7 @@ Complex PathModel::at(double w) const {
 Spectrum PathModel::spectrum(std::size_t size, const Spectrum& profile) const {
   Spectrum all(size / 2 + 1);
   for (std::size_t b = 1; b < all.size(); ++b) {
-    all[b] = at(2 * pi * static_cast<double>(b) / static_cast<double>(size));
+    all[b] = at(angular_frequency(b, size));
     if (!profile.empty()) all[b] *= profile[b];
   }
   return all;

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "engine/core/decibels.h"
+
 namespace tactus {
 namespace {
 
@@ -14,13 +16,10 @@ using Complex = std::complex<double>;
 using std::numbers::pi;
 
 constexpr std::int64_t kAtPath = 16;  // frames
-constexpr double kOwn =
-    1e-9;  // -90 dB: what the edges of the sweep itself leave at the places of the harmonics
-constexpr double kPlayed = 1e-5;  // of the power of the loudest bin: below, nothing was played there
+constexpr double kOwn = 1e-9;         // -90 dB: what the sweep's own edges leave where harmonics stand
+constexpr double kPlayed = 1e-5;      // of the power of the loudest bin: below, nothing was played there
 constexpr std::array kOctaves{31.25,  62.5,   125.0,  250.0,   500.0,   1000.0,
                               2000.0, 4000.0, 8000.0, 16000.0, 32000.0, 64000.0};
-
-double decibels(double power) { return 10.0 * std::log10(std::max(power, 1e-30)); }
 
 double loudest(const Spectrum& spectrum) {
   double highest = 0.0;
@@ -115,7 +114,7 @@ std::vector<ResponsePoint> Response::spectrum() const {
     for (auto b = low; b <= high && b + 1 < window_.played.size(); ++b) {
       const double played_power = std::norm(window_.played[b]);
       if (!(played_power > least)) continue;
-      const double w = 2 * pi * static_cast<double>(b) / static_cast<double>(window_.size);
+      const double w = angular_frequency(b, window_.size);
       const auto ratio = window_.heard[b] / window_.played[b];
       answer += ratio * std::polar(1.0, w * model_.delay_frames);
       power += std::norm(ratio);
@@ -123,7 +122,7 @@ std::vector<ResponsePoint> Response::spectrum() const {
       ++count;
     }
     if (count == 0) continue;
-    points.push_back({f, decibels(power / count), std::arg(answer), decibels(noise / count)});
+    points.push_back({f, power_to_db(power / count), std::arg(answer), power_to_db(noise / count)});
   }
   return points;
 }
@@ -140,7 +139,7 @@ std::vector<BandDelay> Response::group_delay(double at) const {
       const double played_power = std::norm(window_.played[b]);
       if (f < octave / std::numbers::sqrt2 || f >= octave * std::numbers::sqrt2 || !(played_power > least))
         continue;
-      const double w = 2 * pi * static_cast<double>(b) / static_cast<double>(window_.size);
+      const double w = angular_frequency(b, window_.size);
       band.w.push_back(w);
       band.answer.push_back(window_.heard[b] / window_.played[b] * std::polar(1.0, w * model_.delay_frames));
       band.weight.push_back(played_power / window_.noise[b]);
@@ -200,7 +199,7 @@ Response::Echo Response::echo() const {
       echo.frames =
           static_cast<int>(std::remainder(static_cast<double>(from_main), static_cast<double>(size)));
       echo.level_db =
-          decibels(left[static_cast<std::size_t>(place)] / *std::max_element(main.begin(), main.end()));
+          power_to_db(left[static_cast<std::size_t>(place)] / *std::max_element(main.begin(), main.end()));
     }
     for (auto n = place - 8; n <= place + 8; ++n) {
       auto& value = left[static_cast<std::size_t>((n + size) % size)];
@@ -246,7 +245,7 @@ std::array<std::optional<double>, 4> harmonics(const HeardWindow& window, const 
     const double order = static_cast<double>(k) + 2.0;
     const double harmonic = power(order, order), noise = power(kNowhere, order);
     if (harmonic > 4.0 * noise && harmonic > kOwn * fundamental)
-      found[k] = decibels((harmonic - noise) / fundamental);
+      found[k] = power_to_db((harmonic - noise) / fundamental);
   }
   return found;
 }

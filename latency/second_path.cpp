@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/decibels.h"
 #include "latency/median.h"
 
 namespace tactus {
@@ -51,7 +52,7 @@ std::optional<SecondPath> find_second_path(HeardPath& path) {
   const double level = usual_level(path, first, rest, found.frames);
   // A gain that moves leaves something at the path itself, which may look alike sweeps later.
   if (level < kSoftest || level < kAside * usual_level(path, first, rest, path.at)) return std::nullopt;
-  second.level_db = 20.0 * std::log10(level);
+  second.level_db = amplitude_to_db(level);
   return second;
 }
 

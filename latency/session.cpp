@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/decibels.h"
 #include "latency/findings.h"
 
 namespace tactus {
@@ -29,7 +30,7 @@ void add_outcome(Findings& findings, const ProbePlayer& player) {
                         "or move the microphone away; then measure again"});
   if (player.outcome() != ProbePlayer::Outcome::TooLoud) return;
   const double level = player.level().level;
-  const auto when = level > 0.0 ? fmt::format("with an output of {:.1f} dBFS", 20.0 * std::log10(level))
+  const auto when = level > 0.0 ? fmt::format("with an output of {:.1f} dBFS", amplitude_to_db(level))
                                 : std::string{"before anything was played"};
   findings.push_back(
       {Verdict::Clipping,

@@ -44,6 +44,12 @@ double log_gain(const HeardWindow& window, double sign) {
 
 }  // namespace
 
+double total_power(std::span<const TrackedSweep> sweeps) {
+  double sum = 0.0;
+  for (const auto& sweep : sweeps) sum += sweep.burst.gain * sweep.burst.gain;
+  return sum;
+}
+
 SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile)
     : bursts_(bursts),
       sample_rate_(sample_rate),
@@ -155,21 +161,18 @@ PathModel SweepWindows::start_of(const HeardWindow& window, double sign, std::in
 HeardWindow SweepWindows::mean(std::span<const double> heard, std::int64_t frames,
                                std::span<const TrackedSweep> which) {
   Spectrum sum(fourier_.bins());
-  double weight = 0.0;
   for (const auto& sweep : which) {
-    const double gain = sweep.burst.gain;
     const auto one = cut(heard, sweep.burst.at + frames);
-    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += gain * one[b];
-    weight += gain * gain;
+    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += sweep.burst.gain * one[b];
   }
+  const double weight = total_power(which);
   for (auto& bin : sum) bin /= std::sqrt(weight);
   return window_of(std::move(sum), std::sqrt(weight));
 }
 
 double SweepWindows::scatter(std::span<const double> heard, std::int64_t frames,
                              std::span<const TrackedSweep> which, const HeardWindow& mean) {
-  double weight = 0.0;
-  for (const auto& sweep : which) weight += sweep.burst.gain * sweep.burst.gain;
+  const double weight = total_power(which);
   const double share = 1.0 - 2.0 * static_cast<double>(lowest_bin_) / static_cast<double>(fourier_.size());
   std::vector<double> variances;
   for (const auto& sweep : which) {

@@ -22,6 +22,9 @@ struct TrackedSweep {
   double chi_squared = 1.0;
 };
 
+/// [any] Of all of them together, where one at full level has 1.
+double total_power(std::span<const TrackedSweep> sweeps);
+
 /// Cuts what was heard of the repeated bursts out of a recording, and fits the path to it.
 class SweepWindows {
  public:

@@ -8,6 +8,7 @@
 
 #include "apps/commands.h"
 #include "apps/latency/profile_file.h"
+#include "engine/core/decibels.h"
 #include "engine/graph/quantity.h"
 
 namespace tactus::app {
@@ -64,7 +65,7 @@ GuardedChannel guard_of(const Rig* rig, int output, double loudest_dbfs) {
   const auto* port = rig == nullptr ? nullptr : port_on(*rig, output);
   if (port != nullptr) return {DriveGuard::Kind::Drive, port->drive.limits};
   GuardedChannel guard{DriveGuard::Kind::Audio, {}};
-  guard.limits.ceiling = std::pow(10.0, loudest_dbfs / 20);
+  guard.limits.ceiling = amplitude_from_db(loudest_dbfs);
   return guard;
 }
 
@@ -150,7 +151,7 @@ class LoopMaker {
       settings.loudest_dbfs = *level;
     }
     settings.guard = guard_of(rig(), settings.output + 1, settings.loudest_dbfs);
-    settings.loudest_dbfs = std::min(settings.loudest_dbfs, 20 * std::log10(settings.guard.limits.ceiling));
+    settings.loudest_dbfs = std::min(settings.loudest_dbfs, amplitude_to_db(settings.guard.limits.ceiling));
     settings.softest_dbfs = std::min(settings.softest_dbfs, settings.loudest_dbfs);
     return std::nullopt;
   }

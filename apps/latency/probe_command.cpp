@@ -9,6 +9,7 @@
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/loop_options.h"
 #include "backends/wav_file.h"
+#include "engine/core/decibels.h"
 #include "latency/probe.h"
 
 namespace tactus::app {
@@ -24,7 +25,7 @@ int run(const ProbeOptions& options) {
   if (!rate) return report(rate.error());
   const auto level = parse_level(options.level, "level");
   if (!level) return report(level.error());
-  const Samples samples{*rate, {stimulus(*rate, std::pow(10.0, *level / 20))}};
+  const Samples samples{*rate, {stimulus(*rate, amplitude_from_db(*level))}};
   if (auto status = write_wav(options.out, samples, WavEncoding::Pcm24); !status) {
     report(status.error());
     return status.error().code == Errc::BadArgument ? kUsage : kBadFile;

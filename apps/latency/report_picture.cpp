@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/latency/latency_report.h"
+#include "engine/core/decibels.h"
 
 namespace tactus::app {
 namespace {
@@ -43,7 +44,7 @@ std::vector<double> envelope_db(const std::vector<double>& samples) {
     envelope.push_back(most);
     highest = std::max(highest, most);
   }
-  for (auto& level : envelope) level = std::max(kFloor_db, 20 * std::log10(level / highest));
+  for (auto& level : envelope) level = std::max(kFloor_db, amplitude_to_db(level / highest));
   return envelope;
 }
 

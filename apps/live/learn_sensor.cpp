@@ -7,6 +7,7 @@
 #include <cmath>
 #include <thread>
 
+#include "engine/core/decibels.h"
 #include "engine/core/spsc_queue.h"
 #include "engine/graph/nearest.h"
 #include "engine/graph/quantity.h"
@@ -90,7 +91,7 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   fmt::print(stderr,
              "a soft hit reaches {:.1f} dB of the card, {:.0f} dB above the noise; it counts as -20 dB from "
              "now on\n",
-             20 * std::log10(learnt->soft), 20 * std::log10(learnt->soft / std::max(learnt->noise, 1e-9)));
+             amplitude_to_db(learnt->soft), amplitude_to_db(learnt->soft / std::max(learnt->noise, 1e-9)));
   return use_learnt(rig, (*input)->name, *learnt, unit_of(instrument, (*input)->name));
 }
 

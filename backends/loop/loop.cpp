@@ -6,13 +6,13 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 #include <thread>
 #include <utility>
 
 #include "backends/find_device.h"
 #include "backends/loop/lateness.h"
 #include "backends/loop/loop_path.h"
+#include "backends/planes.h"
 #include "engine/core/realtime.h"
 #include "engine/dsp/counter_noise.h"
 
@@ -51,23 +51,6 @@ int by_chance(int most, int opening) {
   return static_cast<int>(even * (most + 1));
 }
 
-std::vector<int> map_of(std::vector<int> map, int channels) {
-  if (!map.empty()) return map;
-  map.resize(static_cast<std::size_t>(channels));
-  std::iota(map.begin(), map.end(), 0);
-  return map;
-}
-
-/// The samples of one block, channel by channel.
-struct Planes {
-  Planes(std::size_t channels, int frames)
-      : samples(channels, std::vector<double>(static_cast<std::size_t>(frames))) {
-    for (auto& channel : samples) pointers.push_back(channel.data());
-  }
-  std::vector<std::vector<double>> samples;
-  std::vector<double*> pointers;
-};
-
 class LoopStream final : public Stream {
  public:
   LoopStream(const LoopCard& card, const LoopTiming& timing, const StreamRequest& request,
@@ -76,8 +59,8 @@ class LoopStream final : public Stream {
         processor_(processor),
         pace_(pace),
         granted_(std::move(granted)),
-        in_map_(map_of(request.in_map, request.in_channels)),
-        out_map_(map_of(request.out_map, request.out_channels)),
+        in_map_(channels_of(request.in_map, request.in_channels)),
+        out_map_(channels_of(request.out_map, request.out_channels)),
         in_(in_map_.size(), timing.block_frames),
         out_(out_map_.size(), timing.block_frames),
         frames_a_block_(std::clamp(static_cast<int>(std::lround(timing.block_frames * card.block_factor)), 1,

@@ -8,6 +8,8 @@
 #include <optional>
 #include <string_view>
 
+#include "engine/core/decibels.h"
+
 namespace tactus {
 namespace {
 
@@ -29,8 +31,6 @@ LoopCard with(Change change) {
   change(card);
   return card;
 }
-
-double from_db(double db) { return std::pow(10.0, db / 20.0); }
 
 LoopCard behind_buffers(double delay_frames) {
   return with([&](LoopCard& card) {
@@ -60,7 +60,7 @@ const std::vector<Entry>& entries() {
       {{"howl", "the card plays what it hears, louder"},
        [] { return with([](auto& c) { c.monitor.gain = 1.1; }); }},
       {{"clipping", "an input that is far too sensitive"},
-       [] { return with([](auto& c) { c.gain = from_db(50.0); }); }},
+       [] { return with([](auto& c) { c.gain = amplitude_from_db(50.0); }); }},
       {{"drops", "the driver loses 32 frames every second"},
        [] { return with([](auto& c) {
               c.drops = {{Seconds{1.0}, Seconds{1.0}, 32}};
@@ -89,8 +89,8 @@ const std::vector<Entry>& entries() {
       {{"noise", "more noise than signal"},
        [] {
          return with([](auto& c) {
-           c.gain = from_db(-50.0);
-           c.noise = from_db(-36.0);
+           c.gain = amplitude_from_db(-50.0);
+           c.noise = amplitude_from_db(-36.0);
          });
        }},
       {{"unstable", "another delay each time it is opened"},
@@ -154,7 +154,7 @@ bool change(LoopCard& card, std::string_view text) {
   if (setter == setters().end()) return false;
   const auto word = text.substr(equals + 1);
   if (const auto db = number(word, "dB"))
-    setter->second(card, from_db(*db));
+    setter->second(card, amplitude_from_db(*db));
   else if (const auto value = number(word))
     setter->second(card, *value);
   else

@@ -8,6 +8,8 @@
 #include <memory>
 #include <utility>
 
+#include "backends/planes.h"
+
 namespace tactus {
 namespace {
 
@@ -44,32 +46,19 @@ StreamFormat format_of(const OfflineJob& job) {
           *std::max_element(job.block_frames.begin(), job.block_frames.end())};
 }
 
-/// One block of channels, and the pointers that go with it.
-class Planes {
- public:
-  Planes(int channels, int frames)
-      : samples_(static_cast<std::size_t>(channels), std::vector<double>(static_cast<std::size_t>(frames))) {
-    for (auto& channel : samples_) pointers_.push_back(channel.data());
-  }
-  double* const* data() { return pointers_.data(); }
-  /// Non-finite samples among the first `frames` become 0; returns how many.
-  std::int64_t make_finite(int frames) {
-    std::int64_t bad = 0;
-    for (auto& channel : samples_) {
-      for (int n = 0; n < frames; ++n) {
-        auto& sample = channel[static_cast<std::size_t>(n)];
-        if (std::isfinite(sample)) continue;
-        sample = 0.0;
-        ++bad;
-      }
+/// Non-finite samples among the first `frames` become 0; returns how many.
+std::int64_t make_finite(Planes& planes, int frames) {
+  std::int64_t bad = 0;
+  for (auto& channel : planes.samples) {
+    for (int n = 0; n < frames; ++n) {
+      auto& sample = channel[static_cast<std::size_t>(n)];
+      if (std::isfinite(sample)) continue;
+      sample = 0.0;
+      ++bad;
     }
-    return bad;
   }
-
- private:
-  std::vector<std::vector<double>> samples_;
-  std::vector<double*> pointers_;
-};
+  return bad;
+}
 
 /// The frames of a job.
 Status play_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter, Planes& in, Planes& out) {
@@ -79,15 +68,15 @@ Status play_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter
     const int size = job.block_frames[turn++ % job.block_frames.size()];
     const int frames = static_cast<int>(std::min<std::int64_t>(size, job.frames - done));
     if (job.source.read) {
-      if (auto status = job.source.read(in.data(), frames); !status) return status;
-      meter.bad_input(in.make_finite(frames));
+      if (auto status = job.source.read(in.pointers.data(), frames); !status) return status;
+      meter.bad_input(make_finite(in, frames));
     }
     const auto begin = Clock::now();
-    processor.process({in.data(), out.data(), frames});
+    processor.process({in.pointers.data(), out.pointers.data(), frames});
     const std::chrono::duration<double> busy = Clock::now() - begin;
     meter.block(frames, busy.count() * job.sample_rate.value / frames);
     if (job.sink.write)
-      if (auto status = job.sink.write(out.data(), frames); !status) return status;
+      if (auto status = job.sink.write(out.pointers.data(), frames); !status) return status;
     done += frames;
   }
   return {};
@@ -96,13 +85,14 @@ Status play_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter
 /// Runs the frames of a job through a processor that is prepared for it, and the zeros behind them.
 Status run_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter) {
   const int longest = format_of(job).max_frames;
-  Planes in{job.in_channels, longest};
-  Planes out{job.out_channels, longest};
+  Planes in{static_cast<std::size_t>(job.in_channels), longest};
+  Planes out{static_cast<std::size_t>(job.out_channels), longest};
   processor.skip_soft_start();
   if (job.source.read) processor.trust_sensors();
   const auto played = play_blocks(processor, job, meter, in, out);
-  processor.finish({in.data(), out.data(), job.block_frames.front()});
-  const auto finished = job.sink.finish ? job.sink.finish(out.data(), job.block_frames.front()) : Status{};
+  processor.finish({in.pointers.data(), out.pointers.data(), job.block_frames.front()});
+  const auto finished =
+      job.sink.finish ? job.sink.finish(out.pointers.data(), job.block_frames.front()) : Status{};
   return played ? finished : played;
 }
 

@@ -6,19 +6,12 @@
 #include <bit>
 #include <utility>
 
+#include "backends/planes.h"
+
 namespace tactus {
 namespace {
 
 using Kind = JournalEntry::Kind;
-
-struct Planes {
-  Planes(std::size_t channels, int frames)
-      : samples(channels, std::vector<double>(static_cast<std::size_t>(frames))) {
-    for (auto& channel : samples) pointers.push_back(channel.data());
-  }
-  std::vector<std::vector<double>> samples;
-  std::vector<double*> pointers;
-};
 
 class Player {
  public:

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/decibels.h"
+
 namespace tactus {
 namespace {
 
@@ -150,7 +152,7 @@ std::string to_string(const Dimension& d) {
   return below.empty() ? above : above + "/" + below;
 }
 
-double Unit::to_si(double number) const { return decibel ? std::pow(10.0, number / 20.0) : number * factor; }
+double Unit::to_si(double number) const { return decibel ? amplitude_from_db(number) : number * factor; }
 double Unit::from_si(double si) const { return decibel ? 20.0 * std::log10(si) : si / factor; }
 
 std::optional<Unit> parse_unit(std::string_view text) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/core/decibels.h"
+
 namespace tactus {
 namespace {
 
@@ -31,8 +33,6 @@ constexpr double kRingFall = 0.986279;                   // -0.12 dB a group
 constexpr double kFloorRise_db_per_s = 20;
 constexpr Four kQuietest = {1e-5, 1e-5, 1e-5, 1e-5};  // after digital silence the floor must find its way up
 
-double decibels(double db) { return std::pow(10.0, db / 20); }
-
 }  // namespace
 
 OnsetDetector::OnsetDetector(const Settings& settings) : sample_rate_(settings.sample_rate.value) {
@@ -51,8 +51,8 @@ OnsetDetector::OnsetDetector(const Settings& settings) : sample_rate_(settings.s
   }
   mean_rise_ = 1 - std::exp(-1 / (rate * kMean_s));
   for (int b = 0; b < 4; ++b)
-    mask_fall_[b] = decibels(-20 * group_s * kMaskSpeed[b] / settings.mask_time.value);
-  floor_rise_ = decibels(kFloorRise_db_per_s * group_s);
+    mask_fall_[b] = amplitude_from_db(-20 * group_s * kMaskSpeed[b] / settings.mask_time.value);
+  floor_rise_ = amplitude_from_db(kFloorRise_db_per_s * group_s);
 }
 
 Four OnsetDetector::ringing(const State& state) const noexcept {

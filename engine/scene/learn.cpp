@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/decibels.h"
+
 namespace tactus {
 namespace {
 
@@ -20,8 +22,6 @@ constexpr std::size_t kGroupsPerLook = 10;
 constexpr std::size_t kMostGroups = 6000;  // a minute says it all
 constexpr double kQuietest = 1e-5;         // below is only the noise of converters
 constexpr double kDeaf = 1e9;
-
-double decibels(double ratio) { return 20 * std::log10(ratio); }
 
 /// The value below which `share` of them lie.
 double quantile(std::vector<double> values, double share) {
@@ -89,19 +89,19 @@ Result<LearntSensor> SensorLearner::result() const {
     return fail(Errc::OutOfRange, "", "the hits clip at the card's input",
                 "turn the sensor's gain down, and hit again");
   const auto [softest, loudest] = std::minmax_element(peaks_.begin(), peaks_.end());
-  const double over_noise = noise_ > 0 ? decibels(*softest / noise_) : 1e3;
+  const double over_noise = noise_ > 0 ? amplitude_to_db(*softest / noise_) : 1e3;
   if (over_noise < kOverNoise_db)
     return fail(Errc::OutOfRange, "",
                 fmt::format("the softest hit is only {:.0f} dB above the noise, and {:.0f} dB are needed",
                             over_noise, kOverNoise_db),
                 "hit a little harder, turn the sensor's gain up, or look for what makes the noise");
-  const double unequal = decibels(*loudest / *softest);
+  const double unequal = amplitude_to_db(*loudest / *softest);
   if (unequal > kMostUnequal_db)
     return fail(Errc::OutOfRange, "",
                 fmt::format("the hits differ by {:.0f} dB, more than {:.0f}", unequal, kMostUnequal_db),
                 "hit five times alike");
   const double soft = quantile(peaks_, 0.5);
-  return LearntSensor{soft, noise_, soft * std::pow(10.0, -kSoft_db / 20)};
+  return LearntSensor{soft, noise_, soft * amplitude_from_db(-kSoft_db)};
 }
 
 Status use_learnt(Rig& rig, const std::string& name, const LearntSensor& learnt, const Dimension& unit) {
