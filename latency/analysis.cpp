@@ -16,6 +16,7 @@
 namespace tactus {
 namespace {
 
+constexpr double kRounding = 1e-4;  // misfit: less is left by the steps of converters, which have no shape
 constexpr Seconds kThroughActuator{0.00002};  // standard error: five of them are a tenth of a millisecond
 
 /// The gain of the bursts before the sweeps (the level ramp), for what changes with time.
@@ -72,6 +73,9 @@ void report_level(const HeardPath& path, Analysis& analysis) {
   }
   energy *= played / played_here;  // below the model's band as within
   analysis.bound_frames = std::sqrt(path.noise / (total_power(path.steady) * slope_energy));
+  // Power that the model leaves over is phase that is wrong somewhere.
+  if (path.fitted.misfit > kRounding)
+    analysis.misfit_frames = std::sqrt(0.5 * path.fitted.misfit * energy / slope_energy);
   analysis.snr_db =
       power_to_db(std::max(energy, heard_energy) / static_cast<double>(path.bursts.waveform.size())) -
       power_to_db(path.noise);
@@ -89,7 +93,7 @@ void report_delay(const HeardPath& path, Analysis& analysis) {
   // Noise that is there only while something sounds.
   const double more = path.floor.variance > 1e-16 ? std::max(1.0, path.noise / path.floor.variance) : 1.0;
   const double by_noise = path.fitted.delay_deviation * std::sqrt(std::max(1.0, path.fitted.chi_squared));
-  analysis.standard_error_frames = std::max(by_scatter, by_noise * std::sqrt(more));
+  analysis.standard_error_frames = std::max({by_scatter, by_noise * std::sqrt(more), analysis.misfit_frames});
   analysis.polarity = path.fitted.model.sign < 0.0 ? -1 : 1;
   analysis.misfit = path.fitted.misfit;
 }
@@ -141,7 +145,8 @@ void report(HeardPath& path, Analysis& analysis) {
   Evidence evidence;
   evidence.coarse = path.coarse;
   evidence.overdriven = path.overdriven;
-  if (path.settings.profile) evidence.widest_error_frames = frames_in(kThroughActuator, path.rate());
+  evidence.with_profile = path.settings.profile.has_value();
+  if (evidence.with_profile) evidence.widest_error_frames = frames_in(kThroughActuator, path.rate());
   const Response response{path.mean, path.fitted.model, path.rate(), path.windows.fourier()};
   evidence.second = find_second_path(path);
   if (evidence.second)
@@ -193,8 +198,7 @@ Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings&
     analysis.heard = path.fit();
   }
   if (!analysis.heard) {
-    analysis.finding =
-        path.bursts.repeated.empty() ? not_whole() : not_heard(path.every_channel(), settings.channel);
+    analysis.finding = path.cut_short ? not_whole() : not_heard(path.every_channel(), settings.channel);
     return analysis;
   }
   if (path.coarse.clear()) path.compare_sweeps();

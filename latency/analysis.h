@@ -68,6 +68,7 @@ struct Analysis {
   double drift_standard_error_ppm = 0.0;
   double low_hz = 0.0, high_hz = 0.0;  ///< where the gain is within 3 dB of its middle
   double high_pass_hz = 0.0;           ///< sum of the corners of coupling capacitors
+  double misfit_frames = 0.0;          ///< what that may do to the delay
   double misfit = 0.0;                 ///< share of the heard power that the model does not explain
   std::array<std::optional<double>, 4> harmonics_db;  ///< H2 … H5, relative to the fundamental
   std::optional<int> echo_frames;                     ///< from the first arrival to a second one

@@ -15,6 +15,7 @@ constexpr double kOverdriven = -20.0;     // dB of any harmonic
 constexpr double kTellsHarmonics = 10.0;  // dB of SNR
 constexpr double kLeastDrift = 0.5;       // ppm; one clock has none
 constexpr double kGainMoves = 0.5;        // dB
+constexpr double kGainRises = 1.0;        // dB
 constexpr double kCancelled = 3.0;        // dB
 constexpr double kUneven = 0.1;           // misfit
 constexpr double kEchoShare = 0.6, kLeastEcho = -30.0;
@@ -24,6 +25,7 @@ constexpr double kCertain = 5.0;    // standard errors
 
 constexpr const char* kAgainstOverload =
     "turn the input's gain or the output's level down, or measure with a lower --level";
+constexpr const char* kAgainstAgc = "switch automatic gain, noise suppression and limiters of the input off";
 constexpr const char* kAgainstNoise = "play louder, raise the input's gain, or find the source of the noise";
 
 int longest_clipped_run(std::span<const double> heard) {
@@ -108,6 +110,22 @@ struct Gains {
                                     deviation(soft) / std::sqrt(static_cast<double>(soft.size())));
     return std::abs(difference) > kCertain * error ? difference : 0.0;
   }
+  /// By how much it rises from the first loud sweep to the last, along a straight line, when that is certain.
+  double rise() const {
+    const auto count = static_cast<double>(loud.size());
+    if (count < 4) return 0.0;
+    const double middle = 0.5 * (count - 1.0), level = mean(loud);
+    double times = 0.0, common = 0.0, squares = 0.0;
+    for (std::size_t n = 0; n < loud.size(); ++n) {
+      const double time = static_cast<double>(n) - middle;
+      times += time * time;
+      common += time * (loud[n] - level);
+      squares += (loud[n] - level) * (loud[n] - level);
+    }
+    const double slope = common / times;
+    const double error = std::sqrt(std::max(0.0, squares - slope * common) / (count - 2.0) / times);
+    return slope > kCertain * error ? slope * (count - 1.0) : 0.0;
+  }
   double fall() const { return loud.empty() ? 0.0 : loud.front() - loud.back(); }
 };
 
@@ -117,6 +135,10 @@ std::optional<Finding> moving_gain(const Analysis& analysis, const Evidence& evi
   const double before = evidence.knock_gain_db ? *evidence.knock_gain_db - mean(gains.loud) : 0.0;
   const double fall = std::max(gains.fall(), before);
   const bool falls = fall > kCancelled;
+  if (!falls && gains.rise() > kGainRises)
+    return Finding{Verdict::Agc,
+                   fmt::format("the gain rises by {:.1f} dB while the same is played", gains.rise()),
+                   kAgainstAgc};
   if (!falls && std::abs(by_level) < kGainMoves) return std::nullopt;
   // A gain that follows the level keeps the path's shape; a canceller takes away what it has learnt, part by
   // part.
@@ -130,7 +152,7 @@ std::optional<Finding> moving_gain(const Analysis& analysis, const Evidence& evi
       Verdict::Agc,
       fmt::format("what is played softer is amplified by {:.1f} dB more: the gain follows the level",
                   std::abs(by_level) >= kGainMoves ? by_level : fall),
-      "switch automatic gain, noise suppression and limiters of the input off"};
+      kAgainstAgc};
 }
 
 std::optional<Finding> overdriven(const Evidence& evidence) {
@@ -179,6 +201,13 @@ std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidenc
 }
 
 std::optional<Finding> not_flat(const Analysis& analysis, const Evidence& evidence) {
+  if (evidence.with_profile && analysis.misfit_frames > evidence.widest_error_frames)
+    return Finding{
+        Verdict::NotFlat,
+        fmt::format("{:.2g} % of what is heard does not fit the profile, so the delay may be wrong by "
+                    "{:.1f} frames",
+                    100.0 * analysis.misfit, analysis.misfit_frames),
+        "the actuator or the sensor is another than when it was calibrated: calibrate again"};
   std::string what;
   if (analysis.misfit > kMisfit)
     what = fmt::format("{:.1f} % of what is heard does not fit any single delay", 100.0 * analysis.misfit);
@@ -195,7 +224,7 @@ std::optional<Finding> not_flat(const Analysis& analysis, const Evidence& eviden
 }  // namespace
 
 Finding not_whole() {
-  return {Verdict::NoSignal, "not one sweep was recorded from its beginning to its end",
+  return {Verdict::NoSignal, "less than three sweeps were recorded from beginning to end",
           "record from before the probe begins until after it has ended"};
 }
 

@@ -20,14 +20,15 @@ inline constexpr const char* kAgainstGaps =
 struct Evidence {
   CoarseDelay coarse;
   Response::Echo echo;
-  std::optional<SecondPath> second;     ///< further away
+  std::optional<SecondPath> second;  ///< further away
+  bool with_profile = false;
   bool overdriven = false;              ///< loud and soft sweeps differ in shape
   double gain_range_db = 0.0;           ///< highest over lowest gain of the model in the band
   double widest_error_frames = 0.1;     ///< standard error that is still called a result
   std::optional<double> knock_gain_db;  ///< highest gain of bursts before the sweeps
 };
 
-/// [control] It was heard, but no sweep from its beginning to its end.
+/// [control] It was heard, but less than three sweeps from beginning to end.
 Finding not_whole();
 /// [control] Nothing was heard on the own channel: why not, by what is heard on each.
 Finding not_heard(const std::vector<CoarseDelay>& channels, int channel);

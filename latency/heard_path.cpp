@@ -10,18 +10,24 @@
 namespace tactus {
 namespace {
 
-constexpr Seconds kQuiet{0.5};  // as much silence as is listened to
-constexpr Seconds kAir{0.005};  // before the first burst is heard
+constexpr Seconds kQuiet{0.5};    // as much silence as is listened to
+constexpr Seconds kAir{0.005};    // before the first burst is heard
+constexpr Seconds kRinging{0.1};  // after the last one
+constexpr Seconds kShortestQuiet{0.1};
+constexpr std::size_t kLeastSweeps = 3;  // their spacing tells which of them they are
 constexpr std::int64_t kSearch = 8192;
-constexpr double kLeastStep = 0.75;       // frames
-constexpr double kCertain = 6.0;          // standard deviations
-constexpr double kSilence = 1e-10;        // of the heard power: noise below -100 dB is no help to anybody
-constexpr double kFaintest = -14.0;       // log gain: -122 dB, where no converter hears anything
+constexpr double kLeastStep = 0.75;  // frames
+constexpr double kCertain = 6.0;     // standard deviations
+constexpr double kSilence = 1e-10;   // of the heard power: noise below -100 dB is no help to anybody
+constexpr double kFaintest = -14.0;  // log gain: -122 dB, where no converter hears anything
+// A hum or a click, which the model can follow only with a gain that nothing has, and leaves most of.
+constexpr double kStrongest = 14.0, kHum = 0.5;
 constexpr double kNothing = 1e-18;        // -180 dBFS, below what a float sample of full scale can hold
 constexpr double kDamaged = 0.05;         // of a sweep's power, more than other sweeps leave unexplained
 constexpr double kTouched = 1e-3;         // the same, for a sweep that is told of but still used
 constexpr double kNoisier = 1.5;          // than other sweeps is one that something happened to
 constexpr std::int64_t kSamePlace = 128;  // frames
+constexpr double kFitsWell = 1e-3;        // misfit of a cable
 constexpr int kDriftRounds = 3;
 
 /// Of a converter of 16 or 24 bits, if all samples are its steps.
@@ -37,6 +43,10 @@ double power(std::span<const double> samples, double mean) {
   double sum = 0.0;
   for (const double sample : samples) sum += (sample - mean) * (sample - mean);
   return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
+}
+
+bool much_louder(std::span<const double> a, std::span<const double> b) {
+  return NoiseFloor::of(a).variance > 4.0 * NoiseFloor::of(b).variance;
 }
 
 double usual(double TrackedSweep::*of, const std::vector<TrackedSweep>& sweeps) {
@@ -102,24 +112,47 @@ std::vector<CoarseDelay> HeardPath::every_channel() {
 bool HeardPath::find() {
   coarse = search_.find(heard);
   listen_to_quiet();
-  if (!coarse.clear()) return coarse.found();
+  if (!coarse.found()) return false;
   const auto recorded = static_cast<std::int64_t>(heard.size());
+  const auto needed = std::min(bursts.repeated.size(), kLeastSweeps);
   std::erase_if(bursts.repeated, [&](const Burst& burst) {
     return burst.at + coarse.frames < 0 || burst.end() + coarse.frames > recorded;
   });
-  return !bursts.repeated.empty();
+  cut_short = bursts.repeated.size() < needed;
+  return !cut_short;
 }
 
-/// The last half second before the first burst is heard; all of it, if none is.
-void HeardPath::listen_to_quiet() {
-  std::span<const double> quiet = heard;
-  if (coarse.found()) {
-    auto first = bursts.repeated.front().at;
-    if (!bursts.others.empty()) first = std::min(first, bursts.others.front().at);
-    const auto end = first + coarse.frames - static_cast<std::int64_t>(frames_in(kAir, rate()));
-    quiet = stretch(heard, end - static_cast<std::int64_t>(frames_in(kQuiet, rate())), end);
+/// Where nothing of what was played is heard: the last half second before it; where that behind it, or the
+/// ends of the pauses, are far quieter or all there is, those. If nothing is heard at all, everything.
+std::vector<double> HeardPath::quiet() const {
+  const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, rate())); };
+  const auto copy = [&](std::int64_t from, std::int64_t to) {
+    const auto piece = stretch(heard, from, to);
+    return std::vector<double>{piece.begin(), piece.end()};
+  };
+  if (!coarse.found()) return copy(0, static_cast<std::int64_t>(heard.size()));
+  auto all = bursts.repeated;
+  all.insert(all.end(), bursts.others.begin(), bursts.others.end());
+  std::sort(all.begin(), all.end(), [](const Burst& a, const Burst& b) { return a.at < b.at; });
+  const auto begin = all.front().at + coarse.frames - frames(kAir);
+  const auto end = all.back().end() + coarse.frames + frames(kRinging);
+  std::vector<double> between;
+  for (std::size_t n = 1; n < all.size(); ++n) {
+    const auto pause = all[n].at - all[n - 1].end();
+    const auto piece = copy(all[n].at + coarse.frames - pause / 3, all[n].at + coarse.frames - frames(kAir));
+    between.insert(between.end(), piece.begin(), piece.end());
   }
-  floor = NoiseFloor::of(quiet);
+  // Something else may sound in one of them.
+  std::vector<double> best;
+  for (const auto& piece : {copy(begin - frames(kQuiet), begin), copy(end, end + frames(kQuiet)), between})
+    if (piece.size() >= static_cast<std::size_t>(frames(kShortestQuiet)) &&
+        (best.empty() || much_louder(best, piece)))
+      best = piece;
+  return best;
+}
+
+void HeardPath::listen_to_quiet() {
+  floor = NoiseFloor::of(quiet());
   const double rounding = rounding_variance(heard);  // in digital silence there is none, but beside a sweep
   floor.variance = std::max(floor.variance, rounding);
   for (auto& each : floor.per_frame) each = std::max(each, rounding);
@@ -150,6 +183,10 @@ void HeardPath::follow_clock() {
     steady_heard = steadied_;
   }
   at += std::llround(middle_delay());
+  // Smeared over many frames, neither its place nor its sign was certain.
+  if (speed == 1.0) return;
+  coarse = search_.find(steady_heard);
+  at = coarse.frames;
 }
 
 Spectrum HeardPath::loudest_sweep() {
@@ -182,7 +219,9 @@ bool HeardPath::fit() {
   noise = floor.variance;
   if (steady.size() > 1) noise = std::max(noise, windows.scatter(steady_heard, at, steady, mean));
   // A tone or a click may correlate with a sweep, but no path makes one from the other.
-  return fitted.strength >= CoarseDelay::kNothing && fitted.model.log_gain >= kFaintest;
+  const double gain = fitted.model.log_gain;
+  const bool nonsense = gain > kStrongest && fitted.misfit > kHum;
+  return fitted.strength >= CoarseDelay::kNothing && gain >= kFaintest && !nonsense;
 }
 
 double HeardPath::middle_delay() const {
@@ -200,15 +239,20 @@ void HeardPath::compare_sweeps() {
 
 /// Sweeps and, behind them, the pilot in pieces.
 void HeardPath::find_steps(const std::vector<TrackedSweep>& whole) {
-  auto points = points_of(whole, constant());
+  steps = trend.steps;
   const auto pilot = bursts.pilot(rate());
   if (pilot && fitted.misfit < kFits) {
-    const auto more = track_pilot(recording.played, steady_heard, *pilot, at, fitted.model, profile_taps());
-    points.insert(points.end(), more.begin(), more.end());
+    const auto heard_of_it =
+        track_pilot(recording.played, steady_heard, *pilot, at, fitted.model, profile_taps(), floor.variance);
+    std::vector<DelayPoint> points{points_of(whole, constant()).back()};
+    points.insert(points.end(), heard_of_it.points.begin(), heard_of_it.points.end());
+    const auto least = std::max(least_step(whole), heard_of_it.least_step);
+    const auto more = DelayTrend::of(points, least).steps;
+    steps.insert(steps.end(), more.begin(), more.end());
+    if (steps.empty() && fitted.misfit < kFitsWell && !settings.profile)
+      for (const auto place : heard_of_it.damage) steps.push_back({place, 0.0});
   }
-  steps = DelayTrend::of(points, least_step(whole)).steps;
-  if (!steps.empty()) return;
-  find_damage();
+  if (steps.empty()) find_damage();
 }
 
 /// In a sweep that leaves more unexplained than the others, or has something else in it for a moment. What

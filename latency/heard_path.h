@@ -25,8 +25,8 @@ class HeardPath {
   /// [control] `recording` and `settings` outlive it.
   HeardPath(const LoopRecording& recording, const AnalysisSettings& settings, PlayedBursts bursts);
 
-  /// [control] Whether anything is heard. If it is clear where, those bursts that were not recorded as a
-  /// whole are forgotten; one has to be left.
+  /// [control] Whether anything is heard. Bursts that were not recorded as a whole are forgotten; of three
+  /// and more, three have to be left.
   bool find();
   /// [control] Takes the drift between the clocks off what was heard.
   void follow_clock();
@@ -53,6 +53,7 @@ class HeardPath {
   SweepWindows windows;
 
   CoarseDelay coarse;
+  bool cut_short = false;  ///< it is heard, but too few bursts as a whole
   NoiseFloor floor;
   double speed = 1.0;                    ///< of the input's clock, in frames that were played
   std::span<const double> steady_heard;  ///< at the speed of what was played
@@ -67,6 +68,7 @@ class HeardPath {
   DelayTrend trend;
 
  private:
+  std::vector<double> quiet() const;
   void listen_to_quiet();
   Spectrum loudest_sweep();
   std::int64_t reach() const;

@@ -28,8 +28,8 @@ double usual_level(const HeardPath& path, std::span<const double> first, std::sp
   for (const auto& burst : path.bursts.repeated) {
     const auto whole = stretch(first, burst.at + path.at, burst.end() + path.at);
     const auto again = stretch(rest, burst.at + frames, burst.end() + frames);
-    if (again.size() == whole.size())
-      levels.push_back(std::abs(product(again, whole)) / product(whole, whole));
+    const bool recorded = again.size() == whole.size();
+    levels.push_back(recorded ? std::abs(product(again, whole)) / product(whole, whole) : 0.0);
   }
   return median(std::move(levels));
 }

@@ -9,7 +9,7 @@ namespace tactus {
 
 /// Another way by which what was played comes back, too far from the first one for the same window.
 struct SecondPath {
-  static constexpr std::int64_t kNear = 8192;  ///< frames: nearer ones are left to Response::echo
+  static constexpr std::int64_t kNear = 2048;  ///< frames: nearer ones are left to Response::echo
   std::int64_t frames = 0;                     ///< from the path to it; negative: it is earlier
   double level_db = 0.0;                       ///< beside the path
 };

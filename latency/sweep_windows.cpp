@@ -192,9 +192,10 @@ std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, st
                                                double variance) {
   constexpr std::size_t kBlock = 64;
   auto rest = cut(heard, sweep.burst.at + frames);
+  const double gain = sweep.burst.gain * std::exp(sweep.log_gain);
   Spectrum expected(rest.size());
   for (std::size_t b = 0; b < rest.size(); ++b) {
-    expected[b] = b < lowest_bin_ ? 0.0 : sweep.burst.gain * mean.heard[b];
+    expected[b] = b < lowest_bin_ ? 0.0 : gain * mean.heard[b];
     rest[b] = b < lowest_bin_ ? 0.0 : rest[b] - expected[b];
   }
   const auto unexplained = block_power(fourier_.inverse(rest), kBlock),
