@@ -47,14 +47,18 @@ std::string line_of(const SweepRow& row) {
                             note.empty() ? "" : "  " + note);
 }
 
-/// Blocks that the device turned into one that it has.
+/// Settings that the device turned into ones that it has.
 std::string again_in_words(const std::vector<SweepRow>& rows) {
   std::string asked;
   for (const auto& row : rows)
-    if (row.again) asked += fmt::format("{}{}", asked.empty() ? "" : ", ", row.asked_block);
+    if (row.again)
+      asked += fmt::format("{}{} frames{}", asked.empty() ? "" : "; ", row.asked_block,
+                           row.asked_periods ? fmt::format(", {} periods", *row.asked_periods) : "");
   if (asked.empty()) return "";
   return fmt::format(
-      "Of {} frames the device, or its server, made one of these blocks: where it decides, set it there.\n",
+      "Asked for, too, and turned into one of these by the device or its server: {}. Where it decides, set "
+      "it "
+      "there.\n",
       asked);
 }
 
