@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "latency/loop_recording.h"
+
 namespace tactus {
 namespace {
 
@@ -29,13 +31,6 @@ std::vector<Burst> between_pauses(std::span<const double> played, std::int64_t p
     bursts.back().frames = at + 1 - bursts.back().at;
   }
   return bursts;
-}
-
-double product(std::span<const double> a, std::span<const double> b) {
-  double sum = 0.0;
-  const auto frames = std::min(a.size(), b.size());
-  for (std::size_t n = 0; n < frames; ++n) sum += a[n] * b[n];
-  return sum;
 }
 
 /// Of `burst`, placed so that `waveform` fits it best; nothing if it is another one.

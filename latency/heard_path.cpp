@@ -14,6 +14,7 @@ constexpr Seconds kQuiet{0.5};    // as much silence as is listened to
 constexpr Seconds kAir{0.005};    // before the first burst is heard
 constexpr Seconds kRinging{0.1};  // after the last one
 constexpr Seconds kShortestQuiet{0.1};
+constexpr double kFarLouder = 4.0;       // power
 constexpr std::size_t kLeastSweeps = 3;  // their spacing tells which of them they are
 constexpr std::int64_t kSearch = 8192;
 constexpr double kLeastStep = 0.75;  // frames
@@ -43,10 +44,6 @@ double power(std::span<const double> samples, double mean) {
   double sum = 0.0;
   for (const double sample : samples) sum += (sample - mean) * (sample - mean);
   return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
-}
-
-bool much_louder(std::span<const double> a, std::span<const double> b) {
-  return NoiseFloor::of(a).variance > 4.0 * NoiseFloor::of(b).variance;
 }
 
 double usual(double TrackedSweep::*of, const std::vector<TrackedSweep>& sweeps) {
@@ -124,13 +121,13 @@ bool HeardPath::find() {
 
 /// Where nothing of what was played is heard: the last half second before it; where that behind it, or the
 /// ends of the pauses, are far quieter or all there is, those. If nothing is heard at all, everything.
-std::vector<double> HeardPath::quiet() const {
+NoiseFloor HeardPath::quiet() const {
   const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, rate())); };
   const auto copy = [&](std::int64_t from, std::int64_t to) {
     const auto piece = stretch(heard, from, to);
     return std::vector<double>{piece.begin(), piece.end()};
   };
-  if (!coarse.found()) return copy(0, static_cast<std::int64_t>(heard.size()));
+  if (!coarse.found()) return NoiseFloor::of(heard);
   auto all = bursts.repeated;
   all.insert(all.end(), bursts.others.begin(), bursts.others.end());
   std::sort(all.begin(), all.end(), [](const Burst& a, const Burst& b) { return a.at < b.at; });
@@ -143,16 +140,17 @@ std::vector<double> HeardPath::quiet() const {
     between.insert(between.end(), piece.begin(), piece.end());
   }
   // Something else may sound in one of them.
-  std::vector<double> best;
-  for (const auto& piece : {copy(begin - frames(kQuiet), begin), copy(end, end + frames(kQuiet)), between})
-    if (piece.size() >= static_cast<std::size_t>(frames(kShortestQuiet)) &&
-        (best.empty() || much_louder(best, piece)))
-      best = piece;
-  return best;
+  std::optional<NoiseFloor> best;
+  for (const auto& piece : {copy(begin - frames(kQuiet), begin), copy(end, end + frames(kQuiet)), between}) {
+    if (piece.size() < static_cast<std::size_t>(frames(kShortestQuiet))) continue;
+    auto found = NoiseFloor::of(piece);
+    if (!best || best->variance > kFarLouder * found.variance) best = std::move(found);
+  }
+  return best.value_or(NoiseFloor::of({}));
 }
 
 void HeardPath::listen_to_quiet() {
-  floor = NoiseFloor::of(quiet());
+  floor = quiet();
   const double rounding = rounding_variance(heard);  // in digital silence there is none, but beside a sweep
   floor.variance = std::max(floor.variance, rounding);
   for (auto& each : floor.per_frame) each = std::max(each, rounding);

@@ -68,7 +68,7 @@ class HeardPath {
   DelayTrend trend;
 
  private:
-  std::vector<double> quiet() const;
+  NoiseFloor quiet() const;
   void listen_to_quiet();
   Spectrum loudest_sweep();
   std::int64_t reach() const;

@@ -26,4 +26,12 @@ inline std::span<const double> stretch(std::span<const double> all, std::int64_t
   return all.subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from));
 }
 
+/// [any] Sum of a[n] b[n], as far as there are both.
+inline double product(std::span<const double> a, std::span<const double> b) {
+  double sum = 0.0;
+  const auto frames = std::min(a.size(), b.size());
+  for (std::size_t n = 0; n < frames; ++n) sum += a[n] * b[n];
+  return sum;
+}
+
 }  // namespace tactus

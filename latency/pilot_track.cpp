@@ -6,6 +6,7 @@
 
 #include "latency/fourier.h"
 #include "latency/median.h"
+#include "latency/short_runs.h"
 
 namespace tactus {
 namespace {
@@ -70,13 +71,8 @@ std::vector<std::int64_t> damage(const std::vector<double>& whole, std::span<con
     }
     return unexplained > 0.25 * std::max(explained, usual) && unexplained > 36.0 * kBlock * variance;
   };
-  std::vector<std::int64_t> places;
-  std::int64_t run = 0;
-  for (std::int64_t n = 0; n <= blocks; ++n) {
-    const bool here = n < blocks && broken(n);
-    if (!here && run > 0 && run <= kLongest) places.push_back(begin + (n - run) * kBlock);
-    run = here ? run + 1 : 0;
-  }
+  auto places = short_runs(blocks, kLongest, broken);
+  for (auto& place : places) place = begin + place * kBlock;
   return places;
 }
 

@@ -1,8 +1,6 @@
 #include "latency/second_path.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -15,11 +13,6 @@ namespace {
 
 constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousandth of a frame
 constexpr double kAside = 2.0;
-
-double product(std::span<const double> a, std::span<const double> b) {
-  return std::inner_product(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(std::min(a.size(), b.size())),
-                            b.begin(), 0.0);
-}
 
 /// How much of what the path brings of a burst stands in `rest` at the delay `frames`, beside the path.
 double usual_level(const HeardPath& path, std::span<const double> first, std::span<const double> rest,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "latency/median.h"
+#include "latency/short_runs.h"
 
 namespace tactus {
 namespace {
@@ -190,7 +191,7 @@ double SweepWindows::scatter(std::span<const double> heard, std::int64_t frames,
 std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, std::int64_t frames,
                                                const TrackedSweep& sweep, const HeardWindow& mean,
                                                double variance) {
-  constexpr std::size_t kBlock = 64;
+  constexpr std::int64_t kBlock = 64;
   auto rest = cut(heard, sweep.burst.at + frames);
   const double gain = sweep.burst.gain * std::exp(sweep.log_gain);
   Spectrum expected(rest.size());
@@ -201,17 +202,14 @@ std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, st
   const auto unexplained = block_power(fourier_.inverse(rest), kBlock),
              explained = block_power(fourier_.inverse(expected), kBlock);
   const double loudest = *std::max_element(explained.begin(), explained.end());
-  const auto longest = static_cast<std::size_t>(frames_in(kLongestDamage, sample_rate_)) / kBlock;
-  std::vector<std::int64_t> places;
-  std::size_t run = 0;
-  for (std::size_t n = 0; n <= explained.size(); ++n) {
-    const bool broken = n < explained.size() && explained[n] > 1e-4 * loudest &&
-                        unexplained[n] > 0.25 * explained[n] && unexplained[n] > 36.0 * kBlock * variance;
-    // What lasts longer is a gain that changes, or a path that no model fits.
-    if (!broken && run > 0 && run <= longest)
-      places.push_back(sweep.burst.at - lead_ + static_cast<std::int64_t>((n - run) * kBlock));
-    run = broken ? run + 1 : 0;
-  }
+  const auto longest = static_cast<std::int64_t>(frames_in(kLongestDamage, sample_rate_)) / kBlock;
+  // What lasts longer is a gain that changes, or a path that no model fits.
+  auto places = short_runs(static_cast<std::int64_t>(explained.size()), longest, [&](std::int64_t block) {
+    const auto n = static_cast<std::size_t>(block);
+    return explained[n] > 1e-4 * loudest && unexplained[n] > 0.25 * explained[n] &&
+           unexplained[n] > 36.0 * kBlock * variance;
+  });
+  for (auto& place : places) place = sweep.burst.at - lead_ + place * kBlock;
   return places;
 }
 
