@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/core/units.h"
+#include "engine/physics/friction_law.h"
 
 namespace tactus {
 
@@ -66,6 +67,39 @@ struct Coil {
   Drive voltage;              ///< V [V], held from frame to frame
 };
 
+/// Friction  F = N mu(|v|) sgn v + c v  against the sliding v = x_lower' - x_upper'; pushes `lower` down and
+/// `upper` up where v > 0. At v = 0 it holds with up to N mu(0). What N is: `normal` [N], or the push of a
+/// contact or the tension of a spring of the same network; below 0 it counts as 0.
+struct Friction {
+  int lower = 0, upper = 0;
+  FrictionLaw law;
+  double viscous = 0.0;  ///< c [N s/m], >= 0
+  Drive normal;
+  int normal_contact = -1;  ///< instead of `normal`
+  int normal_spring = -1;   ///< instead of `normal`
+};
+
+/// A plectrum: a spring and a damper between two points that slip off each other when the force of the spring
+/// exceeds `limit`, and hold again when they have come back past each other. n = x_lower - x_upper:
+/// F = k n + z n', |k n| <= limit; pushes `lower` down and `upper` up where F > 0.
+struct Pluck {
+  int lower = 0, upper = 0;
+  double stiffness = 0.0;  ///< k [N/m], > 0
+  double damping = 0.0;    ///< z [N s/m], >= 0
+  double limit = 0.0;      ///< [N], > 0
+};
+
+/// Where a wave of force travels between a mass and something outside, as in a string of impedance Z:
+///   F = 2 a - Z v,   b = a - Z v
+/// with a what comes in, b what goes out again, v the velocity of the mass. The power into the mass is
+/// F v = (a^2 - b^2) / Z, so two ports of one impedance may be joined by any delay and stay passive.
+/// J. O. Smith, Physical Audio Signal Processing, W3K, 2010.
+struct WavePort {
+  int on = 0;
+  double impedance = 0.0;  ///< Z [N s/m], > 0
+  Drive wave;              ///< a [N], held from frame to frame
+};
+
 /// All that a network is made of. Links name points by their index.
 struct NetworkElements {
   std::vector<Point> points;
@@ -73,6 +107,9 @@ struct NetworkElements {
   std::vector<Contact> contacts;
   std::vector<AppliedForce> forces;
   std::vector<Coil> coils;
+  std::vector<Friction> frictions;
+  std::vector<Pluck> plucks;
+  std::vector<WavePort> ports;
 };
 
 /// A hand holds a mass by a spring and a damper and pushes. It moves only as fast as `bandwidth` (at most
