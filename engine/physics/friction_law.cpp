@@ -5,8 +5,8 @@
 namespace tactus {
 namespace {
 
-/// The largest speed v in (0, free] where  v (1 + y c) + y N mu(v) = free;  below 0 if there is none. The left
-/// side is convex, so Newton's steps from the right come down to its last root and never pass it.
+/// The largest speed v in (0, free] where  v (1 + y c) + y N mu(v) = free;  below 0 if there is none. The
+/// left side is convex, so Newton's steps from the right come down to its last root and never pass it.
 double sliding_speed(const FrictionLaw& law, double viscous, double normal, double free,
                      double mobility) noexcept {
   constexpr int kMostSteps = 60;

@@ -1,0 +1,187 @@
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "engine/physics/centred_scheme.h"
+
+namespace tactus {
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// Vector instructions whatever the compiler's mood; sums and products of single numbers, so the same bits.
+auto array(Numbers& numbers, std::size_t from, std::size_t count) {
+  return Eigen::Map<Eigen::ArrayXd>(numbers.data() + from, static_cast<Eigen::Index>(count));
+}
+template <class List>
+auto array(const List& numbers, std::size_t from, std::size_t count) {
+  return Eigen::Map<const Eigen::ArrayXd>(numbers.data() + from, static_cast<Eigen::Index>(count));
+}
+
+}  // namespace
+
+/// Positions before the start, from position, velocity and acceleration at the start: consistent to second
+/// order. Inputs count as 0 before the start, which makes the first step exact for any first input.
+void CentredScheme::start(NetworkState& state) const noexcept {
+  for (std::size_t i = 0; i < model_.start_velocity.size(); ++i)
+    state.moved[i] = model_.k * model_.start_velocity[i];
+  state.touching.clear();
+  for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
+    const auto& contact = model_.contacts[c];
+    const auto lower = index(contact.lower), upper = index(contact.upper);
+    const double motion = state.moved[lower] - state.moved[upper];
+    const double n = state.position[lower] - state.position[upper] + contact.offset;
+    state.loss[c] = contact.loss;
+    if (n <= 0.0) continue;
+    watch_touch(model_, state, c, n, std::max(n, motion));
+    const double rate = 1.0 + state.loss[c] * motion / model_.k;
+    state.touching.push_back(
+        {.coupling = static_cast<int>(c), .force = std::max(0.0, contact.law.force(n) * rate)});
+  }
+  links_.apply(state.position.data(), state.moved.data(), state.change.data());
+  for (const auto& force : model_.forces)
+    if (force.low_pass >= 0 && model_.is_mass(force.slot))
+      state.change[index(force.slot)] += state.low_pass[index(force.low_pass)].value;
+  for (std::size_t p = 0; p < model_.plucks.size(); ++p) {
+    const auto& pluck = model_.plucks[p];
+    const auto lower = index(pluck.lower), upper = index(pluck.upper);
+    const double n = state.position[lower] - state.position[upper];
+    const double speed = (state.moved[lower] - state.moved[upper]) / model_.k;
+    if (state.slipped[p] == 0.0)
+      state.touching.push_back({.coupling = static_cast<int>(model_.contacts.size() + p),
+                                .force = pluck.stiffness * n + pluck.damping * speed});
+  }
+  push(state);
+  for (std::size_t i = 0; i < model_.mass.size(); ++i) {
+    const double bend = model_.scale[i] * state.change[i], straight = state.moved[i];
+    state.moved[i] = straight - 0.5 * bend;
+    state.moved_before[i] = straight - 1.5 * bend;
+  }
+  state.touching.clear();
+  store_energy(state);
+}
+
+/// What each contact holds half a step ago; a plectrum holds, unless it is bent too far.
+void CentredScheme::store_energy(NetworkState& state) const noexcept {
+  const auto half_ago = [&](int lower, int upper) {
+    const auto l = index(lower), u = index(upper);
+    return state.position[l] - state.position[u] - 0.5 * (state.moved[l] - state.moved[u]);
+  };
+  const auto contacts = model_.contacts.size();
+  for (std::size_t c = 0; c < contacts; ++c) {
+    const auto& contact = model_.contacts[c];
+    const double n = half_ago(contact.lower, contact.upper) + contact.offset;
+    state.root[c] = n > 0.0 ? contact.law.root(n) : 0.0;
+  }
+  for (std::size_t p = 0; p < model_.plucks.size(); ++p) {
+    const auto& pluck = model_.plucks[p];
+    if (state.slipped[p] == 0.0)
+      state.root[contacts + p] = std::sqrt(pluck.stiffness) * half_ago(pluck.lower, pluck.upper);
+  }
+}
+
+void CentredScheme::step(NetworkState& state) const noexcept {
+  start_forces(state);
+  move_driven(state);
+  add_applied(state);
+  add_coils(state);
+  if (factored()) solver_.solve({state.change.data(), model_.mass.size()}, state.work);
+  if (!couplings_.empty()) {
+    couplings_.solve(state);
+    if (factored())
+      couplings_.move(state);
+    else
+      push(state);
+    couplings_.finish(state);
+  }
+  step_currents(state);
+  send_waves(state);
+  if (state.audit) audit(state);
+  advance(state);
+}
+
+/// The forces of all links; of a row, those that its pass does not know.
+void CentredScheme::start_forces(NetworkState& state) const noexcept {
+  if (in_row_ && jumps_.entries().empty())
+    row_.fill(constant_.data(), state.change.data());
+  else
+    (in_row_ ? jumps_ : links_).apply(state.position.data(), state.moved.data(), state.change.data());
+}
+
+void CentredScheme::move_driven(NetworkState& state) const noexcept {
+  for (std::size_t i = 0; i < model_.motions.size(); ++i) {
+    const auto slot = index(model_.motions[i].slot);
+    state.change[slot] = state.next[i] - state.position[slot] - state.moved[slot];
+  }
+  for (const auto& c : driven_columns_) state.change[index(c.mass)] -= c.a * state.change[index(c.driven)];
+}
+
+void CentredScheme::add_applied(NetworkState& state) const noexcept {
+  for (std::size_t i = 0; i < model_.forces.size(); ++i) {
+    const int slot = model_.forces[i].slot;
+    if (model_.is_mass(slot)) state.change[index(slot)] += state.force[i];
+  }
+  for (std::size_t i = 0; i < model_.ports.size(); ++i) {
+    const int slot = model_.ports[i].wave.slot;
+    if (model_.is_mass(slot)) state.change[index(slot)] += 2.0 * state.wave[i];
+  }
+}
+
+/// The part of a coil's force that is there without motion; what motion adds is in the link operator.
+void CentredScheme::add_coils(NetworkState& state) const noexcept {
+  for (std::size_t i = 0; i < model_.coils.size(); ++i) {
+    const auto& coil = model_.coils[i];
+    state.mean_current[i] = (state.voltage[i] + coil.memory * state.current[i]) / coil.impedance;
+    const double force = coil.force_factor * state.mean_current[i];
+    if (model_.is_mass(coil.on)) state.change[index(coil.on)] += force;
+    if (model_.is_mass(coil.against)) state.change[index(coil.against)] -= force;
+  }
+}
+
+/// The couplings' forces on top of the others, where A is not solved for any more.
+void CentredScheme::push(NetworkState& state) const noexcept {
+  couplings_.push_all(state, [&](int slot, double force) {
+    if (model_.is_mass(slot)) state.change[index(slot)] += force;
+  });
+}
+
+double CentredScheme::travel(const NetworkState& state, int slot) const noexcept {
+  const double centre = factored() ? 0.5 : 0.0;
+  return state.moved[index(slot)] + centre * state.change[index(slot)];
+}
+
+void CentredScheme::step_currents(NetworkState& state) const noexcept {
+  for (std::size_t i = 0; i < model_.coils.size(); ++i) {
+    const auto& coil = model_.coils[i];
+    const double motion = travel(state, coil.on) - travel(state, coil.against);
+    state.mean_current[i] -= coil.force_factor * motion / (model_.k * coil.impedance);
+    state.current[i] = 2.0 * state.mean_current[i] - state.current[i];
+  }
+}
+
+void CentredScheme::send_waves(NetworkState& state) const noexcept {
+  for (std::size_t i = 0; i < model_.ports.size(); ++i) {
+    const auto& port = model_.ports[i];
+    state.wave_back[i] += state.wave[i] - port.impedance * travel(state, port.wave.slot) / model_.k;
+  }
+}
+
+/// u+ = u + e, q+ = q + u+, where the explicit solver's e is still k^2/m away.
+void CentredScheme::advance(NetworkState& state) const noexcept {
+  const auto masses = model_.mass.size(), moving = masses + model_.motions.size();
+  const auto scaled = factored() ? 0 : masses;
+  if (in_row_) {
+    row_.step(state.position.data(), state.moved.data(), state.moved_before.data(), state.change.data());
+  } else {
+    array(state.moved_before, 0, scaled) =
+        array(state.moved, 0, scaled) + array(model_.scale, 0, scaled) * array(state.change, 0, scaled);
+    array(state.position, 0, scaled) += array(state.moved_before, 0, scaled);
+  }
+  const auto rest = moving - scaled;
+  array(state.moved_before, scaled, rest) =
+      array(state.moved, scaled, rest) + array(state.change, scaled, rest);
+  array(state.position, scaled, rest) += array(state.moved_before, scaled, rest);
+  state.moved.swap(state.moved_before);
+}
+
+}  // namespace tactus
