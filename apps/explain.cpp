@@ -66,6 +66,13 @@ std::size_t memory_of(const Schedule& schedule) {
          schedule.wide_constants.size() * kWide * sizeof(double);
 }
 
+/// What a node tells about itself; of one that runs in two halves, once.
+std::string about_step(const Schedule& schedule, const Step& step) {
+  return step.node < 0 || step.kind == Step::Kind::Absorb
+             ? std::string{}
+             : schedule.nodes[static_cast<std::size_t>(step.node)]->about();
+}
+
 void add_left_out(Json& json, const std::vector<LeftOut>& left_out) {
   for (const auto& left : left_out) json["left_out"].push_back({{"name", left.path}, {"why", left.reason}});
 }
@@ -75,12 +82,16 @@ Json explain_engine(Engine& engine, const std::string& title, int block) {
   const auto costs = measure_steps(engine, block);
   Json json{{"graph", title},
             {"sample_rate_hz", schedule.sample_rate.value},
-            {"signal_memory_bytes", memory_of(schedule)}};
+            {"signal_memory_bytes", memory_of(schedule)},
+            {"about", Json::array()}};
   json["sections"] = Json::array();
   for (const auto& section : schedule.sections) {
     Json part{{"loop", section.loop}, {"sub_block_frames", section.sub_block}, {"steps", Json::array()}};
     for (int s = section.first_step; s < section.end_step; ++s) {
       const auto& step = schedule.steps[static_cast<std::size_t>(s)];
+      if (const auto about = about_step(schedule, step); !about.empty())
+        json["about"].push_back(
+            {{"name", schedule.paths[static_cast<std::size_t>(step.path)]}, {"what", about}});
       part["steps"].push_back({{"name", schedule.paths[static_cast<std::size_t>(step.path)]},
                                {"what", what_runs(schedule, step)},
                                {"how", kind_of(step)},
@@ -120,6 +131,8 @@ void print(const Json& json) {
     fmt::print("loop {}: at least {} frames of delay, runs {} at a time\n", through,
                loop["delay_frames"].get<int>(), loop["sub_block_frames"].get<int>());
   }
+  for (const auto& about : json["about"])
+    fmt::print("{}: {}\n", about["name"].get<std::string>(), about["what"].get<std::string>());
   for (const auto& left : json["left_out"])
     fmt::print("left out: {} {}\n", left["name"].get<std::string>(), left["why"].get<std::string>());
   if (json["left_out"].empty()) fmt::print("left out: nothing\n");

@@ -105,6 +105,7 @@ Json json_of(const ElementType& element) {
           {"equation", element.equation},
           {"ends", kEnds[static_cast<int>(element.ends)]},
           {"example", element.example},
+          {"settings", json_list(element.settings)},
           {"fields", json_list(element.fields)},
           {"outputs", json_list(element.quantities)}};
 }

@@ -149,6 +149,10 @@ Json element(const ElementType& type) {
   Json properties{{"type", of_type(type.name)}};
   std::vector<std::string> required = {"type"};
   add_ends(type, properties, required);
+  for (const auto& setting : type.settings) {
+    properties[setting.name] = of_setting(setting);
+    if (setting.fallback.empty()) required.push_back(setting.name);
+  }
   for (const auto& field : type.fields) {
     properties[field.name] = signal(described(field.doc, field.unit, field.fallback), field.low, field.high);
     if (!field.fallback && !field.optional) required.push_back(field.name);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "engine/core/realtime.h"
 #include "engine/core/units.h"
@@ -95,6 +96,9 @@ class Node {
   /// lanes; 0, kWide numbers that rest. Everything else in the contract holds, delays are those of all lanes,
   /// and each lane gives what its node would give but for rounding (its recurrence runs in another order).
   virtual std::unique_ptr<Node> widened(std::span<const Node* const> /*lanes*/) const { return nullptr; }
+
+  /// [any] What a person may want to know about how the node was made (`tactus explain`); may be empty.
+  virtual std::string about() const { return {}; }
 
   /// [any] How often something was asked of the node that it had to refuse (a delay beyond its range, say).
   virtual std::int64_t clamped() const { return 0; }

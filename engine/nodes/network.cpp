@@ -35,7 +35,8 @@ std::string unit_of(const ElementField& field, const ElementType& type, const No
 
 void declare_inputs(NodeType& type, const NodeSpec& spec, NetworkLayout::Element& element) {
   for (const auto& field : element.type->fields) {
-    const bool absent = field.optional && find(spec.fields, field.name) == nullptr;
+    const bool absent = (field.optional && find(spec.fields, field.name) == nullptr) ||
+                        (element.normal_link >= 0 && field.name == "normal");
     element.ports.push_back(absent ? -1 : static_cast<int>(type.inputs.size()));
     if (absent) continue;
     type.inputs.push_back({.name = element.name + "." + field.name,
@@ -50,9 +51,12 @@ void declare_inputs(NodeType& type, const NodeSpec& spec, NetworkLayout::Element
 }
 
 void declare_outputs(NodeType& type, const NetworkLayout::Element& element) {
+  const bool signed_ = element.chosen("sides", "2");
   const auto declare = [&](std::string name, const ElementQuantity& quantity) {
-    type.outputs.push_back(
-        {.name = std::move(name), .unit = quantity.unit, .doc = quantity.doc, .range = quantity.range});
+    type.outputs.push_back({.name = std::move(name),
+                            .unit = quantity.unit,
+                            .doc = quantity.doc,
+                            .range = signed_ ? Interval{} : quantity.range});
   };
   const auto& quantities = element.type->quantities;
   for (const auto& quantity : quantities) declare(element.name + "." + quantity.name, quantity);
@@ -65,9 +69,28 @@ std::uint64_t fingerprint_of(const NetworkLayout& layout) {
   for (const auto& element : layout.elements) {
     print.add(element.name).add(element.type->name);
     for (const int end : element.ends) print.add(static_cast<std::uint64_t>(end));
+    for (const int within : element.within) print.add(static_cast<std::uint64_t>(within));
     for (const int port : element.ports) print.add(static_cast<std::uint64_t>(port));
+    for (const auto& setting : element.settings)
+      print.add(setting.text).add(static_cast<std::uint64_t>(setting.number));
+    print.add(static_cast<std::uint64_t>(element.normal_link));
   }
   return print.value();
+}
+
+std::string source_of(Solver solver) {
+  switch (solver) {
+    case Solver::Explicit:
+      return "Cadoz, Luciani & Florens, Computer Music Journal 17(1), 1993";
+    case Solver::Implicit:
+      return "Newmark, J. Eng. Mech. 85, 1959; Bilbao, Torin & Chatziioannou, Acta Acustica 101, 2015";
+    case Solver::Exact:
+      return "Van Loan, IEEE Trans. Autom. Control 23, 1978";
+    case Solver::Passive:
+    case Solver::Auto:
+      break;
+  }
+  return "Ducceschi, Bilbao, Willemsen & Serafin, JASA 149, 2021";
 }
 
 }  // namespace
@@ -78,10 +101,8 @@ Checked<std::shared_ptr<const NodeType>> network_type(const NetworkSpec& spec) {
   auto type = std::make_shared<NodeType>();
   type->name = "network";
   type->group = "networks";
-  type->summary = "Masses on a line, joined by springs, contacts and coils.";
-  type->source = layout->solver == Solver::Passive
-                     ? "Ducceschi, Bilbao, Willemsen & Serafin, JASA 149, 2021"
-                     : "Cadoz, Luciani & Florens, Computer Music Journal 17(1), 1993";
+  type->summary = "Masses on a line, joined by springs, contacts, frictions and coils.";
+  type->source = source_of(layout->solver);
   type->skips_unread = true;
   for (std::size_t i = 0; i < spec.elements.size(); ++i) {
     declare_inputs(*type, spec.elements[i], layout->elements[i]);

@@ -35,6 +35,11 @@ struct ElementQuantity {
     AppliedForce,
     Current,
     CoilForce,
+    FrictionForce,
+    FrictionVelocity,
+    PluckForce,
+    Wave,
+    PortForce,
     Energy,
   };
   std::string name;
@@ -48,7 +53,7 @@ struct ElementQuantity {
 struct ElementType {
   /// Which fields name other elements.
   enum class Ends {
-    None,     ///< it is a point itself
+    None,     ///< it is a point itself, or many
     On,       ///< `on`: a mass
     Against,  ///< `on`: a point; `against`: another one, or none for a fixed place
     Between,  ///< `between`: two points, the lower one first
@@ -57,9 +62,11 @@ struct ElementType {
   std::string doc;
   std::string equation;
   Ends ends;
+  std::vector<Setting> settings;  ///< read when the file is
   std::vector<ElementField> fields;
   std::vector<ElementQuantity> quantities;  ///< the first is what the element's bare name means; may be empty
   std::string example;
+  bool many = false;  ///< points "name.1" ..., or "name.row.column"
 };
 
 /// [any] All of them, in the order of the reference.

@@ -3,161 +3,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/nodes/network_builder.h"
+#include "engine/nodes/solver_words.h"
+
 namespace tactus {
 namespace {
 
-/// One output: what to ask which part of the network for.
-struct Reading {
-  ElementQuantity::Kind kind;
-  int part;
-  int push = -1;  // of a hand: the applied force that adds to its spring
-};
-
-/// Which parts of the physical network an element has become.
-struct Parts {
-  int point = -1, spring = -1, contact = -1, force = -1, coil = -1;
-};
-
-class NetworkBuilder {
- public:
-  NetworkBuilder(const NetworkLayout& layout, const NodeSetup& setup) : layout_(layout), setup_(setup) {
-    parts_.resize(layout.elements.size());
-    // Points first: links name them by their index, and may stand before them in the file.
-    for (const bool points : {true, false})
-      for (std::size_t i = 0; i < layout.elements.size(); ++i)
-        if ((layout.elements[i].type->ends == ElementType::Ends::None) == points)
-          add(layout.elements[i], parts_[i]);
-  }
-
-  std::vector<Reading> readings() const {
-    std::vector<Reading> readings;
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const auto& quantities = layout_.elements[i].type->quantities;
-      for (const auto& quantity : quantities) readings.push_back(reading(quantity.kind, parts_[i]));
-      if (!quantities.empty()) readings.push_back(reading(quantities.front().kind, parts_[i]));
-    }
-    readings.push_back({ElementQuantity::Kind::Energy, 0});
-    return readings;
-  }
-
-  NetworkElements elements;
-  std::vector<int> signal_ports;  // input of each signal of the network
-
- private:
-  static Reading reading(ElementQuantity::Kind kind, const Parts& parts) {
-    using Kind = ElementQuantity::Kind;
-    switch (kind) {
-      case Kind::Position:
-      case Kind::Velocity:
-        return {kind, parts.point};
-      case Kind::Extension:
-        return {kind, parts.spring};
-      case Kind::SpringForce:
-        return {kind, parts.spring, parts.force};
-      case Kind::Indentation:
-      case Kind::ContactForce:
-        return {kind, parts.contact};
-      case Kind::AppliedForce:
-        return {kind, parts.force};
-      case Kind::Current:
-      case Kind::CoilForce:
-        return {kind, parts.coil};
-      case Kind::Energy:
-        break;
-    }
-    return {kind, 0};
-  }
-
-  int port(const NetworkLayout::Element& element, std::string_view field) const {
-    const auto& fields = element.type->fields;
-    const auto at =
-        std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == field; });
-    return element.ports[static_cast<std::size_t>(at - fields.begin())];
-  }
-
-  double number(const NetworkLayout::Element& element, std::string_view field) const {
-    const auto i = static_cast<std::size_t>(port(element, field));
-    const auto& port = setup_.type->inputs[i];
-    const double value = setup_.inputs[i].constant.value_or(port.fallback.value_or(0.0));
-    return std::clamp(value, port.low, port.high);
-  }
-
-  int signal(const NetworkLayout::Element& element, std::string_view field) {
-    signal_ports.push_back(port(element, field));
-    return static_cast<int>(signal_ports.size()) - 1;
-  }
-
-  int point_of(int element) const {
-    return element < 0 ? -1 : parts_[static_cast<std::size_t>(element)].point;
-  }
-
-  template <class List, class Part>
-  static int append(List& list, Part part) {
-    list.push_back(std::move(part));
-    return static_cast<int>(list.size()) - 1;
-  }
-
-  void add(const NetworkLayout::Element& e, Parts& parts) {
-    const auto& type = e.type->name;
-    const int first = point_of(e.ends[0]), second = point_of(e.ends[1]);
-    if (type == "mass")
-      parts.point =
-          append(elements.points,
-                 Point{Point::Kind::Mass, number(e, "mass"), number(e, "at"), number(e, "velocity"), {}});
-    else if (type == "ground")
-      parts.point = append(elements.points, Point{Point::Kind::Ground, 0.0, number(e, "at"), 0.0, {}});
-    else if (type == "motion")
-      parts.point =
-          append(elements.points, Point{Point::Kind::Motion, 0.0, 0.0, 0.0, {signal(e, "position"), {}}});
-    else if (type == "spring")
-      parts.spring = append(elements.springs, Spring{first, second, number(e, "stiffness"),
-                                                     number(e, "damping"), number(e, "rest")});
-    else if (type == "damper")
-      parts.spring = append(elements.springs, Spring{first, second, 0.0, number(e, "damping"), 0.0});
-    else if (type == "contact")
-      parts.contact = append(elements.contacts, contact(e, first, second));
-    else if (type == "force")
-      parts.force = append(elements.forces, AppliedForce{first, {signal(e, "force"), {}}});
-    else if (type == "hand")
-      add_hand(e, first, parts);
-    else
-      parts.coil = append(elements.coils, Coil{first,
-                                               second,
-                                               number(e, "force_factor"),
-                                               number(e, "resistance"),
-                                               number(e, "inductance"),
-                                               {signal(e, "voltage"), {}}});
-  }
-
-  Contact contact(const NetworkLayout::Element& e, int lower, int upper) const {
-    Contact contact{lower,
-                    upper,
-                    number(e, "stiffness"),
-                    number(e, "exponent"),
-                    number(e, "loss"),
-                    {},
-                    number(e, "offset")};
-    if (port(e, "restitution") >= 0) contact.restitution = number(e, "restitution");
-    return contact;
-  }
-
-  void add_hand(const NetworkLayout::Element& e, int on, Parts& parts) {
-    const auto made =
-        attach(elements, Hand{on, number(e, "stiffness"), number(e, "damping"), Hertz{number(e, "bandwidth")},
-                              signal(e, "position"), signal(e, "force")});
-    parts.point = made.point;
-    parts.spring = made.spring;
-    parts.force = made.force;
-  }
-
-  const NetworkLayout& layout_;
-  const NodeSetup& setup_;
-  std::vector<Parts> parts_;
-};
-
 class NetworkNode final : public Node {
  public:
-  NetworkNode(Network network, std::vector<Reading> readings, std::vector<int> signal_ports,
+  NetworkNode(Network network, std::vector<NetworkReading> readings, std::vector<int> signal_ports,
               const NodeType& type)
       : fingerprint_(type.fingerprint),
         network_(std::move(network)),
@@ -186,6 +40,11 @@ class NetworkNode final : public Node {
     if (other != nullptr && other->fingerprint_ == fingerprint_) network_.adopt(state_, other->state_);
   }
 
+  std::string about() const override {
+    const auto& choice = network_.choice();
+    return choice ? "solver " + reason_for(*choice) : std::string{};
+  }
+
   DelayRange delay(int input, int) const override {
     return late_[static_cast<std::size_t>(input)] ? DelayRange{1, 1} : DelayRange{};
   }
@@ -208,7 +67,7 @@ class NetworkNode final : public Node {
     network_.step(state_, now_.data());
   }
 
-  double value(const Reading& reading) const noexcept {
+  double value(const NetworkReading& reading) const noexcept {
     using Kind = ElementQuantity::Kind;
     switch (reading.kind) {
       case Kind::Position:
@@ -219,27 +78,44 @@ class NetworkNode final : public Node {
         return network_.extension(state_, reading.part);
       case Kind::SpringForce:
         return network_.spring_force(state_, reading.part) +
-               (reading.push < 0 ? 0.0 : network_.applied_force(state_, reading.push));
+               (reading.push < 0 ? 0.0 : network_.applied_force(state_, reading.push)) +
+               (reading.plus < 0 ? 0.0 : contact_force(reading.plus, reading.minus));
       case Kind::Indentation:
-        return network_.indentation(state_, reading.part);
+        return network_.indentation(state_, reading.part) -
+               (reading.minus < 0 ? 0.0 : network_.indentation(state_, reading.minus));
       case Kind::ContactForce:
-        return network_.contact_force(state_, reading.part);
+        return contact_force(reading.part, reading.minus);
       case Kind::AppliedForce:
         return network_.applied_force(state_, reading.part);
       case Kind::Current:
         return network_.current(state_, reading.part);
       case Kind::CoilForce:
         return network_.coil_force(state_, reading.part);
+      case Kind::FrictionForce:
+        return network_.friction_force(state_, reading.part);
+      case Kind::FrictionVelocity:
+        return network_.friction_velocity(state_, reading.part);
+      case Kind::PluckForce:
+        return network_.pluck_force(state_, reading.part);
+      case Kind::Wave:
+        return network_.wave(state_, reading.part);
+      case Kind::PortForce:
+        return network_.port_force(state_, reading.part);
       case Kind::Energy:
         break;
     }
     return network_.energy(state_);
   }
 
+  double contact_force(int contact, int opposite) const noexcept {
+    return network_.contact_force(state_, contact) -
+           (opposite < 0 ? 0.0 : network_.contact_force(state_, opposite));
+  }
+
   std::uint64_t fingerprint_;  ///< which elements, joined how
   Network network_;
   NetworkState state_;
-  std::vector<Reading> readings_;
+  std::vector<NetworkReading> readings_;
   std::vector<int> signal_ports_;
   std::vector<double> now_;
   std::vector<std::size_t> read_;
@@ -249,13 +125,16 @@ class NetworkNode final : public Node {
 }  // namespace
 
 Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup) {
+  std::size_t points = 0;
+  for (const auto& element : layout.elements) points += static_cast<std::size_t>(element.points());
+  // A point, its springs and what a scheme keeps for them; before they are made.
+  if (const auto fits = setup.take_memory(64 * points); !fits) return tl::unexpected(fits.error());
   NetworkBuilder builder(layout, setup);
-  const auto masses = builder.elements.points.size(), contacts = builder.elements.contacts.size();
-  const auto coupled = layout.solver == Solver::Passive ? std::min<std::size_t>(masses, 1024) : 0;
-  if (const auto fits = setup.take_memory(64 * layout.elements.size() + coupled * (coupled + contacts) +
-                                          2 * contacts * contacts);
-      !fits)
-    return tl::unexpected(fits.error());
+  const auto couplings =
+      builder.elements.contacts.size() + builder.elements.plucks.size() + builder.elements.frictions.size();
+  const auto each =
+      layout.solver == Solver::Explicit ? builder.elements.frictions.size() : points + 2 * couplings;
+  if (const auto fits = setup.take_memory(couplings * each); !fits) return tl::unexpected(fits.error());
   auto network = Network::make(std::move(builder.elements), static_cast<int>(builder.signal_ports.size()),
                                setup.sample_rate, layout.solver, layout.oversample);
   if (!network) return tl::unexpected(network.error());

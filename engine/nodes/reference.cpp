@@ -233,6 +233,7 @@ void write_networks(Page& page) {
     page.title(element.name, 3);
     page.paragraph(element.doc + ends_text(element.ends));
     page.equation(element.equation);
+    page.table("setting", element.settings);
     page.table("field", element.fields);
     page.table("output", element.quantities);
     page.example(element.example);

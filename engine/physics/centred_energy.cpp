@@ -67,7 +67,7 @@ void CentredScheme::audit(NetworkState& state) const noexcept {
   couplings_.push_all(state, [&](int slot, double force) { state.supplied -= force * by_hand(slot); });
   for (const auto& touch : state.touching) state.dissipated += lost(state, touch);
   for (std::size_t f = 0; f < couplings_.frictions(); ++f)
-    state.dissipated += state.rub[f] * state.slide[f] * model_.k;
+    state.dissipated += 0.5 * state.rub[f] * couplings_.motion(state, couplings_.first_friction() + f);
   for (std::size_t i = 0; i < model_.coils.size(); ++i) {
     const auto& coil = model_.coils[i];
     const double force = coil.force_factor * state.mean_current[i];

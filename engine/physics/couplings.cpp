@@ -66,7 +66,7 @@ double Couplings::moved(const NetworkState& state, std::size_t c) const noexcept
 }
 
 /// The motion that `state.change` makes, whatever forces are in it by now.
-double Couplings::free_motion(const NetworkState& state, std::size_t c) const noexcept {
+double Couplings::motion(const NetworkState& state, std::size_t c) const noexcept {
   const int lower = lower_[c], upper = upper_[c];
   if (method_ == Method::Exact) return state.change[at(lower)] - state.change[at(upper)];
   const auto bend = [&](int slot) {
@@ -116,9 +116,10 @@ double Couplings::solve_frictions(NetworkState& state) const noexcept {
     const auto c = first_friction() + f;
     const auto& friction = model_->frictions[f];
     const double own = mutual(c, c), before = state.rub[f];
-    const double free = free_motion(state, c) - pushed(state, c) - (rubbed(state, c) - own * before);
-    const auto found = solve_friction(friction.law, friction.viscous, state.normal[f], free / slack(),
-                                      own / slack(), static_cast<int>(state.sliding[f]));
+    const double free = motion(state, c) - pushed(state, c) - (rubbed(state, c) - own * before);
+    const auto found =
+        solve_friction(friction.law, friction.viscous, state.normal[f], free / slack(), own / slack(),
+                       static_cast<int>(state.sliding[f]), 0.5 * moved(state, c) / model_->k);
     state.rub[f] = found.force;
     state.slide[f] = found.velocity;
     most = std::max(most, std::abs(found.force));
@@ -142,7 +143,7 @@ void Couplings::finish(NetworkState& state) const noexcept {
   for (auto& touch : state.touching) {
     const auto c = at(touch.coupling);
     if (method_ == Method::Pushed) continue;
-    touch.motion = free_motion(state, c);
+    touch.motion = motion(state, c);
     state.root[c] += touch.slope * touch.motion / steps();
   }
   for (std::size_t p = 0; p < model_->plucks.size(); ++p) {

@@ -63,6 +63,9 @@ class Couplings {
     }
   }
 
+  /// [realtime] How a coupling moves with what is in `state.change` by now.
+  double motion(const NetworkState& state, std::size_t coupling) const noexcept;
+
   bool empty() const { return lower_.empty(); }
   std::size_t count() const { return lower_.size(); }
   std::size_t frictions() const { return count() - first_friction(); }
@@ -78,7 +81,6 @@ class Couplings {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   int steps() const { return method_ == Method::Exact ? 1 : 2; }
   double slack() const { return steps() * model_->k; }
-  double free_motion(const NetworkState& state, std::size_t coupling) const noexcept;
   double moved(const NetworkState& state, std::size_t coupling) const noexcept;
   double indentation(const NetworkState& state, std::size_t coupling) const noexcept;
   double pushed(const NetworkState& state, std::size_t coupling) const noexcept;

@@ -42,7 +42,7 @@ void Couplings::find_contacts(NetworkState& state) const noexcept {
     Touch touch{.coupling = static_cast<int>(c)};
     const double n = indentation(state, c);
     if (method_ == Method::Gradient) {
-      touch.free = free_motion(state, c);
+      touch.free = motion(state, c);
       const double w = moved(state, c), before = n - w;
       if (std::max({n, before, before + touch.free}) <= 0.0) continue;
       if (n >= 0.0) watch_touch(*model_, state, c, n, w);
@@ -81,7 +81,7 @@ bool Couplings::foresee_centred(NetworkState& state, Touch& touch) const noexcep
   }
   touch.still = touch.slope * psi;
   touch.resistance = 0.25 * touch.slope * touch.slope + damping;
-  touch.free = free_motion(state, c);
+  touch.free = motion(state, c);
   return true;
 }
 
@@ -107,7 +107,7 @@ bool Couplings::foresee_exact(NetworkState& state, Touch& touch) const noexcept 
   const auto c = at(touch.coupling);
   const auto& law = model_->contacts[c].law;
   const double n = indentation(state, c), psi = state.root[c];
-  touch.free = free_motion(state, c);
+  touch.free = motion(state, c);
   const double motion = touch.free - foreseen_push(state, c);
   if (n <= 0.0 && n + motion > 0.0) watch_touch(*model_, state, c, n, moved(state, c));
   double damping = 0.0;
@@ -140,7 +140,7 @@ void Couplings::find_plucks(NetworkState& state) const noexcept {
     }
     touch.still = touch.slope * state.root[c];
     touch.resistance = pluck.stiffness / (2.0 * steps()) + pluck.damping / slack();
-    touch.free = free_motion(state, c);
+    touch.free = motion(state, c);
     state.touching.push_back(touch);
   }
 }
@@ -256,9 +256,9 @@ bool Couplings::missed_one(NetworkState& state) const noexcept {
     if (std::any_of(state.touching.begin(), state.touching.begin() + static_cast<std::ptrdiff_t>(found),
                     known))
       continue;
-    const double free = free_motion(state, c);
-    const double motion = free - rubbed(state, c) - pushed(state, c);
-    if (indentation(state, c) - moved(state, c) + motion > 0.0)
+    const double free = motion(state, c);
+    const double to = free - rubbed(state, c) - pushed(state, c);
+    if (indentation(state, c) - moved(state, c) + to > 0.0)
       state.touching.push_back({.coupling = static_cast<int>(c), .free = free});
   }
   return state.touching.size() > found;

@@ -28,7 +28,7 @@ double sliding_speed(const FrictionLaw& law, double viscous, double normal, doub
 }  // namespace
 
 FrictionForce solve_friction(const FrictionLaw& law, double viscous, double normal, double free,
-                             double mobility, int sliding) noexcept {
+                             double mobility, int sliding, double stopping) noexcept {
   normal = std::max(0.0, normal);
   const double speed = std::abs(free), sign = free < 0.0 ? -1.0 : 1.0;
   const auto slide = [&](double v) {
@@ -44,7 +44,9 @@ FrictionForce solve_friction(const FrictionLaw& law, double viscous, double norm
       return {sign * (speed - v) / mobility, sign * v};
     }
   }
-  return {free / mobility, 0.0};
+  const double stop = (free - stopping) / mobility;
+  const bool stops = std::abs(stop) <= normal * law.holding() && stop * stopping >= 0.0;
+  return {stops ? stop : free / mobility, 0.0};
 }
 
 }  // namespace tactus

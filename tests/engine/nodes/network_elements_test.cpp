@@ -1,0 +1,193 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/graph_runner.h"
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+using Samples = std::vector<double>;
+
+std::string graph(const std::string& elements, const std::string& out) {
+  return "format = 1\nname = \"n\"\n[networks.n]\n" + elements + "\n[outputs]\nout = { from = \"" + out +
+         "\" }\n";
+}
+
+Samples play(const std::string& elements, const std::string& out, int frames) {
+  return run(*engine_of(graph(elements, out)), {}, frames, {64})[0];
+}
+
+/// Frames between upward passages through 0, on average.
+double period(const Samples& x) {
+  std::vector<double> passages;
+  for (std::size_t n = 1; n < x.size(); ++n)
+    if (x[n - 1] < 0.0 && x[n] >= 0.0) passages.push_back(static_cast<double>(n) - x[n] / (x[n] - x[n - 1]));
+  REQUIRE(passages.size() > 2);
+  return (passages.back() - passages.front()) / static_cast<double>(passages.size() - 1);
+}
+
+std::string mistakes_of(const std::string& elements) { return mistakes(graph(elements, "n.energy / 1 J")); }
+
+}  // namespace
+
+TEST_CASE("network elements: an oscillator by resonance and damping ratio", "[physics]") {
+  // zeta = 0.01 at 100 Hz: w_d = w sqrt(1 - zeta^2), falls to exp(-zeta w t).
+  const auto solver = GENERATE("exact", "passive", "implicit", "explicit");
+  const auto x =
+      play(std::string("solver = \"") + solver +
+               "\"\no = { type = \"oscillator\", mass = \"20 g\", frequency = \"100 Hz\", damping_ratio = "
+               "0.01, at = \"1 mm\" }",
+           "n.o.position / 1 mm", 48000);
+  CHECK(48e3 / period(x) == Approx(100 * std::sqrt(1 - 1e-4)).epsilon(1e-4));
+  const double highest = *std::max_element(x.begin() + 24000, x.begin() + 24000 + 480);
+  CHECK(std::log(highest) == Approx(-0.01 * 2 * std::numbers::pi * 100 * 0.505).epsilon(0.02));
+}
+
+TEST_CASE("network elements: a cubic spring swings faster the further it goes", "[physics]") {
+  // F = -c x^3:  T = 7.4163 sqrt(m / c) / A (an elliptic integral).
+  const auto swing = GENERATE(0.001, 0.003);
+  const auto solver = GENERATE("exact", "passive", "implicit", "explicit");
+  const auto x = play(
+      std::string("solver = \"") + solver +
+          "\"\nf = { type = \"ground\" }\nm = { type = \"mass\", mass = "
+          "\"10 g\", at = " +
+          std::to_string(swing) +
+          " }\ns = { type = \"spring\", between = [\"f\", \"m\"], stiffness = 0, cubic = \"1e9 N/m^3\" }",
+      "n.m.position / 1 m", 48000);
+  CHECK(period(x) / 48e3 == Approx(7.4163 * std::sqrt(0.01 / 1e9) / swing).epsilon(1e-3));
+}
+
+TEST_CASE("network elements: a contact with two sides holds from below and above", "[physics]") {
+  // Free over 2 x 1 mm at 1 m/s, then a linear contact of half a period at either end.
+  const auto x = play(
+      "f = { type = \"ground\" }\nm = { type = \"mass\", mass = \"10 g\", velocity = \"1 m/s\" }\n"
+      "c = { type = \"contact\", between = [\"m\", \"f\"], stiffness = \"4e5 N/m\", exponent = 1, sides = 2, "
+      "clearance = \"1 mm\" }",
+      "n.m.position / 1 m", 48000);
+  const double touch = std::numbers::pi * std::sqrt(0.01 / 4e5);
+  CHECK(period(x) / 48e3 == Approx(2 * (2 * 0.001 + touch)).epsilon(2e-3));
+  const auto force = play(
+      "f = { type = \"ground\" }\nm = { type = \"mass\", mass = \"10 g\", velocity = \"1 m/s\" }\n"
+      "c = { type = \"contact\", between = [\"m\", \"f\"], stiffness = \"4e5 N/m\", exponent = 1, sides = 2, "
+      "clearance = \"1 mm\" }",
+      "n.c.force / 1 N", 48000);
+  const auto [least, most] = std::minmax_element(force.begin(), force.end());
+  CHECK(*most == Approx(std::sqrt(0.01 * 4e5)).epsilon(0.01));
+  CHECK(*least == Approx(-*most).epsilon(0.01));
+}
+
+TEST_CASE("network elements: a chain has the modes of its masses, fixed, free or closed", "[physics]") {
+  // Struck in the middle of symmetry by its own mode it stays in it: here the lowest one dominates a slow
+  // push. fixed: w = 2 w0 sin(pi / (2 (n + 1))); a ring of 4 with its second mass held: w0 sqrt(2 - sqrt 2).
+  const auto solver = GENERATE("exact", "passive", "implicit", "explicit");
+  const auto start = std::string("solver = \"") + solver + "\"\n";
+  const double w0 = std::sqrt(1000.0 / 0.01);
+  const auto fixed =
+      play(start +
+               "c = { type = \"chain\", masses = 1, mass = \"10 g\", stiffness = \"1000 N/m\" }\n"
+               "p = { type = \"probe\", on = \"c.1\" }\n"
+               "kick = { type = \"force\", on = \"c.1\", force = \"1 N\" }",
+           "n.p / 1 m - 0.0005", 48000);
+  CHECK(2 * std::numbers::pi * 48e3 / period(fixed) == Approx(w0 * std::sqrt(2.0)).epsilon(1e-3));
+  const auto ring = play(
+      start +
+          "r = { type = \"ring\", masses = 4, mass = \"10 g\", stiffness = \"1000 N/m\" }\n"
+          "p = { type = \"probe\", on = \"r.1\" }\nf = { type = \"force\", on = \"r.1\", force = \"1 N\" }\n"
+          "b = { type = \"force\", on = \"r.2\", force = \"-1 N\" }\n"
+          "d = { type = \"force\", on = \"r.3\", force = \"1 N\" }\n"
+          "e = { type = \"force\", on = \"r.4\", force = \"-1 N\" }",
+      "n.p / 1 m - 0.00025", 48000);
+  // All neighbours against each other: w = 2 w0.
+  CHECK(2 * std::numbers::pi * 48e3 / period(ring) == Approx(2 * w0).epsilon(1e-3));
+  const auto free =
+      play(start +
+               "c = { type = \"chain\", masses = 3, mass = \"10 g\", stiffness = \"1000 N/m\", ends = "
+               "\"free\" }\np = { type = \"probe\", on = \"c.3\" }\n"
+               "f = { type = \"force\", on = \"c.1\", force = \"1 N\" }\n"
+               "g = { type = \"force\", on = \"c.3\", force = \"-1 N\" }",
+           "n.p / 1 m + 0.001", 48000);
+  // Its ends against each other, the middle at rest: w = w0 about -F / k.
+  CHECK(2 * std::numbers::pi * 48e3 / period(free) == Approx(w0).epsilon(1e-3));
+}
+
+TEST_CASE("network elements: the lowest mode of a square grid", "[physics]") {
+  // A grid of 3 x 3 pushed in its mode's shape: w = w0 sqrt(8) sin(pi / 8).
+  std::string forces;
+  for (int r = 1; r <= 3; ++r)
+    for (int c = 1; c <= 3; ++c) {
+      const double shape = std::sin(r * std::numbers::pi / 4) * std::sin(c * std::numbers::pi / 4);
+      forces += "f" + std::to_string(r) + std::to_string(c) + " = { type = \"force\", on = \"g." +
+                std::to_string(r) + "." + std::to_string(c) + "\", force = " + std::to_string(shape) + " }\n";
+    }
+  const double w0 = std::sqrt(1000.0 / 0.01), w = w0 * std::sqrt(8.0) * std::sin(std::numbers::pi / 8);
+  const auto x = play(
+      "solver = \"exact\"\ng = { type = \"grid\", rows = 3, columns = 3, mass = \"10 g\", stiffness = \"1000 "
+      "N/m\" }\np = { type = \"probe\", on = \"g.2.2\" }\n" +
+          forces,
+      "n.p / 1 m - " + std::to_string(1.0 / (0.01 * w * w)), 48000);
+  CHECK(2 * std::numbers::pi * 48e3 / period(x) == Approx(w).epsilon(1e-4));
+}
+
+TEST_CASE("network elements: a bow takes a string along as far as its press allows", "[physics]") {
+  // Pressed with 2 N and mu = 0.5 the string follows the bow while its spring pulls less than 1 N: 1 mm.
+  const auto end = GENERATE(0.0009, 0.003);
+  const auto engine = engine_of(
+      "format = 1\nname = \"n\"\n[inputs]\nstroke = { unit = \"m\" }\n[networks.n]\nf = { type = \"ground\" "
+      "}\n"
+      "h = { type = \"mass\", mass = \"1 g\", at = \"-0.2 mm\" }\n"
+      "press = { type = \"spring\", between = [\"h\", \"f\"], stiffness = \"1e4 N/m\", damping = \"6 N s/m\" "
+      "}\n"
+      "weight = { type = \"force\", on = \"h\", force = \"-2 N\" }\nbow = { type = \"motion\", position = "
+      "\"stroke\" }\n"
+      "s = { type = \"oscillator\", mass = \"1 g\", stiffness = \"1000 N/m\", damping = \"2 N s/m\" }\n"
+      "hair = { type = \"friction\", between = [\"bow\", \"s\"], normal = \"press.force\", kinetic = 0.5 }\n"
+      "[outputs]\nforce = { from = \"n.hair.force / 1 N\" }\nplace = { from = \"n.s / 1 m\" }");
+  Samples stroke(48000);
+  for (std::size_t n = 0; n < stroke.size(); ++n)
+    stroke[n] = end * std::min(1.0, static_cast<double>(n) / 24000);
+  const auto out = run(*engine, {stroke}, 48000, {64});
+  const double pull = std::min(1.0, 1000 * end);
+  CHECK(out[0].back() == Approx(pull).epsilon(1e-3));
+  CHECK(out[1].back() == Approx(pull / 1000).epsilon(1e-3));
+}
+
+TEST_CASE("network elements: what is wrong with them is told with its place and remedy", "[physics]") {
+  CHECK(mistakes_of("o = { type = \"oscillator\", mass = \"1 g\" }") ==
+        "test.toml:4:1: oscillator 'o' lacks 'stiffness' or 'frequency'; give one of them");
+  CHECK(mistakes_of("o = { type = \"oscillator\", mass = \"1 g\", stiffness = 1, frequency = 2 }") ==
+        "test.toml:4:69: oscillator 'o' has both 'stiffness' and 'frequency'; remove one of them");
+  CHECK(
+      mistakes_of(
+          "c = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = 1 }\np = { type = \"probe\", on = "
+          "\"c.4\" }") == "test.toml:5:28: 'c.4' lies outside 'c'; it ends with 'c.3'");
+  CHECK(
+      mistakes_of(
+          "c = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = 1 }\np = { type = \"probe\", on = "
+          "\"c\" }") == "test.toml:5:28: 'c' is many masses, and 'c' is not one of them; write \"c.1\"");
+  CHECK(mistakes_of("m = { type = \"mass\", mass = \"1 g\" }\np = { type = \"probe\", on = \"m.1\" }") ==
+        "test.toml:5:28: 'm' is one mass, and 'm.1' none of it; write \"m\"");
+  CHECK(mistakes_of("c = { type = \"chain\", mass = \"1 g\", stiffness = 1 }") ==
+        "test.toml:4:1: chain 'c' lacks 'masses'; write masses = … (how many)");
+  CHECK(
+      mistakes_of("c = { type = \"chain\", masses = 3, ends = \"loose\", mass = \"1 g\", stiffness = 1 }") ==
+      "test.toml:4:42: 'ends' of chain 'c' cannot be \"loose\"; choose one of \"fixed\", \"free\"");
+  CHECK(mistakes_of("solver = \"exat\"\nm = { type = \"mass\", mass = \"1 g\" }") ==
+        "test.toml:4:10: unknown solver 'exat'; did you mean 'exact'?");
+}
+
+TEST_CASE("network elements: the solver that auto takes, and why, is told", "[physics]") {
+  // Three masses between walls, k / (m fs^2) = 0.4: (w T)^2 = 0.4 * 4 sin^2(3 pi / 8) = 1.366, by 24 or 12.
+  const auto engine = engine_of(graph(
+      "solver = \"auto\"\nc = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = \"921.6 kN/m\" }",
+      "n.energy / 1 J"));
+  std::string about;
+  for (const auto& node : engine->schedule().nodes) about += node->about();
+  CHECK(about ==
+        "solver exact, 36 multiplications a frame, exact; not explicit: wrong by up to 5.7 %; not passive: "
+        "wrong by up to "
+        "5.7 %; not implicit: wrong by up to 11 %");
+}
