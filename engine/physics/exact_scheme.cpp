@@ -52,6 +52,7 @@ struct ExactScheme::Rates {
       b(masses + row, column + 1) -= s * e.b;
     } else {
       const int column = place_of(e.column);
+      if (column < 0) return;  // a link without stiffness and damping joins nothing
       a(masses + row, column) -= s * e.k;
       a(masses + row, masses + column) -= s * e.b;
     }

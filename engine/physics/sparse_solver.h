@@ -26,11 +26,16 @@ class SparseSolver {
   void solve(std::span<double> b, std::span<double> work) const noexcept;
 
  private:
+  template <class Factor>
+  void take(const Factor& factor);
+  void solve_chain(std::span<double> b) const noexcept;
+
   bool valid_ = true;
   std::vector<double> inverse_;     // 1 / D
   std::vector<int> place_;          // row of b that comes i-th
   std::vector<int> starts_, rows_;  // of L's columns, without the diagonal
   std::vector<double> values_;
+  bool in_order_ = false, chain_ = false;  // no permutation; L has but one diagonal beside its own
 };
 
 }  // namespace tactus

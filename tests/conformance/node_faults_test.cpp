@@ -266,7 +266,7 @@ std::vector<Rig> network_rigs() {
        "\"6 ohm\", inductance = \"1 mH\" }\n"}};
   std::vector<Rig> rigs;
   for (const auto& port : kPorts)
-    for (const std::string solver : {"passive", "explicit"}) {
+    for (const std::string solver : {"passive", "explicit", "implicit", "exact"}) {
       const bool table = std::string{port.name} == "motion.position";
       Rig rig{port.name, "", "", "tested.ball.position / 1 mm", port.unit, {-port.scale, port.scale}};
       rig.networks =

@@ -30,6 +30,11 @@ lens   = { type = "contact", between = ["cone", "stick"], stiffness = "5e6 N/m^1
 coil   = { type = "coil", on = "cone", voltage = "1 V * within", force_factor = "6 T m", resistance = "6 ohm" }
 fall   = { type = "force", on = "stick", force = "-1 N" }
 hand   = { type = "hand", on = "stick", stiffness = "10 N/m", force = "-0.1 N * within" }
+rub    = { type = "friction", between = ["shaker", "cone"], normal = "1 N * within", law = "rosin" }
+pick   = { type = "pluck", between = ["shaker", "stick"], stiffness = "300 N/m", limit = "0.1 N" }
+bridge = { type = "port", on = "cone", impedance = "1 N s/m", wave = "0.1 N * within" }
+string = { type = "chain", masses = 20, mass = "1 g", stiffness = "1e5 N/m", damping = "0.1 N s/m" }
+tied   = { type = "spring", between = ["string.20", "cone"], stiffness = "1e4 N/m", cubic = "1e9 N/m^3" }
 [nodes]
 within = "min(max(0.5 + 0.5 * amount * x, 0), 1)"
 )toml";

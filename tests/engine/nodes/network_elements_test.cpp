@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
 
 using namespace tactus;
@@ -153,6 +154,42 @@ TEST_CASE("network elements: a bow takes a string along as far as its press allo
   const double pull = std::min(1.0, 1000 * end);
   CHECK(out[0].back() == Approx(pull).epsilon(1e-3));
   CHECK(out[1].back() == Approx(pull / 1000).epsilon(1e-3));
+}
+
+TEST_CASE("network elements: nothing is allocated while any solver runs", "[physics]") {
+  const std::string solver = GENERATE("exact", "passive", "implicit", "explicit", "auto");
+  const auto engine = engine_of(
+      "format = 1\nname = \"n\"\n[inputs]\nx = {}\n[networks.n]\nsolver = \"" + solver +
+      "\"\nf = { type = \"ground\" }\ns = { type = \"chain\", masses = 20, mass = \"1 g\", stiffness = \"1e5 "
+      "N/m\", damping "
+      "= \"0.1 N s/m\" }\nbow = { type = \"motion\", position = \"1 mm * x\" }\n"
+      "hair = { type = \"friction\", between = [\"bow\", \"s.3\"], normal = \"1 N\", law = \"rosin\" }\n"
+      "pick = { type = \"pluck\", between = [\"bow\", \"s.9\"], stiffness = \"300 N/m\", limit = \"0.1 N\" "
+      "}\n"
+      "fret = { type = \"contact\", between = [\"s.15\", \"f\"], stiffness = \"1e6 N/m^1.5\", offset = "
+      "\"-0.1 mm\" }\n"
+      "nail = { type = \"contact\", between = [\"f\", \"s.16\"], stiffness = \"1e6 N/m^1.5\", offset = "
+      "\"-0.1 mm\" }\n"
+      "end = { type = \"port\", on = \"s.20\", impedance = \"1 N s/m\", wave = \"0.1 N * x\" }\n"
+      "coil = { type = \"coil\", on = \"s.10\", voltage = \"1 V * x\", force_factor = \"6 T m\", resistance "
+      "= \"6 ohm\", "
+      "inductance = \"1 mH\" }\n[outputs]\nout = { from = \"n.end + n.fret + n.nail\", unit = \"N\", kind = "
+      "\"audio\" }");
+  REQUIRE(engine->prepare({48_kHz, 1, 1, 64}));
+  std::vector<double> in(64), out(64);
+  const double* from[] = {in.data()};
+  double* to[] = {out.data()};
+  double heard = 0.0;
+  const auto before = allocation_count();
+  for (int block = 0; block < 400; ++block) {
+    for (std::size_t i = 0; i < 64; ++i)
+      in[i] = std::sin(0.002 * static_cast<double>(64 * block) + 0.002 * static_cast<double>(i));
+    engine->process({from, to, 64});
+    for (const double y : out) heard = std::max(heard, std::abs(y));
+  }
+  CHECK(allocation_count() == before);
+  CHECK(heard > 0.05);
+  CHECK(heard < 100.0);
 }
 
 TEST_CASE("network elements: what is wrong with them is told with its place and remedy", "[physics]") {
