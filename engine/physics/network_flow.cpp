@@ -12,14 +12,6 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double square(double x) { return x * x; }
 
-/// K n^a, and the same with its sign changed below 0: smooth there, as a step that runs past an opening
-/// needs.
-double odd_force(const ContactLaw& law, double n) { return n < 0.0 ? -law.force(-n) : law.force(n); }
-
-void fill_from(std::span<const double> values, double* to, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) to[i] = i < values.size() ? values[i] : 0.0;
-}
-
 }  // namespace
 
 NetworkFlow::NetworkFlow(NetworkElements elements, Seconds frame, double tolerance)
@@ -45,10 +37,13 @@ NetworkFlow::NetworkFlow(NetworkElements elements, Seconds frame, double toleran
 NetworkFlow::State NetworkFlow::initial(std::span<const double> motions) const {
   State state;
   state.numbers.resize(2 * points() + elements_.coils.size());
-  state.next = state.numbers;
+  state.next = state.slope = state.numbers;
   state.loss.resize(laws_.size());
   state.touch.resize(laws_.size());
-  state.inputs.resize(elements_.forces.size() + elements_.coils.size() + 1);
+  state.slide.resize(elements_.frictions.size() + elements_.plucks.size());
+  state.hold.resize(elements_.frictions.size());
+  state.mutual.resize(elements_.frictions.size() * elements_.frictions.size());
+  state.inputs.resize(held());
   if (!exact()) state.extrapolation = Extrapolation(state.numbers.size());
   reset(state, motions);
   return state;
@@ -70,14 +65,21 @@ void NetworkFlow::reset(State& state, std::span<const double> motions) const {
     const bool pulls = 1.0 + state.loss[c] * approach_in(numbers, c) < 0.0;
     state.touch[c] = !pressed ? Touch::Open : pulls ? Touch::LettingGo : Touch::Pressing;
   }
+  std::fill(state.slide.begin(), state.slide.end(), Slide::Holds);
+  std::fill(state.hold.begin(), state.hold.end(), 0.0);
   state.step_s = 0.0;
 }
 
 void NetworkFlow::advance(State& state, const Inputs& inputs) const {
-  const auto forces = elements_.forces.size(), coils = elements_.coils.size();
-  fill_from(inputs.forces, state.inputs.data(), forces);
-  fill_from(inputs.voltages, state.inputs.data() + forces, coils);
-  state.inputs.back() = 1.0;
+  double* held_now = state.inputs.data();
+  const auto fill = [&held_now](std::span<const double> values, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) *held_now++ = i < values.size() ? values[i] : 0.0;
+  };
+  fill(inputs.forces, elements_.forces.size());
+  fill(inputs.voltages, elements_.coils.size());
+  fill(inputs.waves, elements_.ports.size());
+  fill(inputs.normals, elements_.frictions.size());
+  *held_now = 1.0;
   for (std::size_t i = 0; i < driven_.size(); ++i) {
     const auto point = index(driven_[i]);
     if (i < inputs.motion_from.size()) state.numbers[point] = inputs.motion_from[i];
@@ -117,36 +119,60 @@ double NetworkFlow::current_in(const double* numbers, const double* voltages, st
   return (voltages[coil] - c.force_factor * (velocities[c.on] - velocities[c.against])) / c.resistance;
 }
 
-void NetworkFlow::rates(const State& state, const double* numbers, double* slope) const {
+void NetworkFlow::rates(State& state, const double* numbers, double* slope) const {
+  double* force = slope + points();
+  std::copy_n(numbers + points(), points(), slope);
+  std::fill_n(force, points(), 0.0);
+  add_springs(numbers, force);
+  add_contacts(state, numbers, force);
+  add_held(state, numbers, force);
+  add_coils(state, numbers, slope);
+  add_slides(state, numbers, force);
+  hold(state, force);
+  for (std::size_t i = 0; i < points(); ++i) force[i] *= inverse_mass_[i];
+}
+
+void NetworkFlow::add_springs(const double* numbers, double* force) const {
+  const double* velocities = numbers + points();
+  for (const auto& s : elements_.springs) {
+    const double tension = s.stiffness * (numbers[s.upper] - numbers[s.lower] - s.rest) +
+                           s.damping * (velocities[s.upper] - velocities[s.lower]);
+    force[s.lower] += tension;
+    force[s.upper] -= tension;
+  }
+}
+
+void NetworkFlow::add_contacts(const State& state, const double* numbers, double* force) const {
+  for (std::size_t c = 0; c < laws_.size(); ++c) {
+    const double push = push_in(state, numbers, c);
+    force[elements_.contacts[c].lower] -= push;
+    force[elements_.contacts[c].upper] += push;
+  }
+}
+
+/// What is held over a frame: forces, and waves with the impedance of their ports.
+void NetworkFlow::add_held(const State& state, const double* numbers, double* force) const {
+  for (std::size_t i = 0; i < elements_.forces.size(); ++i) force[elements_.forces[i].on] += state.inputs[i];
+  const double* waves = state.inputs.data() + elements_.forces.size() + elements_.coils.size();
+  for (std::size_t i = 0; i < elements_.ports.size(); ++i) {
+    const auto& port = elements_.ports[i];
+    force[port.on] += 2.0 * waves[i] - port.impedance * numbers[points() + index(port.on)];
+  }
+}
+
+void NetworkFlow::add_coils(const State& state, const double* numbers, double* slope) const {
   const double* velocities = numbers + points();
   const double* voltages = state.inputs.data() + elements_.forces.size();
   double* force = slope + points();
-  std::copy_n(velocities, points(), slope);
-  std::fill_n(force, points(), 0.0);
-  const auto pull = [force](int lower, int upper, double tension) {
-    force[lower] += tension;
-    force[upper] -= tension;
-  };
-  for (const auto& s : elements_.springs)
-    pull(s.lower, s.upper,
-         s.stiffness * (numbers[s.upper] - numbers[s.lower] - s.rest) +
-             s.damping * (velocities[s.upper] - velocities[s.lower]));
-  for (std::size_t i = 0; i < elements_.forces.size(); ++i) force[elements_.forces[i].on] += state.inputs[i];
-  for (std::size_t c = 0; c < laws_.size(); ++c) {
-    if (state.touch[c] != Touch::Pressing) continue;
-    const double loss = 1.0 + state.loss[c] * approach_in(numbers, c);
-    pull(elements_.contacts[c].lower, elements_.contacts[c].upper,
-         -odd_force(laws_[c], indentation_in(numbers, c)) * loss);
-  }
   for (std::size_t i = 0; i < elements_.coils.size(); ++i) {
     const auto& coil = elements_.coils[i];
     const double current = current_in(numbers, voltages, i);
-    pull(coil.on, coil.against, coil.force_factor * current);
+    force[coil.on] += coil.force_factor * current;
+    force[coil.against] -= coil.force_factor * current;
     const double back = coil.force_factor * (velocities[coil.on] - velocities[coil.against]);
     slope[2 * points() + i] =
         coil.inductance > 0.0 ? (voltages[i] - coil.resistance * current - back) / coil.inductance : 0.0;
   }
-  for (std::size_t i = 0; i < points(); ++i) force[i] *= inverse_mass_[i];
 }
 
 double NetworkFlow::position(const State& state, int point) const { return state.numbers[index(point)]; }
@@ -171,10 +197,18 @@ double NetworkFlow::indentation(const State& state, int contact) const {
 }
 
 double NetworkFlow::contact_force(const State& state, int contact) const {
-  const auto c = index(contact);
-  if (state.touch[c] != Touch::Pressing) return 0.0;
-  const double loss = 1.0 + state.loss[c] * approach_in(state.numbers.data(), c);
-  return std::max(0.0, laws_[c].force(indentation(state, contact)) * loss);
+  return std::max(0.0, push_in(state, state.numbers.data(), index(contact)));
+}
+
+double NetworkFlow::wave(const State& state, int port) const {
+  const auto first = elements_.forces.size() + elements_.coils.size();
+  const auto& p = elements_.ports[index(port)];
+  return state.inputs[first + index(port)] - p.impedance * velocity(state, p.on);
+}
+
+double NetworkFlow::port_force(const State& state, int port) const {
+  const auto first = elements_.forces.size() + elements_.coils.size();
+  return state.inputs[first + index(port)] + wave(state, port);
 }
 
 double NetworkFlow::current(const State& state, int coil) const {
@@ -193,6 +227,10 @@ double NetworkFlow::energy(const State& state) const {
     sum += 0.5 * elements_.springs[s].stiffness * square(extension(state, static_cast<int>(s)));
   for (std::size_t c = 0; c < laws_.size(); ++c)
     if (const double n = indentation_in(state.numbers.data(), c); n > 0.0) sum += laws_[c].energy(n);
+  for (std::size_t p = 0; p < elements_.plucks.size(); ++p)
+    if (state.slide[elements_.frictions.size() + p] == Slide::Holds)
+      sum += 0.5 * elements_.plucks[p].stiffness *
+             square(between(state.numbers.data(), elements_.plucks[p].lower, elements_.plucks[p].upper));
   for (std::size_t i = 0; i < elements_.coils.size(); ++i)
     sum += 0.5 * elements_.coils[i].inductance * square(current(state, static_cast<int>(i)));
   return sum;

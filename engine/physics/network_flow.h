@@ -19,9 +19,10 @@ namespace tactus {
 ///  - Few points without contacts: by the exponential of the matrix of the system, exact but for rounding
 ///    (`exact()`).
 ///  - Otherwise by extrapolation of variable order and step to a local error of `tolerance`, relative to the
-///    largest position, velocity or current. A contact that opens or closes, and a loss that begins or ends
-///    to outweigh the contact's push, end a step at that very instant: every step integrates a smooth
-///    equation. With a restitution the loss is set by the speed of each touch, at least 0.1 mm/s.
+///    largest position, velocity or current. A contact that opens or closes, a loss that begins or ends to
+///    outweigh the contact's push, a friction that begins or ends to hold, a plectrum that slips off or takes
+///    hold again end a step at that very instant: every step integrates a smooth equation. With a restitution
+///    the loss is set by the speed of each touch, at least 0.1 mm/s.
 ///
 /// It is not for real time: a frame takes as long as it needs. Bandwidths of drives are not looked at: who
 /// calls it filters.
@@ -30,19 +31,25 @@ class NetworkFlow {
   /// Everything that `advance` changes.
   struct State {
     enum class Touch { Open, Pressing, LettingGo };
-    std::vector<double> numbers;  ///< positions and velocities of all points, then currents
-    std::vector<double> loss;     ///< of each contact: r [s/m]
-    std::vector<Touch> touch;     ///< of each contact
-    double step_s = 0.0;          ///< what the last frame advises
+    enum class Slide { Holds, Up, Down };  ///< the sign of the velocity; of a plectrum that is off, of n
+    std::vector<double> numbers;           ///< positions and velocities of all points, then currents
+    std::vector<double> loss;              ///< of each contact: r [s/m]
+    std::vector<Touch> touch;              ///< of each contact
+    std::vector<Slide> slide;              ///< of each friction, then of each plectrum
+    double step_s = 0.0;                   ///< what the last frame advises
     Extrapolation extrapolation;
-    std::vector<double> next;    ///< numbers at the end of the step
-    std::vector<double> inputs;  ///< of the frame: forces, then voltages, then 1
+    std::vector<double> next;          ///< numbers at the end of the step
+    std::vector<double> inputs;        ///< of the frame: forces, voltages, waves, normal forces, and 1
+    std::vector<double> slope;         ///< workspace
+    std::vector<double> hold, mutual;  ///< forces of the frictions that hold, and the matrix for them
   };
 
-  /// What acts during a frame, in the order of the elements: applied forces [N], coils [V], and where driven
-  /// points are at its start and at its end [m]. Shorter lists count as 0, or as rest.
+  /// What acts during a frame, in the order of the elements: applied forces [N], coils [V], ports [N], normal
+  /// forces of frictions [N], and where driven points are at its start and at its end [m]. Shorter lists
+  /// count as 0, or as rest.
   struct Inputs {
-    std::span<const double> forces = {}, voltages = {}, motion_from = {}, motion_to = {};
+    std::span<const double> forces = {}, voltages = {}, waves = {}, normals = {}, motion_from = {},
+                            motion_to = {};
   };
 
   /// [control] frame > 0.
@@ -64,7 +71,12 @@ class NetworkFlow {
   double contact_force(const State& state, int contact) const;
   double current(const State& state, int coil) const;
   double coil_force(const State& state, int coil) const;
-  /// Stored in masses, springs, contacts and inductances.
+  double friction_force(const State& state, int friction) const;
+  double friction_velocity(const State& state, int friction) const;
+  double pluck_force(const State& state, int pluck) const;
+  double wave(const State& state, int port) const;
+  double port_force(const State& state, int port) const;
+  /// Stored in masses, springs, contacts, plectra and inductances.
   double energy(const State& state) const;
 
   /// [any] Advances by the exponential of a matrix.
@@ -72,9 +84,14 @@ class NetworkFlow {
 
  private:
   using Touch = State::Touch;
+  using Slide = State::Slide;
   struct Transition;
 
   std::size_t points() const { return elements_.points.size(); }
+  std::size_t held() const {
+    return elements_.forces.size() + elements_.coils.size() + elements_.ports.size() +
+           elements_.frictions.size() + 1;
+  }
   double indentation_in(const double* numbers, std::size_t contact) const;
   double approach_in(const double* numbers, std::size_t contact) const;
   double start_loss(std::size_t contact, double speed) const;
@@ -83,17 +100,38 @@ class NetworkFlow {
   void make_transition();
   void multiply(State& state) const;
 
-  void rates(const State& state, const double* numbers, double* slope) const;
+  void rates(State& state, const double* numbers, double* slope) const;
+  void add_springs(const double* numbers, double* force) const;
+  void add_contacts(const State& state, const double* numbers, double* force) const;
+  void add_held(const State& state, const double* numbers, double* force) const;
+  void add_coils(const State& state, const double* numbers, double* slope) const;
+
+  // network_flow_slides.cpp: frictions and plectra
+  double between(const double* numbers, int lower, int upper) const;
+  double push_in(const State& state, const double* numbers, std::size_t contact) const;
+  double normal_in(const State& state, const double* numbers, std::size_t friction) const;
+  double sliding_force(const State& state, const double* numbers, std::size_t friction, Slide slide) const;
+  double pluck_in(const State& state, const double* numbers, std::size_t pluck) const;
+  void add_slides(const State& state, const double* numbers, double* force) const;
+  void hold(State& state, double* force) const;
+  void start_slides(State& state) const;
+  double friction_margin(State& state, const double* numbers, std::size_t friction) const;
+  double pluck_margin(const State& state, const double* numbers, std::size_t pluck) const;
+  void halt(State& state, std::size_t friction) const;
+  void switch_friction(State& state, std::size_t friction) const;
+
+  // network_flow_steps.cpp
   void integrate(State& state) const;
   double try_step(State& state, double longest_s) const;
   void step_again(State& state, double seconds) const;
   double error(const double* numbers, const double* difference) const;
-  double margin(const State& state, const double* numbers, std::size_t contact) const;
-  double least_margin(const State& state, const double* numbers) const;
+  double contact_margin(const State& state, const double* numbers, std::size_t contact) const;
+  double least_margin(State& state, const double* numbers) const;
   double until_event(State& state, double seconds) const;
   double until_turn(State& state, double seconds) const;
   bool turns(const State& state, double seconds, std::size_t contact) const;
-  void switch_contacts(State& state) const;
+  void switch_contact(State& state, std::size_t contact) const;
+  void switch_over(State& state) const;
 
   NetworkElements elements_;
   double frame_s_, tolerance_;

@@ -4,9 +4,9 @@
 
 #include "engine/physics/network_flow.h"
 
-// Networks without contacts:  z' = A z  for the numbers of the state, followed by what is held over a frame
-// (forces, voltages, and a 1 for springs' lengths), whose rates are 0. So z at the end of a frame is exp(A T)
-// z.
+// Networks of linear links:  z' = A z  for the numbers of the state, followed by what is held over a frame
+// (forces, voltages, waves, and a 1 for springs' lengths), whose rates are 0. So z at the end of a frame is
+// exp(A T) z.
 namespace tactus {
 namespace {
 
@@ -25,8 +25,9 @@ struct NetworkFlow::Transition {
 /// frequency 1, or the exponential would lose digits to large entries.
 void NetworkFlow::make_transition() {
   const auto numbers = 2 * points() + elements_.coils.size();
-  const auto held = elements_.forces.size() + elements_.coils.size() + 1, all = numbers + held;
-  if (!laws_.empty() || all > kMostNumbers) return;
+  const auto all = numbers + held();
+  const bool linear = laws_.empty() && elements_.frictions.empty() && elements_.plucks.empty();
+  if (!linear || all > kMostNumbers) return;
   double fastest = 1.0;
   for (const auto& s : elements_.springs)
     for (const int end : {s.lower, s.upper})
@@ -36,7 +37,7 @@ void NetworkFlow::make_transition() {
 
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(row_of(all), row_of(all));
   State at_rest;
-  at_rest.inputs.assign(held, 0.0);
+  at_rest.inputs.assign(held(), 0.0);
   std::vector<double> zero(numbers), constant(numbers), column(numbers);
   rates(at_rest, zero.data(), constant.data());
   for (std::size_t j = 0; j + 1 < all; ++j) {
@@ -54,12 +55,12 @@ void NetworkFlow::make_transition() {
 }
 
 void NetworkFlow::multiply(State& state) const {
-  const auto numbers = row_of(state.numbers.size()), held = row_of(state.inputs.size());
+  const auto numbers = row_of(state.numbers.size()), inputs = row_of(state.inputs.size());
   Eigen::Map<Eigen::VectorXd> next(state.next.data(), numbers);
   next.noalias() = transition_->matrix.leftCols(numbers) *
                    Eigen::Map<const Eigen::VectorXd>(state.numbers.data(), numbers);
   next.noalias() +=
-      transition_->matrix.rightCols(held) * Eigen::Map<const Eigen::VectorXd>(state.inputs.data(), held);
+      transition_->matrix.rightCols(inputs) * Eigen::Map<const Eigen::VectorXd>(state.inputs.data(), inputs);
   state.numbers.swap(state.next);
 }
 

@@ -8,8 +8,8 @@
 
 // Steps of a network with contacts. Each contact has a margin that stays above 0 while the equation of the
 // step holds: of an open one how far it is from touching, of a pressing one how deep it is and how far its
-// loss is from outweighing the push. A step in which a margin would fall below 0 is cut just behind that
-// instant, and the contact changes over.
+// loss is from outweighing the push; so has each friction and each plectrum. A step in which a margin would
+// fall below 0 is cut just behind that instant, and the link changes over.
 namespace tactus {
 namespace {
 
@@ -35,6 +35,7 @@ double largest(const double* numbers, std::size_t count) {
 
 void NetworkFlow::integrate(State& state) const {
   double left_s = frame_s_;
+  start_slides(state);
   for (int steps = 0; left_s > kNothing * frame_s_; ++steps) {
     double done_s = steps < kMostSteps ? try_step(state, left_s) : 0.0;
     if (done_s == 0.0)
@@ -42,7 +43,7 @@ void NetworkFlow::integrate(State& state) const {
     done_s = until_event(state, until_turn(state, done_s));
     state.numbers.swap(state.next);
     left_s -= done_s;
-    switch_contacts(state);
+    switch_over(state);
   }
 }
 
@@ -95,16 +96,20 @@ double NetworkFlow::error(const double* numbers, const double* difference) const
   return most;
 }
 
-double NetworkFlow::margin(const State& state, const double* numbers, std::size_t contact) const {
+double NetworkFlow::contact_margin(const State& state, const double* numbers, std::size_t contact) const {
   const double n = indentation_in(numbers, contact);
   if (state.touch[contact] == Touch::Open) return -n;
   const double push = 1.0 + state.loss[contact] * approach_in(numbers, contact);
   return std::min(n, state.touch[contact] == Touch::Pressing ? push : -push);
 }
 
-double NetworkFlow::least_margin(const State& state, const double* numbers) const {
+double NetworkFlow::least_margin(State& state, const double* numbers) const {
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t c = 0; c < laws_.size(); ++c) least = std::min(least, margin(state, numbers, c));
+  for (std::size_t c = 0; c < laws_.size(); ++c) least = std::min(least, contact_margin(state, numbers, c));
+  for (std::size_t f = 0; f < elements_.frictions.size(); ++f)
+    least = std::min(least, friction_margin(state, numbers, f));
+  for (std::size_t p = 0; p < elements_.plucks.size(); ++p)
+    least = std::min(least, pluck_margin(state, numbers, p));
   return least;
 }
 
@@ -153,17 +158,28 @@ double NetworkFlow::until_turn(State& state, double seconds) const {
   return seconds;
 }
 
-void NetworkFlow::switch_contacts(State& state) const {
+void NetworkFlow::switch_contact(State& state, std::size_t contact) const {
   const double* numbers = state.numbers.data();
-  for (std::size_t c = 0; c < laws_.size(); ++c) {
-    if (!(margin(state, numbers, c) < 0.0)) continue;
-    auto& touch = state.touch[c];
-    if (touch == Touch::Open) state.loss[c] = start_loss(c, approach_in(numbers, c));
-    if (indentation_in(numbers, c) < 0.0)
-      touch = Touch::Open;
-    else
-      touch = touch == Touch::Pressing ? Touch::LettingGo : Touch::Pressing;
+  auto& touch = state.touch[contact];
+  if (touch == Touch::Open) state.loss[contact] = start_loss(contact, approach_in(numbers, contact));
+  if (indentation_in(numbers, contact) < 0.0)
+    touch = Touch::Open;
+  else
+    touch = touch == Touch::Pressing ? Touch::LettingGo : Touch::Pressing;
+}
+
+void NetworkFlow::switch_over(State& state) const {
+  const double* numbers = state.numbers.data();
+  for (std::size_t c = 0; c < laws_.size(); ++c)
+    if (contact_margin(state, numbers, c) < 0.0) switch_contact(state, c);
+  for (std::size_t p = 0; p < elements_.plucks.size(); ++p) {
+    if (!(pluck_margin(state, numbers, p) < 0.0)) continue;
+    auto& slide = state.slide[elements_.frictions.size() + p];
+    const double n = between(numbers, elements_.plucks[p].lower, elements_.plucks[p].upper);
+    slide = slide != Slide::Holds ? Slide::Holds : n > 0.0 ? Slide::Up : Slide::Down;
   }
+  for (std::size_t f = 0; f < elements_.frictions.size(); ++f)
+    if (friction_margin(state, numbers, f) < 0.0) switch_friction(state, f);
 }
 
 }  // namespace tactus

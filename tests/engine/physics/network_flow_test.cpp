@@ -187,3 +187,72 @@ TEST_CASE("network flow: a body comes to rest in a contact", "[physics]") {
   CHECK(flow.position(state, 1) == Approx(-0.981e-6).epsilon(1e-9));
   CHECK(flow.velocity(state, 1) == Approx(0.0).epsilon(0).margin(1e-12));
 }
+
+TEST_CASE("network flow: a sliding body stops where friction says and stays", "[physics]") {
+  // m v' = -mu N: it stops after v / (mu N / m) at v^2 / (2 mu N / m).
+  NetworkElements elements;
+  elements.points = {mass(0.1, 0.0, 1.0), ground()};
+  elements.frictions = {{.lower = 0, .upper = 1, .law = {.kinetic = 0.3}, .normal = {0, {}}}};
+  const NetworkFlow flow(elements, kFrame);
+  auto state = flow.initial();
+  const double normal[] = {0.981}, slows = 0.3 * 0.981 / 0.1;
+  for (int n = 0; n < 24000; ++n) flow.advance(state, {.normals = normal});
+  CHECK(flow.position(state, 0) == Approx(1.0 / (2 * slows)).epsilon(1e-9));
+  CHECK(flow.velocity(state, 0) == 0.0);
+  CHECK(state.slide[0] == NetworkFlow::State::Slide::Holds);
+}
+
+TEST_CASE("network flow: dry friction takes 2 mu N / k from a swing at each turn until it holds",
+          "[physics]") {
+  // From 10.5 mu N / k: -8.5, 6.5, -4.5, 2.5, -0.5, where the spring pulls less than mu N.
+  NetworkElements elements;
+  elements.points = {mass(0.01, 10.5e-3), ground()};
+  elements.springs = {{1, 0, 100.0, 0.0, 0.0}};
+  elements.frictions = {{.lower = 0, .upper = 1, .law = {.kinetic = 0.1}, .normal = {0, {}}}};
+  const NetworkFlow flow(elements, kFrame);
+  auto state = flow.initial();
+  const double normal[] = {1.0};
+  // Five half swings of pi / 100 s, to the last frame before the stop and to the second one after it.
+  for (int n = 0; n < 7539; ++n) flow.advance(state, {.normals = normal});
+  CHECK(flow.velocity(state, 0) != 0.0);
+  for (int n = 0; n < 2; ++n) flow.advance(state, {.normals = normal});
+  CHECK(flow.velocity(state, 0) == 0.0);
+  CHECK(flow.position(state, 0) == Approx(-0.5e-3).epsilon(1e-8));
+  CHECK(flow.friction_force(state, 0) == Approx(0.05).epsilon(1e-8));
+}
+
+TEST_CASE("network flow: a plectrum slips at its limit and takes hold again on the way back", "[physics]") {
+  // Driven at 0.1 m/s it slips at n = 0.2 N / 100 N/m = 2 mm, after 20 ms.
+  NetworkElements elements;
+  elements.points = {{Point::Kind::Motion, 0.0, 0.0, 0.0, {0, {}}}, ground()};
+  elements.plucks = {{.lower = 0, .upper = 1, .stiffness = 100.0, .limit = 0.2}};
+  const NetworkFlow flow(elements, Seconds{1e-3});
+  auto state = flow.initial(std::vector<double>{0.0});
+  std::vector<double> forces;
+  double at = 0.0;
+  for (int n = 0; n < 60; ++n) {
+    const double from[] = {at}, to[] = {at + (n < 30 ? 1e-4 : -2e-4)};
+    flow.advance(state, {.motion_from = from, .motion_to = to});
+    at = to[0];
+    forces.push_back(flow.pluck_force(state, 0));
+  }
+  CHECK(forces[18] == Approx(0.19).epsilon(1e-9));
+  CHECK(forces[21] == 0.0);
+  CHECK(forces[43] == 0.0);
+  CHECK(forces[46] == Approx(100.0 * (3e-3 - 17 * 2e-4)).epsilon(1e-9));
+}
+
+TEST_CASE("network flow: a wave port is a force of twice the wave against its impedance", "[physics]") {
+  // m v' = 2 a - Z v:  v = 2 a / Z (1 - e^(-Z t / m)).
+  NetworkElements elements;
+  elements.points = {mass(0.01)};
+  elements.ports = {{.on = 0, .impedance = 2.0, .wave = {0, {}}}};
+  const NetworkFlow flow(elements, kFrame);
+  auto state = flow.initial();
+  const double wave[] = {0.5};
+  for (int n = 0; n < 240; ++n) flow.advance(state, {.waves = wave});
+  const double v = 0.5 * (1.0 - std::exp(-1.0));
+  CHECK(flow.velocity(state, 0) == Approx(v).epsilon(1e-9));
+  CHECK(flow.port_force(state, 0) == Approx(1.0 - 2.0 * v).epsilon(1e-9));
+  CHECK(flow.wave(state, 0) == Approx(0.5 - 2.0 * v).epsilon(1e-9));
+}
