@@ -11,6 +11,7 @@ enum Exit { kDone = 0, kNo = 1, kUsage = 2, kBadFile = 3, kDevice = 4, kInterrup
 void add_play(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
+void add_study(CLI::App& app, int& exit_code);
 void add_nodes(CLI::App& app, int& exit_code);
 void add_devices(CLI::App& app, int& exit_code);
 void add_doctor(CLI::App& app, int& exit_code);

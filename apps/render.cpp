@@ -7,6 +7,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/play_report.h"
+#include "apps/render_error.h"
 #include "apps/render_take.h"
 #include "apps/resample.h"
 #include "backends/offline/offline.h"
@@ -28,6 +29,7 @@ struct RenderOptions {
   std::string format = "float";
   std::vector<std::string> set;
   GuardOptions guard;
+  bool error = false;
   bool json = false;
 };
 
@@ -241,6 +243,8 @@ int run(const RenderOptions& options) {
   const auto scene_file = resolve_target(options.target, "scene.toml");
   const auto table = load_toml(scene_file);
   const bool scene = options.in.empty() && table && find(*table, "parts") != nullptr;
+  if (options.error)
+    return render_error({scene_file, options.rate, options.delay, options.duration, options.json});
   if (scene) return render_scene(options, scene_file);
   if (!folder && table && find(*table, "parts") != nullptr)
     return report(Error{Errc::BadArgument, options.target, "is a scene, which makes its own sensor signals",
@@ -278,12 +282,17 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--set", options->set,
                       "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"");
   add_guard_options(*command, options->guard);
+  command
+      ->add_flag("--error", options->error,
+                 "of a scene with [accuracy]: tells how wrong it is, and what a frame costs")
+      ->excludes("--in", "--out", "--events", "--replay", "--set");
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus render instruments/haptic_drum --in hits.wav --out drive.wav --events "
       "events.json\n"
       "  tactus render --replay take.wav --out drives.wav\n"
-      "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav");
+      "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav\n"
+      "  tactus render instruments/numerics/woofer --error");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -1,6 +1,7 @@
 #include "engine/analysis/schema.h"
 
 #include "engine/analysis/schema_pieces.h"
+#include "engine/scene/accuracy.h"
 #include "engine/scene/measure.h"
 
 namespace tactus {
@@ -123,6 +124,20 @@ Json expectation() {
   return json;
 }
 
+Json accuracy() {
+  std::vector<std::string> measures;
+  for (const auto& type : accuracy_types()) measures.push_back(type.name);
+  return object("what must come out right whatever the solver",
+                {{"measure", choice("what is compared", measures)},
+                 {"of", text("a signal, as in \"plant.stick\"")},
+                 {"from", quantity("time; the beginning if left out", 0, 86400)},
+                 {"to", quantity("time; the end if left out", 0, 86400)},
+                 {"exact", quantity("what theory says; compared with a reference if left out")},
+                 {"scale", quantity("an error of 1; of the reference if left out")},
+                 {"about", text("for people")}},
+                {"measure", "of"});
+}
+
 Json comparison() {
   auto value = quantity("a control, or another part's controls: plant.gain = 2");
   value["type"] = {"number", "string", "object"};
@@ -152,11 +167,12 @@ Json scene() {
   keys["duration"] = quantity("how long it lasts", 1e-3, 86400);
   keys["seed"] = whole_number("of everything random", 0, 9007199254740991.0);
   keys["parts"] = entries("graphs and how they are wired", reference("part"));
-  keys["parts"]["required"] = {"instrument", "plant"};
+  keys["parts"]["required"] = {"plant"};
   keys["gestures"] = entries("how the player moves", gesture());
   keys["converters"] = converters();
   keys["drives"] = entries("what the instrument's outputs move", drive());
   keys["expect"] = entries("what must hold", expectation());
+  keys["accuracy"] = entries("what a study of solvers compares", accuracy());
   keys["compare"] = comparison();
   return object("a scene", std::move(keys), {"format", "duration", "parts"});
 }

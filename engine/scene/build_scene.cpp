@@ -41,10 +41,14 @@ class SceneBuilder {
     make_world();
     if (instrument_known()) wire_instrument();
     check_measures(scene_, table_, mistakes_);
+    check_accuracy(scene_, table_, mistakes_);
     check_comparison(scene_, mistakes_);
     check_drives(scene_, mistakes_);
     compile_world();
-    if (instrument_known()) compile_instrument();
+    if (instrument_known())
+      compile_instrument();
+    else if (nobody_plays())
+      compile_silence();
     if (built_.plant != nullptr && built_.instrument != nullptr) check_channels();
     if (mistakes_.any()) return tl::unexpected(mistakes_.take());
     check_size();
@@ -53,6 +57,8 @@ class SceneBuilder {
   }
 
  private:
+  /// A scene of a plant alone.
+  bool nobody_plays() const { return instrument_ == nullptr && !scene_.incomplete; }
   bool instrument_known() const { return instrument_ != nullptr && instrument_->graph != nullptr; }
 
   /// "strength" is the instrument's; "plant.gain" overwrites a wire of a part.
@@ -100,6 +106,7 @@ class SceneBuilder {
 
   /// What the instrument gives out comes into the world from outside.
   void declare_drives() {
+    if (nobody_plays()) return;
     NodeSpec unknown;
     unknown.name = "instrument";
     unknown.broken = true;
@@ -192,13 +199,21 @@ class SceneBuilder {
   void check_channels() {
     const auto check = [this](int from, int to, const char* what) {
       if (from != to)
-        mistakes_.add(Errc::OutOfRange, instrument_->at,
+        mistakes_.add(Errc::OutOfRange, instrument_ != nullptr ? instrument_->at : scene_.file,
                       std::string{what} + " have " + std::to_string(from) + " lanes, but " +
                           std::to_string(to) + " are wired",
                       "in a scene, give each lane an input or output of its own, or 'mix' them");
     };
     check(outputs_of(*built_.plant), inputs_of(*built_.instrument), "the wires to the instrument");
     check(outputs_of(*built_.instrument), inputs_of(*built_.plant), "the instrument's outputs");
+  }
+
+  void compile_silence() {
+    GraphSpec nothing;
+    nothing.file = scene_.file;
+    CompileOptions options;
+    options.sample_rate = rate_;
+    built_.instrument = compile_or_check(nothing, options);
   }
 
   void compile_instrument() {

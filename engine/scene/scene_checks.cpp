@@ -5,6 +5,7 @@
 
 #include "engine/graph/entry_fields.h"
 #include "engine/graph/nearest.h"
+#include "engine/scene/accuracy.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/measure.h"
 #include "engine/scene/moved_controls.h"
@@ -110,6 +111,28 @@ void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
     else
       check_subject(expectation, of, scene, recorded, mistakes);
     if (type->of_strikes) check_subject(expectation, kStrikeContact, scene, recorded, mistakes);
+  }
+}
+
+void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+  const auto recorded = recorded_names(scene, table);
+  for (const auto& accuracy : scene.accuracy) {
+    const auto* type = find_accuracy(accuracy.measure);
+    if (type == nullptr || accuracy.of.empty()) continue;  // told when the scene was read
+    Expectation subject;
+    subject.of = accuracy.of;
+    subject.of_at = accuracy.of_at;
+    check_subject(subject, accuracy.of, scene, recorded, mistakes);
+    const auto check_unit = [&](const std::optional<QuantityValue>& number, const std::string& unit) {
+      if (!number || number->bare || unit == AccuracyType::kUnitOfSubject) return;
+      if (!(number->unit.dimension == parse_unit(unit)->dimension))
+        mistakes.add(
+            Errc::UnitMismatch, accuracy.at,
+            "'" + accuracy.measure + "' is in " + unit + ", not " + in_unit(number->si, number->unit),
+            "give it in " + unit);
+    };
+    check_unit(accuracy.exact, type->unit);
+    check_unit(accuracy.scale, type->scale);
   }
 }
 

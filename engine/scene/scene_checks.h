@@ -16,6 +16,9 @@ const EntrySpec* find_entry(const std::vector<EntrySpec>& entries, std::string_v
 /// played.
 void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes);
 
+/// [accuracy]: will what it compares be recorded, and are its numbers in the right unit?
+void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes);
+
 /// [compare]: is there what it sets?
 void check_comparison(const SceneSpec& scene, Mistakes& mistakes);
 

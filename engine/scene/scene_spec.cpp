@@ -9,6 +9,7 @@
 #include "engine/graph/name_space.h"
 #include "engine/graph/part_path.h"
 #include "engine/graph/read_graph.h"
+#include "engine/scene/accuracy.h"
 #include "engine/scene/scene_drives.h"
 #include "engine/scene/scene_sections.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 const std::vector<std::string> kSceneKeys = {"format", "name",     "about", "source",   "rate",
                                              "delay",  "duration", "parts", "gestures", "converters",
-                                             "expect", "compare",  "seed",  "drives"};
+                                             "expect", "compare",  "seed",  "drives",   "accuracy"};
 const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "networks", "outputs"};
 
 // Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.
@@ -78,6 +79,7 @@ class SceneReader {
     scene_.converters = read_converters(table, mistakes_);
     read_drives(table, folder_, root_, scene_, mistakes_);
     scene_.expect = read_expectations(table, scene_.duration, mistakes_);
+    scene_.accuracy = read_accuracy(table, scene_.duration, mistakes_);
     scene_.compare = read_comparison(table, mistakes_);
     NameSpace names;
     for (const auto& part : scene_.parts) names.add(part.name, "a part", part.at, mistakes_);
@@ -101,10 +103,9 @@ class SceneReader {
       read_part(entry);
     const auto* section = find(table, "parts");
     const Source at = section ? section->at : Source{scene_.file.file, 1, 1};
-    for (const auto* name : {"instrument", "plant"})
-      if (scene_.part(name) == nullptr)
-        mistakes_.add(Errc::Missing, at, std::string{"the part '"} + name + "' is missing",
-                      std::string{"under [parts], write "} + name + " = { use = \"" + name + ".toml\", … }");
+    if (scene_.part("plant") == nullptr)
+      mistakes_.add(Errc::Missing, at, "the part 'plant' is missing",
+                    "under [parts], write plant = { use = \"plant.toml\", … }");
   }
 
   void read_part(const EntrySpec& entry) {

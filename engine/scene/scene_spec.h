@@ -64,6 +64,19 @@ struct Expectation {
   std::optional<QuantityValue> min, max;  ///< at least one of them
 };
 
+/// What of a scene must come out right, whatever it is played with: which error a study of solvers tells.
+struct Accuracy {
+  std::string name;
+  Source at;
+  std::string measure;
+  Source measure_at;
+  std::string of;  ///< "part.port"
+  Source of_at;
+  std::optional<double> from_s, to_s;
+  std::optional<QuantityValue> exact;  ///< what theory says
+  std::optional<QuantityValue> scale;  ///< an error of 1; left out: of the reference
+};
+
 /// The same scene once more with some controls elsewhere, to show beside it what they do.
 struct Comparison {
   std::string name;  ///< "without the pulse"
@@ -80,12 +93,13 @@ struct SceneSpec {
   Hertz rate = 48_kHz;
   Seconds delay;  ///< system delay
   Seconds duration;
-  std::vector<ScenePart> parts;  ///< in file order; `instrument` and `plant` are among them
+  std::vector<ScenePart> parts;  ///< in file order; `plant` is among them, and mostly `instrument`
   std::vector<Gesture> gestures;
   Converters converters;
   DriveBook drives;                            ///< what the guard of each drive is to keep
   std::map<std::string, Source> drive_places;  ///< where [drives] names them
   std::vector<Expectation> expect;
+  std::vector<Accuracy> accuracy;
   std::optional<Comparison> compare;
   std::optional<std::uint64_t> seed;  ///< of everything random
   bool incomplete = false;            ///< a section could not be read

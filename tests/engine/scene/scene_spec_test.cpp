@@ -159,12 +159,10 @@ scene.toml:21:25: unknown key 'mx'; did you mean 'max'?
 plant.toml:2:1: unknown key 'nods'; did you mean 'nodes'?)");
 }
 
-TEST_CASE("scene: an instrument and a plant are required, and so is a duration", "[scene]") {
+TEST_CASE("scene: a plant is required, and so is a duration", "[scene]") {
   const Folder folder;
   CHECK(folder.mistakes("format = 1\n") ==
         "scene.toml:1:1: 'duration' is missing; say how long the scene lasts, as in duration = \"6 s\"\n"
-        "scene.toml:1:1: the part 'instrument' is missing; under [parts], write instrument = { use = "
-        "\"instrument.toml\", … }\n"
         "scene.toml:1:1: the part 'plant' is missing; under [parts], write plant = { use = \"plant.toml\", … "
         "}");
 }

@@ -1,0 +1,91 @@
+#include "engine/analysis/solver_variants.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+
+#include "engine/nodes/network_layout.h"
+
+namespace tactus {
+namespace {
+
+constexpr std::array kStepping = {"explicit", "exact", "implicit", "passive"};
+constexpr auto kReference = "reference";
+// Elements whose force is proportional to places, speeds and currents, or given.
+constexpr std::array kLinear = {"mass", "ground", "motion", "spring", "damper",     "force", "hand",
+                                "coil", "chain",  "ring",   "grid",   "oscillator", "probe", "wave_port"};
+
+void set(Value::Table& options, const std::string& key, Value value) {
+  std::erase_if(options, [&](const Field& field) { return field.key == key; });
+  options.push_back({key, value.at, value});
+}
+
+std::shared_ptr<const GraphSpec> with_solver(const GraphSpec& graph, const SolverVariant& variant) {
+  auto changed = std::make_shared<GraphSpec>(graph);
+  for (auto& network : changed->networks) {
+    set(network.options, "solver", {variant.solver, network.at});
+    set(network.options, "oversample", {static_cast<double>(variant.oversample), network.at});
+  }
+  for (auto& [name, part] : changed->parts) part = with_solver(*part, variant);
+  return changed;
+}
+
+bool takes(const char* solver) {
+  NetworkSpec network;
+  network.name = "any";
+  network.options.push_back({"solver", {}, {std::string{solver}, {}}});
+  auto& mass = network.elements.emplace_back();
+  mass.name = mass.type = "mass";
+  mass.fields.push_back({"mass", {}, {1.0, {}}});
+  return read_network_layout(network).has_value();
+}
+
+bool any_network(const GraphSpec& graph, const std::function<bool(const NetworkSpec&)>& holds) {
+  return std::any_of(graph.networks.begin(), graph.networks.end(), holds) ||
+         std::any_of(graph.parts.begin(), graph.parts.end(),
+                     [&](const auto& part) { return any_network(*part.second, holds); });
+}
+
+bool any_network(const SceneSpec& scene, const std::function<bool(const NetworkSpec&)>& holds) {
+  return std::any_of(scene.parts.begin(), scene.parts.end(), [&](const ScenePart& part) {
+    return part.name != "instrument" && part.graph != nullptr && any_network(*part.graph, holds);
+  });
+}
+
+}  // namespace
+
+std::string to_string(const SolverVariant& variant) {
+  if (variant.oversample == 0) return fmt::format("{} at {:g} kHz", variant.solver, variant.rate.value / 1e3);
+  return fmt::format("{} x {} at {:g} kHz", variant.solver, variant.oversample, variant.rate.value / 1e3);
+}
+
+SceneSpec with_solver(SceneSpec scene, const SolverVariant& variant) {
+  for (auto& part : scene.parts)
+    if (part.name != "instrument" && part.graph != nullptr) part.graph = with_solver(*part.graph, variant);
+  return scene;
+}
+
+std::vector<std::string> stepping_solvers() {
+  std::vector<std::string> words;
+  for (const auto* word : kStepping)
+    if (takes(word)) words.emplace_back(word);
+  return words;
+}
+
+bool has_reference_solver() { return takes(kReference); }
+
+bool is_linear(const SceneSpec& scene) {
+  return !any_network(scene, [](const NetworkSpec& network) {
+    return std::any_of(network.elements.begin(), network.elements.end(), [](const NodeSpec& element) {
+      return std::find(kLinear.begin(), kLinear.end(), element.type) == kLinear.end();
+    });
+  });
+}
+
+bool has_network(const SceneSpec& scene) {
+  return any_network(scene, [](const NetworkSpec&) { return true; });
+}
+
+}  // namespace tactus
