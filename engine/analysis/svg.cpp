@@ -1,7 +1,6 @@
 #include "engine/analysis/svg.h"
 
 #include <algorithm>
-#include <fstream>
 #include <utility>
 
 #include "engine/analysis/svg_canvas.h"
@@ -40,7 +39,6 @@ class Drawing {
   void draw_band(const PanelPlan& panel);
   void draw_data(std::size_t index);
   void draw_series(const PanelPlan& panel, const PlotSeries& series, PlotColor color);
-  void draw_path(const std::vector<Point>& line, const char* stroke, bool dashed);
   void draw_end_labels(std::size_t index);
   void draw_x_axis();
 
@@ -135,27 +133,16 @@ void Drawing::draw_data(std::size_t index) {
   canvas_.out("</g>\n");
 }
 
-void Drawing::draw_path(const std::vector<Point>& line, const char* stroke, bool dashed) {
-  canvas_.out("<path fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{} d=\"",
-              stroke, dashed ? " stroke-dasharray=\"5 3\"" : "");
-  for (std::size_t i = 0; i < line.size(); ++i)
-    canvas_.out("{}{:.1f} {:.1f}", i == 0 ? "M" : "L", line[i].x, line[i].y);
-  canvas_.out("\"/>\n");
-}
-
 void Drawing::draw_series(const PanelPlan& panel, const PlotSeries& series, PlotColor color) {
   const auto* stroke = shade(color).line;
   const double foot = std::clamp(panel.y.log ? panel.bottom : panel.y.pixel(0.0), panel.top, panel.bottom);
   for (const auto& line : polylines(series, panel.x, panel.y)) {
     if (series.mark == PlotMark::Line || series.mark == PlotMark::LineAndPoints)
-      draw_path(line, stroke, series.dashed);
+      canvas_.path(line, stroke, series.dashed);
     if (series.mark == PlotMark::Line) continue;
     for (const auto& point : line) {
       if (series.mark == PlotMark::Stems) canvas_.line(point.x, foot, point.x, point.y, stroke, 1.4);
-      canvas_.out(
-          "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.2\" fill=\"{}\" stroke=\"#ffffff\" "
-          "stroke-width=\"0.8\"/>\n",
-          point.x, point.y, stroke);
+      canvas_.dot(point, stroke);
     }
   }
 }
@@ -228,13 +215,7 @@ std::string to_svg_page(const std::vector<Figure>& page) {
     height += drawing.height();
     width = std::max(width, page[i].width);
   }
-  return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1:.0f}\" viewBox=\"0 0 {0} "
-             "{1:.0f}\" "
-             "role=\"img\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n<title>{2}</title>\n"
-             "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-             width, height, page.empty() ? "" : escape(page.front().title)) +
-         body.take() + "</svg>\n";
+  return document(body.take(), page.empty() ? "" : page.front().title, width, height);
 }
 
 std::string to_svg(const Figure& figure) { return to_svg_page({figure}); }
@@ -244,12 +225,7 @@ Status write_svg(const std::filesystem::path& path, const Figure& figure) {
 }
 
 Status write_svg_page(const std::filesystem::path& path, const std::vector<Figure>& page) {
-  std::ofstream file{path, std::ios::binary};
-  file << to_svg_page(page);
-  file.close();
-  if (file) return {};
-  return fail(Errc::BadFile, path.string(), "the plot cannot be written",
-              "check that the folder exists and may be written to");
+  return write_document(path, to_svg_page(page));
 }
 
 }  // namespace tactus

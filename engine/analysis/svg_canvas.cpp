@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <fstream>
 
 namespace tactus::svg {
 namespace {
@@ -47,6 +48,38 @@ void Canvas::text(double x, double y, const std::string& text, const char* ancho
                   double size, bool bold) {
   out("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" fill=\"{}\" font-size=\"{}\"{}>{}</text>\n", x, y,
       anchor, fill, size, bold ? " font-weight=\"bold\"" : "", escape(text));
+}
+
+void Canvas::path(const std::vector<Point>& line, const char* stroke, bool dashed) {
+  out("<path fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{} d=\"", stroke,
+      dashed ? " stroke-dasharray=\"5 3\"" : "");
+  for (std::size_t i = 0; i < line.size(); ++i)
+    out("{}{:.1f} {:.1f}", i == 0 ? "M" : "L", line[i].x, line[i].y);
+  out("\"/>\n");
+}
+
+void Canvas::dot(const Point& at, const char* fill) {
+  out("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.2\" fill=\"{}\" stroke=\"#ffffff\" "
+      "stroke-width=\"0.8\"/>\n",
+      at.x, at.y, fill);
+}
+
+std::string document(const std::string& drawn, const std::string& title, int width, double height) {
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1:.0f}\" viewBox=\"0 0 {0} "
+      "{1:.0f}\" "
+      "role=\"img\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n<title>{2}</title>\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{3}</svg>\n",
+      width, height, escape(title), drawn);
+}
+
+Status write_document(const std::filesystem::path& path, const std::string& document) {
+  std::ofstream file{path, std::ios::binary};
+  file << document;
+  file.close();
+  if (file) return {};
+  return fail(Errc::BadFile, path.string(), "the plot cannot be written",
+              "check that the folder exists and may be written to");
 }
 
 }  // namespace tactus::svg

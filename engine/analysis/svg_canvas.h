@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iterator>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/analysis/svg.h"
+#include "engine/analysis/svg_layout.h"
 
 namespace tactus::svg {
 
@@ -27,6 +30,8 @@ class Canvas {
             const char* more = "");
   void text(double x, double y, const std::string& text, const char* anchor, const char* fill,
             double size = kFont, bool bold = false);
+  void path(const std::vector<Point>& line, const char* stroke, bool dashed);
+  void dot(const Point& at, const char* fill);
   template <class... Args>
   void out(fmt::format_string<Args...> format, Args&&... args) {
     fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
@@ -39,5 +44,11 @@ class Canvas {
 
 /// Safe between tags and in attributes.
 std::string escape(const std::string& text);
+
+/// What was drawn, as a document on white ground that readers without eyes know by `title`.
+std::string document(const std::string& drawn, const std::string& title, int width, double height);
+
+/// Errors: BadFile.
+[[nodiscard]] Status write_document(const std::filesystem::path& path, const std::string& document);
 
 }  // namespace tactus::svg
