@@ -71,6 +71,7 @@ Json report_of(const PlayedScene& played, const PlayedScene* compared) {
     json["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
   json["bad_input_samples"] = recording.bad_inputs;
   json["guard"] = guard_json(recording.guard, recording.sample_rate);
+  json["ports"] = ports_json(recording.ports);
   return json;
 }
 
@@ -105,6 +106,7 @@ void print(const Json& json, const PlayedScene& played) {
       json["run_s"].get<double>(), json["real_time_factor"].get<double>());
   if (json.contains("strikes")) print_roll(json);
   print_guard(played.recording.guard, played.recording.sample_rate);
+  print_ports(played.recording.ports);
   fmt::print("  faults              {}\n",
              json["faults"].empty() && json["bad_input_samples"] == 0 ? "none" : "");
   for (const auto& fault : json["faults"])

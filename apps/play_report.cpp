@@ -1,7 +1,10 @@
 #include "apps/play_report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "apps/console.h"
 #include "engine/core/decibels.h"
@@ -104,6 +107,26 @@ Json events_json(const std::vector<std::string>& names, const std::vector<std::v
     json["events"].push_back(entry);
   }
   return json;
+}
+
+Json ports_json(const std::vector<PortEnergy>& ports) {
+  auto json = Json::array();
+  for (const auto& port : ports) {
+    json.push_back({{"port", port.name},
+                    {"allowed_j", port.allowed},
+                    {"given_j", port.given},
+                    {"net_j", port.net},
+                    {"active", port.active_at_s.has_value()}});
+    if (!port.active_at_s) continue;
+    json.back()["active_at_s"] = *port.active_at_s;
+    json.back()["growth_w"] = port.growth_w;
+  }
+  return json;
+}
+
+void print_ports(const std::vector<PortEnergy>& ports) {
+  const char* title = "energy";
+  for (const auto& port : ports) fmt::print("  {:<20}{}\n", std::exchange(title, ""), in_words(port));
 }
 
 Status write_json(const std::string& path, const Json& json) {

@@ -38,6 +38,10 @@ nlohmann::ordered_json events_json(const std::vector<std::string>& names,
                                    const std::vector<std::vector<double>>& taps, Hertz sample_rate);
 nlohmann::ordered_json events_of(const PlayedScene& played);
 
+/// What went through the ports of a scene, for machines and for people.
+nlohmann::ordered_json ports_json(const std::vector<PortEnergy>& ports);
+void print_ports(const std::vector<PortEnergy>& ports);
+
 /// Errors: BadFile.
 Status write_json(const std::string& path, const nlohmann::ordered_json& json);
 

@@ -210,13 +210,15 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
     fmt::print("{}\n", Json{{"scene", played->scene.name},
                             {"events", events["events"].size()},
                             {"run_seconds", played->recording.run_seconds},
-                            {"guard", guard_json(played->recording.guard, played->recording.sample_rate)}}
+                            {"guard", guard_json(played->recording.guard, played->recording.sample_rate)},
+                            {"ports", ports_json(played->recording.ports)}}
                            .dump(2));
   else {
     fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", played->scene.name,
                played->recording.seconds(), events["events"].size(),
                played->recording.seconds() / played->recording.run_seconds);
     print_guard(played->recording.guard, played->recording.sample_rate);
+    print_ports(played->recording.ports);
   }
   return kDone;
 }

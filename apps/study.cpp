@@ -6,12 +6,17 @@
 namespace tactus::app {
 
 void add_study(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("study", "Studies of a scene: numbers, tables and pictures");
+  auto* command = app.add_subcommand("study", "Sweep what a claim depends on, and say where it holds");
   command->require_subcommand(0, 1);
   add_study_work_precision(*command, exit_code);
+  add_study_stability(*command, exit_code);
   command->footer(
-      "Examples:\n  tactus study work-precision instruments/numerics/woofer\n"
-      "docs/numerics.md says what came of the scenes that ship.");
+      "Examples:
+  tactus study work-precision instruments/numerics/woofer
+"
+      "  tactus study stability instruments/wall --report walls.svg
+"
+      "Each study has its own --help; docs/numerics.md and docs/stability.md say what came of the scenes that ship.");
   command->callback([command] {
     if (command->get_subcommands().empty()) fmt::print("{}", command->help("tactus"));
   });

@@ -139,6 +139,7 @@ class Drawing {
   void draw_series(std::size_t index);
   void draw_pins();
   void draw_pin_label(const PlotPin& pin, std::vector<Box>& taken);
+  std::vector<Box> curves() const;
   void draw_key(const Key& key, double y);
   void draw_legend();
 
@@ -215,8 +216,25 @@ void Drawing::draw_series(std::size_t index) {
   }
 }
 
+/// Where the curves run, as small boxes along them.
+std::vector<Box> Drawing::curves() const {
+  constexpr double kStep = 4;
+  std::vector<Box> boxes;
+  for (const auto& series : plot_.series)
+    for (const auto& line : polylines(series, x_, y_))
+      for (std::size_t i = 1; i < line.size(); ++i) {
+        const double dx = line[i].x - line[i - 1].x, dy = line[i].y - line[i - 1].y;
+        const int steps = 1 + static_cast<int>(std::min(1e4, std::hypot(dx, dy) / kStep));
+        for (int n = 0; n <= steps; ++n) {
+          const double x = line[i - 1].x + dx * n / steps, y = line[i - 1].y + dy * n / steps;
+          boxes.push_back({x - 1, y - 1, x + 1, y + 1});
+        }
+      }
+  return boxes;
+}
+
 void Drawing::draw_pins() {
-  std::vector<Box> taken;
+  auto taken = curves();
   const auto shown = [&](const PlotPin& pin) {
     return x_.shows(pin.x) && y_.shows(pin.y) && pin.x >= x_.low && pin.x <= x_.high && pin.y >= y_.low &&
            pin.y <= y_.high;
@@ -234,7 +252,7 @@ void Drawing::draw_pins() {
     if (shown(pin) && !pin.label.empty()) draw_pin_label(pin, taken);
 }
 
-/// Right of the pin if there is room, else left, above, below, or on a corner.
+/// Right of the pin if there is room, else left, above, below, or on a corner; on a curve if nowhere else.
 void Drawing::draw_pin_label(const PlotPin& pin, std::vector<Box>& taken) {
   struct Side {
     double right, down;
@@ -252,10 +270,14 @@ void Drawing::draw_pin_label(const PlotPin& pin, std::vector<Box>& taken) {
     const bool inside = box.left >= left_ && box.right <= right_ && box.top >= top_ && box.bottom <= bottom_;
     return inside && std::none_of(taken.begin(), taken.end(), [&](const Box& b) { return b.meets(box); });
   };
-  const auto side = std::find_if(kSides.begin(), kSides.end(), free);
-  const auto box = box_at(side == kSides.end() ? kSides.front() : *side);
+  const auto found = std::find_if(kSides.begin(), kSides.end(), free);
+  const auto side = found == kSides.end() ? kSides.front() : *found;
+  const auto box = box_at(side);
   taken.push_back(box);
-  canvas_.text(box.left, box.bottom - 2, pin.label, "start", shade(pin.color).text, kFont, true);
+  // The width is an estimate: the end that is near the pin is the one that holds.
+  const char* anchor = side.right > 0 ? "start" : side.right < 0 ? "end" : "middle";
+  canvas_.text(x + side.right * kPinGap, box.bottom - 2, pin.label, anchor, shade(pin.color).text, kFont,
+               true);
 }
 
 void Drawing::draw_key(const Key& key, double y) {

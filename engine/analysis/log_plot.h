@@ -26,7 +26,7 @@ struct PlotPin {
 /// A map of one quantity against another, both over decades unless an axis says `log = false`: named curves
 /// (lines, points or both) with a legend on the right, filled regions below them, named points above them.
 /// Values that an axis cannot show (not finite; on a log axis not positive) leave a gap. The labels of `pins`
-/// are put where they cover neither another pin nor another label, as far as there is such a place.
+/// are put where they cover no curve, no other pin and no other label, as far as there is such a place.
 struct LogPlot {
   std::string title = {};
   std::string subtitle = {};

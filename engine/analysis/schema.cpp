@@ -160,6 +160,15 @@ Json drive() {
   return json;
 }
 
+Json port() {
+  return object("where a motor moves the plant: the energy that it gives is added up",
+                {{"force", text("output of a part, in N: \"plant.motor\"")},
+                 {"position", text("output of a part, in m: \"plant.arm\"")},
+                 {"active_up_to", quantity("energy that the instrument may give", 0, 1e6)},
+                 {"about", text("for people")}},
+                {"force", "position", "active_up_to"});
+}
+
 Json scene() {
   auto keys = heading();
   keys["rate"] = quantity("sample rate; 48 kHz if left out", 1e3, 768e3);
@@ -171,6 +180,7 @@ Json scene() {
   keys["gestures"] = entries("how the player moves", gesture());
   keys["converters"] = converters();
   keys["drives"] = entries("what the instrument's outputs move", drive());
+  keys["ports"] = entries("where energy goes between instrument and plant", port());
   keys["expect"] = entries("what must hold", expectation());
   keys["accuracy"] = entries("what a study of solvers compares", accuracy());
   keys["compare"] = comparison();

@@ -11,6 +11,7 @@
 #include "engine/scene/moved_controls.h"
 #include "engine/scene/scene_checks.h"
 #include "engine/scene/scene_drives.h"
+#include "engine/scene/scene_ports.h"
 #include "engine/scene/world_entries.h"
 
 namespace tactus {
@@ -44,6 +45,7 @@ class SceneBuilder {
     check_accuracy(scene_, table_, mistakes_);
     check_comparison(scene_, mistakes_);
     check_drives(scene_, mistakes_);
+    check_ports(scene_, mistakes_);
     compile_world();
     if (instrument_known())
       compile_instrument();

@@ -58,6 +58,7 @@ class Measurement {
     if (what == "faults") return faults();
     if (what == "missed" || what == "doubled" || what == "detection_time") return detection(what);
     if (what == "restitution") return bounce();
+    if (what == "energy_given") return energy_given();
     const auto* signal = trigger_signal(recording_, expectation_.of);
     if (signal == nullptr) return unknown_signal();
     if (what == "peak") return peak(part_of(*signal, recording_.sample_rate, from_, to_));
@@ -123,6 +124,19 @@ class Measurement {
     return restitution(position->samples, recording_.sample_rate, strikes);
   }
 
+  Result<double> energy_given() const {
+    for (const auto& port : recording_.ports) {
+      if (port.name != expectation_.of) continue;
+      const auto force = part_of(*recording_.find(port.force), recording_.sample_rate, from_, to_);
+      const auto position = part_of(*recording_.find(port.position), recording_.sample_rate, from_, to_);
+      EnergyWatch watch{port.allowed};
+      watch.take(force.data(), position.data(), static_cast<int>(force.size()));
+      return watch.energy(recording_.sample_rate).given;
+    }
+    return fail(Errc::UnknownName, expectation_.of_at.text(), "there is no port '" + expectation_.of + "'",
+                "name it under [ports]");
+  }
+
   const SceneRecording& recording_;
   const Expectation& expectation_;
   double from_, to_;
@@ -163,6 +177,8 @@ const std::vector<MeasureType>& measure_types() {
        "instrument.hit", true},
       {"peak", MeasureType::kUnitOfSubject, "largest absolute value", Subject::Signal},
       {"rms", MeasureType::kUnitOfSubject, "root mean square", Subject::Signal},
+      {"energy_given", "J", "most that the instrument gave to the plant since any earlier moment",
+       Subject::Port},
       {"faults", "", "values that were not numbers, at inputs and in nodes", Subject::Nothing},
   };
   return types;

@@ -16,6 +16,7 @@ struct MeasureType {
     Nothing,  ///< of the whole scene
     Signal,   ///< of a signal as it is
     Events,   ///< of a trigger, or of the strikes in a contact force
+    Port,     ///< of a port of the scene
   };
   static constexpr auto kUnitOfSubject = "=of";
   std::string name;
@@ -36,8 +37,8 @@ const std::string& subject_of(const Expectation& expectation, const MeasureType&
 inline constexpr auto kStrikeContact = "plant.contact";
 
 /// [control] Of a recording, between two times. Where events are asked for, `of` is a trigger of the
-/// instrument ("instrument.hit") or a contact force ("plant.contact": its strikes). Errors: UnknownName,
-/// Missing.
+/// instrument ("instrument.hit") or a contact force ("plant.contact": its strikes); of energy it is a port.
+/// Errors: UnknownName, Missing.
 Result<double> measure(const SceneRecording& recording, const Expectation& expectation);
 
 /// What came of one line of [expect].

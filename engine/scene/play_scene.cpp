@@ -77,16 +77,21 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   recording.inputs = built.instrument->schedule().input_names;
   recording.outputs = output_names(built.instrument->schedule());
   Recorder recorder{recording, built, static_cast<std::size_t>(frames)};
+  PortWatches ports{scene, built.plant_taps};
   const auto started = std::chrono::steady_clock::now();
   const int part = std::max(block, frames / 100);
   for (int done = 0; done < frames; done += part) {
-    loop.run(std::min(part, frames - done), [&](const ClosedLoop::Piece& piece) { recorder.take(piece); });
+    loop.run(std::min(part, frames - done), [&](const ClosedLoop::Piece& piece) {
+      recorder.take(piece);
+      ports.take(*built.plant, piece.frames);
+    });
     if (progress) progress(std::min(1.0, static_cast<double>(done + part) / frames));
   }
   recording.run_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   collect_faults(recording, *built.instrument, "instrument.");
   collect_faults(recording, *built.plant, "");
   recording.guard = report_of(guarded, built.instrument->schedule(), scene.drives);
+  recording.ports = ports.energies(recording.sample_rate);
   return recording;
 }
 

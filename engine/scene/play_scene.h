@@ -6,6 +6,7 @@
 
 #include "engine/core/guarded.h"
 #include "engine/scene/build_scene.h"
+#include "engine/scene/energy_watch.h"
 #include "engine/scene/guard_report.h"
 #include "engine/scene/scene_spec.h"
 
@@ -26,6 +27,7 @@ struct SceneRecording {
   std::vector<std::string> inputs, outputs;  ///< of the instrument, in order
   std::vector<FaultCount> faults;            ///< of both engines
   GuardReport guard;                         ///< what the drive guards had to do
+  std::vector<PortEnergy> ports;             ///< what went through the ports
   std::int64_t bad_inputs = 0;
   double run_seconds = 0;  ///< wall-clock time
 

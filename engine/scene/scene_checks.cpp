@@ -85,6 +85,17 @@ void check_subject(const Expectation& expectation, const std::string& of, const 
                near.empty() ? "recorded are " + listed(recorded) : "did you mean '" + near + "'?");
 }
 
+void check_port(const Expectation& expectation, const SceneSpec& scene, Mistakes& mistakes) {
+  if (scene.port(expectation.of) != nullptr) return;
+  std::vector<std::string> names;
+  for (const auto& port : scene.ports) names.push_back(port.name);
+  const auto near = nearest_name(expectation.of, names);
+  mistakes.add(Errc::UnknownName, expectation.of_at, "there is no port '" + expectation.of + "'",
+               !near.empty()   ? "did you mean '" + near + "'?"
+               : names.empty() ? "declare it under [ports]"
+                               : "there are " + listed(names));
+}
+
 }  // namespace
 
 const EntrySpec* find_entry(const std::vector<EntrySpec>& entries, std::string_view name) {
@@ -108,6 +119,8 @@ void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
     if (of.empty())
       mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
                    "say of what, as in of = \"" + (recorded.empty() ? "plant.x" : recorded.back()) + "\"");
+    else if (type->subject == MeasureType::Subject::Port)
+      check_port(expectation, scene, mistakes);
     else
       check_subject(expectation, of, scene, recorded, mistakes);
     if (type->of_strikes) check_subject(expectation, kStrikeContact, scene, recorded, mistakes);

@@ -11,6 +11,7 @@
 #include "engine/graph/read_graph.h"
 #include "engine/scene/accuracy.h"
 #include "engine/scene/scene_drives.h"
+#include "engine/scene/scene_ports.h"
 #include "engine/scene/scene_sections.h"
 
 namespace tactus {
@@ -18,7 +19,7 @@ namespace {
 
 const std::vector<std::string> kSceneKeys = {"format", "name",     "about", "source",   "rate",
                                              "delay",  "duration", "parts", "gestures", "converters",
-                                             "expect", "compare",  "seed",  "drives",   "accuracy"};
+                                             "expect", "compare",  "seed",  "drives",   "accuracy", "ports"};
 const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "networks", "outputs"};
 
 // Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.
@@ -78,6 +79,7 @@ class SceneReader {
     scene_.gestures = read_gestures(table, mistakes_);
     scene_.converters = read_converters(table, mistakes_);
     read_drives(table, folder_, root_, scene_, mistakes_);
+    scene_.ports = read_ports(table, mistakes_);
     scene_.expect = read_expectations(table, scene_.duration, mistakes_);
     scene_.accuracy = read_accuracy(table, scene_.duration, mistakes_);
     scene_.compare = read_comparison(table, mistakes_);
@@ -155,6 +157,7 @@ Checked<SceneSpec> without_mistakes(LoadedScene loaded) {
 
 const ScenePart* SceneSpec::part(std::string_view called) const { return find_named(parts, called); }
 const Gesture* SceneSpec::gesture(std::string_view called) const { return find_named(gestures, called); }
+const Port* SceneSpec::port(std::string_view called) const { return find_named(ports, called); }
 
 LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root) {
   std::error_code error;

@@ -52,6 +52,15 @@ struct Converters {
   int bits = 24;
 };
 
+/// Where a motor moves the plant: the energy that it gives is added up while the scene plays.
+struct Port {
+  std::string name;
+  Source at;
+  std::string force, position;  ///< outputs of parts: "plant.motor", "plant.arm"
+  Source force_at, position_at;
+  double allowed = 0;  ///< [J] that the instrument may give
+};
+
 /// What must hold when the scene was played. Which measures there are is known to those who measure.
 struct Expectation {
   std::string name;
@@ -98,6 +107,7 @@ struct SceneSpec {
   Converters converters;
   DriveBook drives;                            ///< what the guard of each drive is to keep
   std::map<std::string, Source> drive_places;  ///< where [drives] names them
+  std::vector<Port> ports;
   std::vector<Expectation> expect;
   std::vector<Accuracy> accuracy;
   std::optional<Comparison> compare;
@@ -107,6 +117,7 @@ struct SceneSpec {
   /// nullptr if there is none.
   const ScenePart* part(std::string_view name) const;
   const Gesture* gesture(std::string_view name) const;
+  const Port* port(std::string_view name) const;
 };
 
 /// A scene together with what is wrong with its text and that of its parts; `build_scene` finds the rest.

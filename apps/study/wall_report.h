@@ -1,0 +1,17 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "engine/analysis/log_plot.h"
+#include "engine/analysis/wall_map.h"
+
+namespace tactus::app {
+
+/// A map of walls for people, for machines, and to look at: one plot over the delay, one over the rate.
+std::string text_of(const WallMap& map);
+nlohmann::ordered_json json_of(const WallMap& map);
+std::vector<LogPlot> picture_of(const WallMap& map);
+
+}  // namespace tactus::app

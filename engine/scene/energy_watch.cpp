@@ -1,0 +1,78 @@
+#include "engine/scene/energy_watch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace tactus {
+namespace {
+
+int tap_called(const std::string& name, const std::vector<SceneTap>& taps) {
+  const auto found =
+      std::find_if(taps.begin(), taps.end(), [&](const auto& tap) { return tap.name == name; });
+  return found == taps.end() ? -1 : static_cast<int>(found - taps.begin());
+}
+
+}  // namespace
+
+void EnergyWatch::take(const double* force, const double* position, int frames) noexcept {
+  for (int n = 0; n < frames; ++n, ++frame_) {
+    // Nothing was done before the first frame.
+    if (frame_ > 0) sum_ += force[n] * (position[n] - position_);
+    position_ = position[n];
+    lowest_ = std::min(lowest_, sum_);
+    const double given = sum_ - lowest_;
+    if (given > given_) {
+      given_ = given;
+      most_at_ = frame_;
+    }
+    if (given > allowed_ && active_at_ < 0) {
+      active_at_ = frame_;
+      given_when_active_ = given;
+    }
+  }
+}
+
+PortEnergy EnergyWatch::energy(Hertz sample_rate) const {
+  PortEnergy energy;
+  energy.allowed = allowed_;
+  energy.net = sum_;
+  energy.given = given_;
+  if (active_at_ < 0) return energy;
+  energy.active_at_s = static_cast<double>(active_at_) / sample_rate.value;
+  const auto rising = static_cast<double>(most_at_ - active_at_) / sample_rate.value;
+  if (rising > 0) energy.growth_w = (given_ - given_when_active_) / rising;
+  return energy;
+}
+
+PortWatches::PortWatches(const SceneSpec& scene, const std::vector<SceneTap>& plant_taps) {
+  for (const auto& port : scene.ports) {
+    const int force = tap_called(port.force, plant_taps), position = tap_called(port.position, plant_taps);
+    if (force >= 0 && position >= 0) watched_.push_back({&port, force, position, EnergyWatch{port.allowed}});
+  }
+}
+
+void PortWatches::take(const Engine& plant, int frames) noexcept {
+  for (auto& [port, force, position, watch] : watched_)
+    watch.take(plant.tap(force), plant.tap(position), frames);
+}
+
+std::vector<PortEnergy> PortWatches::energies(Hertz sample_rate) const {
+  std::vector<PortEnergy> energies;
+  for (const auto& [port, force, position, watch] : watched_) {
+    auto& energy = energies.emplace_back(watch.energy(sample_rate));
+    energy.name = port->name;
+    energy.force = port->force;
+    energy.position = port->position;
+  }
+  return energies;
+}
+
+std::string in_words(const PortEnergy& energy) {
+  const auto gave = fmt::format("{:.3g} J where {:.3g} J are allowed", energy.given, energy.allowed);
+  if (!energy.active_at_s) return fmt::format("{}: gave at most {}", energy.name, gave);
+  return fmt::format("{}: the loop turned active at {:.3g} s: it gave {}, {:.3g} W on average from then on",
+                     energy.name, *energy.active_at_s, gave, energy.growth_w);
+}
+
+}  // namespace tactus
