@@ -12,20 +12,42 @@ ModeDesign::ModeDesign(const Mode& mode, Hertz sample_rate) {
   const double w = 2 * std::numbers::pi * turns;
   const double decay = std::clamp(mode.decay_s, 1e-4, 1e4);
   const double r = std::exp(-3 * std::numbers::ln10 / (decay * sample_rate.value));
-  a1 = 2 * r * std::cos(w);
-  a2 = -r * r;
-  gain = mode.gain * r * std::sin(w);
+  cosine = r * std::cos(w);
+  sine = r * std::sin(w);
+  turn = 2 * cosine - 1;
+  pull = (1 - r) * (1 - r) + 4 * r * std::sin(w / 2) * std::sin(w / 2);
+  gain = mode.gain * sine;
 }
 
 ModalBank::ModalBank(int modes)
-    : bundles_(static_cast<std::size_t>((modes + Lanes::kCount - 1) / Lanes::kCount)) {}
+    : modes_(modes), bundles_(static_cast<std::size_t>((modes + Lanes::kCount - 1) / Lanes::kCount)) {
+  const ModeDesign silent{{.frequency_hz = 0}, Hertz{1}};
+  for (auto& bundle : bundles_)
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) retune(bundle, lane, silent);
+}
 
 void ModalBank::set(int mode, const ModeDesign& design) noexcept {
   auto& bundle = bundles_[static_cast<std::size_t>(mode / Lanes::kCount)];
   const auto lane = static_cast<std::size_t>(mode % Lanes::kCount);
-  bundle.a1[lane] = design.a1;
-  bundle.a2[lane] = design.a2;
   bundle.gain[lane] = design.gain;
+  if (bundle.turn[lane] != design.turn || bundle.minus_pull[lane] != -design.pull)
+    retune(bundle, lane, design);
+}
+
+/// From y to P by the old design, and back by the new one: Im P = r sin(w) y[n], Re P = r cos(w) y[n] - r^2
+/// y[n-1].
+void ModalBank::retune(Bundle& bundle, std::size_t lane, const ModeDesign& design) noexcept {
+  const double square = bundle.turn[lane] - bundle.minus_pull[lane];
+  const double imaginary = bundle.sine[lane] * bundle.last[lane];
+  const double real = bundle.cosine[lane] * bundle.last[lane] - square * bundle.before[lane];
+  const bool sounds = design.sine > 0;
+  bundle.last[lane] = sounds ? imaginary / design.sine : 0;
+  bundle.before[lane] = sounds ? (design.cosine * bundle.last[lane] - real) / (design.turn + design.pull) : 0;
+  bundle.change[lane] = bundle.last[lane] - bundle.before[lane];
+  bundle.turn[lane] = design.turn;
+  bundle.minus_pull[lane] = -design.pull;
+  bundle.cosine[lane] = design.cosine;
+  bundle.sine[lane] = design.sine;
 }
 
 /// Bundles in a row, one inside the other: what stands in an array stays in memory, and each frame would wait
@@ -34,29 +56,31 @@ template <int Count>
 class ModalBank::InRegisters {
  public:
   explicit InRegisters(const Bundle* bundle) noexcept
-      : a1_(Lanes::load(bundle->a1.data())),
-        a2_(Lanes::load(bundle->a2.data())),
+      : turn_(Lanes::load(bundle->turn.data())),
+        minus_pull_(Lanes::load(bundle->minus_pull.data())),
         gain_(Lanes::load(bundle->gain.data())),
         last_(Lanes::load(bundle->last.data())),
         before_(Lanes::load(bundle->before.data())),
+        change_(Lanes::load(bundle->change.data())),
         others_(bundle + 1) {}
 
   /// One frame; returns `sum` with these modes added.
   Lanes step(Lanes in, Lanes sum) noexcept {
-    const auto now = fused_multiply_add(a1_, last_, fused_multiply_add(a2_, before_, in));
+    change_ = fused_multiply_add(turn_, change_, fused_multiply_add(minus_pull_, before_, in));
     before_ = last_;
-    last_ = now;
-    return others_.step(in, fused_multiply_add(gain_, now, sum));
+    last_ = last_ + change_;
+    return others_.step(in, fused_multiply_add(gain_, last_, sum));
   }
 
   void store(Bundle* bundle) const noexcept {
     last_.store(bundle->last.data());
     before_.store(bundle->before.data());
+    change_.store(bundle->change.data());
     others_.store(bundle + 1);
   }
 
  private:
-  Lanes a1_, a2_, gain_, last_, before_;
+  Lanes turn_, minus_pull_, gain_, last_, before_, change_;
   InRegisters<Count - 1> others_;
 };
 
@@ -95,14 +119,18 @@ void ModalBank::run(const double* in_before, double* out, int frames) noexcept {
 }
 
 void ModalBank::reset() noexcept {
-  for (auto& bundle : bundles_) bundle.last = bundle.before = {};
+  for (auto& bundle : bundles_) bundle.last = bundle.before = bundle.change = {};
 }
 
 void ModalBank::adopt(const ModalBank& other) noexcept {
-  const auto count = std::min(bundles_.size(), other.bundles_.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    bundles_[i].last = other.bundles_[i].last;
-    bundles_[i].before = other.bundles_[i].before;
+  const int count = std::min(modes_, other.modes_);
+  for (int k = 0; k < count; ++k) {
+    auto& to = bundles_[static_cast<std::size_t>(k / Lanes::kCount)];
+    const auto& from = other.bundles_[static_cast<std::size_t>(k / Lanes::kCount)];
+    const auto lane = static_cast<std::size_t>(k % Lanes::kCount);
+    for (const auto row : {&Bundle::turn, &Bundle::minus_pull, &Bundle::cosine, &Bundle::sine, &Bundle::last,
+                           &Bundle::before, &Bundle::change})
+      (to.*row)[lane] = (from.*row)[lane];
   }
 }
 

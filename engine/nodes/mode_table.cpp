@@ -105,7 +105,7 @@ InputPort mode_decay_input(bool fixed) {
           .doc =
               "time in which the first mode falls by 60 dB; the others keep their ratio to it; left out "
               "where `decays` are listed: as they are",
-          .fallback = 1,
+          .fallback = 0.1,
           .low = 0,
           .fixed = fixed};
 }
