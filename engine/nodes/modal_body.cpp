@@ -22,7 +22,8 @@ class ModalBodyNode final : public Node {
   void process(const NodeBlock& block) noexcept override {
     for (int n = 0; n < block.frames; ++n) {
       const auto answer = body_.step(block.in[0][n]);
-      const double values[] = {answer.wave, answer.velocity, answer.position, answer.force};
+      // What joins two ports pushes both apart; here up is up as for the mass on the other side.
+      const double values[] = {answer.wave, -answer.velocity, -answer.position, -answer.force};
       for (std::size_t i = 0; i < std::size(values); ++i)
         if (block.out[i] != nullptr) block.out[i][n] = values[i];
     }
@@ -40,11 +41,11 @@ class ModalBodyNode final : public Node {
     const auto velocity = 2.0 * admittance / (1.0 + impedance_ * admittance);
     switch (output) {
       case kVelocity:
-        return velocity;
+        return -velocity;
       case kPosition:
-        return velocity * (1.0 + delay) / (2 * sample_rate_.value * (1.0 - delay));
+        return -velocity * (1.0 + delay) / (2 * sample_rate_.value * (1.0 - delay));
       case kForce:
-        return 2.0 - impedance_ * velocity;
+        return impedance_ * velocity - 2.0;
       default:
         return 1.0 - impedance_ * velocity;
     }
@@ -110,7 +111,8 @@ const NodeType& modal_body_type() {
       .group = "mechanics",
       .summary = "A body of many modes that a network's `port` moves: bar, plate, drum head, sound board.",
       .equation =
-          "force = 2 wave_in - impedance velocity,  wave = wave_in - impedance velocity\n"
+          "force = -(wave_in + wave),  wave = wave_in + impedance velocity; up is up as for the mass at the "
+          "port\n"
           "mass_k v_k' + c_k v_k + k_k integral of v_k = force,  velocity = sum of v_k,  position = its "
           "integral\n"
           "Each mode rings at f_k and falls by 60 dB in decay_k exactly (trapezoidal rule, c_k and k_k to "

@@ -120,6 +120,25 @@ TEST_CASE("waves: a mass on a string without losses gains no energy in a million
   CHECK(largest(energy, 999000) > 1e-4 * kMass);
 }
 
+// A body pushed for a long time has moved as its springs let it: the mass with it, the same way.
+TEST_CASE("waves: a mass and the body at its port move together", "[nodes]") {
+  auto text = mass_with(
+      "type = \"modal_body\", wave = \"out\", impedance = 20, frequencies = [200], decays = [0.02], "
+      "masses = [0.05]");
+  text +=
+      "x = { from = \"n.m.position\", unit = \"m\" }\ny = { from = \"back.position\", unit = \"m\" }\n"
+      "f = { from = \"back.force\", unit = \"N\" }\n";
+  const auto engine = engine_of(text);
+  // 3 N from frame 0 on.
+  const auto heard = run(*engine, {Samples(24000, 3.0 / 48000)}, 24000, {64});
+  const double sigma = 3 * std::numbers::ln10 / 0.02,
+               stiffness = 0.05 * (square_pulsation(200) + sigma * sigma);
+  CHECK(heard[3].back() == Approx(3 / stiffness).epsilon(2e-3));
+  CHECK(heard[4].back() == Approx(3).epsilon(1e-6));
+  // The frame between the two is a spring of 2 Z fs.
+  CHECK(heard[2].back() - heard[3].back() == Approx(3 / (2 * 20 * 48000.0)).epsilon(1e-3));
+}
+
 // Two modes and a mass are two oscillators: Y(s) s M = -1, a quadratic equation in s^2.
 TEST_CASE("waves: a mass on a body of two modes has the frequencies of both, nearer at higher rates",
           "[nodes]") {
