@@ -50,6 +50,14 @@ struct Lanes {
   friend Lanes fused_multiply_add(Lanes a, Lanes b, Lanes c) noexcept {
     return {_mm512_fmadd_pd(a.all, b.all, c.all)};
   }
+  /// All lanes added in halves: k and k + 4, k and k + 2, k and k + 1.
+  double sum() const noexcept {
+    const __m256d half =
+        __builtin_shufflevector(all, all, 0, 1, 2, 3) + __builtin_shufflevector(all, all, 4, 5, 6, 7);
+    const __m128d pair =
+        __builtin_shufflevector(half, half, 0, 1) + __builtin_shufflevector(half, half, 2, 3);
+    return pair[0] + pair[1];
+  }
 #elif defined(__AVX2__) && defined(__FMA__)
   static constexpr bool kInRegisters = true;
   __m256d low, high;
@@ -94,6 +102,12 @@ struct Lanes {
   }
   friend Lanes fused_multiply_add(Lanes a, Lanes b, Lanes c) noexcept {
     return {_mm256_fmadd_pd(a.low, b.low, c.low), _mm256_fmadd_pd(a.high, b.high, c.high)};
+  }
+  double sum() const noexcept {
+    const __m256d half = low + high;
+    const __m128d pair =
+        __builtin_shufflevector(half, half, 0, 1) + __builtin_shufflevector(half, half, 2, 3);
+    return pair[0] + pair[1];
   }
 #else
   static constexpr bool kInRegisters = false;
@@ -144,6 +158,10 @@ struct Lanes {
   }
   friend Lanes fused_multiply_add(const Lanes& a, const Lanes& b, const Lanes& c) noexcept {
     return each([&](int i) { return tactus::fused_multiply_add(a.lane[i], b.lane[i], c.lane[i]); });
+  }
+  double sum() const noexcept {
+    const double even = (lane[0] + lane[4]) + (lane[2] + lane[6]);
+    return even + ((lane[1] + lane[5]) + (lane[3] + lane[7]));
   }
 #endif
 };

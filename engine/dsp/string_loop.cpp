@@ -21,10 +21,10 @@ std::complex<double> polynomial(const double* coefficients, int count, std::comp
 
 }  // namespace
 
-StringDesign::StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate) {
+StringDesign::StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain) {
   const bool zero = filter == LossFilter::OneZero;
   const double frequency = clamped(p.pitch_hz, StringLoop::kLowestPitch, 0.3 * sample_rate.value);
-  const double gain = clamped(p.gain, 0, 0.9999);
+  const double gain = clamped(p.gain, 0, most_gain);
   const double loss = clamped(p.loss, 0, zero ? 1 : 0.99);
   const double radians = 2 * std::numbers::pi * frequency / sample_rate.value;
   const auto delay = std::polar(1.0, -radians);

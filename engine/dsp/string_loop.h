@@ -11,8 +11,8 @@ namespace tactus {
 
 enum class LossFilter { OneZero, OnePole };
 
-/// What a string is asked for. Out of range is clamped: pitch to [10 Hz, 0.3 fs], gain to [0, 0.9999], loss
-/// to [0, 1] (one zero) or [0, 0.99] (one pole).
+/// What a string is asked for. Out of range is clamped: pitch to [10 Hz, 0.3 fs], gain to [0, 0.9999] (on a
+/// loop), loss to [0, 1] (one zero) or [0, 0.99] (one pole).
 struct StringParameters {
   double pitch_hz = 220;
   double gain = 0.99;
@@ -40,7 +40,8 @@ struct StringParameters {
 struct StringDesign {
   static constexpr int kTaps = 7;  ///< six of the interpolator; the one-zero filter is folded in and adds one
 
-  StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate);
+  /// `most_gain` is 1 where the string is not itself a loop.
+  StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain = 0.9999);
   /// Once around the loop, at any z^-1: the string rings where this is 1.
   std::complex<double> loop(std::complex<double> delay) const;
   /// From x to y.

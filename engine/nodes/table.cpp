@@ -17,6 +17,8 @@
 #include "engine/nodes/low_pass.h"
 #include "engine/nodes/map.h"
 #include "engine/nodes/mix.h"
+#include "engine/nodes/modal.h"
+#include "engine/nodes/modal_body.h"
 #include "engine/nodes/network.h"
 #include "engine/nodes/noise.h"
 #include "engine/nodes/one_pole.h"
@@ -32,6 +34,7 @@
 #include "engine/nodes/threshold.h"
 #include "engine/nodes/velocity.h"
 #include "engine/nodes/wall.h"
+#include "engine/nodes/waveguide.h"
 #include "engine/nodes/wavetable.h"
 
 namespace tactus {
@@ -64,6 +67,7 @@ const NodeTable& standard_nodes() {
               &high_pass_type(),
               &band_pass_type(),
               &fir_type(),
+              &modal_type(),
               &dc_blocker_type(),
               &difference_type(),
               &velocity_type(),
@@ -81,6 +85,8 @@ const NodeTable& standard_nodes() {
               &damper_type(),
               &wall_type(),
               &terrain_type(),
+              &modal_body_type(),
+              &waveguide_type(),
           },
       .network = network_type,
   };

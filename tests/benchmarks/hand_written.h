@@ -150,6 +150,42 @@ struct HandW3 : HandWritten<Number> {
   Number before = 0;
 };
 
+/// Two-pole resonators, each as loud as its bandwidth, in even steps of pitch.
+template <class Number>
+struct HandW4 : HandWritten<Number> {
+  explicit HandW4(int count) {
+    for (int k = 0; k < count; ++k) {
+      const double w = 2 * std::numbers::pi * mode_hz(k, count) / kRate, r = mode_radius(k, count);
+      modes.push_back({static_cast<Number>(mode_level(k, count)), static_cast<Number>(2 * r * std::cos(w)),
+                       static_cast<Number>(-r * r)});
+    }
+  }
+  void process(const Number* const* in, Number* const* out, int frames) override {
+    for (int n = 0; n < frames; ++n) {
+      Number sum = 0;
+      for (auto& m : modes) {
+        const Number y = m.b * before + m.a1 * m.y1 + m.a2 * m.y2;
+        m.y2 = m.y1, m.y1 = y;
+        sum += y;
+      }
+      before = in[0][n];
+      out[0][n] = sum;
+    }
+  }
+  static double mode_hz(int k, int count) { return 60 * std::pow(200.0, k / (count - 1.0)); }
+  static double mode_radius(int k, int count) {
+    return std::pow(0.001, 1 / (1.5 * std::sqrt(60 / mode_hz(k, count)) * kRate));
+  }
+  static double mode_level(int k, int count) {
+    return (1 - mode_radius(k, count)) / std::sqrt(count) * (k % 2 == 0 ? 1 : -1);
+  }
+  struct Mode {
+    Number b, a1, a2, y1 = 0, y2 = 0;
+  };
+  std::vector<Mode> modes;
+  Number before = 0;
+};
+
 template <class Number>
 struct HandW5 : HandWritten<Number> {
   HandW5() {

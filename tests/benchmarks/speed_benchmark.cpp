@@ -70,7 +70,7 @@ void add_speed_benchmarks() {
   add(empty, "empty graph", maker<GraphPeer>());
   add(wire, "one wire", maker<GraphPeer>());
   add(wire, "one wire, guarded", maker<GuardedPeer>());
-  for (const auto& work : {works()[0], works()[4], chain(10000)}) add_loading(work);
+  for (const auto& work : {works()[0], works()[7], modal_bank(1024), chain(10000)}) add_loading(work);
 }
 
 }  // namespace tactus::bench

@@ -22,6 +22,7 @@ struct Work {
   int inputs = 1, outputs = 1;
   std::string faust = {};  ///< which of Faust's programs does the same; empty: none
   int masses = 0;          ///< of a network
+  int modes = 0;           ///< of a modal bank
 };
 
 /// A chain of `masses`, each joined to the next by K = 0.25 and Z = 0.01 (kg, frames), both ends to the
@@ -53,12 +54,39 @@ inline Work chain(int masses) {
           .masses = masses};
 }
 
+/// One node; its gains are those of the damped sines that the resonators of HandW4 ring with.
+inline std::string modal_bank_text(int modes) {
+  std::string gains;
+  for (int k = 0; k < modes; ++k) {
+    using Hand = HandW4<double>;
+    const double w = 2 * std::numbers::pi * Hand::mode_hz(k, modes) / kRate;
+    gains +=
+        fmt::format("{:.17g}, ", Hand::mode_level(k, modes) / (Hand::mode_radius(k, modes) * std::sin(w)));
+  }
+  return fmt::format(
+      "format = 1\n[inputs]\nx = {{}}\n[nodes.bank]\ntype = \"modal\"\nin = \"x\"\nfrequency = \"60 Hz\"\n"
+      "series = \"geometric\"\nspan = 200\nmodes = {}\ndecay = \"1.5 s\"\ndecay_slope = 0.5\ngains = [{}]\n"
+      "[outputs]\nout = {{ from = \"bank\" }}\n",
+      modes, gains);
+}
+
+inline Work modal_bank(int modes) {
+  return {.name = fmt::format("W4 modal bank of {}", modes),
+          .graph = {},
+          .text = modal_bank_text(modes),
+          .faust = fmt::format("w4_{}", modes),
+          .modes = modes};
+}
+
 /// The works that have a plain loop beside them.
 inline std::vector<Work> works() {
   return {{.name = "W1 node by node", .graph = "w1.toml", .text = {}, .faust = "w1"},
           {.name = "W1 string node", .graph = "w1_string.toml", .text = {}, .faust = "w1"},
           {.name = "W2 drum", .graph = "w2.toml", .text = {}, .faust = "w2"},
           chain(100),
+          modal_bank(16),
+          modal_bank(128),
+          modal_bank(1024),
           {.name = "W5 64 strings", .graph = "w5.toml", .text = {}, .faust = "w5"},
           {.name = "W6 8 walls", .graph = "w6.toml", .text = {}, .inputs = 8, .outputs = 8, .faust = "w6"}};
 }
@@ -96,6 +124,7 @@ std::unique_ptr<HandWritten<Number>> make_hand_written(const Work& work) {
   if (work.graph == "w2.toml") return std::make_unique<HandW2<Number>>();
   if (work.graph == "w5.toml") return std::make_unique<HandW5<Number>>();
   if (work.graph == "w6.toml") return std::make_unique<HandW6<Number>>();
+  if (work.modes > 0) return std::make_unique<HandW4<Number>>(work.modes);
   return std::make_unique<HandW3<Number>>(work.masses);
 }
 

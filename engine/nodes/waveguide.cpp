@@ -1,0 +1,126 @@
+#include "engine/nodes/waveguide.h"
+
+#include <algorithm>
+
+#include "engine/dsp/wave_line.h"
+#include "engine/nodes/group_steps.h"
+#include "engine/nodes/make.h"
+
+namespace tactus {
+namespace {
+
+enum Input { kWave, kPitch, kGain, kLoss };
+static_assert(WaveLine::kLongest >= kMaxPiece);
+
+class WaveguideNode final : public Node {
+ public:
+  explicit WaveguideNode(const NodeSetup& setup)
+      : sample_rate_(setup.sample_rate),
+        line_(setup.setting("loss_filter").text == "one_pole" ? LossFilter::OnePole : LossFilter::OneZero,
+              setup.setting("end").text == "free" ? FarEnd::Free : FarEnd::Fixed, setup.sample_rate,
+              {setup.input("pitch").range.low, setup.input("pitch").range.high}) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    absorb(block);
+    read(block, block.frames);
+  }
+  void emit(const NodeBlock& block) noexcept override { read(block, 0); }
+  void absorb(const NodeBlock& block) noexcept override {
+    InARow in_a_row;
+    line_.write(in_a_row(block.in[kWave], block.frames), block.frames);
+  }
+  void reset() noexcept override {
+    line_.reset();
+    steps_.reset();
+  }
+  void adopt(Node& before) noexcept override {
+    if (auto* other = dynamic_cast<WaveguideNode*>(&before)) line_.adopt(other->line_);
+  }
+
+  DelayRange delay(int input, int) const override {
+    return input == kWave ? DelayRange{line_.least_delay(), line_.most_delay()} : DelayRange{};
+  }
+
+  std::optional<std::complex<double>> response(int input, int, Hertz frequency,
+                                               std::span<const double> at) const override {
+    if (input != kWave) return std::nullopt;
+    return line_.response({.pitch_hz = at[kPitch], .gain = at[kGain], .loss = at[kLoss]},
+                          std::polar(1.0, -radians_at(frequency, sample_rate_)));
+  }
+
+ private:
+  void read(const NodeBlock& block, int written) noexcept {
+    const auto* in = block.in;
+    steps_.go(
+        block, rest(block, kPitch, 3),
+        [&](int n) { line_.tune({.pitch_hz = in[kPitch][n], .gain = in[kGain][n], .loss = in[kLoss][n]}); },
+        [&](int from, int to, int position) {
+          line_.read(block.out[0] + from, to - from, written - from, position);
+        });
+  }
+
+  Hertz sample_rate_;
+  WaveLine line_;
+  GroupSteps steps_;
+};
+
+}  // namespace
+
+const NodeType& waveguide_type() {
+  static const NodeType type{
+      .name = "waveguide",
+      .group = "mechanics",
+      .summary = "A string or rod as a network's `port` feels it at one end: waves go in and come back.",
+      .equation =
+          "out[n] = +-gain (h_LP * wave)[n - (N - 1)]: + from a fixed end, - from a free one\n"
+          "N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs; the frame that is missing is that of the port\n"
+          "H_LP = (1 - loss/2) + loss/2 z^-1 (one_zero) or (1 - loss) / (1 - loss z^-1) (one_pole)\n"
+          "Impedance of the port: of a string of tension T and mass M a metre sqrt(T M), of a rod A sqrt(E "
+          "rho). A fixed string on a heavy mass sounds at `pitch`; on a mass m at w m = Z cot(w / (2 "
+          "pitch)). It never gives back more than came in; gain = 0 never ends",
+      .source =
+          "J. O. Smith, Physical Audio Signal Processing, 2010; Jaffe & Smith, Computer Music Journal "
+          "7(2), 1983",
+      .example = "{ type = \"waveguide\", wave = \"bridge.nut.wave\", pitch = \"220 Hz\", gain = 0.998 }",
+      .inputs = {{.name = "wave",
+                  .unit = "any",
+                  .doc = "what goes in: `wave` of a network's port",
+                  .fallback = std::nullopt,
+                  .late = true},
+                 {.name = "pitch",
+                  .unit = "Hz",
+                  .doc = "one over the time to the far end and back; at most 0.2 of the sample rate",
+                  .fallback = std::nullopt,
+                  .low = StringLoop::kLowestPitch,
+                  .high = 20000},
+                 {.name = "gain",
+                  .unit = "",
+                  .doc = "to the far end and back; 0: an endless line, that swallows all",
+                  .fallback = 0.998,
+                  .low = 0,
+                  .high = WaveLine::kMostGain},
+                 {.name = "loss",
+                  .unit = "",
+                  .doc = "how much faster high partials die; 0: not at all (one_pole: at most 0.99)",
+                  .fallback = 0.5,
+                  .low = 0,
+                  .high = 1}},
+      .outputs = {{.name = "out", .unit = "=wave", .doc = "what comes back", .range = {}}},
+      .settings =
+          {{.name = "end",
+            .kind = Setting::Kind::Choice,
+            .doc = "what holds the far end",
+            .choices = {"fixed", "free"},
+            .fallback = "fixed"},
+           {.name = "loss_filter",
+            .kind = Setting::Kind::Choice,
+            .doc =
+                "one_zero takes at most this much away, at half the rate; one_pole darkens from lower down",
+            .choices = {"one_zero", "one_pole"},
+            .fallback = "one_zero"}},
+      .make = make_node<WaveguideNode>,
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus
