@@ -87,7 +87,8 @@ std::optional<std::vector<std::complex<double>>> measure(const Rest& rest, std::
 /// Compares one path; the number of paths that have a response.
 int check_path(const Rest& rest, Node& node, std::size_t input, std::size_t output) {
   const auto expected = [&](Hertz f) {
-    return node.response(static_cast<int>(input), static_cast<int>(output), f, rest.at);
+    return node.response(static_cast<int>(input), static_cast<int>(output), on_circle(f, Hertz{kRate}),
+                         rest.at);
   };
   if (!expected(kFrequencies[0])) return 0;
   INFO(rest.type->inputs[input].name << " to " << rest.type->outputs[output].name);
