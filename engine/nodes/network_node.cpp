@@ -40,6 +40,22 @@ class NetworkBuilder {
     return readings;
   }
 
+  /// What the elements are called, by what they have become.
+  void name_parts(NetworkRecipe& recipe) const {
+    recipe.points.resize(elements.points.size());
+    recipe.springs.resize(elements.springs.size());
+    recipe.contacts.resize(elements.contacts.size());
+    const auto name = [](std::vector<std::string>& names, int part, const std::string& element) {
+      if (part >= 0) names[static_cast<std::size_t>(part)] = element;
+    };
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const auto& element = layout_.elements[i].name;
+      name(recipe.points, parts_[i].point, element);
+      name(recipe.springs, parts_[i].spring, element);
+      name(recipe.contacts, parts_[i].contact, element);
+    }
+  }
+
   NetworkElements elements;
   std::vector<int> signal_ports;  // input of each signal of the network
 
@@ -155,15 +171,15 @@ class NetworkBuilder {
   std::vector<Parts> parts_;
 };
 
-class NetworkNode final : public Node {
+class NetworkNode final : public Node, public NetworkView {
  public:
-  NetworkNode(Network network, std::vector<Reading> readings, std::vector<int> signal_ports,
-              const NodeType& type)
+  NetworkNode(NetworkRecipe recipe, Network network, std::vector<Reading> readings, const NodeType& type)
       : fingerprint_(type.fingerprint),
+        recipe_(std::move(recipe)),
         network_(std::move(network)),
         state_(network_.initial_state()),
         readings_(std::move(readings)),
-        signal_ports_(std::move(signal_ports)),
+        signal_ports_(recipe_.signal_ports),
         now_(signal_ports_.size()),
         read_(readings_.size()),
         late_(type.inputs.size()) {
@@ -190,6 +206,12 @@ class NetworkNode final : public Node {
     return late_[static_cast<std::size_t>(input)] ? DelayRange{1, 1} : DelayRange{};
   }
 
+  const NetworkRecipe& recipe() const override { return recipe_; }
+  double energy() const override { return network_.energy(state_); }
+  double shown(const Network& network, const NetworkState& state, int output) const override {
+    return value(readings_[static_cast<std::size_t>(output)], network, state);
+  }
+
  private:
   /// Puts the outputs that somebody reads to the front of `read_`.
   std::size_t find_read(const NodeBlock& block) noexcept {
@@ -200,7 +222,8 @@ class NetworkNode final : public Node {
   }
 
   void write(const NodeBlock& block, int frame, std::size_t count) const noexcept {
-    for (std::size_t i = 0; i < count; ++i) block.out[read_[i]][frame] = value(readings_[read_[i]]);
+    for (std::size_t i = 0; i < count; ++i)
+      block.out[read_[i]][frame] = value(readings_[read_[i]], network_, state_);
   }
 
   void step(const NodeBlock& block, int frame) noexcept {
@@ -208,35 +231,36 @@ class NetworkNode final : public Node {
     network_.step(state_, now_.data());
   }
 
-  double value(const Reading& reading) const noexcept {
+  static double value(const Reading& reading, const Network& network, const NetworkState& state) noexcept {
     using Kind = ElementQuantity::Kind;
     switch (reading.kind) {
       case Kind::Position:
-        return network_.position(state_, reading.part);
+        return network.position(state, reading.part);
       case Kind::Velocity:
-        return network_.velocity(state_, reading.part);
+        return network.velocity(state, reading.part);
       case Kind::Extension:
-        return network_.extension(state_, reading.part);
+        return network.extension(state, reading.part);
       case Kind::SpringForce:
-        return network_.spring_force(state_, reading.part) +
-               (reading.push < 0 ? 0.0 : network_.applied_force(state_, reading.push));
+        return network.spring_force(state, reading.part) +
+               (reading.push < 0 ? 0.0 : network.applied_force(state, reading.push));
       case Kind::Indentation:
-        return network_.indentation(state_, reading.part);
+        return network.indentation(state, reading.part);
       case Kind::ContactForce:
-        return network_.contact_force(state_, reading.part);
+        return network.contact_force(state, reading.part);
       case Kind::AppliedForce:
-        return network_.applied_force(state_, reading.part);
+        return network.applied_force(state, reading.part);
       case Kind::Current:
-        return network_.current(state_, reading.part);
+        return network.current(state, reading.part);
       case Kind::CoilForce:
-        return network_.coil_force(state_, reading.part);
+        return network.coil_force(state, reading.part);
       case Kind::Energy:
         break;
     }
-    return network_.energy(state_);
+    return network.energy(state);
   }
 
   std::uint64_t fingerprint_;  ///< which elements, joined how
+  NetworkRecipe recipe_;
   Network network_;
   NetworkState state_;
   std::vector<Reading> readings_;
@@ -256,11 +280,21 @@ Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, con
                                           2 * contacts * contacts);
       !fits)
     return tl::unexpected(fits.error());
-  auto network = Network::make(std::move(builder.elements), static_cast<int>(builder.signal_ports.size()),
-                               setup.sample_rate, layout.solver, layout.oversample);
+  NetworkRecipe recipe{builder.elements,
+                       static_cast<int>(builder.signal_ports.size()),
+                       setup.sample_rate,
+                       layout.solver,
+                       layout.oversample,
+                       builder.signal_ports,
+                       {},
+                       {},
+                       {}};
+  builder.name_parts(recipe);
+  auto network = Network::make(std::move(builder.elements), recipe.signals, recipe.rate, recipe.solver,
+                               recipe.oversample);
   if (!network) return tl::unexpected(network.error());
-  return std::make_unique<NetworkNode>(std::move(*network), builder.readings(),
-                                       std::move(builder.signal_ports), *setup.type);
+  return std::make_unique<NetworkNode>(std::move(recipe), std::move(*network), builder.readings(),
+                                       *setup.type);
 }
 
 }  // namespace tactus
