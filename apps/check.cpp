@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#include <atomic>
+#include <future>
+#include <thread>
+
 #include "apps/check/check_report.h"
 #include "apps/commands.h"
 #include "apps/console.h"
@@ -121,18 +125,42 @@ std::optional<Refusal> read(const CheckOptions& options, CheckJob& job) {
   return choose_delay(options, delay, job);
 }
 
-Checked<std::vector<ExtremeRun>> run_all(const CheckJob& job, const StabilityVerdict& verdict) {
+/// Whether it is to hold where the run takes it, and what it does there.
+Checked<ExtremeRun> foresee_and_run(const CheckJob& job, ExtremePlan plan) {
+  if (!plan.linear) plan.expected = holds_with(job.subject(), plan.world, job.options.push);
+  return run_extreme(job.subject(), plan);
+}
+
+Checked<std::vector<ExtremePlan>> all_plans(const CheckJob& job, const StabilityVerdict& verdict) {
   const auto world = RestingWorld::make(job.subject(), job.options.world);
   if (!world) return tl::unexpected(world.error());
   auto plans = border_runs(job.options.world, verdict);
   for (auto& plan : extremes_of(job.options.world, world->instrument())) plans.push_back(std::move(plan));
+  return plans;
+}
+
+/// On all processors; this thread tells how far they are.
+Checked<std::vector<ExtremeRun>> run_all(const CheckJob& job, const StabilityVerdict& verdict) {
+  const auto plans = all_plans(job, verdict);
+  if (!plans) return tl::unexpected(plans.error());
+  std::vector<std::optional<Checked<ExtremeRun>>> made(plans->size());
+  std::atomic<std::size_t> next{0};
   Progress progress{"running"};
+  const auto work = [&](bool tells) {
+    for (std::size_t i = next++; i < made.size(); i = next++) {
+      if (tells) progress(static_cast<double>(i) / static_cast<double>(made.size()), (*plans)[i].what);
+      made[i] = foresee_and_run(job, (*plans)[i]);
+    }
+  };
+  std::vector<std::future<void>> others;
+  for (unsigned t = 1; t < std::thread::hardware_concurrency(); ++t)
+    others.push_back(std::async(std::launch::async, work, false));
+  work(true);
+  for (auto& other : others) other.get();
   std::vector<ExtremeRun> runs;
-  for (const auto& plan : plans) {
-    progress(static_cast<double>(runs.size()) / static_cast<double>(plans.size()), plan.what);
-    auto run = run_extreme(job.subject(), plan);
-    if (!run) return tl::unexpected(run.error());
-    runs.push_back(std::move(*run));
+  for (auto& run : made) {
+    if (!*run) return tl::unexpected(run->error());
+    runs.push_back(std::move(**run));
   }
   return runs;
 }

@@ -148,13 +148,13 @@ void print_controls(const StabilityVerdict& verdict) {
 }
 
 void print_runs(const std::vector<ExtremeRun>& runs) {
-  fmt::print("\n  {:34} {:>9} {:>10} {:>8} {:>10} {:>10} {:>10}  {}\n", "run", "rate Hz", "delay ms",
-             "seconds", "peak", "before", "after", "came out");
+  fmt::print("\n  {:34} {:>9} {:>10} {:>8} {:>10} {:>10} {:>10}  {:8}  {}\n", "run", "rate Hz", "delay ms",
+             "seconds", "peak", "before", "after", "foreseen", "came out");
   for (const auto& run : runs) {
     const char* how = !run.finite ? "not finite" : run.faults > 0 ? "faults" : run.grew ? "grew" : "bounded";
-    fmt::print("  {:34} {:9g} {:10.4g} {:8.3g} {:10.3g} {:10.3g} {:10.3g}  {}{}\n", run.what, run.rate.value,
-               1e3 * run.delay_s, run.seconds, run.peak, run.energy_before, run.energy_after, how,
-               run.as_expected() ? "" : "  (not as foreseen)");
+    fmt::print("  {:34} {:9g} {:10.4g} {:8.3g} {:10.3g} {:10.3g} {:10.3g}  {:8}  {}{}\n", run.what,
+               run.rate.value, 1e3 * run.delay_s, run.seconds, run.peak, run.energy_before, run.energy_after,
+               run.expected ? "holds" : "grows", how, run.as_expected() ? "" : "  (not as foreseen)");
   }
 }
 

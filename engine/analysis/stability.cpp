@@ -27,6 +27,9 @@ class RegimeJudge {
 
  private:
   void judge(const LoopGroup& group) {
+    if (group.too_large())
+      return verdict_.too_large.push_back(
+          closed_.graph.signals[static_cast<std::size_t>(group.signals().front())]);
     const LoopScan scan(group, rate_);
     verdict_.growing += std::max(0, scan.growing());
     for (const auto& root : scan.roots(kMostRoots)) verdict_.roots.push_back(root);
@@ -97,7 +100,7 @@ class Judge {
     judge_events(*world);
     judge_open(*world);
     const auto controls = world->instrument().controls;
-    for (const auto& control : controls) judge_control(control.control, regimes);
+    for (const auto& control : controls) judge_control(control.control);
     for (const auto& regime : verdict_.regimes) verdict_.holds &= regime.held || regime.holds();
     for (const auto& network : verdict_.networks) verdict_.holds &= network.holds;
     return std::move(verdict_);
@@ -114,6 +117,9 @@ class Judge {
     const auto closed = world.closed(regime);
     judge_networks(closed.graph, regime);
     verdict_.regimes.push_back(judge_regime(closed, regime, verdict_.rate));
+    if (verdict_.regimes.size() == 1)
+      for (const auto& first : verdict_.regimes.front().too_large)
+        verdict_.not_looked_at.push_back("the loops around '" + first + "'");
     tell();
     if (!closed.mobility || verdict_.regimes.back().loops.empty()) return;
     auto held = regime;
@@ -135,7 +141,9 @@ class Judge {
       verdict.holds = !model.grows();
       verdict_.networks.push_back(std::move(verdict));
     }
-    if (verdict_.not_looked_at.empty()) verdict_.not_looked_at = graph.not_looked_at;
+    if (verdict_.not_looked_at.empty())
+      for (const auto& path : graph.not_looked_at)
+        verdict_.not_looked_at.push_back("the loops through network '" + path + "'");
   }
 
   void judge_events(const RestingWorld& world) {
@@ -163,41 +171,31 @@ class Judge {
       closed.delay(wire, pair.from, 1);
       for (auto& signals : loops_of(closed, false)) {
         const LoopGroup group(closed, std::move(signals), {wire});
-        if (group.cut(wire) < 0) continue;
+        if (group.too_large() || group.cut(wire) < 0) continue;
         const auto margin = LoopScan(group, verdict_.rate).margin(group.cut(wire));
         verdict_.open.push_back({pair.input, pair.output, margin.peak, margin.peak_hz});
       }
     }
   }
 
-  bool holds_with(const FlatControl& control, double value, const std::vector<Regime>& regimes) {
+  bool holds_at(const FlatControl& control, double value) {
     auto with = options_.world;
     with.set[control.name] = ControlValue{value};
-    const auto world = RestingWorld::make(subject_, with);
-    if (!world) return false;
     tell();
-    return std::all_of(regimes.begin(), regimes.end(), [&](const auto& regime) {
-      const auto closed = world->closed(regime);
-      const bool still = std::none_of(closed.graph.networks.begin(), closed.graph.networks.end(),
-                                      [](const auto& n) { return n->grows(); });
-      int growing = 0;
-      for (auto& signals : loops_of(closed.graph, false))
-        growing += LoopScan(LoopGroup(closed.graph, std::move(signals), {}), verdict_.rate).growing();
-      return still && growing <= 0;
-    });
+    return holds_with(subject_, with, options_.push);
   }
 
   /// Where one end holds and the other does not, the border between them.
-  void judge_control(const FlatControl& control, const std::vector<Regime>& regimes) {
+  void judge_control(const FlatControl& control) {
     ControlVerdict verdict{.control = control};
     double low = control.range.low, high = control.range.high;
     if (!std::isfinite(low) || !std::isfinite(high)) return;
-    verdict.holds_low = holds_with(control, low, regimes);
-    verdict.holds_high = holds_with(control, high, regimes);
+    verdict.holds_low = holds_at(control, low);
+    verdict.holds_high = holds_at(control, high);
     if (verdict.holds_low != verdict.holds_high) {
       for (int i = 0; i < 14; ++i) {
         const double middle = low > 0 && high > 0 ? std::sqrt(low * high) : 0.5 * (low + high);
-        (holds_with(control, middle, regimes) == verdict.holds_low ? low : high) = middle;
+        (holds_at(control, middle) == verdict.holds_low ? low : high) = middle;
       }
       verdict.border = verdict.holds_low ? low : high;
     }
@@ -212,6 +210,23 @@ class Judge {
 };
 
 }  // namespace
+
+bool holds_with(const StabilitySubject& subject, const WorldOptions& options, double push) {
+  const auto world = RestingWorld::make(subject, options);
+  if (!world) return false;
+  const auto regimes = world->regimes(push);
+  return std::all_of(regimes.begin(), regimes.end(), [&](const auto& regime) {
+    const auto closed = world->closed(regime);
+    const auto& networks = closed.graph.networks;
+    if (std::any_of(networks.begin(), networks.end(), [](const auto& n) { return n->grows(); })) return false;
+    int growing = 0;
+    for (auto& signals : loops_of(closed.graph, false)) {
+      const LoopGroup group(closed.graph, std::move(signals), {});
+      if (!group.too_large()) growing += LoopScan(group, world->rate()).growing();
+    }
+    return growing <= 0;
+  });
+}
 
 RegimeVerdict judge_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate) {
   return RegimeJudge{closed, regime, rate}.run();

@@ -50,6 +50,8 @@ struct RegimeVerdict {
   std::vector<LoopVerdict> loops = {};
   std::vector<StiffVerdict> stiff = {};
   std::optional<double> device_damping = {};  ///< [N s/m] of what is driven, near 0 Hz
+  std::vector<std::string> too_large =
+      {};  ///< loops that are too many to be looked at, by their first signal
   bool holds() const { return growing == 0; }
 };
 
@@ -93,6 +95,10 @@ struct StabilityOptions {
 /// [control] `progress` hears the share done. Errors: of the graph.
 Checked<StabilityVerdict> judge_stability(const StabilitySubject& subject, const StabilityOptions& options,
                                           const std::function<void(double)>& progress = {});
+
+/// [control] Whether nothing grows with these options, in any of the regimes that the world has. False, too,
+/// if it cannot be made with them.
+bool holds_with(const StabilitySubject& subject, const WorldOptions& options, double push);
 
 /// [control] One regime of a world that was made.
 RegimeVerdict judge_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate);

@@ -172,7 +172,7 @@ const char* name_of(Disturbance disturbance) {
 std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& instrument) {
   std::vector<ExtremePlan> plans;
   const auto plan = [&](std::string what) -> ExtremePlan& {
-    plans.push_back({.what = std::move(what), .world = world});
+    plans.push_back({.what = std::move(what), .world = world, .disturbance = Disturbance::Impulses});
     return plans.back();
   };
   for (const auto disturbance : {Disturbance::Silence, Disturbance::Impulses, Disturbance::Square,
@@ -188,7 +188,6 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& 
       if (!std::isfinite(end)) continue;
       auto& made = plan(fmt::format("{} = {:g}", control.name, control.unit.from_si(end)));
       made.world.set[control.name] = ControlValue{end};
-      made.disturbance = Disturbance::Impulses;
     }
   }
   return plans;
@@ -226,6 +225,7 @@ Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePl
   run.delay_s = built->delay_frames / run.rate.value;
   run.seconds = plan.seconds;
   run.expected = plan.expected;
+  run.linear = plan.linear;
   return plan.linear ? run_linear(subject, plan, std::move(run))
                      : run_guarded(subject, plan, *built, std::move(run));
 }

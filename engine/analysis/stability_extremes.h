@@ -30,10 +30,14 @@ struct ExtremeRun {
   double energy_after = 0;   ///< and in the last
   long faults = 0;           ///< of nodes
   bool finite = true;
-  bool expected = true;  ///< false: this side of the border is to grow
+  bool linear = false;   ///< before and after are the largest change of a sensor, not energies
+  bool expected = true;  ///< false: so, it is to grow
   bool grew = false;
   bool bounded() const { return finite && faults == 0 && !grew; }
-  bool as_expected() const { return finite && faults == 0 && grew == !expected; }
+  /// What is to grow may be held by the guard and by what bends; what is to hold must hold.
+  bool as_expected() const {
+    return finite && faults == 0 && (linear ? grew == !expected : !(grew && expected));
+  }
 };
 
 /// What is run.

@@ -177,6 +177,7 @@ class ScheduleReader {
     const int number = static_cast<int>(graph_.networks.size());
     graph_.networks.push_back(model);
     graph_.network_paths.push_back(path);
+    if (!model->whole()) return graph_.not_looked_at.push_back(path);
     for (std::size_t s = 0; s < model->signal_ports().size(); ++s) {
       const int from = signal(schedule_.inputs[index(step.first_in + model->signal_ports()[s])]);
       for (int o = 0; from >= 0 && o < step.outputs; ++o) {
@@ -212,11 +213,11 @@ void LinearGraph::delay(int from, int to, int frames) {
   edges.push_back({.kind = LinearEdge::Kind::Delay, .from = from, .to = to, .path = {}, .frames = frames});
 }
 
-void LinearGraph::gains(std::complex<double> z, std::vector<std::complex<double>>& gains) const {
-  std::vector<Eigen::MatrixXcd> responses;
-  for (const auto& network : networks) responses.push_back(network->response(z));
+void LinearGraph::gains(std::complex<double> z, const std::vector<std::size_t>& of,
+                        std::vector<std::complex<double>>& gains) const {
+  std::vector<Eigen::MatrixXcd> responses(networks.size());
   gains.resize(edges.size());
-  for (std::size_t e = 0; e < edges.size(); ++e) {
+  for (const auto e : of) {
     const auto& edge = edges[e];
     switch (edge.kind) {
       case LinearEdge::Kind::Gain:
@@ -228,9 +229,12 @@ void LinearGraph::gains(std::complex<double> z, std::vector<std::complex<double>
       case LinearEdge::Kind::Node:
         gains[e] = edge.node->response(edge.input, edge.output, z, edge.at).value_or(0.0);
         break;
-      case LinearEdge::Kind::Network:
-        gains[e] = responses[index(edge.network)](edge.output, edge.input);
+      case LinearEdge::Kind::Network: {
+        auto& response = responses[index(edge.network)];
+        if (response.size() == 0) response = networks[index(edge.network)]->response(z);
+        gains[e] = response(edge.output, edge.input);
         break;
+      }
       case LinearEdge::Kind::Event:
         gains[e] = 0.0;
         break;

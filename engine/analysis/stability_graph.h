@@ -68,8 +68,9 @@ struct LinearGraph {
   int add_signal(std::string name);
   void join(int from, int to) { edges.push_back({.from = from, .to = to, .path = {}}); }
   void delay(int from, int to, int frames);
-  /// [control] The gain of every edge at z.
-  void gains(std::complex<double> z, std::vector<std::complex<double>>& gains) const;
+  /// [control] The gains at z of some of the edges.
+  void gains(std::complex<double> z, const std::vector<std::size_t>& of,
+             std::vector<std::complex<double>>& gains) const;
 };
 
 /// Where a schedule meets the outside: its signals in the graph, -1 for what is not read or rests.

@@ -94,7 +94,7 @@ LoopGroup::LoopGroup(const LinearGraph& graph, std::vector<int> signals, const s
     incoming_[index(place_[index(edge.to)])].push_back(e);
   }
   choose_cuts(wanted);
-  put_in_order();
+  if (!too_large()) put_in_order();
 }
 
 int LoopGroup::cut(int signal) const {
@@ -111,7 +111,7 @@ void LoopGroup::choose_cuts(const std::vector<int>& wanted) {
   };
   for (const int signal : wanted)
     if (left.contains(signal)) take(signal);
-  while (true) {
+  while (!too_large()) {
     std::map<int, int> in, out;
     for (const auto e : edges_) {
       const auto& edge = graph_->edges[e];
@@ -145,7 +145,7 @@ void LoopGroup::put_in_order() {
 }
 
 Eigen::MatrixXcd LoopGroup::returned(std::complex<double> z) const {
-  graph_->gains(z, gains_);
+  graph_->gains(z, edges_, gains_);
   const auto count = static_cast<Eigen::Index>(cuts_.size());
   Eigen::MatrixXcd values = Eigen::MatrixXcd::Zero(count, static_cast<Eigen::Index>(signals_.size()));
   for (Eigen::Index c = 0; c < count; ++c) values(c, place_[index(cuts_[static_cast<std::size_t>(c)])]) = 1.0;

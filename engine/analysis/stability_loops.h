@@ -22,6 +22,8 @@ class LoopGroup {
   const LinearGraph& graph() const { return *graph_; }
   const std::vector<int>& signals() const { return signals_; }
   const std::vector<int>& cuts() const { return cuts_; }
+  /// So many loops in one another that they are not looked at: nothing below may be asked.
+  bool too_large() const { return cuts_.size() > kMostCuts; }
   /// Index in `cuts`, or -1.
   int cut(int signal) const;
   Eigen::MatrixXcd returned(std::complex<double> z) const;
@@ -40,6 +42,7 @@ class LoopGroup {
   void put_in_order();
 
   const LinearGraph* graph_;
+  static constexpr std::size_t kMostCuts = 48;
   std::vector<int> signals_, cuts_;
   std::vector<std::size_t> edges_;                  ///< inside the group
   std::vector<int> order_;                          ///< all but the cuts, each behind what it reads

@@ -59,7 +59,6 @@ std::shared_ptr<const NetworkModel> NetworkModel::make(const NetworkView& view, 
   std::shared_ptr<NetworkModel> model{new NetworkModel};
   model->recipe_ = view.recipe();
   auto& recipe = model->recipe_;
-  if (state_size(recipe.elements, recipe.signals) > kMostLinearised) return nullptr;
   model->ports_ = recipe.signal_ports;
   model->driven_ = driven_point(recipe.elements);
   if (model->driven_ >= 0) model->driven_row_ = static_cast<int>(type.outputs.size());
@@ -71,10 +70,15 @@ std::shared_ptr<const NetworkModel> NetworkModel::make(const NetworkView& view, 
   const auto network =
       Network::make(recipe.elements, recipe.signals, recipe.rate, recipe.solver, recipe.oversample);
   if (!network) return nullptr;
+  if (state_size(recipe.elements, recipe.signals) > kMostLinearised) {
+    model->radius_ = radius_by_running(*network, recipe.elements, recipe.signals);
+    return model;
+  }
   const auto step = linear_step(*network, recipe.elements, recipe.signals);
   if (!step.a.allFinite() || !step.b.allFinite()) return nullptr;
   model->response_.emplace(step, model->readings(*network, view, type.outputs.size(), touching));
   model->modes_ = tactus::modes(step.a);
+  if (!model->modes_.empty()) model->radius_ = std::abs(model->modes_.front().pole);
   return model;
 }
 
@@ -144,6 +148,7 @@ std::string NetworkModel::carrier(const StepMode& mode) const {
 }
 
 std::string NetworkModel::weakest() const {
+  if (!whole()) return {};
   if (grows()) return carrier(modes_.front());
   const auto needed = needed_rate();
   if (!needed || !std::isfinite(needed->value)) return {};

@@ -21,7 +21,7 @@ struct Fingertip {
 /// How a network moves by little, and what would make it grow by itself.
 class NetworkModel {
  public:
-  /// [control] nullptr if it has more numbers than `kMostLinearised`, or cannot be run so.
+  /// [control] nullptr if it cannot be run so.
   static std::shared_ptr<const NetworkModel> make(const NetworkView& view, const NodeType& type,
                                                   const Touching& touching,
                                                   const std::optional<Fingertip>& hand);
@@ -29,6 +29,8 @@ class NetworkModel {
   /// H(z): rows are the outputs of the node, then the position of the first driven point; columns are the
   /// signals of the recipe, then a test force on that point.
   Eigen::MatrixXcd response(std::complex<double> z) const { return response_->at(z); }
+  /// False: it has more numbers than `kMostLinearised`, and only its radius is known.
+  bool whole() const { return response_.has_value(); }
   /// Input of the node of each signal.
   const std::vector<int>& signal_ports() const { return ports_; }
   /// Rows and columns of the driven point, -1 if nothing is driven.
@@ -36,7 +38,7 @@ class NetworkModel {
   int test_force() const { return test_force_; }
 
   const std::vector<StepMode>& modes() const { return modes_; }
-  double radius() const { return modes_.empty() ? 0.0 : std::abs(modes_.front().pole); }
+  double radius() const { return radius_; }
   bool grows() const { return radius() > 1.0 + kRoundOfRadius; }
   /// The least rate at which it does not grow (see `least_rate`); looked for when asked.
   std::optional<Hertz> needed_rate() const;
@@ -58,6 +60,7 @@ class NetworkModel {
   int driven_ = -1, driven_row_ = -1, test_force_ = -1;
   std::optional<StepResponse> response_;
   std::vector<StepMode> modes_;
+  double radius_ = 0.0;
 };
 
 /// [any] The point that drives move: the first mass with a force or a coil that a signal reaches; -1: none.

@@ -154,7 +154,7 @@ std::vector<std::string> in_words(const StabilityVerdict& verdict) {
                     "holds at every delay",
                     pair.input, pair.output, pair.peak, pair.peak_hz, 1 / pair.peak));
   for (const auto& path : verdict.not_looked_at)
-    words.push_back("network '" + path + "' is too large to be looked at: loops through it are not judged");
+    words.push_back(path + " are too much to be looked at, and are not judged");
   return words;
 }
 

@@ -150,7 +150,7 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
     if (plant.channels[s] >= 0 && instrument.inputs[s] >= 0)
       graph.join(plant.channels[s], instrument.inputs[s]);
   for (const auto& network : graph.networks)
-    if (network->driven_row() >= 0)
+    if (network->whole() && network->driven_row() >= 0)
       closed.mobility = [network](std::complex<double> z) {
         return network->response(z)(network->driven_row(), network->test_force());
       };

@@ -109,6 +109,38 @@ double spectral_radius(const Eigen::MatrixXd& a) {
   return Eigen::EigenSolver<Eigen::MatrixXd>(a, false).eigenvalues().cwiseAbs().maxCoeff();
 }
 
+namespace {
+
+/// As noise, but the same each time: the fractions of multiples of the golden ratio (Weyl's sequence).
+double scattered(std::size_t i) {
+  const double turns = 0.6180339887498949 * static_cast<double>(i + 1);
+  return turns - std::floor(turns) - 0.5;
+}
+
+}  // namespace
+
+double radius_by_running(const Network& network, const NetworkElements& elements, int signals) {
+  constexpr int kFrames = 4000;
+  const auto moving = moving_points(elements);
+  auto rest = still(network, moving), moved = rest;
+  for (std::size_t i = 0; i < moving; ++i) moved.moved[i] = 1e-3 * scattered(i);
+  const std::vector<double> inputs(index(signals), 0.0);
+  const auto motion = [&] {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < moving; ++i) sum += std::pow(moved.moved[i] - rest.moved[i], 2);
+    return std::sqrt(sum);
+  };
+  double before = motion(), now = before;
+  for (int frame = 1; frame <= kFrames; ++frame) {
+    network.step(moved, inputs.data());
+    network.step(rest, inputs.data());
+    now = motion();
+    if (!(now < 1e100)) return std::pow(1e100 / before, 1.0 / frame);
+    if (frame <= kFrames / 2) before = std::max(before, now);
+  }
+  return now > 7.0 * before ? std::pow(now / before, 2.0 / kFrames) : 1.0;
+}
+
 // ---- response
 
 StepResponse::StepResponse(const LinearStep& step, const Eigen::MatrixXd& c) {
@@ -143,7 +175,9 @@ Eigen::MatrixXcd StepResponse::at(std::complex<double> z) const {
 Result<double> radius_of(const NetworkElements& elements, int signals, const StepChoice& choice) {
   const auto network = Network::make(elements, signals, choice.rate, choice.solver, choice.oversample);
   if (!network) return tl::unexpected(network.error());
-  return spectral_radius(linear_step(*network, elements, signals).a);
+  return state_size(elements, signals) > kMostLinearised
+             ? radius_by_running(*network, elements, signals)
+             : spectral_radius(linear_step(*network, elements, signals).a);
 }
 
 std::optional<Hertz> least_rate(const NetworkElements& elements, int signals, Solver solver) {

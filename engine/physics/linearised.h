@@ -36,9 +36,9 @@ struct LinearStep {
 std::vector<NetworkState> unit_states(const Network& network, const NetworkElements& elements, double size);
 LinearStep linear_step(const Network& network, const NetworkElements& elements, int signals);
 
-/// [control] How many numbers the state has; what is larger than `kMostLinearised` is not looked at.
+/// [control] How many numbers the state has; above `kMostLinearised` its matrix takes too long.
 std::size_t state_size(const NetworkElements& elements, int signals);
-inline constexpr std::size_t kMostLinearised = 600;
+inline constexpr std::size_t kMostLinearised = 300;
 
 /// A way in which a linear step moves by itself: z^n with z = radius e^(j 2 pi frequency / rate).
 struct StepMode {
@@ -52,6 +52,11 @@ std::vector<StepMode> modes(const Eigen::MatrixXd& a);
 inline constexpr double kRoundOfRadius = 1e-7;
 /// [control] Largest |pole|.
 double spectral_radius(const Eigen::MatrixXd& a);
+
+/// [control] The same for any size, by letting the network go for some thousand frames from motions at
+/// random: what its motions grow by in a frame if they grow at all, else 1. Coarser: it finds what grows by
+/// more than a thousandth in a frame.
+double radius_by_running(const Network& network, const NetworkElements& elements, int signals);
 
 /// C (z - A)^-1 B at any z, after A was brought to Hessenberg form once: n^2 operations for each input.
 class StepResponse {

@@ -248,3 +248,34 @@ TEST_CASE("stability: what is foreseen at both sides of the border is what the e
     CHECK(growth == Approx(plan.expected ? loop.growth_below : loop.growth_above).epsilon(0.1));
   }
 }
+
+// A string with feedback over a delayed plant, 1 - g H_LP z^-N - rho H_2LP z^-D = 0 with two DC blockers in
+// the outer loop: the gain at which it begins to sing, and where, solved by other means to 1e-6.
+TEST_CASE("stability: a delayed string sings at the threshold and the pitch of its least damped root",
+          "[analysis]") {
+  struct Case {
+    double pitch, gain, threshold, hertz;
+  };
+  const auto c = GENERATE(Case{110, 0.99, 0.028125, 330.0893}, Case{220, 0.99, 0.015189, 439.9039},
+                          Case{440, 0.99, 0.012187, 440.3976}, Case{880, 0.9, 0.125075, 889.7818});
+  const auto text = fmt::format(R"(
+format = 1
+[inputs]
+in = {{}}
+[nodes]
+sung  = {{ type = "string", in = "in + 0.005 * late", pitch = {}, gain = {}, loss = 0.5 }}
+dark  = {{ type = "low_pass", in = "sung", cutoff = {} }}
+ac    = {{ type = "dc_blocker", in = "dark", cutoff = "10 Hz" }}
+acdc  = {{ type = "dc_blocker", in = "ac", cutoff = "10 Hz" }}
+late  = {{ type = "delay", in = "acdc", time = "20 ms", interpolation = "none" }}
+[outputs]
+out = {{ from = "sung" }}
+)",
+                                c.pitch, c.gain, 2 * c.pitch);
+  const auto verdict = judged(text, {.rate = 44100});
+  CHECK(verdict.holds);
+  REQUIRE(verdict.regimes[0].loops.size() == 1);
+  const auto& margin = verdict.regimes[0].loops[0].margin;
+  CHECK(0.005 * margin.border == Approx(c.threshold).epsilon(0.01));
+  CHECK(margin.border_hz == Approx(c.hertz).margin(0.1));
+}

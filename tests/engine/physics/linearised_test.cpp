@@ -87,3 +87,22 @@ TEST_CASE("linearised: a closed contact is the spring that it is at its indentat
   // The scheme rings sharp by (wT)^2 / 24, 2e-4 here.
   CHECK(hertz == Approx(std::sqrt(tangent_stiffness / 0.0125) / (2 * std::numbers::pi)).epsilon(1e-3));
 }
+
+TEST_CASE("linearised: a long chain is found to grow where its stiffest mode passes 4", "[physics]") {
+  // Between fixed ends the stiffest mode has 4 K sin^2 close to 4 K: it grows above K = k T^2 / m = 1.
+  NetworkElements elements;
+  const int masses = 200;
+  for (int i = 0; i < masses; ++i)
+    elements.points.push_back({.kind = Point::Kind::Mass, .mass = 0.001, .drive = {}});
+  elements.points.push_back({.kind = Point::Kind::Ground, .drive = {}});
+  const double stiffness = 1e4;
+  for (int i = 0; i <= masses; ++i)
+    elements.springs.push_back({i == 0 ? masses : i - 1, i, stiffness, 0.0, 0.0});
+  const double border = std::sqrt(stiffness / 0.001);
+  for (const double rate : {1.01 * border, 0.99 * border}) {
+    const auto network = Network::make(elements, 0, Hertz{rate}, Solver::Explicit, 1);
+    const double k = stiffness / 0.001 / (rate * rate);
+    const double expected = k < 1 ? 1 : std::pow(std::sqrt(k) + std::sqrt(k - 1), 2);
+    CHECK(radius_by_running(*network, elements, 0) == Approx(expected).epsilon(0.01));
+  }
+}
