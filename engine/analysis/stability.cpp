@@ -130,6 +130,8 @@ class Judge {
 
   void judge_networks(const LinearGraph& graph, const Regime& regime) {
     for (std::size_t n = 0; n < graph.networks.size(); ++n) {
+      // Where no contact of it is closed it is what it was at rest.
+      if (!verdict_.regimes.empty() && !regime.contacts.contains(graph.network_paths[n])) continue;
       const auto& model = *graph.networks[n];
       const auto& recipe = model.recipe();
       NetworkVerdict verdict{graph.network_paths[n], regime.name};

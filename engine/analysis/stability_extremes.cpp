@@ -127,9 +127,9 @@ ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan,
   }
   run.energy_before = std::max({energy.largest[0], energy.largest[1], energy.largest[2]});
   run.energy_after = energy.largest[3];
-  run.finite = run.finite && disturbed.finite() && std::isfinite(run.energy_after);
+  run.finite = run.finite && disturbed.finite();
   // Rolls and rotations breathe; what really grows by itself doubles more than once in a quarter.
-  run.grew = run.energy_after > 4 * run.energy_before + 1e-9;
+  run.grew = !(run.energy_after <= 4 * run.energy_before + 1e-9);
   count_faults(*built.instrument, run);
   count_faults(*built.plant, run);
   return run;

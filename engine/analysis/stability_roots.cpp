@@ -24,6 +24,12 @@ Complex scaled(Complex f, Complex alone, double factor) {
 
 LoopScan::LoopScan(const LoopGroup& group, Hertz rate)
     : group_(group), rate_(rate), radius_(std::exp(kSlowest / rate.value)) {
+  constexpr double kQuick = 0.5;  // what is gone within a few frames is no mode
+  const auto& graph = group.graph();
+  for (std::size_t n = 0; n < graph.networks.size(); ++n)
+    if (group.contains(static_cast<int>(n)))
+      for (const auto& mode : graph.networks[n]->modes())
+        if (std::abs(mode.pole) > kQuick) poles_.push_back(mode.pole);
   refine(first_points());
 }
 
@@ -40,15 +46,11 @@ std::vector<double> LoopScan::first_points() const {
   std::vector<double> points;
   for (int i = 0; i <= even; ++i) points.push_back(kPi * i / even);
   for (int i = 0; i < 160; ++i) points.push_back(std::pow(10.0, -9.0 + i / 20.0));
-  const auto& graph = group_.graph();
-  for (std::size_t n = 0; n < graph.networks.size(); ++n) {
-    if (!group_.contains(static_cast<int>(n))) continue;
-    for (const auto& mode : graph.networks[n]->modes()) {
-      const double at = std::abs(std::arg(mode.pole));
-      if (std::abs(mode.pole) < 0.9 || at == 0) continue;
-      for (int i = -90; i <= -20; ++i)
-        for (const double side : {-1.0, 1.0}) points.push_back(at + side * std::pow(10.0, i / 10.0));
-    }
+  for (const auto& pole : poles_) {
+    const double at = std::arg(pole);
+    if (at <= 0) continue;
+    for (int i = -90; i <= -20; ++i)
+      for (const double side : {-1.0, 1.0}) points.push_back(at + side * std::pow(10.0, i / 10.0));
   }
   std::erase_if(points, [](double p) { return p < 0 || p > kPi; });
   std::sort(points.begin(), points.end());
@@ -180,6 +182,8 @@ CutMargin LoopScan::margin(int cut) const {
 
 // ---- roots
 
+/// Newton's method on f(z) times (z - p) for every pole p of the networks in the loop, as a function of s =
+/// ln z: without its poles f is no obstacle, even where root and pole nearly meet.
 std::optional<LoopRoot> LoopScan::newton(Complex s, int cut, double factor) const {
   const auto f = [&](Complex at) {
     const auto returned = group_.returned(std::exp(at));
@@ -187,32 +191,49 @@ std::optional<LoopRoot> LoopScan::newton(Complex s, int cut, double factor) cons
                          : scaled(LoopGroup::characteristic(returned),
                                   LoopGroup::alone(returned)[static_cast<std::size_t>(cut)], factor);
   };
+  constexpr double kZero = 1e-4;  // what is no root, but a pole that the loop does not see, leaves more
   for (int i = 0; i < 60; ++i) {
     const double h = 1e-7 * std::max(std::abs(s), 1e-7);
-    const auto slope = (f(s + h) - f(s - h)) / (2 * h);
-    if (slope == 0.0 || !std::isfinite(std::abs(slope))) return std::nullopt;
-    auto step = f(s) / slope;
+    const auto value = f(s), z = std::exp(s);
+    auto turn = (f(s + h) - f(s - h)) / (2 * h * value);
+    for (const auto& pole : poles_) turn += z / (z - pole);
+    if (turn == 0.0 || !std::isfinite(std::abs(turn))) return std::nullopt;
+    auto step = 1.0 / turn;
     const double most = 0.2 * std::abs(s) + 1e-6;
     if (std::abs(step) > most) step *= most / std::abs(step);
     s -= step;
     if (!(std::abs(s.real()) < 1)) return std::nullopt;
-    if (std::abs(step) < 1e-11 * std::abs(s) + 1e-15)
-      return LoopRoot{std::abs(hertz(s.imag())), s.real() * rate_.value};
+    if (std::abs(step) > 1e-11 * std::abs(s) + 1e-15) continue;
+    if (!(std::abs(f(s)) < kZero)) return std::nullopt;
+    return LoopRoot{std::abs(hertz(s.imag())), s.real() * rate_.value};
   }
   return std::nullopt;
 }
 
-std::vector<LoopRoot> LoopScan::roots(std::size_t most) const {
-  std::vector<LoopRoot> roots;
+/// Valleys of |f| on the circle, the deepest first, and the poles that the roots came from, beside each of
+/// them.
+std::vector<Complex> LoopScan::first_guesses(std::size_t most) const {
   const auto depth = [&](std::size_t i) { return std::abs(samples_[i].f); };
   std::vector<std::size_t> valleys;
   for (std::size_t i = 1; i + 1 < samples_.size(); ++i)
     if (depth(i) <= depth(i - 1) && depth(i) <= depth(i + 1)) valleys.push_back(i);
   std::sort(valleys.begin(), valleys.end(), [&](auto a, auto b) { return depth(a) < depth(b); });
-  if (valleys.size() > 8 * most) valleys.resize(8 * most);
+  if (valleys.size() > most) valleys.resize(most);
   valleys.insert(valleys.end(), {0, samples_.size() - 1});
-  for (const auto i : valleys) {
-    const auto root = newton({std::log(radius_), samples_[i].radians}, 0, 1.0);
+  std::vector<Complex> guesses;
+  for (const auto i : valleys) guesses.emplace_back(std::log(radius_), samples_[i].radians);
+  for (const auto& pole : poles_) {
+    if (pole.imag() < 0) continue;
+    const auto s = std::log(pole);
+    guesses.push_back(s + Complex{0.5, 0.5} * std::max(std::abs(s.real()), 1e-6));
+  }
+  return guesses;
+}
+
+std::vector<LoopRoot> LoopScan::roots(std::size_t most) const {
+  std::vector<LoopRoot> roots;
+  for (const auto& guess : first_guesses(8 * most)) {
+    const auto root = newton(guess, 0, 1.0);
     if (!root) continue;
     const bool known = std::any_of(roots.begin(), roots.end(), [&](const auto& r) {
       return std::abs(r.frequency_hz - root->frequency_hz) < 1e-6 * (1 + r.frequency_hz) &&

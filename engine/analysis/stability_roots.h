@@ -64,6 +64,7 @@ class LoopScan {
   };
   Sample sample(double radians) const;
   std::vector<double> first_points() const;
+  std::vector<std::complex<double>> first_guesses(std::size_t most) const;
   void refine(std::vector<double> points);
   static bool smooth(const Sample& a, const Sample& b);
   std::vector<Crossing> crossings(int cut) const;
@@ -76,7 +77,8 @@ class LoopScan {
   const LoopGroup& group_;
   Hertz rate_;
   double radius_;
-  std::vector<Sample> samples_;  ///< from 0 to half the rate
+  std::vector<std::complex<double>> poles_;  ///< of the networks in the loop
+  std::vector<Sample> samples_;              ///< from 0 to half the rate
 };
 
 }  // namespace tactus

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/analysis/stability.h"
+#include "engine/graph/entry_fields.h"
 
 // The verdict in sentences: does it hold, what breaks first, what to change.
 namespace tactus {
@@ -19,7 +21,8 @@ std::string newtons_per_metre(double stiffness) {
   return std::isfinite(stiffness) ? fmt::format("{:.4g} N/m", stiffness) : "any stiffness";
 }
 
-/// The loop whose gain may grow least, of those that no fingertip holds.
+/// Where one change does most: of what holds, the place with the least room; of what does not, the one that
+/// is nearest to holding. Fingertips do not count.
 struct Weakest {
   const RegimeVerdict* regime = nullptr;
   const LoopVerdict* loop = nullptr;
@@ -27,17 +30,25 @@ struct Weakest {
   double border = std::numeric_limits<double>::infinity();
 };
 
+bool tells_more(double border, const Weakest& than) {
+  if (!std::isfinite(border) || border <= 0) return false;
+  return than.border < 1 ? border < 1 && border > than.border : border < than.border;
+}
+
 Weakest weakest(const StabilityVerdict& verdict) {
   Weakest found;
-  for (const auto& regime : verdict.regimes) {
-    if (regime.held) continue;
-    for (const auto& loop : regime.loops)
-      if (loop.margin.border < found.border) found = {&regime, &loop, nullptr, loop.margin.border};
-    // A spring says more than the loop that it stands in.
-    for (const auto& stiff : regime.stiff) {
-      const double border = stiff.stable_up_to / stiff.stiffness;
-      if (border <= 1.001 * found.border && std::isfinite(border)) found = {&regime, nullptr, &stiff, border};
+  for (const bool springs : {true, false}) {
+    for (const auto& regime : verdict.regimes) {
+      if (regime.held || (!verdict.holds && regime.holds())) continue;
+      for (const auto& stiff : regime.stiff)
+        if (const double border = stiff.stable_up_to / stiff.stiffness; springs && tells_more(border, found))
+          found = {&regime, nullptr, &stiff, border};
+      for (const auto& loop : regime.loops)
+        if (!springs && tells_more(loop.margin.border, found))
+          found = {&regime, &loop, nullptr, loop.margin.border};
     }
+    // A spring says more than the loop that it stands in.
+    if (found.regime != nullptr) return found;
   }
   return found;
 }
@@ -50,7 +61,7 @@ const LoopVerdict* widest_drive(const RegimeVerdict& regime) {
 
 std::string headline(const StabilityVerdict& verdict, const Weakest& first) {
   const auto at =
-      fmt::format("at {:.4g} Hz with a delay of {:.4g} ms", verdict.rate.value, 1e3 * verdict.delay_s);
+      fmt::format("at {:g} kHz with a delay of {:.4g} ms", verdict.rate.value / 1e3, 1e3 * verdict.delay_s);
   if (!verdict.holds) return "does not hold " + at;
   if (first.regime == nullptr) return "stable " + at + ": no loop in it can grow, whatever its gain";
   const double hertz = first.stiff != nullptr ? first.stiff->border_hz : first.loop->margin.border_hz;
@@ -83,23 +94,35 @@ void tell_first(const Weakest& first, std::vector<std::string>& words) {
                               joined(first.loop->way), first.border));
 }
 
-void tell_change(const StabilityVerdict& verdict, const Weakest& first, std::vector<std::string>& words) {
-  if (first.regime == nullptr) return;
-  std::vector<std::string> ways;
-  if (first.stiff != nullptr && first.border < 1)
-    ways.push_back(fmt::format("a stiffness below {}", newtons_per_metre(first.stiff->stable_up_to)));
-  if (first.loop != nullptr && first.border < 1)
-    ways.push_back(fmt::format("{:.3g} times the gain", first.border));
+void tell_room(const Weakest& first, std::vector<std::string>& words) {
+  const auto* drive = first.regime == nullptr ? nullptr : widest_drive(*first.regime);
+  if (drive != nullptr && std::isfinite(drive->margin.more_delay_s))
+    words.push_back(fmt::format("room for delay: {:.3g} ms more", 1e3 * drive->margin.more_delay_s));
+}
+
+void tell_controls(const StabilityVerdict& verdict, std::vector<std::string>& words) {
   for (const auto& control : verdict.controls)
     if (control.border)
-      ways.push_back(fmt::format("'{}' {} {:.4g}", control.control.name,
+      words.push_back(fmt::format("control '{}' holds {} {}", control.control.name,
+                                  control.holds_low ? "up to" : "from",
+                                  in_unit(*control.border, control.control.unit)));
+}
+
+void tell_change(const StabilityVerdict& verdict, const Weakest& first, std::vector<std::string>& words) {
+  if (first.regime == nullptr || verdict.holds) return;
+  std::vector<std::string> ways;
+  if (first.stiff != nullptr)
+    ways.push_back(fmt::format("give '{}' less than {}", first.stiff->path,
+                               newtons_per_metre(first.stiff->stable_up_to)));
+  if (first.loop != nullptr)
+    ways.push_back(fmt::format("take less than {:.3g} times the gain", first.border));
+  for (const auto& control : verdict.controls)
+    if (control.border)
+      ways.push_back(fmt::format("set '{}' {} {}", control.control.name,
                                  control.holds_low ? "below" : "above",
-                                 control.control.unit.from_si(*control.border)));
-  if (const auto* drive = widest_drive(*first.regime);
-      drive != nullptr && std::isfinite(drive->margin.more_delay_s))
-    words.push_back(fmt::format("room for delay: {:.3g} ms more", 1e3 * drive->margin.more_delay_s));
-  if (first.border < 1 && verdict.delay_s > 0) ways.emplace_back("a shorter delay");
-  if (!ways.empty()) words.push_back("to change: " + fmt::format("{}", fmt::join(ways, "; ")));
+                                 in_unit(*control.border, control.control.unit)));
+  if (verdict.delay_s > 0) ways.emplace_back("shorten the delay");
+  words.push_back(fmt::format("to change one of these: {}", fmt::join(ways, "; ")));
 }
 
 void tell_held(const StabilityVerdict& verdict, std::vector<std::string>& words) {
@@ -128,13 +151,20 @@ void tell_networks(const StabilityVerdict& verdict, std::vector<std::string>& wo
 
 void tell_events(const StabilityVerdict& verdict, std::vector<std::string>& words) {
   for (const auto& event : verdict.events) {
-    if (!event.on_loop) continue;
+    if (!event.on_loop || !event.place.hold_s) continue;
     std::string line = fmt::format("a loop goes through {} '{}', which nothing passes by little",
                                    event.place.type, event.place.path);
-    if (event.place.hold_s && *event.place.hold_s > 0)
+    if (*event.place.hold_s > 0)
       line += fmt::format(": bounded by its hold to {:.4g} events a second", 1 / *event.place.hold_s);
     words.push_back(std::move(line));
   }
+  const auto unheld = [](const auto& event) { return event.on_loop && !event.place.hold_s; };
+  const bool held = std::any_of(verdict.events.begin(), verdict.events.end(),
+                                [](const auto& e) { return e.on_loop && e.place.hold_s; });
+  for (const auto& event : verdict.events)
+    if (!held && unheld(event))
+      words.push_back(fmt::format("a loop goes through {} '{}', which nothing passes by little",
+                                  event.place.type, event.place.path));
 }
 
 }  // namespace
@@ -146,6 +176,8 @@ std::vector<std::string> in_words(const StabilityVerdict& verdict) {
   tell_networks(verdict, words);
   tell_first(first, words);
   tell_change(verdict, first, words);
+  tell_room(first, words);
+  if (verdict.holds) tell_controls(verdict, words);
   tell_held(verdict, words);
   tell_events(verdict, words);
   for (const auto& pair : verdict.open)

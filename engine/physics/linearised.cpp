@@ -130,12 +130,13 @@ double radius_by_running(const Network& network, const NetworkElements& elements
     for (std::size_t i = 0; i < moving; ++i) sum += std::pow(moved.moved[i] - rest.moved[i], 2);
     return std::sqrt(sum);
   };
-  double before = motion(), now = before;
+  const double start = motion();
+  double before = start, now = start;
   for (int frame = 1; frame <= kFrames; ++frame) {
     network.step(moved, inputs.data());
     network.step(rest, inputs.data());
     now = motion();
-    if (!(now < 1e100)) return std::pow(1e100 / before, 1.0 / frame);
+    if (!(now < 1e100)) return std::pow(1e100 / start, 1.0 / frame);
     if (frame <= kFrames / 2) before = std::max(before, now);
   }
   return now > 7.0 * before ? std::pow(now / before, 2.0 / kFrames) : 1.0;
