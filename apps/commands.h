@@ -10,6 +10,7 @@ enum Exit { kDone = 0, kNo = 1, kUsage = 2, kBadFile = 3, kDevice = 4, kInterrup
 /// Each command adds itself: its options, its help, and what it does (its result goes into `exit_code`).
 void add_play(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
+void add_check(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
 void add_nodes(CLI::App& app, int& exit_code);

@@ -40,8 +40,8 @@ class Fir {
       chunk(x + done, y + done, std::min(frames - done, kChunk));
   }
 
-  std::complex<double> response(double radians) const {
-    const auto delay = std::polar(1.0, -radians);
+  /// H, where `delay` is z^-1.
+  std::complex<double> response(std::complex<double> delay) const {
     std::complex<double> sum = 0;
     for (const double tap : taps_) sum = sum * delay + tap;
     return sum;

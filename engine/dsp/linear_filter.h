@@ -15,9 +15,8 @@ struct FilterCoefficients {
   std::array<double, Order + 1> b{1.0};
   std::array<double, Order> a{};
 
-  /// H at `radians` per frame.
-  std::complex<double> response(double radians) const {
-    const auto delay = std::polar(1.0, -radians);
+  /// H, where `delay` is z^-1.
+  std::complex<double> response(std::complex<double> delay) const {
     std::complex<double> above = b[Order], below = 0;
     for (std::size_t i = Order; i-- > 0;) {
       above = above * delay + b[i];

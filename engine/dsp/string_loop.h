@@ -44,10 +44,8 @@ struct StringDesign {
   StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain = 0.9999);
   /// Once around the loop, at any z^-1: the string rings where this is 1.
   std::complex<double> loop(std::complex<double> delay) const;
-  /// From x to y.
-  std::complex<double> response(double radians) const {
-    return 1.0 / (1.0 - loop(std::polar(1.0, -radians)));
-  }
+  /// From x to y, at any z^-1.
+  std::complex<double> response(std::complex<double> delay) const { return 1.0 / (1.0 - loop(delay)); }
 
   int newest = 0;                    ///< frames back of the first tap
   std::array<double, kTaps> taps{};  ///< with the loss filter's zeros, and the gain

@@ -38,8 +38,8 @@ class Maker {
       const auto other = static_cast<std::size_t>(vertex.index);
       made_.fingerprints[v] = made_.fingerprints[other];
       if (made_.nodes[other] != nullptr)
-        made_.nodes[v] =
-            std::make_shared<PhaseDelay>(made_.nodes[other], static_cast<int>(vertex.in.size()) - 2);
+        made_.nodes[v] = std::make_shared<PhaseDelay>(
+            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, options_.sample_rate);
       else if (made_.mistakes.empty())
         complain_phase(vertex);
     }
@@ -88,7 +88,7 @@ class Maker {
       for (const auto& wire : vertex.in)
         if (at(wire).kind == Vertex::Kind::Constant) in.push_back(at(wire).value);
       if (other == nullptr || in.size() != vertex.in.size()) continue;
-      const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()});
+      const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()}, options_.sample_rate);
       if (!taken) continue;
       vertex.kind = Vertex::Kind::Constant;
       vertex.value = in[0] - *taken;
@@ -164,8 +164,8 @@ class Maker {
     for (; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
       const auto other = static_cast<std::size_t>(at(wire).index);
       if (made_.nodes[other] == nullptr) return false;
-      const auto taken =
-          PhaseDelay::range(made_.nodes[other], tuned, flat_node(graph_.vertices[other]).ranges);
+      const auto taken = PhaseDelay::range(made_.nodes[other], tuned,
+                                           flat_node(graph_.vertices[other]).ranges, options_.sample_rate);
       if (!taken) return complain_phase(at(wire)), false;
       left = {left.low - taken->high, left.high - taken->low};
     }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -38,6 +39,11 @@ struct NodeBlock {
   int frames = 0;
   std::int64_t first_frame = 0;
 };
+
+/// z = e^(j 2 pi f / rate): a steady vibration of frequency f.
+inline std::complex<double> on_circle(Hertz frequency, Hertz sample_rate) {
+  return std::polar(1.0, 2 * std::numbers::pi * frequency.value / sample_rate.value);
+}
 
 /// Guaranteed delay in frames from an input to an output.
 struct DelayRange {
@@ -82,9 +88,11 @@ class Node {
   /// has the delay of its first answer).
   virtual DelayRange delay(int /*input*/, int /*output*/) const { return {}; }
 
-  /// [any] H(f) from `input` to `output` of the node, linear or linearised, with every input held at `at`
-  /// (declaration order). nullopt where no such thing exists. Does not touch the state.
-  virtual std::optional<std::complex<double>> response(int /*input*/, int /*output*/, Hertz /*frequency*/,
+  /// [any] H(z) from `input` to `output` of the node, linear or linearised, with every input held at `at`
+  /// (declaration order): what the node makes of z^n, |z| >= 1. At a frequency f, z = e^(j 2 pi f / rate)
+  /// (see `on_circle`). nullopt where no such thing exists. Does not touch the state.
+  virtual std::optional<std::complex<double>> response(int /*input*/, int /*output*/,
+                                                       std::complex<double> /*z*/,
                                                        std::span<const double> /*at*/) const {
     return std::nullopt;
   }

@@ -9,7 +9,7 @@ namespace tactus {
 std::optional<double> PhaseDelay::phase_delay(double tuned) const noexcept {
   if (!(tuned > 0)) return std::nullopt;
   const double frequency = 1 / tuned;
-  const auto response = other_->response(0, 0, Hertz{frequency}, values_);
+  const auto response = other_->response(0, 0, on_circle(Hertz{frequency}, sample_rate_), values_);
   if (!response) return std::nullopt;
   return -std::arg(*response) / (2 * std::numbers::pi * frequency);
 }
@@ -32,15 +32,15 @@ void PhaseDelay::process(const NodeBlock& block) noexcept {
 }
 
 std::optional<double> PhaseDelay::at(const std::shared_ptr<const Node>& other, double tuned,
-                                     const std::vector<double>& inputs) {
-  PhaseDelay probe{other, static_cast<int>(inputs.size())};
+                                     const std::vector<double>& inputs, Hertz sample_rate) {
+  PhaseDelay probe{other, static_cast<int>(inputs.size()), sample_rate};
   probe.values_ = inputs;
   return probe.phase_delay(tuned);
 }
 
 std::optional<Interval> PhaseDelay::range(const std::shared_ptr<const Node>& other, Interval tuned,
-                                          const std::vector<Interval>& inputs) {
-  PhaseDelay probe{other, static_cast<int>(inputs.size())};
+                                          const std::vector<Interval>& inputs, Hertz sample_rate) {
+  PhaseDelay probe{other, static_cast<int>(inputs.size()), sample_rate};
   std::optional<Interval> found;
   constexpr int kSteps = 64;
   const std::size_t corners = std::size_t{1} << std::min<std::size_t>(inputs.size(), 8);

@@ -19,26 +19,29 @@ namespace tactus {
 /// than half a circle at the fundamental.
 class PhaseDelay : public Node {
  public:
-  PhaseDelay(std::shared_ptr<const Node> other, int other_inputs)
-      : other_(std::move(other)), values_(static_cast<std::size_t>(other_inputs), 0.0) {}
+  PhaseDelay(std::shared_ptr<const Node> other, int other_inputs, Hertz sample_rate)
+      : other_(std::move(other)),
+        sample_rate_(sample_rate),
+        values_(static_cast<std::size_t>(other_inputs), 0.0) {}
 
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override { known_ = false; }
 
   /// [control] What it takes off a time that is tuned to `tuned`, the other node's inputs being `inputs`.
   static std::optional<double> at(const std::shared_ptr<const Node>& other, double tuned,
-                                  const std::vector<double>& inputs);
+                                  const std::vector<double>& inputs, Hertz sample_rate);
 
   /// [control] All that it can take off over these ranges, by sampling frequencies and corners; negative for
   /// a phase that leads. nullopt: the other node has no response.
   static std::optional<Interval> range(const std::shared_ptr<const Node>& other, Interval tuned,
-                                       const std::vector<Interval>& inputs);
+                                       const std::vector<Interval>& inputs, Hertz sample_rate);
 
  private:
   std::optional<double> phase_delay(double tuned) const noexcept;
 
   /// Only its design is asked, never its state: it may be another one than runs after an edit.
   std::shared_ptr<const Node> other_;
+  Hertz sample_rate_;
   std::vector<double> values_;
   double tuned_ = 0;
   double result_ = 0;

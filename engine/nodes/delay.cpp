@@ -53,10 +53,10 @@ class DelayNode : public RememberingNode {
 
   DelayRange delay(int input, int) const override { return input == kIn ? taps_.delay() : DelayRange{}; }
 
-  std::optional<std::complex<double>> response(int input, int, Hertz frequency,
+  std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
                                                std::span<const double> at) const override {
     if (input != kIn) return std::nullopt;
-    return taps_.response(taps_.inside(at[kTime]), frequency);
+    return taps_.response(taps_.inside(at[kTime]), z);
   }
 
   std::unique_ptr<Node> widened(std::span<const Node* const> lanes) const override {

@@ -54,13 +54,11 @@ class DelayTaps {
     }
   }
 
-  std::complex<double> response(double seconds, Hertz frequency) const {
-    const double radians = radians_at(frequency, sample_rate_);
+  std::complex<double> response(double seconds, std::complex<double> z) const {
     const auto aim = at(seconds);
     std::complex<double> sum = 0;
-    for (int k = 0; k <= Order; ++k)
-      sum += aim.weights[static_cast<std::size_t>(k)] * std::polar(1.0, -radians * (aim.newest + k));
-    return sum;
+    for (std::size_t k = Order + 1; k-- > 0;) sum = sum / z + aim.weights[k];
+    return sum * std::pow(z, -aim.newest);
   }
 
  private:

@@ -22,9 +22,9 @@ class DifferenceNode : public Node {
 
   void reset() noexcept override { before_ = 0; }
 
-  std::optional<std::complex<double>> response(int, int, Hertz frequency,
+  std::optional<std::complex<double>> response(int, int, std::complex<double> z,
                                                std::span<const double>) const override {
-    return (1.0 - std::polar(1.0, -radians_at(frequency, sample_rate_))) * sample_rate_.value;
+    return (1.0 - 1.0 / z) * sample_rate_.value;
   }
 
  private:

@@ -37,7 +37,7 @@ class ElementwiseNode final : public Node {
     return std::make_unique<WideElementwiseNode<Law>>(law_);
   }
 
-  std::optional<std::complex<double>> response(int input, int, Hertz,
+  std::optional<std::complex<double>> response(int input, int, std::complex<double>,
                                                std::span<const double> at) const override {
     return law_.slope(input, at.data());
   }

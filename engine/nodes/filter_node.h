@@ -35,12 +35,12 @@ class FilterNode : public Node {
     designed_ = false;
   }
 
-  std::optional<std::complex<double>> response(int input, int output, Hertz frequency,
+  std::optional<std::complex<double>> response(int input, int output, std::complex<double> z,
                                                std::span<const double> at) const override {
     if (input != 0) return std::nullopt;
     Parameters parameters;
     std::copy_n(at.begin() + 1, ParameterCount, parameters.begin());
-    const auto filtered = design_(parameters, sample_rate_).response(radians_at(frequency, sample_rate_));
+    const auto filtered = design_(parameters, sample_rate_).response(1.0 / z);
     return output == 0 ? filtered : 1.0 - filtered;
   }
 

@@ -12,7 +12,7 @@ namespace {
 
 class FirNode : public Node {
  public:
-  FirNode(Hertz sample_rate, std::vector<double> taps) : sample_rate_(sample_rate), fir_(std::move(taps)) {}
+  explicit FirNode(std::vector<double> taps) : fir_(std::move(taps)) {}
 
   void process(const NodeBlock& block) noexcept override {
     InARow in_a_row;
@@ -24,13 +24,12 @@ class FirNode : public Node {
     if (const auto* other = dynamic_cast<const FirNode*>(&before)) fir_.adopt(other->fir_);
   }
 
-  std::optional<std::complex<double>> response(int, int, Hertz frequency,
+  std::optional<std::complex<double>> response(int, int, std::complex<double> z,
                                                std::span<const double>) const override {
-    return fir_.response(radians_at(frequency, sample_rate_));
+    return fir_.response(1.0 / z);
   }
 
  private:
-  Hertz sample_rate_;
   Fir fir_;
 };
 
@@ -43,7 +42,7 @@ Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
   const Hertz from = rate.given ? Hertz{rate.number} : setup.sample_rate;
   const auto fits = setup.take_memory(length_at_rate(taps.size(), from, setup.sample_rate));
   if (!fits) return tl::unexpected(fits.error());
-  return std::make_unique<FirNode>(setup.sample_rate, taps_at_rate(taps, from, setup.sample_rate));
+  return std::make_unique<FirNode>(taps_at_rate(taps, from, setup.sample_rate));
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 
 #include "engine/dsp/recurrence.h"
 #include "engine/graph/node.h"
@@ -61,9 +60,5 @@ class InARow {
  private:
   std::array<double, kMaxPiece> samples_;
 };
-
-inline double radians_at(Hertz frequency, Hertz sample_rate) {
-  return 2 * std::numbers::pi * frequency.value / sample_rate.value;
-}
 
 }  // namespace tactus

@@ -42,6 +42,26 @@ std::vector<NetworkReading> NetworkBuilder::readings() const {
   return readings;
 }
 
+void NetworkBuilder::name_parts(NetworkRecipe& recipe) const {
+  recipe.points.resize(elements.points.size());
+  recipe.springs.resize(elements.springs.size());
+  recipe.contacts.resize(elements.contacts.size());
+  const auto name = [](std::vector<std::string>& names, int part, const std::string& element) {
+    if (part >= 0) names[static_cast<std::size_t>(part)] = element;
+  };
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const auto& element = layout_.elements[i];
+    name(recipe.points, parts_[i].point, element.name);
+    name(recipe.springs, parts_[i].spring, element.name);
+    name(recipe.contacts, parts_[i].contact, element.name);
+    name(recipe.contacts, parts_[i].opposite, element.name);
+    for (int p = 0; element.type->many && p < element.points(); ++p)
+      name(recipe.points, parts_[i].point + p,
+           element.name + (element.rows() > 1 ? "." + std::to_string(1 + p / element.columns()) : "") + "." +
+               std::to_string(1 + p % element.columns()));
+  }
+}
+
 NetworkReading NetworkBuilder::reading(ElementQuantity::Kind kind, const Element& element,
                                        const Parts& parts) const {
   using Kind = ElementQuantity::Kind;

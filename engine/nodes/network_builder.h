@@ -5,6 +5,7 @@
 
 #include "engine/graph/node_type.h"
 #include "engine/nodes/network_layout.h"
+#include "engine/nodes/network_node.h"
 #include "engine/physics/elements.h"
 
 namespace tactus {
@@ -25,6 +26,9 @@ class NetworkBuilder {
 
   /// One for each output of the declaration, in its order.
   std::vector<NetworkReading> readings() const;
+
+  /// What the elements are called, by what they have become.
+  void name_parts(NetworkRecipe& recipe) const;
 
   NetworkElements elements;
   std::vector<int> signal_ports;  ///< input of each signal of the network

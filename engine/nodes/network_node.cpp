@@ -9,15 +9,16 @@
 namespace tactus {
 namespace {
 
-class NetworkNode final : public Node {
+class NetworkNode final : public Node, public NetworkView {
  public:
-  NetworkNode(Network network, std::vector<NetworkReading> readings, std::vector<int> signal_ports,
+  NetworkNode(NetworkRecipe recipe, Network network, std::vector<NetworkReading> readings,
               const NodeType& type)
       : fingerprint_(type.fingerprint),
+        recipe_(std::move(recipe)),
         network_(std::move(network)),
         state_(network_.initial_state()),
         readings_(std::move(readings)),
-        signal_ports_(std::move(signal_ports)),
+        signal_ports_(recipe_.signal_ports),
         now_(signal_ports_.size()),
         read_(readings_.size()),
         late_(type.inputs.size()) {
@@ -49,6 +50,12 @@ class NetworkNode final : public Node {
     return late_[static_cast<std::size_t>(input)] ? DelayRange{1, 1} : DelayRange{};
   }
 
+  const NetworkRecipe& recipe() const override { return recipe_; }
+  double energy() const override { return network_.energy(state_); }
+  double shown(const Network& network, const NetworkState& state, int output) const override {
+    return value(readings_[static_cast<std::size_t>(output)], network, state);
+  }
+
  private:
   /// Puts the outputs that somebody reads to the front of `read_`.
   std::size_t find_read(const NodeBlock& block) noexcept {
@@ -59,7 +66,7 @@ class NetworkNode final : public Node {
   }
 
   void write(const NodeBlock& block, int frame, std::size_t count) const noexcept {
-    for (std::size_t i = 0; i < count; ++i) block.out[read_[i]][frame] = value(readings_[read_[i]]);
+    for (std::size_t i = 0; i < count; ++i) block.out[read_[i]][frame] = value(readings_[read_[i]], network_, state_);
   }
 
   void step(const NodeBlock& block, int frame) noexcept {
@@ -67,52 +74,55 @@ class NetworkNode final : public Node {
     network_.step(state_, now_.data());
   }
 
-  double value(const NetworkReading& reading) const noexcept {
+  static double value(const NetworkReading& reading, const Network& network,
+                      const NetworkState& state) noexcept {
     using Kind = ElementQuantity::Kind;
     switch (reading.kind) {
       case Kind::Position:
-        return network_.position(state_, reading.part);
+        return network.position(state, reading.part);
       case Kind::Velocity:
-        return network_.velocity(state_, reading.part);
+        return network.velocity(state, reading.part);
       case Kind::Extension:
-        return network_.extension(state_, reading.part);
+        return network.extension(state, reading.part);
       case Kind::SpringForce:
-        return network_.spring_force(state_, reading.part) +
-               (reading.push < 0 ? 0.0 : network_.applied_force(state_, reading.push)) +
-               (reading.plus < 0 ? 0.0 : contact_force(reading.plus, reading.minus));
+        return network.spring_force(state, reading.part) +
+               (reading.push < 0 ? 0.0 : network.applied_force(state, reading.push)) +
+               (reading.plus < 0 ? 0.0 : contact_force(network, state, reading.plus, reading.minus));
       case Kind::Indentation:
-        return network_.indentation(state_, reading.part) -
-               (reading.minus < 0 ? 0.0 : network_.indentation(state_, reading.minus));
+        return network.indentation(state, reading.part) -
+               (reading.minus < 0 ? 0.0 : network.indentation(state, reading.minus));
       case Kind::ContactForce:
-        return contact_force(reading.part, reading.minus);
+        return contact_force(network, state, reading.part, reading.minus);
       case Kind::AppliedForce:
-        return network_.applied_force(state_, reading.part);
+        return network.applied_force(state, reading.part);
       case Kind::Current:
-        return network_.current(state_, reading.part);
+        return network.current(state, reading.part);
       case Kind::CoilForce:
-        return network_.coil_force(state_, reading.part);
+        return network.coil_force(state, reading.part);
       case Kind::FrictionForce:
-        return network_.friction_force(state_, reading.part);
+        return network.friction_force(state, reading.part);
       case Kind::FrictionVelocity:
-        return network_.friction_velocity(state_, reading.part);
+        return network.friction_velocity(state, reading.part);
       case Kind::PluckForce:
-        return network_.pluck_force(state_, reading.part);
+        return network.pluck_force(state, reading.part);
       case Kind::Wave:
-        return network_.wave(state_, reading.part);
+        return network.wave(state, reading.part);
       case Kind::PortForce:
-        return network_.port_force(state_, reading.part);
+        return network.port_force(state, reading.part);
       case Kind::Energy:
         break;
     }
-    return network_.energy(state_);
+    return network.energy(state);
   }
 
-  double contact_force(int contact, int opposite) const noexcept {
-    return network_.contact_force(state_, contact) -
-           (opposite < 0 ? 0.0 : network_.contact_force(state_, opposite));
+  static double contact_force(const Network& network, const NetworkState& state, int contact,
+                              int opposite) noexcept {
+    return network.contact_force(state, contact) -
+           (opposite < 0 ? 0.0 : network.contact_force(state, opposite));
   }
 
   std::uint64_t fingerprint_;  ///< which elements, joined how
+  NetworkRecipe recipe_;
   Network network_;
   NetworkState state_;
   std::vector<NetworkReading> readings_;
@@ -135,11 +145,19 @@ Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, con
   const auto each =
       layout.solver == Solver::Explicit ? builder.elements.frictions.size() : points + 2 * couplings;
   if (const auto fits = setup.take_memory(couplings * each); !fits) return tl::unexpected(fits.error());
-  auto network = Network::make(std::move(builder.elements), static_cast<int>(builder.signal_ports.size()),
-                               setup.sample_rate, layout.solver, layout.oversample);
+  NetworkRecipe recipe;
+  recipe.elements = builder.elements;
+  recipe.signals = static_cast<int>(builder.signal_ports.size());
+  recipe.rate = setup.sample_rate;
+  recipe.signal_ports = builder.signal_ports;
+  builder.name_parts(recipe);
+  auto network = Network::make(std::move(builder.elements), recipe.signals, recipe.rate, layout.solver,
+                               layout.oversample);
   if (!network) return tl::unexpected(network.error());
-  return std::make_unique<NetworkNode>(std::move(*network), builder.readings(),
-                                       std::move(builder.signal_ports), *setup.type);
+  recipe.solver = network->solver();
+  recipe.oversample = network->oversample();
+  return std::make_unique<NetworkNode>(std::move(recipe), std::move(*network), builder.readings(),
+                                       *setup.type);
 }
 
 }  // namespace tactus

@@ -42,12 +42,12 @@ class StringNode : public Node {
     return std::make_unique<WideStringNode>(filter_, sample_rate_, lowest);
   }
 
-  std::optional<std::complex<double>> response(int input, int, Hertz frequency,
+  std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
                                                std::span<const double> at) const override {
     if (input != kIn) return std::nullopt;
     const StringDesign design{
         {.pitch_hz = at[kPitch], .gain = at[kGain], .loss = at[kLoss]}, filter_, sample_rate_};
-    return design.response(radians_at(frequency, sample_rate_));
+    return design.response(1.0 / z);
   }
 
  private:

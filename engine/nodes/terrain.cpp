@@ -49,7 +49,7 @@ class Terrain final : public Node {
   }
   void reset() noexcept override {}
 
-  std::optional<std::complex<double>> response(int input, int output, Hertz,
+  std::optional<std::complex<double>> response(int input, int output, std::complex<double>,
                                                std::span<const double> in) const override {
     const Shape shape = at(in[kPosition], in[kHeight], in[kLength]);
     if (input == kPosition)

@@ -58,8 +58,11 @@ NetworkState Network::initial_state() const {
   const auto& m = *model_;
   NetworkState state;
   const auto slots = m.start_position.size(), couplings = m.contacts.size() + m.plucks.size();
-  for (auto* list : {&state.position, &state.moved, &state.moved_before, &state.velocity, &state.change})
-    list->resize(slots);
+  for (auto* list : {&state.position, &state.change}) list->resize(slots);
+  if (scheme_->centred())
+    state.moved.resize(slots), state.moved_before.resize(slots);
+  else
+    state.velocity.resize(slots);
   state.root.resize(couplings);
   state.loss.resize(m.contacts.size());
   state.touching.reserve(couplings);
@@ -106,7 +109,8 @@ void Network::settle(NetworkState& state, const double* inputs) const noexcept {
   for (const auto& motion : model_->motions) {
     const double place = now(motion.drive, inputs);
     state.position[index(motion.slot)] = place;
-    state.moved[index(motion.slot)] = state.moved_before[index(motion.slot)] = 0.0;
+    for (auto* list : {&state.moved, &state.moved_before})
+      if (!list->empty()) (*list)[index(motion.slot)] = 0.0;
     if (motion.drive.signal >= 0) state.held[index(motion.drive.signal)] = place;
     if (motion.low_pass >= 0) state.low_pass[index(motion.low_pass)] = {place, 0.0};
   }

@@ -21,9 +21,9 @@ struct Touch {
 /// Where a network is. Everything that `Network::step` changes. [m], [J^1/2], [A]
 struct NetworkState {
   Numbers position;      ///< of every slot: q
-  Numbers moved;         ///< in the last step: u = q - q-
+  Numbers moved;         ///< of centred schemes, in the last step: u = q - q-
   Numbers moved_before;  ///< in the step before it
-  Numbers velocity;      ///< of every slot [m/s]; of schemes that know it
+  Numbers velocity;      ///< of the others, of every slot [m/s]
   Numbers change;        ///< workspace: e = u+ - u, or the way of the step
   Numbers root;          ///< of each contact's and pluck's energy: psi
   Numbers loss;          ///< of each contact: r [s/m]

@@ -174,6 +174,7 @@ class SceneBuilder {
     CompileOptions options;
     options.sample_rate = rate_;
     options.system_delay = delay_;
+    options.side_by_side = options_.side_by_side;
     options.taps = taps_;
     options.closed_outside = built_.delay_frames == 0;
     auto compiled = compile_or_check(world_, options);
@@ -222,6 +223,7 @@ class SceneBuilder {
     CompileOptions options;
     options.sample_rate = rate_;
     options.system_delay = delay_;
+    options.side_by_side = options_.side_by_side;
     options.controls = controls_;
     options.taps = event_taps(*instrument_->graph, table_);
     auto compiled = compile_or_check(*instrument_->graph, options);

@@ -22,6 +22,7 @@ struct SceneOptions {
   /// A person strikes: the world gets a control `strike`, from 0 to 1, which every control of this name of a
   /// part follows, whatever the scene says about it.
   bool by_hand = false;
+  bool side_by_side = true;  ///< as CompileOptions::side_by_side
 };
 
 /// A signal that is recorded while a scene plays.

@@ -22,7 +22,7 @@ inline double decibels(std::complex<double> response) { return 20 * std::log10(s
 /// The response that a node states, with inputs held at `at`.
 inline std::complex<double> stated_response(NodeRunner& runner, double hertz, std::vector<double> at,
                                             int output = 0) {
-  return runner.node().response(0, output, Hertz{hertz}, at).value();
+  return runner.node().response(0, output, on_circle(Hertz{hertz}, 48_kHz), at).value();
 }
 
 }  // namespace tactus::test

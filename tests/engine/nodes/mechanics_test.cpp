@@ -74,7 +74,7 @@ TEST_CASE("terrain: no force beyond drawn points, and no jump on the way there",
 TEST_CASE("terrain: a detent is a spring of weight height / length^2 near its centre", "[nodes]") {
   test::NodeRunner runner(terrain_type(), {{"position", 0.0}});
   const double at[] = {0, kWeight, 0.001, 0.002};
-  CHECK(runner.node().response(0, 0, 10_Hz, at)->real() ==
+  CHECK(runner.node().response(0, 0, on_circle(10_Hz, 48_kHz), at)->real() ==
         Approx(-kWeight * 0.001 / (0.002 * 0.002)).epsilon(1e-14));
 }
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "engine/analysis/stability.h"
+#include "engine/analysis/stability_extremes.h"
+
+namespace tactus::app {
+
+/// What `tactus check` was asked to look at.
+struct CheckedSubject {
+  std::string name;
+  std::string delay_from;  ///< where the delay comes from, in words
+};
+
+/// The verdict, and every run as it was foreseen.
+bool holds(const StabilityVerdict& verdict, const std::vector<ExtremeRun>& runs);
+/// Every number of it.
+nlohmann::ordered_json to_json(const CheckedSubject& subject, const StabilityVerdict& verdict,
+                               const std::vector<ExtremeRun>& runs);
+/// Words first, then tables.
+void print(const CheckedSubject& subject, const StabilityVerdict& verdict,
+           const std::vector<ExtremeRun>& runs);
+
+}  // namespace tactus::app

@@ -1,0 +1,250 @@
+#include "engine/analysis/stability_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "engine/analysis/stability_law.h"
+
+namespace tactus {
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+/// Any z serves to ask whether there is a response at all.
+const std::complex<double> kSomewhere = std::polar(1.0, 0.01);
+
+class ScheduleReader {
+ public:
+  ScheduleReader(LinearGraph& graph, const Schedule& schedule, const Regime& regime, std::string prefix)
+      : graph_(graph), schedule_(schedule), regime_(regime), prefix_(std::move(prefix)) {}
+
+  Terminals run() {
+    Terminals terminals;
+    for (std::size_t i = 0; i < schedule_.input_buffers.size(); ++i)
+      terminals.inputs.push_back(made(schedule_.input_buffers[i], schedule_.input_names[i]));
+    for (const auto& step : schedule_.steps)
+      if (step.kind == Step::Kind::Operations)
+        make_operations(step);
+      else if (gives(step))
+        make_outputs(step);
+    for (const auto& step : schedule_.steps)
+      if (step.kind == Step::Kind::Operations)
+        join_operations(step);
+      else if (gives(step))
+        join_node(step);
+    for (const auto& channel : schedule_.channels) terminals.channels.push_back(signal(channel.signal));
+    return terminals;
+  }
+
+ private:
+  static bool gives(const Step& step) {
+    return step.kind == Step::Kind::Process || step.kind == Step::Kind::Emit;
+  }
+  const std::string& path_of(int path) const { return schedule_.paths[index(path)]; }
+
+  int made(const double* buffer, const std::string& name) {
+    if (buffer == nullptr) return -1;
+    const auto [place, added] = places_.try_emplace(buffer, -1);
+    if (added) place->second = graph_.add_signal(prefix_ + name);
+    return place->second;
+  }
+  /// -1: a number, a control, or what is made of nothing else.
+  int signal(const Signal& signal) const {
+    const auto found = places_.find(signal.data);
+    return found == places_.end() ? -1 : found->second;
+  }
+  double value(int slot) const { return *schedule_.inputs[index(slot)].data; }
+
+  void make_outputs(const Step& step) {
+    for (int o = 0; o < step.outputs; ++o) {
+      const auto* type = schedule_.types[index(step.node)].get();
+      std::string name = path_of(step.path);
+      if (type != nullptr && o > 0) name += "." + type->outputs[index(o)].name;
+      made(schedule_.outputs[index(step.first_out + o)], name);
+    }
+  }
+
+  /// What is made of controls alone moves only when a person moves them.
+  void make_operations(const Step& step) {
+    for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
+      const auto& operation = schedule_.operations[index(i)];
+      const auto* in = schedule_.inputs.data() + operation.first_in;
+      const bool rests = operation.can_rest >= 0 || (in[0].constant() && in[1].constant());
+      if (!rests) made(operation.out, path_of(operation.path));
+    }
+  }
+
+  void join_operations(const Step& step) {
+    for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
+      const auto& operation = schedule_.operations[index(i)];
+      const auto out = places_.find(operation.out);
+      if (out == places_.end()) continue;
+      const int in[2] = {signal(schedule_.inputs[index(operation.first_in)]),
+                         signal(schedule_.inputs[index(operation.first_in + 1)])};
+      const Operands operands{
+          value(operation.first_in), value(operation.first_in + 1), {in[0] >= 0, in[1] >= 0}};
+      for (int k = 0; k < operands_of(operation.op); ++k) {
+        if (in[k] < 0) continue;
+        const double rest = slope_of(operation.op, operands, k, false);
+        const double steep = slope_of(operation.op, operands, k, true);
+        graph_.has_touched |= steep != rest;
+        const double gain = regime_.touched ? steep : rest;
+        if (gain != 0)
+          graph_.edges.push_back(
+              {.from = in[k], .to = out->second, .path = prefix_ + path_of(operation.path), .gain = gain});
+      }
+    }
+  }
+
+  void join_node(const Step& step) {
+    const auto& node = schedule_.nodes[index(step.node)];
+    if (dynamic_cast<const NetworkView*>(node.get()) != nullptr) return join_network(step);
+    const auto* type = schedule_.types[index(step.node)].get();
+    std::vector<double> at;
+    std::vector<bool> moves;
+    for (int i = 0; i < step.inputs; ++i) {
+      at.push_back(value(step.first_in + i));
+      moves.push_back(signal(schedule_.inputs[index(step.first_in + i)]) >= 0);
+    }
+    if (type != nullptr && type->stateless) {
+      const auto steep = steepest(*node, at, moves);
+      graph_.has_touched |= steep != at;
+      if (regime_.touched) at = steep;
+    }
+    for (int i = 0; i < step.inputs; ++i)
+      for (int o = 0; moves[index(i)] && o < step.outputs; ++o)
+        if (schedule_.outputs[index(step.first_out + o)] != nullptr) join_port(step, i, o, at);
+  }
+
+  void join_port(const Step& step, int input, int output, const std::vector<double>& at) {
+    const auto& node = schedule_.nodes[index(step.node)];
+    const auto* type = schedule_.types[index(step.node)].get();
+    LinearEdge edge{.kind = LinearEdge::Kind::Node,
+                    .from = signal(schedule_.inputs[index(step.first_in + input)]),
+                    .to = places_.at(schedule_.outputs[index(step.first_out + output)]),
+                    .path = prefix_ + path_of(step.path),
+                    .frames = std::max(0, node->delay(input, output).most),
+                    .node = node,
+                    .input = input,
+                    .output = output,
+                    .at = at};
+    const auto response = node->response(input, output, kSomewhere, at);
+    if (!response) {
+      if (const auto instead = stands_for(schedule_.whats[index(step.node)], input)) {
+        edge.kind = LinearEdge::Kind::Gain;
+        edge.gain = *instead;
+      } else {
+        edge.kind = LinearEdge::Kind::Event;
+        note_event(edge, type, at);
+      }
+    } else if (type != nullptr && type->stateless && *response == 0.0) {
+      return;
+    } else if (type != nullptr && type->stateless && type->inputs[index(input)].unit == "m" &&
+               type->outputs[index(output)].unit == "N") {
+      return add_stiff(edge, type->name, -response->real());
+    }
+    graph_.edges.push_back(std::move(edge));
+  }
+
+  /// A signal of its own between position and force, where the stiffness can be turned up.
+  void add_stiff(LinearEdge edge, const std::string& type, double stiffness) {
+    const int between = graph_.add_signal(edge.path);
+    graph_.stiff.push_back({between, edge.path, type, stiffness, regime_.touched});
+    graph_.join(between, edge.to);
+    edge.to = between;
+    graph_.edges.push_back(std::move(edge));
+  }
+
+  void note_event(const LinearEdge& edge, const NodeType* type, const std::vector<double>& at) {
+    EventPlace place{edge.path, type != nullptr ? type->name : "phase delay", {}};
+    const int hold = type != nullptr ? type->input_index("hold") : -1;
+    if (hold >= 0) place.hold_s = at[index(hold)];
+    const bool known = std::any_of(graph_.events.begin(), graph_.events.end(),
+                                   [&](const auto& e) { return e.path == place.path; });
+    if (!known) graph_.events.push_back(std::move(place));
+  }
+
+  void join_network(const Step& step) {
+    const auto& node = schedule_.nodes[index(step.node)];
+    const auto& view = dynamic_cast<const NetworkView&>(*node);
+    const auto path = prefix_ + path_of(step.path);
+    const auto touching = regime_.contacts.find(path);
+    const auto model =
+        NetworkModel::make(view, *schedule_.types[index(step.node)],
+                           touching == regime_.contacts.end() ? Touching{} : touching->second, regime_.hand);
+    if (model == nullptr) return graph_.not_looked_at.push_back(path);
+    const int number = static_cast<int>(graph_.networks.size());
+    graph_.networks.push_back(model);
+    graph_.network_paths.push_back(path);
+    if (!model->whole()) return graph_.not_looked_at.push_back(path);
+    for (std::size_t s = 0; s < model->signal_ports().size(); ++s) {
+      const int from = signal(schedule_.inputs[index(step.first_in + model->signal_ports()[s])]);
+      for (int o = 0; from >= 0 && o < step.outputs; ++o) {
+        const auto* out = schedule_.outputs[index(step.first_out + o)];
+        if (out != nullptr)
+          graph_.edges.push_back({.kind = LinearEdge::Kind::Network,
+                                  .from = from,
+                                  .to = places_.at(out),
+                                  .path = path,
+                                  .frames = 1,
+                                  .input = static_cast<int>(s),
+                                  .output = o,
+                                  .network = number});
+      }
+    }
+  }
+
+  LinearGraph& graph_;
+  const Schedule& schedule_;
+  const Regime& regime_;
+  std::string prefix_;
+  std::map<const double*, int> places_;
+};
+
+}  // namespace
+
+int LinearGraph::add_signal(std::string name) {
+  signals.push_back(std::move(name));
+  return static_cast<int>(signals.size()) - 1;
+}
+
+void LinearGraph::delay(int from, int to, int frames) {
+  edges.push_back({.kind = LinearEdge::Kind::Delay, .from = from, .to = to, .path = {}, .frames = frames});
+}
+
+void LinearGraph::gains(std::complex<double> z, const std::vector<std::size_t>& of,
+                        std::vector<std::complex<double>>& gains) const {
+  std::vector<Eigen::MatrixXcd> responses(networks.size());
+  gains.resize(edges.size());
+  for (const auto e : of) {
+    const auto& edge = edges[e];
+    switch (edge.kind) {
+      case LinearEdge::Kind::Gain:
+        gains[e] = edge.gain;
+        break;
+      case LinearEdge::Kind::Delay:
+        gains[e] = std::exp(-static_cast<double>(edge.frames) * std::log(z));
+        break;
+      case LinearEdge::Kind::Node:
+        gains[e] = edge.node->response(edge.input, edge.output, z, edge.at).value_or(0.0);
+        break;
+      case LinearEdge::Kind::Network: {
+        auto& response = responses[index(edge.network)];
+        if (response.size() == 0) response = networks[index(edge.network)]->response(z);
+        gains[e] = response(edge.output, edge.input);
+        break;
+      }
+      case LinearEdge::Kind::Event:
+        gains[e] = 0.0;
+        break;
+    }
+  }
+}
+
+Terminals add_schedule(LinearGraph& graph, const Schedule& schedule, const Regime& regime,
+                       const std::string& prefix) {
+  return ScheduleReader{graph, schedule, regime, prefix}.run();
+}
+
+}  // namespace tactus

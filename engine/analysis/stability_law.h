@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "engine/graph/flat_graph.h"
+#include "engine/graph/node.h"
+
+namespace tactus {
+
+/// Where an operation of an expression stands.
+struct Operands {
+  double a = 0, b = 0;
+  std::array<bool, 2> moves{};
+};
+
+/// [any] How many operands it has.
+int operands_of(Term::Op op);
+
+/// [any] d(out)/d(operand `which`) of an operation. At a corner (a minimum, a maximum, an absolute value)
+/// `touched` takes the side where the moving operand comes through.
+double slope_of(Term::Op op, const Operands& operands, int which, bool touched);
+
+/// [any] The inputs of a law without memory where it answers most: the place among `at` and its neighbours
+/// (each moving input from 1e-6 to 1e3 on both sides of where it is) with the largest sum of slopes.
+std::vector<double> steepest(const Node& node, const std::vector<double>& at, const std::vector<bool>& moves);
+
+/// [any] The gain of what has no linearisation but comes close to one when little moves far enough: an
+/// encoder's steps, a limit of speed that is not reached, a value held from one trigger to the next.
+std::optional<double> stands_for(std::string_view type, int input);
+
+}  // namespace tactus

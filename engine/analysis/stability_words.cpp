@@ -1,0 +1,193 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/analysis/stability.h"
+#include "engine/graph/entry_fields.h"
+
+// The verdict in sentences: does it hold, what breaks first, what to change.
+namespace tactus {
+namespace {
+
+double decibels(double factor) { return 20 * std::log10(factor); }
+
+std::string joined(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, " -> "));
+}
+
+std::string newtons_per_metre(double stiffness) {
+  return std::isfinite(stiffness) ? fmt::format("{:.4g} N/m", stiffness) : "any stiffness";
+}
+
+/// Where one change does most: of what holds, the place with the least room; of what does not, the one that
+/// is nearest to holding. Fingertips do not count.
+struct Weakest {
+  const RegimeVerdict* regime = nullptr;
+  const LoopVerdict* loop = nullptr;
+  const StiffVerdict* stiff = nullptr;
+  double border = std::numeric_limits<double>::infinity();
+};
+
+bool tells_more(double border, const Weakest& than) {
+  if (!std::isfinite(border) || border <= 0) return false;
+  return than.border < 1 ? border < 1 && border > than.border : border < than.border;
+}
+
+Weakest weakest(const StabilityVerdict& verdict) {
+  Weakest found;
+  for (const bool springs : {true, false}) {
+    for (const auto& regime : verdict.regimes) {
+      if (regime.held || (!verdict.holds && regime.holds())) continue;
+      for (const auto& stiff : regime.stiff)
+        if (const double border = stiff.stable_up_to / stiff.stiffness; springs && tells_more(border, found))
+          found = {&regime, nullptr, &stiff, border};
+      for (const auto& loop : regime.loops)
+        if (!springs && tells_more(loop.margin.border, found))
+          found = {&regime, &loop, nullptr, loop.margin.border};
+    }
+    // A spring says more than the loop that it stands in.
+    if (found.regime != nullptr) return found;
+  }
+  return found;
+}
+
+const LoopVerdict* widest_drive(const RegimeVerdict& regime) {
+  for (const auto& loop : regime.loops)
+    if (loop.drive) return &loop;
+  return nullptr;
+}
+
+std::string headline(const StabilityVerdict& verdict, const Weakest& first) {
+  const auto at =
+      fmt::format("at {:g} kHz with a delay of {:.4g} ms", verdict.rate.value / 1e3, 1e3 * verdict.delay_s);
+  if (!verdict.holds) return "does not hold " + at;
+  if (first.regime == nullptr) return "stable " + at + ": no loop in it can grow, whatever its gain";
+  const double hertz = first.stiff != nullptr ? first.stiff->border_hz : first.loop->margin.border_hz;
+  return fmt::format("stable {}: margin {:.1f} dB at {:.4g} Hz", at, decibels(first.border), hertz);
+}
+
+void tell_growing(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& regime : verdict.regimes) {
+    if (regime.holds()) continue;
+    std::string line =
+        fmt::format("{}{}: {} root{} grow{}", regime.name, regime.held ? ", held" : "", regime.growing,
+                    regime.growing == 1 ? "" : "s", regime.growing == 1 ? "s" : "");
+    if (!regime.roots.empty() && regime.roots.front().growth_per_s > 0)
+      line += fmt::format(", the fastest at {:.4g} Hz by e in {:.3g} s", regime.roots.front().frequency_hz,
+                          1 / regime.roots.front().growth_per_s);
+    words.push_back(std::move(line));
+  }
+}
+
+void tell_first(const Weakest& first, std::vector<std::string>& words) {
+  if (first.regime == nullptr) return;
+  if (first.stiff != nullptr) {
+    words.push_back(fmt::format("breaks first: {} '{}' ({}), which has {} and holds up to {}",
+                                first.stiff->type, first.stiff->path, first.regime->name,
+                                newtons_per_metre(first.stiff->stiffness),
+                                newtons_per_metre(first.stiff->stable_up_to)));
+    return;
+  }
+  words.push_back(fmt::format("breaks first ({}): the loop {}, at {:.3g} times its gain", first.regime->name,
+                              joined(first.loop->way), first.border));
+}
+
+void tell_room(const Weakest& first, std::vector<std::string>& words) {
+  const auto* drive = first.regime == nullptr ? nullptr : widest_drive(*first.regime);
+  if (drive != nullptr && std::isfinite(drive->margin.more_delay_s))
+    words.push_back(fmt::format("room for delay: {:.3g} ms more", 1e3 * drive->margin.more_delay_s));
+}
+
+void tell_controls(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& control : verdict.controls)
+    if (control.border)
+      words.push_back(fmt::format("control '{}' holds {} {}", control.control.name,
+                                  control.holds_low ? "up to" : "from",
+                                  in_unit(*control.border, control.control.unit)));
+}
+
+void tell_change(const StabilityVerdict& verdict, const Weakest& first, std::vector<std::string>& words) {
+  if (first.regime == nullptr || verdict.holds) return;
+  std::vector<std::string> ways;
+  if (first.stiff != nullptr)
+    ways.push_back(fmt::format("give '{}' less than {}", first.stiff->path,
+                               newtons_per_metre(first.stiff->stable_up_to)));
+  if (first.loop != nullptr)
+    ways.push_back(fmt::format("take less than {:.3g} times the gain", first.border));
+  for (const auto& control : verdict.controls)
+    if (control.border)
+      ways.push_back(fmt::format("set '{}' {} {}", control.control.name,
+                                 control.holds_low ? "below" : "above",
+                                 in_unit(*control.border, control.control.unit)));
+  if (verdict.delay_s > 0) ways.emplace_back("shorten the delay");
+  words.push_back(fmt::format("to change one of these: {}", fmt::join(ways, "; ")));
+}
+
+void tell_held(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& held : verdict.regimes) {
+    if (!held.held) continue;
+    for (const auto& stiff : held.stiff)
+      words.push_back(fmt::format(
+          "held ({}): '{}' holds up to {}{}", held.name, stiff.path, newtons_per_metre(stiff.stable_up_to),
+          stiff.passive_up_to ? ", and is passive up to " + newtons_per_metre(*stiff.passive_up_to)
+                              : std::string{}));
+  }
+}
+
+void tell_networks(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& network : verdict.networks) {
+    if (network.holds) continue;
+    std::string line = fmt::format("network '{}' ({}) grows by itself: spectral radius {:.9g}", network.path,
+                                   network.regime, network.radius);
+    if (!network.weakest.empty()) line += ", carried by " + network.weakest;
+    if (network.needed_hz && std::isfinite(*network.needed_hz))
+      line += fmt::format("; it needs {:.4g} Hz: oversample = {:.0f}, or solver = \"passive\"",
+                          *network.needed_hz, std::ceil(*network.needed_hz / verdict.rate.value));
+    words.push_back(std::move(line));
+  }
+}
+
+void tell_events(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& event : verdict.events) {
+    if (!event.on_loop || !event.place.hold_s) continue;
+    std::string line = fmt::format("a loop goes through {} '{}', which nothing passes by little",
+                                   event.place.type, event.place.path);
+    if (*event.place.hold_s > 0)
+      line += fmt::format(": bounded by its hold to {:.4g} events a second", 1 / *event.place.hold_s);
+    words.push_back(std::move(line));
+  }
+  const auto unheld = [](const auto& event) { return event.on_loop && !event.place.hold_s; };
+  const bool held = std::any_of(verdict.events.begin(), verdict.events.end(),
+                                [](const auto& e) { return e.on_loop && e.place.hold_s; });
+  for (const auto& event : verdict.events)
+    if (!held && unheld(event))
+      words.push_back(fmt::format("a loop goes through {} '{}', which nothing passes by little",
+                                  event.place.type, event.place.path));
+}
+
+}  // namespace
+
+std::vector<std::string> in_words(const StabilityVerdict& verdict) {
+  const auto first = weakest(verdict);
+  std::vector<std::string> words{headline(verdict, first)};
+  tell_growing(verdict, words);
+  tell_networks(verdict, words);
+  tell_first(first, words);
+  tell_change(verdict, first, words);
+  tell_room(first, words);
+  if (verdict.holds) tell_controls(verdict, words);
+  tell_held(verdict, words);
+  tell_events(verdict, words);
+  for (const auto& pair : verdict.open)
+    words.push_back(
+        fmt::format("{} -> {}: gain at most {:.3g} (at {:.4g} Hz): with what lies outside below {:.3g} it "
+                    "holds at every delay",
+                    pair.input, pair.output, pair.peak, pair.peak_hz, 1 / pair.peak));
+  for (const auto& path : verdict.not_looked_at)
+    words.push_back(path + " are too much to be looked at, and are not judged");
+  return words;
+}
+
+}  // namespace tactus

@@ -1,0 +1,216 @@
+#include "engine/physics/linearised.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace tactus {
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+/// Points that can move; their slots come before those of all others.
+std::size_t moving_points(const NetworkElements& elements) {
+  return static_cast<std::size_t>(
+      std::count_if(elements.points.begin(), elements.points.end(),
+                    [](const Point& p) { return p.kind != Point::Kind::Ground; }));
+}
+
+/// Every number that a step reads of the state before it, one after the other: the one place that lists them.
+/// Of the motions only those that the scheme keeps, since the others never change.
+void each_number(NetworkState& state, std::size_t moving, const std::function<void(double&)>& visit) {
+  const auto all = [&](Numbers& list) {
+    for (std::size_t i = 0; i < moving; ++i) visit(list[i]);
+  };
+  all(state.position);
+  if (state.moved.empty())
+    all(state.velocity);
+  else
+    all(state.moved), all(state.moved_before);
+  for (auto* list : {&state.current, &state.voltage, &state.wave, &state.wave_back, &state.held})
+    for (double& number : *list) visit(number);
+  for (auto& filter : state.low_pass) visit(filter.value), visit(filter.slope);
+}
+
+NetworkState still(const Network& network, std::size_t moving) {
+  auto state = network.initial_state();
+  each_number(state, moving, [](double& number) { number = 0.0; });
+  state.settled = true;
+  return state;
+}
+
+Eigen::VectorXd numbers_of(NetworkState& state, std::size_t moving) {
+  std::vector<double> numbers;
+  each_number(state, moving, [&](double& number) { numbers.push_back(number); });
+  return Eigen::Map<Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
+}
+
+}  // namespace
+
+NetworkElements tangent(NetworkElements elements, const Touching& touching) {
+  constexpr double kFar = -1e9, kNothing = 1e-300;
+  for (const int c : touching.contacts) {
+    const auto& contact = elements.contacts[index(c)];
+    const double depth = std::pow(touching.push / contact.stiffness, 1.0 / contact.exponent);
+    Spring spring{contact.lower, contact.upper, contact.exponent * touching.push / depth};
+    spring.damping = contact.restitution ? 0.0 : touching.push * contact.loss;
+    elements.springs.push_back(spring);
+  }
+  for (auto& contact : elements.contacts) contact.offset = kFar;
+  // What slides or holds is not linear: frictions are not pressed. Plectra hold.
+  for (auto& friction : elements.frictions)
+    friction.normal = {}, friction.normal_contact = friction.normal_spring = -1, friction.viscous = 0.0;
+  for (auto& pluck : elements.plucks) {
+    elements.springs.push_back({pluck.upper, pluck.lower, pluck.stiffness, pluck.damping});
+    pluck.stiffness = kNothing, pluck.damping = 0.0;
+  }
+  return elements;
+}
+
+std::size_t state_size(const NetworkElements& elements, int signals) {
+  std::size_t low_passes = 0;
+  for (const auto& point : elements.points) low_passes += point.drive.bandwidth.has_value();
+  for (const auto& force : elements.forces) low_passes += force.drive.bandwidth.has_value();
+  return 3 * moving_points(elements) + 2 * (elements.coils.size() + elements.ports.size()) + index(signals) +
+         2 * low_passes;
+}
+
+std::vector<NetworkState> unit_states(const Network& network, const NetworkElements& elements, double size) {
+  const auto moving = moving_points(elements);
+  auto zero = still(network, moving);
+  const auto count = numbers_of(zero, moving).size();
+  std::vector<NetworkState> states(static_cast<std::size_t>(count), zero);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    std::size_t at = 0;
+    each_number(states[i], moving, [&](double& number) { number = at++ == i ? size : 0.0; });
+  }
+  return states;
+}
+
+LinearStep linear_step(const Network& network, const NetworkElements& elements, int signals) {
+  const auto moving = moving_points(elements);
+  std::vector<double> inputs(index(signals), 0.0);
+  const auto stepped = [&](NetworkState state) -> Eigen::VectorXd {
+    network.step(state, inputs.data());
+    return numbers_of(state, moving);
+  };
+  const auto rest = stepped(still(network, moving));
+  auto units = unit_states(network, elements, 1.0);
+  LinearStep step{Eigen::MatrixXd(rest.size(), rest.size()), Eigen::MatrixXd(rest.size(), signals)};
+  for (std::size_t i = 0; i < units.size(); ++i)
+    step.a.col(static_cast<Eigen::Index>(i)) = stepped(std::move(units[i])) - rest;
+  for (int i = 0; i < signals; ++i) {
+    inputs[index(i)] = 1.0;
+    step.b.col(i) = stepped(still(network, moving)) - rest;
+    inputs[index(i)] = 0.0;
+  }
+  return step;
+}
+
+std::vector<StepMode> modes(const Eigen::MatrixXd& a) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solved(a);
+  std::vector<StepMode> modes;
+  for (Eigen::Index i = 0; i < a.rows(); ++i)
+    modes.push_back({solved.eigenvalues()[i], solved.eigenvectors().col(i)});
+  std::stable_sort(modes.begin(), modes.end(),
+                   [](const auto& x, const auto& y) { return std::abs(x.pole) > std::abs(y.pole); });
+  return modes;
+}
+
+double spectral_radius(const Eigen::MatrixXd& a) {
+  if (a.rows() == 0) return 0.0;
+  return Eigen::EigenSolver<Eigen::MatrixXd>(a, false).eigenvalues().cwiseAbs().maxCoeff();
+}
+
+namespace {
+
+/// As noise, but the same each time: the fractions of multiples of the golden ratio (Weyl's sequence).
+double scattered(std::size_t i) {
+  const double turns = 0.6180339887498949 * static_cast<double>(i + 1);
+  return turns - std::floor(turns) - 0.5;
+}
+
+}  // namespace
+
+double radius_by_running(const Network& network, const NetworkElements& elements, int signals) {
+  constexpr int kFrames = 4000;
+  const auto moving = moving_points(elements);
+  auto rest = still(network, moving), moved = rest;
+  for (std::size_t i = 0; i < moving; ++i) moved.moved[i] = 1e-3 * scattered(i);
+  const std::vector<double> inputs(index(signals), 0.0);
+  const auto motion = [&] {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < moving; ++i) sum += std::pow(moved.moved[i] - rest.moved[i], 2);
+    return std::sqrt(sum);
+  };
+  const double start = motion();
+  double before = start, now = start;
+  for (int frame = 1; frame <= kFrames; ++frame) {
+    network.step(moved, inputs.data());
+    network.step(rest, inputs.data());
+    now = motion();
+    if (!(now < 1e100)) return std::pow(1e100 / start, 1.0 / frame);
+    if (frame <= kFrames / 2) before = std::max(before, now);
+  }
+  return now > 7.0 * before ? std::pow(now / before, 2.0 / kFrames) : 1.0;
+}
+
+// ---- response
+
+StepResponse::StepResponse(const LinearStep& step, const Eigen::MatrixXd& c) {
+  const Eigen::HessenbergDecomposition<Eigen::MatrixXd> form(step.a);
+  const Eigen::MatrixXd q = form.matrixQ();
+  h_ = form.matrixH();
+  b_ = q.transpose() * step.b;
+  c_ = c * q;
+}
+
+/// Elimination of the one diagonal below the main one, with the larger of two rows on top.
+Eigen::MatrixXcd StepResponse::at(std::complex<double> z) const {
+  const auto n = h_.rows();
+  Eigen::MatrixXcd m = -h_.cast<std::complex<double>>();
+  m.diagonal().array() += z;
+  Eigen::MatrixXcd x = b_.cast<std::complex<double>>();
+  for (Eigen::Index i = 0; i + 1 < n; ++i) {
+    if (std::norm(m(i + 1, i)) > std::norm(m(i, i))) {
+      m.row(i).tail(n - i).swap(m.row(i + 1).tail(n - i));
+      x.row(i).swap(x.row(i + 1));
+    }
+    const auto share = m(i + 1, i) / m(i, i);
+    m.row(i + 1).tail(n - i) -= share * m.row(i).tail(n - i);
+    x.row(i + 1) -= share * x.row(i);
+  }
+  m.triangularView<Eigen::Upper>().solveInPlace(x);
+  return c_ * x;
+}
+
+// ---- the rate that it needs
+
+Result<double> radius_of(const NetworkElements& elements, int signals, const StepChoice& choice) {
+  const auto network = Network::make(elements, signals, choice.rate, choice.solver, choice.oversample);
+  if (!network) return tl::unexpected(network.error());
+  return state_size(elements, signals) > kMostLinearised
+             ? radius_by_running(*network, elements, signals)
+             : spectral_radius(linear_step(*network, elements, signals).a);
+}
+
+std::optional<Hertz> least_rate(const NetworkElements& elements, int signals, Solver solver) {
+  constexpr double kLowest = 100.0, kHighest = 1e8;
+  const auto holds = [&](double rate) {
+    const auto radius = radius_of(elements, signals, {Hertz{rate}, solver, 1});
+    return radius && *radius <= 1.0 + kRoundOfRadius;
+  };
+  if (holds(kLowest)) return std::nullopt;
+  double low = kLowest, high = kLowest;
+  while (!holds(high)) {
+    if (high > kHighest) return Hertz{std::numeric_limits<double>::infinity()};
+    low = high;
+    high *= 2.0;
+  }
+  while (high > 1.001 * low) (holds(std::sqrt(low * high)) ? high : low) = std::sqrt(low * high);
+  return Hertz{high};
+}
+
+}  // namespace tactus
