@@ -11,12 +11,9 @@ void add_study(CLI::App& app, int& exit_code) {
   add_study_work_precision(*command, exit_code);
   add_study_stability(*command, exit_code);
   command->footer(
-      "Examples:
-  tactus study work-precision instruments/numerics/woofer
-"
-      "  tactus study stability instruments/wall --report walls.svg
-"
-      "Each study has its own --help; docs/numerics.md and docs/stability.md say what came of the scenes that ship.");
+      "Examples:\n  tactus study work-precision instruments/numerics/woofer\n"
+      "  tactus study stability instruments/wall --report walls.svg\n"
+      "Each study has its own --help.");
   command->callback([command] {
     if (command->get_subcommands().empty()) fmt::print("{}", command->help("tactus"));
   });

@@ -18,7 +18,7 @@ struct LinearEdge {
     Gain,
     Delay,    ///< z^-frames
     Node,     ///< Node::response
-    Network,  ///< of NetworkModel
+    Network,  ///< of LinearNetwork
     Event,    ///< something happens or not: it has no gain, and closes no linear loop
   };
   Kind kind = Kind::Gain;
@@ -58,7 +58,7 @@ struct Regime {
 struct LinearGraph {
   std::vector<std::string> signals;  ///< names, for people
   std::vector<LinearEdge> edges;
-  std::vector<std::shared_ptr<const NetworkModel>> networks;
+  std::vector<std::shared_ptr<const LinearNetwork>> networks;
   std::vector<std::string> network_paths;
   std::vector<std::string> not_looked_at;  ///< networks that are too large
   std::vector<StiffPlace> stiff;

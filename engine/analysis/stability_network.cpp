@@ -53,10 +53,10 @@ int driven_point(const NetworkElements& elements) {
   return -1;
 }
 
-std::shared_ptr<const NetworkModel> NetworkModel::make(const NetworkView& view, const NodeType& type,
+std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view, const NodeType& type,
                                                        const Touching& touching,
                                                        const std::optional<Fingertip>& hand) {
-  std::shared_ptr<NetworkModel> model{new NetworkModel};
+  std::shared_ptr<LinearNetwork> model{new LinearNetwork};
   model->recipe_ = view.recipe();
   auto& recipe = model->recipe_;
   model->ports_ = recipe.signal_ports;
@@ -82,7 +82,7 @@ std::shared_ptr<const NetworkModel> NetworkModel::make(const NetworkView& view, 
   return model;
 }
 
-void NetworkModel::add_fingertip(const Fingertip& hand) {
+void LinearNetwork::add_fingertip(const Fingertip& hand) {
   if (driven_ < 0) return;
   auto& elements = recipe_.elements;
   elements.points[index(driven_)].mass += hand.mass;
@@ -92,14 +92,14 @@ void NetworkModel::add_fingertip(const Fingertip& hand) {
   elements.springs.push_back(grip);
 }
 
-void NetworkModel::add_test_force() {
+void LinearNetwork::add_test_force() {
   if (driven_ < 0) return;
   test_force_ = recipe_.signals++;
   recipe_.elements.forces.push_back({driven_, {test_force_, {}}});
 }
 
 /// Most outputs are straight lines and are found to the last bit; those of closed contacts are not.
-Eigen::MatrixXd NetworkModel::readings(const Network& network, const NetworkView& view, std::size_t outputs,
+Eigen::MatrixXd LinearNetwork::readings(const Network& network, const NetworkView& view, std::size_t outputs,
                                        const Touching& touching) const {
   auto c = slopes(network, recipe_.elements, view, outputs, 1.0);
   if (!touching.contacts.empty()) {
@@ -122,11 +122,11 @@ Eigen::MatrixXd NetworkModel::readings(const Network& network, const NetworkView
   return c;
 }
 
-std::optional<Hertz> NetworkModel::needed_rate() const {
+std::optional<Hertz> LinearNetwork::needed_rate() const {
   return least_rate(recipe_.elements, recipe_.signals, recipe_.solver);
 }
 
-std::string NetworkModel::carrier(const StepMode& mode) const {
+std::string LinearNetwork::carrier(const StepMode& mode) const {
   const auto moves = [&](int point) -> std::complex<double> {
     const auto at = std::find(masses_.begin(), masses_.end(), point);
     return at == masses_.end() ? 0.0 : mode.shape[at - masses_.begin()];
@@ -147,7 +147,7 @@ std::string NetworkModel::carrier(const StepMode& mode) const {
                                                               : on + " on " + recipe_.springs[index(spring)];
 }
 
-std::string NetworkModel::weakest() const {
+std::string LinearNetwork::weakest() const {
   if (!whole()) return {};
   if (grows()) return carrier(modes_.front());
   const auto needed = needed_rate();

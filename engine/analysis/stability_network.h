@@ -19,10 +19,10 @@ struct Fingertip {
 };
 
 /// How a network moves by little, and what would make it grow by itself.
-class NetworkModel {
+class LinearNetwork {
  public:
   /// [control] nullptr if it cannot be run so.
-  static std::shared_ptr<const NetworkModel> make(const NetworkView& view, const NodeType& type,
+  static std::shared_ptr<const LinearNetwork> make(const NetworkView& view, const NodeType& type,
                                                   const Touching& touching,
                                                   const std::optional<Fingertip>& hand);
 
@@ -47,7 +47,7 @@ class NetworkModel {
   const NetworkRecipe& recipe() const { return recipe_; }
 
  private:
-  NetworkModel() = default;
+  LinearNetwork() = default;
   void add_fingertip(const Fingertip& hand);
   void add_test_force();
   Eigen::MatrixXd readings(const Network& network, const NetworkView& view, std::size_t outputs,

@@ -47,10 +47,10 @@ class ModalNode final : public Node {
 
   DelayRange delay(int input, int) const override { return input == kIn ? DelayRange{1, 1} : DelayRange{}; }
 
-  std::optional<std::complex<double>> response(int input, int, Hertz frequency,
+  std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
                                                std::span<const double> at) const override {
     if (input != kIn) return std::nullopt;
-    const auto delay = std::polar(1.0, -radians_at(frequency, sample_rate_));
+    const auto delay = 1.0 / z;
     std::complex<double> sum = 0;
     for (std::size_t k = 0; k < table_.size(); ++k)
       sum += designed(k, at[kFrequency], at[kDecay]).response(delay);

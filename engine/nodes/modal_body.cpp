@@ -33,10 +33,10 @@ class ModalBodyNode final : public Node {
     if (const auto* other = dynamic_cast<const ModalBodyNode*>(&before)) body_.adopt(other->body_);
   }
 
-  std::optional<std::complex<double>> response(int input, int output, Hertz frequency,
+  std::optional<std::complex<double>> response(int input, int output, std::complex<double> z,
                                                std::span<const double>) const override {
     if (input != 0) return std::nullopt;
-    const auto delay = std::polar(1.0, -radians_at(frequency, sample_rate_));
+    const auto delay = 1.0 / z;
     const auto admittance = admittance_at(delay);
     const auto velocity = 2.0 * admittance / (1.0 + impedance_ * admittance);
     switch (output) {

@@ -41,11 +41,11 @@ class WaveguideNode final : public Node {
     return input == kWave ? DelayRange{line_.least_delay(), line_.most_delay()} : DelayRange{};
   }
 
-  std::optional<std::complex<double>> response(int input, int, Hertz frequency,
+  std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
                                                std::span<const double> at) const override {
     if (input != kWave) return std::nullopt;
     return line_.response({.pitch_hz = at[kPitch], .gain = at[kGain], .loss = at[kLoss]},
-                          std::polar(1.0, -radians_at(frequency, sample_rate_)));
+                          1.0 / z);
   }
 
  private:
