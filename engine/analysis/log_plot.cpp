@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/analysis/pin_labels.h"
 #include "engine/analysis/svg_canvas.h"
 #include "engine/analysis/svg_plan.h"
 
@@ -17,7 +18,6 @@ using namespace svg;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSample = 26;        // length of a line in the legend [px]
 constexpr double kLegendText = 200;   // widest line of text beside it
-constexpr double kPinGap = 7;         // from a pin to its label
 constexpr double kPlotsApart = 12.0;  // two plots of a page
 
 PlotColor color_of(const LogPlot& plot, std::size_t series) {
@@ -83,14 +83,6 @@ Range y_range(const LogPlot& plot) {
   return extent.range(true);
 }
 
-/// Where text already stands.
-struct Box {
-  double left, top, right, bottom;
-  bool meets(const Box& other) const {
-    return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
-  }
-};
-
 class Drawing {
  public:
   Drawing(const LogPlot& plot, std::string clip)
@@ -138,8 +130,6 @@ class Drawing {
   void draw_grid();
   void draw_series(std::size_t index);
   void draw_pins();
-  void draw_pin_label(const PlotPin& pin, std::vector<Box>& taken);
-  std::vector<Box> curves() const;
   void draw_key(const Key& key, double y);
   void draw_legend();
 
@@ -216,25 +206,10 @@ void Drawing::draw_series(std::size_t index) {
   }
 }
 
-/// Where the curves run, as small boxes along them.
-std::vector<Box> Drawing::curves() const {
-  constexpr double kStep = 4;
-  std::vector<Box> boxes;
-  for (const auto& series : plot_.series)
-    for (const auto& line : polylines(series, x_, y_))
-      for (std::size_t i = 1; i < line.size(); ++i) {
-        const double dx = line[i].x - line[i - 1].x, dy = line[i].y - line[i - 1].y;
-        const int steps = 1 + static_cast<int>(std::min(1e4, std::hypot(dx, dy) / kStep));
-        for (int n = 0; n <= steps; ++n) {
-          const double x = line[i - 1].x + dx * n / steps, y = line[i - 1].y + dy * n / steps;
-          boxes.push_back({x - 1, y - 1, x + 1, y + 1});
-        }
-      }
-  return boxes;
-}
-
 void Drawing::draw_pins() {
-  auto taken = curves();
+  PinLabels labels{{left_, top_, right_, bottom_}};
+  for (const auto& series : plot_.series)
+    for (const auto& line : polylines(series, x_, y_)) labels.take(line);
   const auto shown = [&](const PlotPin& pin) {
     return x_.shows(pin.x) && y_.shows(pin.y) && pin.x >= x_.low && pin.x <= x_.high && pin.y >= y_.low &&
            pin.y <= y_.high;
@@ -242,42 +217,17 @@ void Drawing::draw_pins() {
   for (const auto& pin : plot_.pins) {
     if (!shown(pin)) continue;
     const double x = x_.pixel(pin.x), y = y_.pixel(pin.y);
-    taken.push_back({x - 5, y - 5, x + 5, y + 5});
+    labels.take(Box{x - 5, y - 5, x + 5, y + 5});
     canvas_.out(
         "<path d=\"M{0:.1f} {2:.1f}L{4:.1f} {1:.1f}L{0:.1f} {3:.1f}L{5:.1f} {1:.1f}Z\" fill=\"{6}\" "
         "stroke=\"#ffffff\" stroke-width=\"1\"/>\n",
         x, y, y - 5, y + 5, x + 5, x - 5, shade(pin.color).line);
   }
-  for (const auto& pin : plot_.pins)
-    if (shown(pin) && !pin.label.empty()) draw_pin_label(pin, taken);
-}
-
-/// Right of the pin if there is room, else left, above, below, or on a corner; on a curve if nowhere else.
-void Drawing::draw_pin_label(const PlotPin& pin, std::vector<Box>& taken) {
-  struct Side {
-    double right, down;
-  };
-  constexpr std::array<Side, 8> kSides = {
-      {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}}};
-  const double x = x_.pixel(pin.x), y = y_.pixel(pin.y);
-  const double width = text_width(pin.label, kFont);
-  const auto box_at = [&](const Side& side) {
-    const double middle = x + side.right * (kPinGap + 0.5 * width), line = y + side.down * (kPinGap + 6);
-    return Box{middle - 0.5 * width, line - 6, middle + 0.5 * width, line + 6};
-  };
-  const auto free = [&](const Side& side) {
-    const auto box = box_at(side);
-    const bool inside = box.left >= left_ && box.right <= right_ && box.top >= top_ && box.bottom <= bottom_;
-    return inside && std::none_of(taken.begin(), taken.end(), [&](const Box& b) { return b.meets(box); });
-  };
-  const auto found = std::find_if(kSides.begin(), kSides.end(), free);
-  const auto side = found == kSides.end() ? kSides.front() : *found;
-  const auto box = box_at(side);
-  taken.push_back(box);
-  // The width is an estimate: the end that is near the pin is the one that holds.
-  const char* anchor = side.right > 0 ? "start" : side.right < 0 ? "end" : "middle";
-  canvas_.text(x + side.right * kPinGap, box.bottom - 2, pin.label, anchor, shade(pin.color).text, kFont,
-               true);
+  for (const auto& pin : plot_.pins) {
+    if (!shown(pin) || pin.label.empty()) continue;
+    const auto place = labels.beside({x_.pixel(pin.x), y_.pixel(pin.y)}, text_width(pin.label, kFont));
+    canvas_.text(place.x, place.y, pin.label, place.anchor, shade(pin.color).text, kFont, true);
+  }
 }
 
 void Drawing::draw_key(const Key& key, double y) {

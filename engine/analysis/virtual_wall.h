@@ -32,8 +32,8 @@ struct WallLoop {
 
 /// K < (b + B) / (T/2 + tau_d): a loop much faster than the device, (b + B) (T/2 + tau_d) / m << 1; at 0.005
 /// it is right within 1 %. Damping of the wall's own counts like the device's.
-/// Gil, Sanchez, Hulin, Preusche, Hirzinger, IEEE Trans. Control Systems Technology 17, 2009; Hulin et al.,
-/// IEEE Trans. Haptics 7, 2014.
+/// Gil, Sanchez, Hulin, Preusche, Hirzinger, J. Computing and Information Science in Engineering 9, 2009;
+/// Hulin, Albu-Schaffer, Hirzinger, IEEE Trans. Control Systems Technology 22, 2014.
 double stiffest_by_damping(const WallDevice& device, const WallLoop& loop);
 
 /// K = (b / tau) phi / sin phi with phi tan phi = b tau / m: a device in continuous time behind a delay tau

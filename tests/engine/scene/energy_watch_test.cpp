@@ -12,6 +12,7 @@
 #include "engine/scene/measure.h"
 #include "engine/scene/play_scene.h"
 #include "tests/engine/graph/temporary_folder.h"
+#include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
 
 using namespace tactus;
@@ -110,10 +111,12 @@ TEST_CASE("energy_watch: pieces of any length add up to the same, and nothing al
   for (auto& f : force) f = normal(random);
   for (auto& x : position) x = normal(random);
   EnergyWatch pieces{0.1};
+  const auto allocations = test::allocation_count();
   for (std::size_t at = 0, size = 1; at < 1000; at += size, size = 1 + (size * 7) % 50) {
     size = std::min(size, 1000 - at);
     pieces.take(force.data() + at, position.data() + at, static_cast<int>(size));
   }
+  CHECK(test::allocation_count() == allocations);
   const auto whole = watch(force, position, 0.1), cut = pieces.energy(1_kHz);
   CHECK(cut.net == whole.net);
   CHECK(cut.given == whole.given);
