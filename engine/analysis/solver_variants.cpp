@@ -15,7 +15,7 @@ constexpr std::array kStepping = {"explicit", "exact", "implicit", "passive"};
 constexpr auto kReference = "reference";
 // Elements whose force is proportional to places, speeds and currents, or given.
 constexpr std::array kLinear = {"mass", "ground", "motion", "spring", "damper",     "force", "hand",
-                                "coil", "chain",  "ring",   "grid",   "oscillator", "probe", "wave_port"};
+                                "coil", "chain",  "ring",   "grid",   "oscillator", "probe", "port"};
 
 void set(Value::Table& options, const std::string& key, Value value) {
   std::erase_if(options, [&](const Field& field) { return field.key == key; });
@@ -79,7 +79,8 @@ bool has_reference_solver() { return takes(kReference); }
 bool is_linear(const SceneSpec& scene) {
   return !any_network(scene, [](const NetworkSpec& network) {
     return std::any_of(network.elements.begin(), network.elements.end(), [](const NodeSpec& element) {
-      return std::find(kLinear.begin(), kLinear.end(), element.type) == kLinear.end();
+      return std::find(kLinear.begin(), kLinear.end(), element.type) == kLinear.end() ||
+             find(element.fields, "cubic") != nullptr;
     });
   });
 }

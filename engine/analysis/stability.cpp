@@ -135,7 +135,7 @@ class Judge {
       const auto& model = *graph.networks[n];
       const auto& recipe = model.recipe();
       NetworkVerdict verdict{graph.network_paths[n], regime.name};
-      verdict.passive = recipe.solver == Solver::Passive;
+      verdict.passive = recipe.solver != Solver::Explicit;
       verdict.radius = model.radius();
       verdict.rate_hz = recipe.rate.value * recipe.oversample;
       if (const auto needed = model.needed_rate()) verdict.needed_hz = needed->value;

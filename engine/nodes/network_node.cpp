@@ -146,12 +146,12 @@ Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, con
       layout.solver == Solver::Explicit ? builder.elements.frictions.size() : points + 2 * couplings;
   if (const auto fits = setup.take_memory(couplings * each); !fits) return tl::unexpected(fits.error());
   NetworkRecipe recipe;
-  recipe.elements = builder.elements;
   recipe.signals = static_cast<int>(builder.signal_ports.size());
   recipe.rate = setup.sample_rate;
   recipe.signal_ports = builder.signal_ports;
   builder.name_parts(recipe);
-  auto network = Network::make(std::move(builder.elements), recipe.signals, recipe.rate, layout.solver,
+  recipe.elements = std::move(builder.elements);
+  auto network = Network::make(recipe.elements, recipe.signals, recipe.rate, layout.solver,
                                layout.oversample);
   if (!network) return tl::unexpected(network.error());
   recipe.solver = network->solver();

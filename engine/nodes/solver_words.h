@@ -7,9 +7,9 @@
 
 namespace tactus {
 
-/// [any] All that a file may name, in the order of their cost.
-inline constexpr std::array kSolvers = {Solver::Explicit, Solver::Exact, Solver::Implicit, Solver::Passive,
-                                        Solver::Auto};
+/// [any] All that a file may name, those to play with first.
+inline constexpr std::array kSolvers = {Solver::Explicit, Solver::Exact, Solver::Implicit,
+                                        Solver::Passive,  Solver::Auto,  Solver::Reference};
 
 /// [any] The word in a file.
 const char* name_of(Solver solver);

@@ -1,6 +1,7 @@
 #include "engine/physics/flow_scheme.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tactus {
 namespace {
@@ -43,8 +44,6 @@ void FlowScheme::start(NetworkState& state) const noexcept {
   const auto motions = state.position.data() + model_.masses;
   flow_.reset(now_, {motions, model_.motions.size()});
   std::copy_n(model_.start_velocity.begin(), state.velocity.size(), state.velocity.begin());
-  for (std::size_t i = 0; i < state.velocity.size(); ++i)
-    state.moved[i] = state.moved_before[i] = model_.k * state.velocity[i];
   std::copy(now_.loss.begin(), now_.loss.end(), state.loss.begin());
 }
 
@@ -65,8 +64,7 @@ void FlowScheme::keep(NetworkState& state) const noexcept {
   const auto slots = state.position.size();
   for (std::size_t i = 0; i < slots; ++i) {
     const int slot = static_cast<int>(i);
-    state.moved_before[i] = state.moved[i];
-    state.moved[i] = flow_.position(now_, slot) - state.position[i];
+    state.change[i] = flow_.position(now_, slot) - state.position[i];
     state.position[i] = flow_.position(now_, slot);
     state.velocity[i] = flow_.velocity(now_, slot);
   }
@@ -78,10 +76,16 @@ void FlowScheme::keep(NetworkState& state) const noexcept {
     state.rub[f] = flow_.friction_force(now_, static_cast<int>(f));
     state.slide[f] = flow_.friction_velocity(now_, static_cast<int>(f));
   }
-  for (std::size_t p = 0; p < state.slipped.size(); ++p)
+  for (std::size_t p = 0; p < state.slipped.size(); ++p) {
+    const auto& pluck = model_.plucks[p];
     state.slipped[p] = sign_of(now_.slide[state.sliding.size() + p]);
-  for (std::size_t p = 0; p < state.wave_back.size(); ++p)
-    state.wave_back[p] += flow_.wave(now_, static_cast<int>(p));
+    state.root[model_.contacts.size() + p] =
+        std::sqrt(pluck.stiffness) * (state.position[index(pluck.lower)] - state.position[index(pluck.upper)]);
+  }
+  for (std::size_t p = 0; p < state.wave_back.size(); ++p) {
+    const auto& port = model_.ports[p];
+    state.wave_back[p] += state.wave[p] - port.impedance * state.change[index(port.wave.slot)] / model_.k;
+  }
 }
 
 void FlowScheme::step(NetworkState& state) const noexcept {

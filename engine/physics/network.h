@@ -24,7 +24,7 @@ class Network {
   /// [control] `signals` inputs are handed to each step. rate > 0; 1 <= oversample <= 64, or 0: as many as
   /// `Solver::Auto` finds right (1 for the others). The numbers of the elements are in their ranges and their
   /// points exist (asserted: the graph file was checked before). Errors: those of the scheme.
-  static Result<Network> make(NetworkElements elements, int signals, Hertz rate, Solver solver,
+  static Result<Network> make(const NetworkElements& elements, int signals, Hertz rate, Solver solver,
                               int oversample);
 
   /// [control] Allocates; at the start of the network.

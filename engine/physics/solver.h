@@ -8,6 +8,7 @@ enum class Solver {
   Passive,   ///< never makes energy, whatever the stiffness (CentredScheme)
   Implicit,  ///< the trapezoidal rule and Newton's method: never unstable (CentredScheme)
   Exact,     ///< no error in the linear part; small groups of masses (ExactScheme)
+  Reference, ///< no step at all but the motion itself, as slowly as it takes (FlowScheme)
   Auto,      ///< the cheapest of them that is stable and accurate (solver_choice.h)
 };
 
