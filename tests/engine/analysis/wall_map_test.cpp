@@ -84,6 +84,15 @@ TEST_CASE("wall_map: sixteen bits leave the microcontroller's wall where it is, 
   CHECK(std::abs(coarse.with_bits / coarse.with_encoder - 1) > 0.05);
 }
 
+TEST_CASE("wall_map: a device without damping carries no wall, and nothing is tried on it", "[analysis]") {
+  auto study = small_study();
+  study.devices = {{"bare", {.mass = 0.05, .damping = 0, .quantum = 0.15708e-3, .force_limit = 6.37}}};
+  const auto map = map_walls(study);
+  CHECK(map.borders() == 0);
+  CHECK(map.by_delay.front().front().stiffest == 0);
+  CHECK_FALSE(map.controllers.front().fixed_point);
+}
+
 TEST_CASE("wall_device: a scene says what its walls push, as its plant's controls are set", "[analysis]") {
   const auto scene = load_scene(kInstruments / "wall", kInstruments);
   REQUIRE(scene);
