@@ -24,6 +24,7 @@ void on_all_cores(int count, const Work& work, const Done& done) {
   for (int i = 1; i < std::min(cores, count); ++i) helpers.emplace_back(labour, false);
   labour(true);
   for (auto& helper : helpers) helper.join();
+  if (count > 0) done(1.0);  // this thread may have come too late for any of them
 }
 
 }  // namespace tactus

@@ -61,7 +61,8 @@ double border_with_steps(const WallDevice& device, const WallLimit& limit, int b
 }
 
 std::optional<FixedPoint> fixed_point_of(const WallDevice& device, const WallLimit& limit, int bits) {
-  if (bits == 0 || device.quantum <= 0 || !std::isfinite(device.force_limit)) return std::nullopt;
+  const bool counted = bits > 0 && device.quantum > 0 && std::isfinite(device.force_limit);
+  if (!counted || limit.stiffest <= 0) return std::nullopt;
   FixedPoint fixed{};
   fixed.force_step = std::ldexp(device.force_limit, 1 - bits);
   fixed.stiffness_step = fixed.force_step / device.quantum;
