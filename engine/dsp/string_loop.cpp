@@ -21,7 +21,8 @@ std::complex<double> polynomial(const double* coefficients, int count, std::comp
 
 }  // namespace
 
-StringDesign::StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain) {
+StringDesign::StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain,
+                           double frames_outside) {
   const bool zero = filter == LossFilter::OneZero;
   const double frequency = clamped(p.pitch_hz, StringLoop::kLowestPitch, 0.3 * sample_rate.value);
   const double gain = clamped(p.gain, 0, most_gain);
@@ -34,7 +35,8 @@ StringDesign::StringDesign(StringParameters p, LossFilter filter, Hertz sample_r
   const auto filter_response = polynomial(zeros.data(), 2, delay) / (1.0 - pole * delay);
 
   // The middle interval of six taps starts two frames behind the newest, which itself must be in the past.
-  const double frames = std::max(3.0, sample_rate.value / frequency + std::arg(filter_response) / radians);
+  const double frames =
+      std::max(3.0, sample_rate.value / frequency + std::arg(filter_response) / radians - frames_outside);
   newest = static_cast<int>(frames) - 2;
   const double wanted = frames - newest;
   auto weights = lagrange_weights<5>(wanted);

@@ -40,8 +40,10 @@ struct StringParameters {
 struct StringDesign {
   static constexpr int kTaps = 7;  ///< six of the interpolator; the one-zero filter is folded in and adds one
 
-  /// `most_gain` is 1 where the string is not itself a loop.
-  StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain = 0.9999);
+  /// `most_gain` is 1 where the string is not itself a loop, `frames_outside` what the rest of its loop
+  /// takes.
+  StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain = 0.9999,
+               double frames_outside = 0);
   /// Once around the loop, at any z^-1: the string rings where this is 1.
   std::complex<double> loop(std::complex<double> delay) const;
   /// From x to y, at any z^-1.

@@ -22,8 +22,8 @@ WaveLine::WaveLine(LossFilter filter, FarEnd end, Hertz sample_rate, Pitches pit
       sample_rate_(sample_rate),
       pitches_(possible(pitches, sample_rate)),
       // A loss takes time as well: the darkest leaves the shortest delay.
-      least_(std::max(1, designed({pitches_.highest, 1, 1}).newest - 1)),
-      most_(std::max(least_, designed({pitches_.lowest, 1, 0}).newest - 1)),
+      least_(designed({pitches_.highest, 1, 1}).newest),
+      most_(designed({pitches_.lowest, 1, 0}).newest),
       aim_(aim_at(parameters_)),
       line_(most_ + kLongest + StringDesign::kTaps, kLongest + StringDesign::kTaps) {
   losses_.design({aim_.pole});
@@ -32,12 +32,12 @@ WaveLine::WaveLine(LossFilter filter, FarEnd end, Hertz sample_rate, Pitches pit
 StringDesign WaveLine::designed(StringParameters parameters) const {
   const double pitch = parameters.pitch_hz;
   parameters.pitch_hz = pitch > pitches_.lowest ? std::min(pitch, pitches_.highest) : pitches_.lowest;
-  return {parameters, filter_, sample_rate_, kMostGain};
+  return {parameters, filter_, sample_rate_, kMostGain, kPortFrames};
 }
 
 WaveLine::Aim WaveLine::aim_at(const StringParameters& parameters) const {
   const auto design = designed(parameters);
-  Aim aim{std::clamp(design.newest - 1, least_, most_), design.taps, design.pole};
+  Aim aim{std::clamp(design.newest, least_, most_), design.taps, design.pole};
   for (auto& tap : aim.taps) tap *= sign_;
   return aim;
 }

@@ -10,14 +10,14 @@ enum class FarEnd { Fixed, Free };
 
 /// A string or a rod seen from one end: waves of force go in, travel to the far end and come back.
 ///
-///   out[n] = +-(h * in)[n - (N - 1)]      + fixed, - free
+///   out[n] = +-(h * in)[n - (N - 1.5)]      + fixed, - free
 ///
-/// h is the gain and the loss of StringDesign and N its delay, read between samples. One frame is left to
-/// what the line hangs on, so that both together, N frames around, are in tune: with a rigid near end the
-/// line sounds at the pitch (fixed), or at odd multiples of half the pitch (free). It reflects at most
-/// `gain`: |out / in| = gain |H_LP| |interpolator| <= 1 at every frequency, as long as pitch and loss rest.
-/// At least `least_delay` frames lie between in and out whatever is asked for. Source: J. O. Smith, Physical
-/// Audio Signal Processing, W3K, 2010.
+/// h is the gain and the loss of StringDesign and N its delay, read between samples. kPortFrames
+/// are left to what the line hangs on, so that both together, N frames around, are in tune: with a rigid near
+/// end the line sounds at the pitch (fixed), or at odd multiples of half the pitch (free). It reflects at
+/// most `gain`: |out / in| = gain |H_LP| |interpolator| <= 1 at every frequency, as long as pitch and loss
+/// rest. At least `least_delay` frames lie between in and out whatever is asked for. Source: J. O. Smith,
+/// Physical Audio Signal Processing, W3K, 2010.
 class WaveLine {
  public:
   /// The pitches that it may be asked for; others are clamped to these and to [10 Hz, 0.2 fs].
@@ -25,6 +25,9 @@ class WaveLine {
     double lowest, highest;
   };
   static constexpr double kMostGain = 1;
+  /// What a network's port takes to answer: a frame, and half of one since the mean of two inputs acts in a
+  /// step.
+  static constexpr double kPortFrames = 1.5;
   static constexpr int kLongest = 64;  ///< frames that may be written or read at once
 
   /// [control] Allocates for the lowest pitch.
