@@ -176,7 +176,7 @@ CutMargin LoopScan::margin(int cut) const {
     if (x.factor <= 1) margin.down = x.factor, margin.down_hz = hertz(x.radians);
   }
   find_border(cut, found, margin);
-  if (growing() == 0) margin.more_delay_s = delay_margin(cut);
+  margin.more_delay_s = growing() == 0 ? delay_margin(cut) : 0;
   return margin;
 }
 

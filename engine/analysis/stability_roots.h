@@ -27,7 +27,7 @@ struct CutMargin {
   double border_hz = 0;
   double peak = 0;  ///< largest |L|: below 1 it holds for every delay and phase
   double peak_hz = 0;
-  /// More delay until a root crosses; infinite where |L| stays below 1.
+  /// More delay until a root crosses; infinite where |L| stays below 1, 0 where one grows already.
   double more_delay_s = std::numeric_limits<double>::infinity();
 };
 

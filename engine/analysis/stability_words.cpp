@@ -96,7 +96,7 @@ void tell_first(const Weakest& first, std::vector<std::string>& words) {
 
 void tell_room(const Weakest& first, std::vector<std::string>& words) {
   const auto* drive = first.regime == nullptr ? nullptr : widest_drive(*first.regime);
-  if (drive != nullptr && std::isfinite(drive->margin.more_delay_s))
+  if (drive != nullptr && drive->margin.more_delay_s > 0 && std::isfinite(drive->margin.more_delay_s))
     words.push_back(fmt::format("room for delay: {:.3g} ms more", 1e3 * drive->margin.more_delay_s));
 }
 
@@ -125,15 +125,25 @@ void tell_change(const StabilityVerdict& verdict, const Weakest& first, std::vec
   words.push_back(fmt::format("to change one of these: {}", fmt::join(ways, "; ")));
 }
 
+/// Of each spring the least that it holds up to, over all that it can be in while a fingertip holds the
+/// device.
 void tell_held(const StabilityVerdict& verdict, std::vector<std::string>& words) {
-  for (const auto& held : verdict.regimes) {
-    if (!held.held) continue;
-    for (const auto& stiff : held.stiff)
-      words.push_back(fmt::format(
-          "held ({}): '{}' holds up to {}{}", held.name, stiff.path, newtons_per_metre(stiff.stable_up_to),
-          stiff.passive_up_to ? ", and is passive up to " + newtons_per_metre(*stiff.passive_up_to)
-                              : std::string{}));
-  }
+  std::vector<StiffVerdict> least;
+  for (const auto& regime : verdict.regimes)
+    for (const auto& stiff : regime.stiff) {
+      if (!regime.held) continue;
+      const auto known = std::find_if(least.begin(), least.end(),
+                                      [&](const auto& other) { return other.path == stiff.path; });
+      if (known == least.end())
+        least.push_back(stiff);
+      else if (stiff.stable_up_to < known->stable_up_to)
+        *known = stiff;
+    }
+  for (const auto& stiff : least)
+    words.push_back(fmt::format(
+        "held by a fingertip '{}' holds up to {}{}", stiff.path, newtons_per_metre(stiff.stable_up_to),
+        stiff.passive_up_to ? ", and is passive up to " + newtons_per_metre(*stiff.passive_up_to)
+                            : std::string{}));
 }
 
 void tell_networks(const StabilityVerdict& verdict, std::vector<std::string>& words) {
