@@ -86,6 +86,8 @@ std::string source_of(Solver solver) {
       return "Newmark, J. Eng. Mech. 85, 1959; Bilbao, Torin & Chatziioannou, Acta Acustica 101, 2015";
     case Solver::Exact:
       return "Van Loan, IEEE Trans. Autom. Control 23, 1978";
+    case Solver::Reference:
+      return "Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 1993";
     case Solver::Passive:
     case Solver::Auto:
       break;

@@ -43,6 +43,8 @@ const char* name_of(Solver solver) {
       return "implicit";
     case Solver::Exact:
       return "exact";
+    case Solver::Reference:
+      return "reference";
     case Solver::Auto:
       break;
   }

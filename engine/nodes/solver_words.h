@@ -8,8 +8,8 @@
 namespace tactus {
 
 /// [any] All that a file may name, in the order of their cost.
-inline constexpr std::array kSolvers = {Solver::Explicit, Solver::Exact, Solver::Implicit, Solver::Passive,
-                                        Solver::Auto};
+inline constexpr std::array kSolvers = {Solver::Explicit, Solver::Exact,     Solver::Implicit,
+                                        Solver::Passive,  Solver::Reference, Solver::Auto};
 
 /// [any] The word in a file.
 const char* name_of(Solver solver);

@@ -6,6 +6,7 @@
 
 #include "engine/physics/centred_scheme.h"
 #include "engine/physics/exact_scheme.h"
+#include "engine/physics/flow_scheme.h"
 
 namespace tactus {
 namespace {
@@ -18,7 +19,8 @@ double before(const NetworkState& state, const Drive& drive) {
   return drive.signal < 0 ? 0.0 : state.held[index(drive.signal)];
 }
 
-Result<std::unique_ptr<Scheme>> make_scheme(const NetworkModel& model, Solver solver) {
+Result<std::unique_ptr<Scheme>> make_scheme(const NetworkModel& model, Solver solver,
+                                            const NetworkElements& elements) {
   switch (solver) {
     case Solver::Explicit:
       return CentredScheme::make(model, CentredScheme::Kind::Explicit);
@@ -26,6 +28,8 @@ Result<std::unique_ptr<Scheme>> make_scheme(const NetworkModel& model, Solver so
       return CentredScheme::make(model, CentredScheme::Kind::Implicit);
     case Solver::Exact:
       return ExactScheme::make(model);
+    case Solver::Reference:
+      return std::make_unique<FlowScheme>(model, elements);
     case Solver::Passive:
     case Solver::Auto:
       break;
@@ -47,8 +51,8 @@ Result<Network> Network::make(NetworkElements elements, int signals, Hertz rate,
     network.oversample_ = network.choice_->oversample;
   }
   const double step_s = 1.0 / (rate.value * network.oversample_);
-  network.model_ = std::make_shared<const NetworkModel>(std::move(elements), signals, step_s);
-  auto scheme = make_scheme(*network.model_, network.solver_);
+  network.model_ = std::make_shared<const NetworkModel>(elements, signals, step_s);
+  auto scheme = make_scheme(*network.model_, network.solver_, elements);
   if (!scheme) return tl::unexpected(scheme.error());
   network.scheme_ = std::move(*scheme);
   return network;

@@ -59,15 +59,22 @@ void NetworkFlow::reset(State& state, std::span<const double> motions) const {
   for (std::size_t i = 0; i < driven_.size() && i < motions.size(); ++i)
     state.numbers[index(driven_[i])] = motions[i];
   const double* numbers = state.numbers.data();
-  for (std::size_t c = 0; c < laws_.size(); ++c) {
-    const bool pressed = indentation_in(numbers, c) > 0.0;
-    state.loss[c] = pressed ? start_loss(c, approach_in(numbers, c)) : 0.0;
-    const bool pulls = 1.0 + state.loss[c] * approach_in(numbers, c) < 0.0;
-    state.touch[c] = !pressed ? Touch::Open : pulls ? Touch::LettingGo : Touch::Pressing;
-  }
+  for (std::size_t c = 0; c < laws_.size(); ++c)
+    state.loss[c] = indentation_in(numbers, c) > 0.0 ? start_loss(c, approach_in(numbers, c)) : 0.0;
+  find_touches(state);
   std::fill(state.slide.begin(), state.slide.end(), Slide::Holds);
   std::fill(state.hold.begin(), state.hold.end(), 0.0);
   state.step_s = 0.0;
+}
+
+void NetworkFlow::find_touches(State& state) const {
+  const double* numbers = state.numbers.data();
+  for (std::size_t c = 0; c < laws_.size(); ++c) {
+    const bool pulls = 1.0 + state.loss[c] * approach_in(numbers, c) < 0.0;
+    state.touch[c] = !(indentation_in(numbers, c) > 0.0) ? Touch::Open
+                     : pulls                             ? Touch::LettingGo
+                                                         : Touch::Pressing;
+  }
 }
 
 void NetworkFlow::advance(State& state, const Inputs& inputs) const {

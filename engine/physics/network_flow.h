@@ -59,6 +59,8 @@ class NetworkFlow {
   State initial(std::span<const double> motions = {}) const;
   /// [any] The same without allocating, for a state of this network.
   void reset(State& state, std::span<const double> motions = {}) const;
+  /// [any] Which contacts press, from positions and velocities: for who has put these into a state.
+  void find_touches(State& state) const;
   /// [any] By one frame. A motion that cannot be followed leaves a state that is not finite.
   void advance(State& state, const Inputs& inputs) const;
 
