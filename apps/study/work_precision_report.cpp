@@ -18,8 +18,10 @@ std::vector<const WorkPoint*> by_load(const WorkPrecision& study) {
   return points;
 }
 
-/// What stands behind an error that nothing cheaper beats.
-const char* mark(const WorkPoint& point, std::size_t a) { return point.front[a] ? " *" : "  "; }
+/// What stands behind an error: nothing cheaper beats it; the reference is not ten times closer.
+std::string mark(const WorkPoint& point, std::size_t a) {
+  return std::string{point.trusted(a) ? " " : "?"} + (point.front[a] ? "*" : " ");
+}
 
 std::string why_not(const WorkPoint& point) {
   return point.refused ? "refused: " + point.refused->what : "unstable";
@@ -27,8 +29,7 @@ std::string why_not(const WorkPoint& point) {
 
 std::string own_error_of(const ReferenceUsed& used) {
   if (used.own_error == 0.0) return "";
-  return fmt::format(", itself within {:.1e}{}", used.own_error,
-                     used.far_enough ? "" : ": errors below ten times that are not to be trusted");
+  return fmt::format(", itself within {:.1e}", used.own_error);
 }
 
 std::string advice(const WorkPrecision& study) {
@@ -67,7 +68,9 @@ std::string text_of(const WorkPrecision& study) {
       text += fmt::format("  {:>12.2e}{}", point->errors[a], mark(*point, a));
     text += "\n";
   }
-  return text + "\n* nothing cheaper is closer. Errors are relative.\n" + advice(study);
+  return text +
+         "\n* nothing cheaper is closer; ? not ten times the reference's own error. Errors are relative.\n" +
+         advice(study);
 }
 
 std::string markdown_of(const WorkPrecision& study) {
@@ -84,7 +87,8 @@ std::string markdown_of(const WorkPrecision& study) {
     else
       text += " | |";
     for (std::size_t a = 0; a < study.references.size(); ++a)
-      text += point->known() ? fmt::format(" {:.1e}{} |", point->errors[a], point->front[a] ? " \\*" : "")
+      text += point->known() ? fmt::format(" {:.1e}{}{} |", point->errors[a], point->trusted(a) ? "" : "?",
+                                           point->front[a] ? " \\*" : "")
                              : (a == 0 ? " " + why_not(*point) + " |" : " |");
     text += "\n";
   }
@@ -98,8 +102,7 @@ Json json_of(const WorkPrecision& study) {
                                   {"measure", used.measure},
                                   {"of", used.of},
                                   {"against", used.what},
-                                  {"own_error", used.own_error},
-                                  {"ten_times_closer", used.far_enough}});
+                                  {"own_error", used.own_error}});
   for (const auto* point : by_load(study)) {
     const bool known = point->known();
     Json run{{"solver", point->variant.solver},
@@ -115,6 +118,7 @@ Json json_of(const WorkPrecision& study) {
     if (point->refused) run["why"] = to_string(*point->refused);
     for (std::size_t a = 0; a < point->errors.size(); ++a) {
       run["errors"][study.references[a].accuracy] = point->errors[a];
+      run["reference_own_errors"][study.references[a].accuracy] = point->floors[a];
       run["nothing_cheaper_is_closer"][study.references[a].accuracy] = static_cast<bool>(point->front[a]);
     }
     json["runs"].push_back(std::move(run));

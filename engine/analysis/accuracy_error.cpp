@@ -45,12 +45,15 @@ class Judgement {
            scale(largest(reference_));
   }
 
+  /// Of what it has become since the first sample: where a scheme keeps its energy between two instants, what
+  /// it calls so differs from the true one, and need not drift.
   double energy() const {
     double most = 0;
-    const double exact = accuracy_.exact ? accuracy_.exact->si : 0;
-    for (std::size_t n = 0; n < frames(); ++n)
-      most = std::max(most, std::abs(run_[n] - (accuracy_.exact ? exact : reference_[n])));
-    return most / scale(accuracy_.exact ? std::abs(exact) : largest(reference_));
+    for (std::size_t n = 0; n < frames(); ++n) {
+      const double change = accuracy_.exact ? 0 : reference_[n] - reference_[0];
+      most = std::max(most, std::abs(run_[n] - run_[0] - change));
+    }
+    return most / scale(accuracy_.exact ? std::abs(accuracy_.exact->si) : largest(reference_));
   }
 
   using Reading = std::optional<double> (*)(Samples, Hertz);
@@ -70,8 +73,10 @@ class Judgement {
     const double interval = wanted.size() > 1
                                 ? (wanted.back() - wanted.front()) / static_cast<double>(wanted.size() - 1)
                                 : wanted.front();
-    double squares = static_cast<double>(all - both);  // one that is missing is wrong by a whole interval
-    for (std::size_t i = 0; i < both; ++i) squares += std::pow((found[i] - wanted[i]) / scale(interval), 2);
+    // One that is missing, or elsewhere altogether, is wrong by 1.
+    double squares = static_cast<double>(all - both);
+    for (std::size_t i = 0; i < both; ++i)
+      squares += std::pow(std::min(1.0, std::abs(found[i] - wanted[i]) / scale(interval)), 2);
     return std::sqrt(squares / static_cast<double>(all));
   }
 

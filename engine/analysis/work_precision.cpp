@@ -12,9 +12,6 @@
 namespace tactus {
 namespace {
 
-// Errors are told down to ten times what the reference itself may be off.
-constexpr double kFarEnough = 10.0;
-
 WorkPrecisionOptions completed(WorkPrecisionOptions options, Hertz rate) {
   if (options.solvers.empty()) options.solvers = stepping_solvers();
   if (options.rates.empty()) options.rates = {Hertz{0.5 * rate.value}, rate, Hertz{2 * rate.value}};
@@ -55,7 +52,7 @@ class Study {
 
   WorkPrecision finish() {
     take_times();
-    for (std::size_t a = 0; a < scene_.accuracy.size(); ++a) find_front(a), judge_reference(a);
+    for (std::size_t a = 0; a < scene_.accuracy.size(); ++a) find_front(a);
     return std::move(result_);
   }
 
@@ -66,6 +63,7 @@ class Study {
   Checked<ReferenceRun> refer(Hertz rate) {
     tell(static_cast<double>(result_.points.size()), "reference");
     auto reference = play_reference(scene_, table_, rate);
+    floors_.assign(scene_.accuracy.size(), 0.0);
     for (std::size_t a = 0; reference && a < scene_.accuracy.size(); ++a) check_reference(a, *reference);
     return reference;
   }
@@ -86,8 +84,9 @@ class Study {
   void check_reference(std::size_t a, const ReferenceRun& reference) {
     if (scene_.accuracy[a].exact) return;
     const double error = accuracy_error(scene_.accuracy[a], reference.again, reference.recording).value_or(1);
+    floors_[a] = error;
     auto& used = result_.references[a];
-    used.own_error = std::max(used.own_error, reference.share * error);
+    used.own_error = std::max(used.own_error, floors_[a]);
   }
 
   void play(const SceneSpec& scene, const SolverVariant& variant, const SceneRecording& reference) {
@@ -102,6 +101,7 @@ class Study {
     for (const auto& accuracy : scene_.accuracy)
       point.unstable = point.unstable || exploded(accuracy, *recording, reference);
     if (point.unstable) return;
+    point.floors = floors_;
     for (const auto& accuracy : scene_.accuracy)
       point.errors.push_back(accuracy_error(accuracy, *recording, reference).value_or(1));
     timers_.emplace(result_.points.size() - 1, PlantTimer{std::move(*built), scene, *recording});
@@ -127,16 +127,11 @@ class Study {
     }
   }
 
-  void judge_reference(std::size_t a) {
-    auto& used = result_.references[a];
-    for (const auto& point : result_.points)
-      if (point.known() && point.errors[a] < kFarEnough * used.own_error) used.far_enough = false;
-  }
-
   const SceneSpec& scene_;
   const NodeTable& table_;
   WorkPrecisionOptions options_;
   std::size_t runs_ = 0;
+  std::vector<double> floors_;  // of the reference at the rate of now
   WorkPrecision result_;
   std::map<std::size_t, PlantTimer> timers_;
 };

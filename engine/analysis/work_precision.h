@@ -27,10 +27,13 @@ struct WorkPoint {
   std::optional<Error> refused;  ///< the network cannot be stepped so
   bool unstable = false;         ///< values that are no numbers or explode: no error is told
   std::vector<double> errors;    ///< relative, in the order of the scene's [accuracy]; empty: none
+  std::vector<double> floors;    ///< what the reference may be off itself at this rate, likewise
   std::vector<bool> front;       ///< nothing cheaper is closer, likewise
   double ns_per_frame = 0;
 
   bool known() const { return !errors.empty(); }
+  /// The reference is ten times closer than this.
+  bool trusted(std::size_t accuracy) const { return errors[accuracy] >= 10 * floors[accuracy]; }
   /// Computing for a second of the scene. [s]
   double load() const { return 1e-9 * ns_per_frame * variant.rate.value; }
 };
@@ -38,9 +41,8 @@ struct WorkPoint {
 /// What the errors of one line of [accuracy] are measured against, and how far that may be off itself.
 struct ReferenceUsed {
   std::string accuracy, measure, of;
-  std::string what;        ///< "closed form"
-  double own_error = 0;    ///< relative: the largest, over the rates, between two references
-  bool far_enough = true;  ///< ten times closer than the smallest error told
+  std::string what;      ///< "closed form"
+  double own_error = 0;  ///< relative: the largest, over the rates, between two references
 };
 
 struct WorkPrecision {

@@ -71,6 +71,7 @@ LogPlot plot(const WorkPrecision& study, std::size_t a) {
   plot.subtitle = "against: " + used.what;
   plot.x.label = "computing time for 1/48000 s of the scene";
   plot.x.unit = "s";
+  plot.x.high = 2 * kTold_s;
   plot.y.label = "relative error";
   for (std::size_t i = 0; i < study.points.size(); ++i) {
     const auto& variant = study.points[i].variant;
