@@ -14,17 +14,18 @@ WorkPrecision studied() {
   study.scene = "swing";
   study.references = {{"pitch", "frequency", "plant.tip", "closed form"},
                       {"path", "position", "plant.tip", "integration from event to event", 1e-6}};
-  WorkPoint cheap{.variant = {"explicit", 1, 48_kHz}};
+  WorkPoint cheap, close, wild;
+  cheap.variant = {"explicit", 1, 48_kHz};
   cheap.errors = {1e-3, 2e-3};
   cheap.floors = {0.0, 1e-6};
   cheap.front = {true, true};
   cheap.ns_per_frame = 100.0;
-  WorkPoint close{.variant = {"passive", 16, 48_kHz}};
+  close.variant = {"passive", 16, 48_kHz};
   close.errors = {5e-5, 5e-6};
   close.floors = {0.0, 1e-6};
   close.front = {true, false};
   close.ns_per_frame = 1000.0;
-  WorkPoint wild{.variant = {"explicit", 1, 24_kHz}};
+  wild.variant = {"explicit", 1, 24_kHz};
   wild.unstable = true;
   study.points = {wild, close, cheap};
   return study;
