@@ -68,7 +68,9 @@ std::string text_of(const WorkPrecision& study) {
       text += fmt::format("  {:>12.2e}{}", point->errors[a], mark(*point, a));
     text += "\n";
   }
-  return text + "\n* nothing cheaper is closer; ? not ten times the reference's own error. Errors are relative.\n" + advice(study);
+  return text +
+         "\n* nothing cheaper is closer; ? not ten times the reference's own error. Errors are relative.\n" +
+         advice(study);
 }
 
 std::string markdown_of(const WorkPrecision& study) {
@@ -86,7 +88,7 @@ std::string markdown_of(const WorkPrecision& study) {
       text += " | |";
     for (std::size_t a = 0; a < study.references.size(); ++a)
       text += point->known() ? fmt::format(" {:.1e}{}{} |", point->errors[a], point->trusted(a) ? "" : "?",
-                                         point->front[a] ? " \\*" : "")
+                                           point->front[a] ? " \\*" : "")
                              : (a == 0 ? " " + why_not(*point) + " |" : " |");
     text += "\n";
   }

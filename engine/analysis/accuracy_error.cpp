@@ -75,7 +75,8 @@ class Judgement {
                                 : wanted.front();
     // One that is missing, or elsewhere altogether, is wrong by 1.
     double squares = static_cast<double>(all - both);
-    for (std::size_t i = 0; i < both; ++i) squares += std::pow(std::min(1.0, std::abs(found[i] - wanted[i]) / scale(interval)), 2);
+    for (std::size_t i = 0; i < both; ++i)
+      squares += std::pow(std::min(1.0, std::abs(found[i] - wanted[i]) / scale(interval)), 2);
     return std::sqrt(squares / static_cast<double>(all));
   }
 

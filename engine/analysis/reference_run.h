@@ -6,15 +6,13 @@
 
 namespace tactus {
 
-/// A scene as it ought to be, and once more by other steps.
+/// A scene as it ought to be, and once more by other steps: their difference is what it may be off.
 struct ReferenceRun {
   SceneRecording recording, again;
-  double share = 1;  ///< of their difference that is the error of `recording`
 };
 
-/// [control] Plays a plant so closely that solvers can be measured against it: by the motion of its networks
-/// itself, where networks know it; else by 64 small passive steps a frame, and again by 32: by Richardson's
-/// extrapolation the error of a scheme of second order is a third of what halving its step changes.
+/// [control] Plays a plant by the motion of its networks itself (NetworkFlow), from frame to frame and in
+/// halves of frames.
 Checked<ReferenceRun> play_reference(const SceneSpec& scene, const NodeTable& table, Hertz rate);
 
 /// [any] How, in words.

@@ -6,13 +6,11 @@
 #include <array>
 #include <functional>
 
-#include "engine/nodes/network_layout.h"
+#include "engine/nodes/solver_words.h"
 
 namespace tactus {
 namespace {
 
-constexpr std::array kStepping = {"explicit", "exact", "implicit", "passive"};
-constexpr auto kReference = "reference";
 // Elements whose force is proportional to places, speeds and currents, or given.
 constexpr std::array kLinear = {"mass", "ground", "motion", "spring", "damper",     "force", "hand",
                                 "coil", "chain",  "ring",   "grid",   "oscillator", "probe", "port"};
@@ -30,16 +28,6 @@ std::shared_ptr<const GraphSpec> with_solver(const GraphSpec& graph, const Solve
   }
   for (auto& [name, part] : changed->parts) part = with_solver(*part, variant);
   return changed;
-}
-
-bool takes(const char* solver) {
-  NetworkSpec network;
-  network.name = "any";
-  network.options.push_back({"solver", {}, {std::string{solver}, {}}});
-  auto& mass = network.elements.emplace_back();
-  mass.name = mass.type = "mass";
-  mass.fields.push_back({"mass", {}, {1.0, {}}});
-  return read_network_layout(network).has_value();
 }
 
 bool any_network(const GraphSpec& graph, const std::function<bool(const NetworkSpec&)>& holds) {
@@ -69,12 +57,10 @@ SceneSpec with_solver(SceneSpec scene, const SolverVariant& variant) {
 
 std::vector<std::string> stepping_solvers() {
   std::vector<std::string> words;
-  for (const auto* word : kStepping)
-    if (takes(word)) words.emplace_back(word);
+  for (const auto solver : kSolvers)
+    if (solver != Solver::Auto && solver != Solver::Reference) words.emplace_back(name_of(solver));
   return words;
 }
-
-bool has_reference_solver() { return takes(kReference); }
 
 bool is_linear(const SceneSpec& scene) {
   return !any_network(scene, [](const NetworkSpec& network) {

@@ -25,9 +25,6 @@ SceneSpec with_solver(SceneSpec scene, const SolverVariant& variant);
 /// [control] The words of `solver` that step a network: all that it takes, but the one that chooses among
 /// them and the one that they are measured against.
 std::vector<std::string> stepping_solvers();
-/// [control] Is there one that networks are measured against?
-bool has_reference_solver();
-
 /// [control] Networks of these parts have links that are all linear: nothing touches, slides or lets go.
 bool is_linear(const SceneSpec& scene);
 /// [control] There is a network at all.

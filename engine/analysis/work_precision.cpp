@@ -84,7 +84,7 @@ class Study {
   void check_reference(std::size_t a, const ReferenceRun& reference) {
     if (scene_.accuracy[a].exact) return;
     const double error = accuracy_error(scene_.accuracy[a], reference.again, reference.recording).value_or(1);
-    floors_[a] = reference.share * error;
+    floors_[a] = error;
     auto& used = result_.references[a];
     used.own_error = std::max(used.own_error, floors_[a]);
   }

@@ -71,7 +71,9 @@ void NetworkFlow::find_touches(State& state) const {
   const double* numbers = state.numbers.data();
   for (std::size_t c = 0; c < laws_.size(); ++c) {
     const bool pulls = 1.0 + state.loss[c] * approach_in(numbers, c) < 0.0;
-    state.touch[c] = !(indentation_in(numbers, c) > 0.0) ? Touch::Open : pulls ? Touch::LettingGo : Touch::Pressing;
+    state.touch[c] = !(indentation_in(numbers, c) > 0.0) ? Touch::Open
+                     : pulls                             ? Touch::LettingGo
+                                                         : Touch::Pressing;
   }
 }
 

@@ -78,7 +78,8 @@ const std::vector<AccuracyType>& accuracy_types() {
   constexpr auto kSame = AccuracyType::kUnitOfSubject;
   static const std::vector<AccuracyType> types = {
       {"position", kSame, kSame, false, "root mean square of the difference, by the largest value"},
-      {"energy", kSame, kSame, true, "largest difference of its change from the first sample on, by the largest value"},
+      {"energy", kSame, kSame, true,
+       "largest difference of its change from the first sample on, by the largest value"},
       {"frequency", "Hz", "Hz", true, "difference of the frequency of an oscillation, relative"},
       {"decay", "1/s", "1/s", true, "difference of the rate at which an oscillation dies away, relative"},
       {"speed", "m/s", "m/s", true, "difference of the speed, a straight line through a position, relative"},
