@@ -10,7 +10,7 @@ enum class FarEnd { Fixed, Free };
 
 /// A string or a rod seen from one end: waves of force go in, travel to the far end and come back.
 ///
-///   out[n] = +-(h * in)[n - (N - 1.5)]      + fixed, - free
+///   out[n] = +-(h * in)[n - (N - 1)]      + fixed, - free
 ///
 /// h is the gain and the loss of StringDesign and N its delay, read between samples. kPortFrames
 /// are left to what the line hangs on, so that both together, N frames around, are in tune: with a rigid near
@@ -25,9 +25,8 @@ class WaveLine {
     double lowest, highest;
   };
   static constexpr double kMostGain = 1;
-  /// What a network's port takes to answer: a frame, and half of one since the mean of two inputs acts in a
-  /// step.
-  static constexpr double kPortFrames = 1.5;
+  /// What a network's port takes to answer.
+  static constexpr double kPortFrames = 1.0;
   static constexpr int kLongest = 64;  ///< frames that may be written or read at once
 
   /// [control] Allocates for the lowest pitch.

@@ -72,8 +72,8 @@ const NodeType& waveguide_type() {
       .group = "mechanics",
       .summary = "A string or rod as a network's `port` feels it at one end: waves go in and come back.",
       .equation =
-          "out[n] = +-gain (h_LP * wave)[n - (N - 1.5)]: + from a fixed end, - from a free one\n"
-          "N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs; the 1.5 frames that are missing are the port's\n"
+          "out[n] = +-gain (h_LP * wave)[n - (N - 1)]: + from a fixed end, - from a free one\n"
+          "N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs; the frame that is missing is the port's\n"
           "H_LP = (1 - loss/2) + loss/2 z^-1 (one_zero) or (1 - loss) / (1 - loss z^-1) (one_pole)\n"
           "Impedance of the port: of a string of tension T and mass M a metre sqrt(T M), of a rod A sqrt(E "
           "rho). A fixed string on a heavy mass sounds at `pitch`; on a mass m at w m = Z cot(w / (2 "

@@ -157,7 +157,7 @@ void Network::substep(NetworkState& state, const double* inputs, int part) const
   for (std::size_t i = 0; i < model_->coils.size(); ++i)
     state.voltage[i] = enter(state, model_->coils[i].voltage, inputs, part);
   for (std::size_t i = 0; i < model_->ports.size(); ++i)
-    state.wave[i] = enter(state, model_->ports[i].wave, inputs, part);
+    state.wave[i] = now(model_->ports[i].wave.drive, inputs);  // a sample of a wave, not a held force
   press(state, inputs, part);
   scheme_->step(state);
 }
