@@ -1,6 +1,7 @@
 #include "engine/analysis/schema.h"
 
 #include "engine/analysis/schema_pieces.h"
+#include "engine/nodes/solver_words.h"
 #include "engine/scene/accuracy.h"
 #include "engine/scene/measure.h"
 
@@ -68,10 +69,16 @@ Json part() {
           {"additionalProperties", signal("")}};
 }
 
+std::vector<std::string> solver_names() {
+  std::vector<std::string> names;
+  for (const auto solver : kSolvers) names.emplace_back(name_of(solver));
+  return names;
+}
+
 Json network() {
   auto json = entries("masses on a line and what joins them", reference("element"));
   json["properties"] = {
-      {"solver", choice("passive if left out", {"passive", "explicit"})},
+      {"solver", choice("passive if left out", solver_names())},
       {"oversample", whole_number("steps in a frame", 1, 64)},
   };
   json["minProperties"] = 1;

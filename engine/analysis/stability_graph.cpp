@@ -172,7 +172,7 @@ class ScheduleReader {
     const auto touching = regime_.contacts.find(path);
     const auto model =
         LinearNetwork::make(view, *schedule_.types[index(step.node)],
-                           touching == regime_.contacts.end() ? Touching{} : touching->second, regime_.hand);
+                            touching == regime_.contacts.end() ? Touching{} : touching->second, regime_.hand);
     if (model == nullptr) return graph_.not_looked_at.push_back(path);
     const int number = static_cast<int>(graph_.networks.size());
     graph_.networks.push_back(model);

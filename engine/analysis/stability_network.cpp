@@ -54,8 +54,8 @@ int driven_point(const NetworkElements& elements) {
 }
 
 std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view, const NodeType& type,
-                                                       const Touching& touching,
-                                                       const std::optional<Fingertip>& hand) {
+                                                         const Touching& touching,
+                                                         const std::optional<Fingertip>& hand) {
   std::shared_ptr<LinearNetwork> model{new LinearNetwork};
   model->recipe_ = view.recipe();
   auto& recipe = model->recipe_;
@@ -100,7 +100,7 @@ void LinearNetwork::add_test_force() {
 
 /// Most outputs are straight lines and are found to the last bit; those of closed contacts are not.
 Eigen::MatrixXd LinearNetwork::readings(const Network& network, const NetworkView& view, std::size_t outputs,
-                                       const Touching& touching) const {
+                                        const Touching& touching) const {
   auto c = slopes(network, recipe_.elements, view, outputs, 1.0);
   if (!touching.contacts.empty()) {
     double least = 1.0;

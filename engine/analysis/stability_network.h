@@ -23,8 +23,8 @@ class LinearNetwork {
  public:
   /// [control] nullptr if it cannot be run so.
   static std::shared_ptr<const LinearNetwork> make(const NetworkView& view, const NodeType& type,
-                                                  const Touching& touching,
-                                                  const std::optional<Fingertip>& hand);
+                                                   const Touching& touching,
+                                                   const std::optional<Fingertip>& hand);
 
   /// H(z): rows are the outputs of the node, then the position of the first driven point; columns are the
   /// signals of the recipe, then a test force on that point.

@@ -120,7 +120,7 @@ const NodeType& modal_body_type() {
           "at half the sample rate or above is left out. Energy only goes in through the port: sum of "
           "(wave_in^2 - wave^2) / (impedance fs) is what the body holds and has lost.\n"
           "Wired to a port of the same impedance, each end hears the other a frame later at most: like a "
-          "thin rod of mass impedance / fs and stiffness impedance fs between them",
+          "thin rod of mass impedance / (2 fs) and stiffness 2 impedance fs between them",
       .source =
           "Bilbao, Wave and Scattering Methods for Numerical Simulation, 2004, chapter 2; series: "
           "Fletcher & Rossing, The Physics of Musical Instruments, 2nd ed. 1998",

@@ -66,7 +66,8 @@ class NetworkNode final : public Node, public NetworkView {
   }
 
   void write(const NodeBlock& block, int frame, std::size_t count) const noexcept {
-    for (std::size_t i = 0; i < count; ++i) block.out[read_[i]][frame] = value(readings_[read_[i]], network_, state_);
+    for (std::size_t i = 0; i < count; ++i)
+      block.out[read_[i]][frame] = value(readings_[read_[i]], network_, state_);
   }
 
   void step(const NodeBlock& block, int frame) noexcept {
@@ -151,8 +152,8 @@ Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, con
   recipe.signal_ports = builder.signal_ports;
   builder.name_parts(recipe);
   recipe.elements = std::move(builder.elements);
-  auto network = Network::make(recipe.elements, recipe.signals, recipe.rate, layout.solver,
-                               layout.oversample);
+  auto network =
+      Network::make(recipe.elements, recipe.signals, recipe.rate, layout.solver, layout.oversample);
   if (!network) return tl::unexpected(network.error());
   recipe.solver = network->solver();
   recipe.oversample = network->oversample();

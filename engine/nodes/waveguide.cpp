@@ -44,8 +44,7 @@ class WaveguideNode final : public Node {
   std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
                                                std::span<const double> at) const override {
     if (input != kWave) return std::nullopt;
-    return line_.response({.pitch_hz = at[kPitch], .gain = at[kGain], .loss = at[kLoss]},
-                          1.0 / z);
+    return line_.response({.pitch_hz = at[kPitch], .gain = at[kGain], .loss = at[kLoss]}, 1.0 / z);
   }
 
  private:

@@ -20,7 +20,8 @@ NetworkElements in_slots(const NetworkModel& model, NetworkElements elements) {
   for (std::size_t i = 0; i < elements.points.size(); ++i) points[index(model.slot[i])] = elements.points[i];
   elements.points = std::move(points);
   const auto ends = [&](auto& links) {
-    for (auto& link : links) link.lower = model.slot[index(link.lower)], link.upper = model.slot[index(link.upper)];
+    for (auto& link : links)
+      link.lower = model.slot[index(link.lower)], link.upper = model.slot[index(link.upper)];
   };
   ends(elements.springs);
   ends(elements.contacts);
@@ -51,8 +52,10 @@ void FlowScheme::start(NetworkState& state) const noexcept {
 void FlowScheme::load(const NetworkState& state) const noexcept {
   const auto all = (now_.numbers.size() - state.current.size()) / 2;
   std::copy(state.position.begin(), state.position.end(), now_.numbers.begin());
-  std::copy(state.velocity.begin(), state.velocity.end(), now_.numbers.begin() + static_cast<std::ptrdiff_t>(all));
-  std::copy(state.current.begin(), state.current.end(), now_.numbers.end() - static_cast<std::ptrdiff_t>(state.current.size()));
+  std::copy(state.velocity.begin(), state.velocity.end(),
+            now_.numbers.begin() + static_cast<std::ptrdiff_t>(all));
+  std::copy(state.current.begin(), state.current.end(),
+            now_.numbers.end() - static_cast<std::ptrdiff_t>(state.current.size()));
   std::copy(state.loss.begin(), state.loss.end(), now_.loss.begin());
   for (std::size_t f = 0; f < state.sliding.size(); ++f) now_.slide[f] = slide_of(state.sliding[f]);
   for (std::size_t p = 0; p < state.slipped.size(); ++p)
@@ -80,7 +83,8 @@ void FlowScheme::keep(NetworkState& state) const noexcept {
     const auto& pluck = model_.plucks[p];
     state.slipped[p] = sign_of(now_.slide[state.sliding.size() + p]);
     state.root[model_.contacts.size() + p] =
-        std::sqrt(pluck.stiffness) * (state.position[index(pluck.lower)] - state.position[index(pluck.upper)]);
+        std::sqrt(pluck.stiffness) *
+        (state.position[index(pluck.lower)] - state.position[index(pluck.upper)]);
   }
   for (std::size_t p = 0; p < state.wave_back.size(); ++p) {
     const auto& port = model_.ports[p];

@@ -17,9 +17,9 @@
 namespace tactus {
 namespace {
 
-const std::vector<std::string> kSceneKeys = {"format", "name",     "about", "source",   "rate",
-                                             "delay",  "duration", "parts", "gestures", "converters",
-                                             "expect", "compare",  "seed",  "drives",   "accuracy", "ports"};
+const std::vector<std::string> kSceneKeys = {
+    "format",   "name",       "about",  "source",  "rate", "delay",  "duration", "parts",
+    "gestures", "converters", "expect", "compare", "seed", "drives", "accuracy", "ports"};
 const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "networks", "outputs"};
 
 // Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.

@@ -35,7 +35,8 @@ TEST_CASE("modal_body: listed masses keep their ratio, and each is felt", "[node
     inputs["wave"] = 0.0;
     inputs["impedance"] = 1e-6;
     NodeRunner body(modal_body_type(), inputs, {{"frequencies", "[50, 60]"}, {"masses", "[0.1, 0.3]"}});
-    const auto velocity = body.node().response(0, 1, on_circle(Hertz{hertz}, 48_kHz), std::vector<double>{0, 1e-6, 0, 1, 1});
+    const auto velocity =
+        body.node().response(0, 1, on_circle(Hertz{hertz}, 48_kHz), std::vector<double>{0, 1e-6, 0, 1, 1});
     return std::abs(*velocity) / 2 * s;
   };
   CHECK(give({}) == Approx(1 / 0.1 + 1 / 0.3).epsilon(1e-4));
