@@ -48,7 +48,7 @@ TEST_CASE("instruments: every scene does what it expects of itself", "[instrumen
     if (find(*table, "parts") == nullptr) continue;
     INFO(file.path().string());
     const auto played = play(file.path());
-    CHECK_FALSE(played.scene.expect.empty());
+    CHECK_FALSE((played.scene.expect.empty() && played.scene.accuracy.empty()));
     const auto outcomes = check_expectations(played.scene, played.recording);
     REQUIRE(outcomes);
     for (const auto& outcome : *outcomes) {
