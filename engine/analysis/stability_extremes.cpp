@@ -15,7 +15,10 @@ namespace tactus {
 namespace {
 
 constexpr int kBlock = 64;
-constexpr double kPush = 1e-6;  ///< at the start of a linear run
+/// At the start of a linear run: the smallest of which half does half as much, so that neither the steps of a
+/// quantiser nor contacts have a say.
+constexpr double kPushes[] = {1e-6, 1e-4, 1e-2, 1.0, 100.0};
+constexpr double kProportional = 0.05;
 
 /// An instrument whose sensors are disturbed and whose drives are turned up.
 class Disturbed final : public BlockProcessor {
@@ -46,12 +49,12 @@ class Disturbed final : public BlockProcessor {
     frame_ += io.frames;
   }
   bool finite() const { return finite_; }
-  bool pushed = true;  ///< linear runs: with the push at the start, or without
+  double push = 0.0;  ///< of linear runs, at the start
 
  private:
   /// In the first half of the run; then the energy must not grow any more.
   double disturbance(std::int64_t frame) const noexcept {
-    if (plan_.linear) return pushed && frame == 0 ? kPush : 0.0;
+    if (plan_.linear) return static_cast<double>(frame) <= plan_.push_s * rate_ ? push : 0.0;
     const double seconds = static_cast<double>(frame) / rate_;
     if (seconds > plan_.seconds / 2) return 0;
     const auto every = static_cast<std::int64_t>(0.037 * rate_);
@@ -135,27 +138,40 @@ ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan,
   return run;
 }
 
+/// The sensors, one piece after the other, after a push.
+std::vector<double> heard_after(double push, const StabilitySubject& subject, const ExtremePlan& plan,
+                                ExtremeRun& run) {
+  std::vector<double> heard;
+  auto built = build_world(subject, plan.world, true);
+  if (!built) return heard;
+  Disturbed disturbed{*built->instrument, plan};
+  disturbed.push = push;
+  ClosedLoop loop{
+      disturbed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
+  if (!loop.prepare(run.rate, kBlock)) return heard;
+  loop.run(static_cast<int>(plan.seconds * run.rate.value), [&](const ClosedLoop::Piece& piece) {
+    for (const auto* sensor : piece.sensors) heard.insert(heard.end(), sensor, sensor + piece.frames);
+  });
+  run.finite = run.finite && disturbed.finite();
+  return heard;
+}
+
 /// The sensors with a small push at the start less those without it: what the push alone becomes.
 ExtremeRun run_linear(const StabilitySubject& subject, const ExtremePlan& plan, ExtremeRun run) {
-  std::vector<double> sensors[2];
-  for (const bool pushed : {false, true}) {
-    auto built = build_world(subject, plan.world, true);
-    if (!built) return run;
-    Disturbed disturbed{*built->instrument, plan};
-    disturbed.pushed = pushed;
-    ClosedLoop loop{
-        disturbed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
-    if (!loop.prepare(run.rate, kBlock)) return run;
-    loop.run(static_cast<int>(plan.seconds * run.rate.value), [&](const ClosedLoop::Piece& piece) {
-      for (const auto* sensor : piece.sensors)
-        sensors[pushed ? 1 : 0].insert(sensors[pushed ? 1 : 0].end(), sensor, sensor + piece.frames);
-    });
-    run.finite = run.finite && disturbed.finite();
-  }
+  const auto still = heard_after(0.0, subject, plan, run);
+  const auto moved_by = [&](double push) {
+    const auto heard = heard_after(push, subject, plan, run);
+    Quarters moved;
+    for (std::size_t n = 0; n < heard.size(); ++n)
+      moved.take(static_cast<double>(n) / static_cast<double>(heard.size()), heard[n] - still[n]);
+    return moved;
+  };
   Quarters moved;
-  const auto size = static_cast<double>(sensors[0].size());
-  for (std::size_t n = 0; n < sensors[0].size(); ++n)
-    moved.take(static_cast<double>(n) / size, sensors[1][n] - sensors[0][n]);
+  for (const double push : kPushes) {
+    moved = moved_by(push);
+    const double whole = moved.largest[1], half = moved_by(0.5 * push).largest[1];
+    if (whole > 0.0 && std::abs(whole - 2.0 * half) < kProportional * whole) break;
+  }
   run.energy_before = moved.largest[1];
   run.energy_after = moved.largest[3];
   run.grew = run.energy_after > run.energy_before;
@@ -211,6 +227,7 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
                      .seconds = std::clamp(std::max(1 / growth, cycles), kShortest, kLongest),
                      .drive_gain = (above ? 1.02 : 0.98) * loop->margin.border,
                      .linear = true,
+                     .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
                      .expected = !above});
   }
   return plans;

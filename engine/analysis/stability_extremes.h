@@ -46,6 +46,7 @@ struct ExtremePlan {
   double seconds = 0.5;
   double drive_gain = 1;  ///< on every drive
   bool linear = false;    ///< one push at the start, no guard, no converters: to see which side it is on
+  double push_s = 0;      ///< of linear runs: how long the push lasts, a frame at least
   bool expected = true;
 };
 
