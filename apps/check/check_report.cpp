@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/graph/entry_fields.h"
+#include "engine/nodes/solver_words.h"
 
 namespace tactus::app {
 namespace {
@@ -57,7 +58,7 @@ Json regime_json(const RegimeVerdict& regime) {
 Json network_json(const NetworkVerdict& network) {
   return {{"name", network.path},
           {"regime", network.regime},
-          {"solver", network.passive ? "passive" : "explicit"},
+          {"solver", name_of(network.solver)},
           {"spectral_radius", network.radius},
           {"rate_hz", network.rate_hz},
           {"holds_at_every_rate", !network.needed_hz.has_value()},
@@ -132,7 +133,7 @@ void print_networks(const StabilityVerdict& verdict) {
              "runs at", "needs", "weakest");
   for (const auto& network : verdict.networks)
     fmt::print("  {:24} {:28} {:8} {:14.10f} {:10g} {:>12}  {}\n", network.path, network.regime,
-               network.passive ? "passive" : "explicit", network.radius, network.rate_hz,
+               name_of(network.solver), network.radius, network.rate_hz,
                !network.needed_hz                  ? "any"
                : std::isfinite(*network.needed_hz) ? fmt::format("{:.5g} Hz", *network.needed_hz)
                                                    : "none holds",

@@ -135,7 +135,8 @@ class Judge {
       const auto& model = *graph.networks[n];
       const auto& recipe = model.recipe();
       NetworkVerdict verdict{graph.network_paths[n], regime.name};
-      verdict.passive = recipe.solver != Solver::Explicit;
+      verdict.solver = recipe.solver;
+      verdict.rubs = !recipe.elements.frictions.empty();
       verdict.radius = model.radius();
       verdict.rate_hz = recipe.rate.value * recipe.oversample;
       if (const auto needed = model.needed_rate()) verdict.needed_hz = needed->value;

@@ -14,7 +14,8 @@ namespace tactus {
 /// A network by itself.
 struct NetworkVerdict {
   std::string path, regime;
-  bool passive = false;                  ///< its solver
+  Solver solver = Solver::Passive;
+  bool rubs = false;                     ///< has frictions, which are left out
   double radius = 0;                     ///< of one frame
   double rate_hz = 0;                    ///< that it runs at: rate times oversample
   std::optional<double> needed_hz = {};  ///< the least; nullopt: it holds at every rate, infinite: at none

@@ -230,6 +230,8 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
                      .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
                      .expected = !above});
   }
+  // What dry friction holds does not grow: the border is that of the rest.
+  for (auto& plan : plans) plan.world.friction = false;
   return plans;
 }
 

@@ -184,6 +184,8 @@ std::vector<std::string> in_words(const StabilityVerdict& verdict) {
   std::vector<std::string> words{headline(verdict, first)};
   tell_growing(verdict, words);
   tell_networks(verdict, words);
+  if (std::any_of(verdict.networks.begin(), verdict.networks.end(), [](const auto& n) { return n.rubs; }))
+    words.emplace_back("dry friction is left out: small motions that it holds would be stable beyond this");
   tell_first(first, words);
   tell_change(verdict, first, words);
   tell_room(first, words);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/analysis/frictionless.h"
 #include "engine/core/dimension.h"
 #include "engine/graph/load.h"
 
@@ -102,7 +103,8 @@ Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOpti
   with.rate = options.rate;
   with.set = options.set;
   with.side_by_side = side_by_side;
-  return build_scene(*subject.scene, *subject.table, with);
+  return build_scene(options.friction ? *subject.scene : without_friction(*subject.scene), *subject.table,
+                     with);
 }
 
 Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const WorldOptions& options) {

@@ -42,6 +42,7 @@ struct WorldOptions {
   Seconds delay = 0_s;
   std::map<std::string, ControlValue> set;
   AssumedDevice device;
+  bool friction = true;  ///< false: of a scene's networks nothing rubs
 };
 
 /// A scene, or an instrument alone: one of the two.

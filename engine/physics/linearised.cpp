@@ -60,8 +60,10 @@ NetworkElements tangent(NetworkElements elements, const Touching& touching) {
   }
   for (auto& contact : elements.contacts) contact.offset = kFar;
   // What slides or holds is not linear: frictions are not pressed. Plectra hold.
-  for (auto& friction : elements.frictions)
+  for (auto& friction : elements.frictions) {
+    elements.springs.push_back({friction.lower, friction.upper, 0.0, friction.viscous});
     friction.normal = {}, friction.normal_contact = friction.normal_spring = -1, friction.viscous = 0.0;
+  }
   for (auto& pluck : elements.plucks) {
     elements.springs.push_back({pluck.upper, pluck.lower, pluck.stiffness, pluck.damping});
     pluck.stiffness = kNothing, pluck.damping = 0.0;
