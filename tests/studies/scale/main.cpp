@@ -123,6 +123,7 @@ void measure_all(const Kind& kind, const char* solver, int most) {
     const auto found = measure(text);
     if (!found.refused.empty()) {
       fmt::print("| {} | {} | {} | refused: {} | | | |\n", kind.name, solver, masses, found.refused);
+      fits = std::min(fits, before_masses);
       break;
     }
     fmt::print("| {} | {} | {} | {:.0f} | {:.2f} | {:.1f} % | {:.0f} |\n", kind.name, solver, masses,
