@@ -109,7 +109,11 @@ std::optional<Refusal> read(const CheckOptions& options, CheckJob& job) {
   if (auto refusal = load(options, job)) return refusal;
   Quantities quantity;
   auto& world = job.options.world;
-  if (const auto rate = quantity(options.rate, "Hz", "rate")) world.rate = Hertz{*rate};
+  if (!options.rate.empty()) {
+    const auto rate = parse_rate(options.rate);
+    if (rate) world.rate = *rate;
+    if (!rate && !quantity.wrong) quantity.wrong = rate.error();
+  }
   const auto delay = quantity(options.delay, "s", "delay");
   job.options.hand = {quantity.above_zero(options.hand_damping, "N s/m", "hand-damping"),
                       quantity.above_zero(options.hand_mass, "kg", "hand-mass")};

@@ -110,4 +110,12 @@ Result<double> parse_option(const std::string& text, const char* unit, const cha
   return tl::unexpected(error);
 }
 
+Result<Hertz> parse_rate(const std::string& text) {
+  const auto rate = parse_option(text, "Hz", "rate");
+  if (!rate) return tl::unexpected(rate.error());
+  if (!(*rate >= 1e3 && *rate <= 768e3))
+    return fail(Errc::OutOfRange, "--rate", "must be between 1 kHz and 768 kHz", "");
+  return Hertz{*rate};
+}
+
 }  // namespace tactus::app

@@ -52,5 +52,7 @@ std::filesystem::path root_of(const std::filesystem::path& file);
 Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std::string>& texts);
 /// "20 ms" or a bare number in the unit's SI. Errors: Syntax, UnitMismatch.
 Result<double> parse_option(const std::string& text, const char* unit, const char* option);
+/// --rate. Errors: as parse_option, and OutOfRange below 1 kHz and above 768 kHz.
+Result<Hertz> parse_rate(const std::string& text);
 
 }  // namespace tactus::app

@@ -183,12 +183,12 @@ bool is_scene(const std::filesystem::path& file) {
 
 int run(const ExplainOptions& options) {
   auto file = resolve_target(options.target, "instrument.toml");
-  const auto rate = parse_option(options.rate, "Hz", "rate");
+  const auto rate = parse_rate(options.rate);
   if (!rate) return report(rate.error()), kUsage;
   if (is_scene(file)) {
     const auto loaded = load_scene_leniently(file, root_of(file));
     SceneOptions with;
-    with.rate = Hertz{*rate};
+    with.rate = *rate;
     auto built = build_scene(loaded, standard_nodes(), with);
     if (!built) return report(built.error());
     return finish(options, around(*loaded.scene, *built),
@@ -197,7 +197,7 @@ int run(const ExplainOptions& options) {
   }
   const auto loaded = load_graph_leniently(file, root_of(file));
   CompileOptions compile_options;
-  compile_options.sample_rate = Hertz{*rate};
+  compile_options.sample_rate = *rate;
   auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
   Engine engine{std::move(*schedule)};

@@ -33,11 +33,9 @@ Result<SceneOptions> scene_options(const SceneRun& run) {
     options.delay = Seconds{*delay};
   }
   if (!run.rate.empty()) {
-    const auto rate = parse_option(run.rate, "Hz", "rate");
+    const auto rate = parse_rate(run.rate);
     if (!rate) return tl::unexpected(rate.error());
-    if (*rate < 1000 || *rate > 768000)
-      return fail(Errc::OutOfRange, "--rate", "must be between 1 kHz and 768 kHz", "");
-    options.rate = Hertz{*rate};
+    options.rate = *rate;
   }
   return options;
 }

@@ -63,6 +63,8 @@ class CentredScheme final : public Scheme {
   void start_forces(NetworkState& state) const noexcept;
   void push(NetworkState& state) const noexcept;
   void step_currents(NetworkState& state) const noexcept;
+  void bend(NetworkState& state) const noexcept;
+  double softened(std::size_t coupling, double stiffness, double force) const noexcept;
   void send_waves(NetworkState& state) const noexcept;
   void advance(NetworkState& state) const noexcept;
   void audit(NetworkState& state) const noexcept;

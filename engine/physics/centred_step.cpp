@@ -21,7 +21,10 @@ auto array(const List& numbers, std::size_t from, std::size_t count) {
 }  // namespace
 
 /// Positions before the start, from position, velocity and acceleration at the start: consistent to second
-/// order. Inputs count as 0 before the start, which makes the first step exact for any first input.
+/// order. Inputs count as 0 before the start, which makes the first step exact for any first input. Schemes
+/// that solve for A bend these forces by A^-1 (M/k^2) A^-1 in place of k^2/m: the same to second order, and
+/// nothing where springs and dampers are too stiff for the rate, which would else start with energy that is
+/// not there.
 void CentredScheme::start(NetworkState& state) const noexcept {
   for (std::size_t i = 0; i < model_.start_velocity.size(); ++i)
     state.moved[i] = model_.k * model_.start_velocity[i];
@@ -36,7 +39,8 @@ void CentredScheme::start(NetworkState& state) const noexcept {
     watch_touch(model_, state, c, n, std::max(n, motion));
     const double rate = 1.0 + state.loss[c] * motion / model_.k;
     state.touching.push_back(
-        {.coupling = static_cast<int>(c), .force = std::max(0.0, contact.law.force(n) * rate)});
+        {.coupling = static_cast<int>(c),
+         .force = softened(c, contact.law.stiffness(n), std::max(0.0, contact.law.force(n) * rate))});
   }
   links_.apply(state.position.data(), state.moved.data(), state.change.data());
   for (const auto& force : model_.forces)
@@ -49,16 +53,35 @@ void CentredScheme::start(NetworkState& state) const noexcept {
     const double speed = (state.moved[lower] - state.moved[upper]) / model_.k;
     if (state.slipped[p] == 0.0)
       state.touching.push_back({.coupling = static_cast<int>(model_.contacts.size() + p),
-                                .force = pluck.stiffness * n + pluck.damping * speed});
+                                .force = softened(model_.contacts.size() + p, pluck.stiffness,
+                                                  pluck.stiffness * n + pluck.damping * speed)});
   }
   push(state);
+  bend(state);
   for (std::size_t i = 0; i < model_.mass.size(); ++i) {
-    const double bend = model_.scale[i] * state.change[i], straight = state.moved[i];
-    state.moved[i] = straight - 0.5 * bend;
-    state.moved_before[i] = straight - 1.5 * bend;
+    const double straight = state.moved[i];
+    state.moved[i] = straight - 0.5 * state.change[i];
+    state.moved_before[i] = straight - 1.5 * state.change[i];
   }
   state.touching.clear();
   store_energy(state);
+}
+
+void CentredScheme::bend(NetworkState& state) const noexcept {
+  const auto masses = model_.mass.size();
+  const auto scale = array(model_.scale, 0, masses);
+  if (!factored()) {
+    array(state.change, 0, masses) *= scale;
+    return;
+  }
+  solver_.solve({state.change.data(), masses}, state.work);
+  array(state.change, 0, masses) /= scale;
+  solver_.solve({state.change.data(), masses}, state.work);
+}
+
+/// What is left of a force whose own stiffness the step averages, as A averages that of the springs.
+double CentredScheme::softened(std::size_t coupling, double stiffness, double force) const noexcept {
+  return factored() ? force / (1.0 + 0.25 * couplings_.mutual(coupling, coupling) * stiffness) : force;
 }
 
 /// What each contact holds half a step ago; a plectrum holds, unless it is bent too far.

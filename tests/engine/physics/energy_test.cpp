@@ -69,6 +69,35 @@ TEST_CASE("energy: what is stored is what was put in less what was lost", "[phys
         Approx(state.supplied - state.dissipated).margin(1e-10 * state.dissipated));
 }
 
+TEST_CASE("energy: what is far too stiff for the rate starts with the energy that it has", "[physics]") {
+  // A milligram on 1e9 N/m, 1 um out: w T = 660. And a gram that runs into 1e5 N s/m, and deep in a contact.
+  const auto solver = GENERATE(Solver::Passive, Solver::Implicit, Solver::Exact);
+  CAPTURE(static_cast<int>(solver));
+  const auto largest = [&](const NetworkElements& elements) {
+    const auto network = Network::make(elements, 0, 48_kHz, solver, 1).value();
+    auto state = network.initial_state();
+    double most = network.energy(state);
+    for (int n = 0; n < 4800; ++n) {
+      network.step(state, nullptr);
+      most = std::max(most, network.energy(state));
+    }
+    return most;
+  };
+  NetworkElements spring;
+  spring.points = {mass(1e-6, 1e-6, 0.0), ground(0.0)};
+  spring.springs = {{1, 0, 1e9, 0.0, 0.0}};
+  CHECK(largest(spring) < 5e-4 * 1.01);
+  NetworkElements damper;
+  damper.points = {mass(1e-3, 0.0, 1.0), ground(0.0)};
+  damper.springs = {{1, 0, 0.0, 1e5, 0.0}};
+  CHECK(largest(damper) < 5e-4 * 1.01);
+  NetworkElements deep;
+  deep.points = {mass(1e-3, 1e-3, 0.0), ground(0.0)};
+  deep.contacts = {contact(0, 1)};
+  deep.contacts[0].stiffness = 1e9;
+  CHECK(largest(deep) < 1e9 * std::pow(1e-3, 2.5) / 2.5 * 1.01);
+}
+
 TEST_CASE("energy: nothing but losses never gains", "[physics]") {
   NetworkElements elements;
   elements.points = {mass(0.0125, 0.01, -2.0), mass(0.035, 0.0, 0.0), mass(0.1, -0.01, 1.0), ground(-0.02),
