@@ -38,6 +38,7 @@ Json regime_json(const RegimeVerdict& regime) {
     entry.update({{"at", loop.at},
                   {"through", loop.way},
                   {"drive", loop.drive},
+                  {"joint", loop.joint},
                   {"growth_per_s_below_border", loop.growth_below},
                   {"growth_per_s_above_border", loop.growth_above}});
     json["loops"].push_back(std::move(entry));
@@ -51,6 +52,7 @@ Json regime_json(const RegimeVerdict& regime) {
          {"stable_up_to_n_per_m", finite(stiff.stable_up_to)},
          {"border_hz", stiff.border_hz},
          {"passive_up_to_n_per_m", stiff.passive_up_to ? finite(*stiff.passive_up_to) : Json()}});
+  json["crests"] = regime.crests;
   json["device_damping_n_s_per_m"] = regime.device_damping ? finite(*regime.device_damping) : Json();
   return json;
 }
@@ -110,7 +112,8 @@ void print_loops(const StabilityVerdict& verdict) {
     for (const auto& loop : regime.loops)
       fmt::print(
           "  {:28} {:8} {:24} {:>10} {:9.4g} {:10.3g} {:>10}\n", regime.name, regime.held ? "held" : "bare",
-          loop.at, decibels(loop.margin.border), loop.margin.border_hz, loop.margin.peak,
+          loop.at, loop.joint ? "passive" : decibels(loop.margin.border), loop.margin.border_hz,
+          loop.margin.peak,
           std::isfinite(loop.margin.more_delay_s) ? fmt::format("{:.3g} ms", 1e3 * loop.margin.more_delay_s)
                                                   : "any");
 }
@@ -165,6 +168,7 @@ nlohmann::ordered_json to_json(const CheckedSubject& subject, const StabilityVer
                                const std::vector<ExtremeRun>& runs) {
   Json json{{"name", subject.name},
             {"holds", holds(verdict, runs)},
+            {"outside_known", verdict.outside_known},
             {"sample_rate_hz", verdict.rate.value},
             {"delay_ms", 1e3 * verdict.delay_s},
             {"delay_from", subject.delay_from},
@@ -205,7 +209,10 @@ void print(const CheckedSubject& subject, const StabilityVerdict& verdict,
   if (!verdict.networks.empty()) print_networks(verdict);
   if (!verdict.controls.empty()) print_controls(verdict);
   if (!runs.empty()) print_runs(runs);
-  fmt::print("\n{}\n", holds(verdict, runs) ? "It holds." : "It does not hold.");
+  fmt::print("\n{}\n", !holds(verdict, runs) ? "It does not hold."
+                       : verdict.outside_known
+                           ? "It holds."
+                           : "It holds by itself; the loop over the outside is not judged.");
 }
 
 }  // namespace tactus::app

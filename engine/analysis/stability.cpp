@@ -13,7 +13,9 @@ constexpr std::size_t kMostRoots = 6;
 class RegimeJudge {
  public:
   RegimeJudge(const ClosedGraph& closed, const Regime& regime, Hertz rate)
-      : closed_(closed), rate_(rate), verdict_{.name = regime.name, .held = regime.hand.has_value()} {}
+      : closed_(closed),
+        rate_(rate),
+        verdict_{.name = regime.name, .held = regime.hand.has_value(), .crests = closed.graph.crests} {}
 
   RegimeVerdict run() {
     std::vector<int> wanted = closed_.drives;
@@ -42,7 +44,8 @@ class RegimeJudge {
         judge_passive(group, static_cast<int>(c));
       } else {
         verdict_.loops.push_back({closed_.graph.signals[static_cast<std::size_t>(cuts[c])],
-                                  group.way_round(static_cast<int>(c)), is_drive(cuts[c]), margin});
+                                  group.way_round(static_cast<int>(c)), among(closed_.drives, cuts[c]),
+                                  among(closed_.graph.joints, cuts[c]), margin});
         find_growth(scan, static_cast<int>(c), verdict_.loops.back());
       }
     }
@@ -75,8 +78,8 @@ class RegimeJudge {
       if (place.signal == signal) return &place;
     return nullptr;
   }
-  bool is_drive(int signal) const {
-    return std::find(closed_.drives.begin(), closed_.drives.end(), signal) != closed_.drives.end();
+  static bool among(const std::vector<int>& signals, int signal) {
+    return std::find(signals.begin(), signals.end(), signal) != signals.end();
   }
 
   const ClosedGraph& closed_;
@@ -95,10 +98,11 @@ class Judge {
     if (!world) return tl::unexpected(world.error());
     verdict_.rate = world->rate();
     verdict_.delay_s = world->delay_frames() / world->rate().value;
+    verdict_.outside_known = world->outside_known();
     const auto regimes = world->regimes(options_.push);
     for (const auto& regime : regimes) judge(*world, regime);
     judge_events(*world);
-    judge_open(*world);
+    for (const auto& regime : regimes) judge_open(*world, regime);
     const auto controls = world->instrument().controls;
     for (const auto& control : controls) judge_control(control.control);
     for (const auto& regime : verdict_.regimes) verdict_.holds &= regime.held || regime.holds();
@@ -116,6 +120,7 @@ class Judge {
   void judge(const RestingWorld& world, const Regime& regime) {
     const auto closed = world.closed(regime);
     judge_networks(closed.graph, regime);
+    verdict_.bends |= closed.graph.bends;
     verdict_.regimes.push_back(judge_regime(closed, regime, verdict_.rate));
     if (verdict_.regimes.size() == 1)
       for (const auto& first : verdict_.regimes.front().too_large)
@@ -164,9 +169,9 @@ class Judge {
   }
 
   /// The largest gain of a pair, from the answer to 1 at the input with the inner loops closed.
-  void judge_open(const RestingWorld& world) {
+  void judge_open(const RestingWorld& world, const Regime& regime) {
     LinearGraph graph;
-    for (const auto& pair : world.open_pairs(graph)) {
+    for (const auto& pair : world.open_pairs(graph, regime)) {
       // Output to input closed by a wire of its own: what comes back through it is the pair's response.
       auto closed = graph;
       const int wire = closed.add_signal("outside");
@@ -176,9 +181,20 @@ class Judge {
         const LoopGroup group(closed, std::move(signals), {wire});
         if (group.too_large() || group.cut(wire) < 0) continue;
         const auto margin = LoopScan(group, verdict_.rate).margin(group.cut(wire));
-        verdict_.open.push_back({pair.input, pair.output, margin.peak, margin.peak_hz});
+        note_open({pair.input, pair.output, margin.peak, margin.peak_hz});
       }
     }
+  }
+
+  /// Of all regimes the largest gain counts.
+  void note_open(OpenVerdict found) {
+    const auto known = std::find_if(verdict_.open.begin(), verdict_.open.end(), [&](const auto& other) {
+      return other.input == found.input && other.output == found.output;
+    });
+    if (known == verdict_.open.end())
+      verdict_.open.push_back(std::move(found));
+    else if (found.peak > known->peak)
+      *known = std::move(found);
   }
 
   bool holds_at(const FlatControl& control, double value) {
@@ -196,13 +212,19 @@ class Judge {
     verdict.holds_low = holds_at(control, low);
     verdict.holds_high = holds_at(control, high);
     if (verdict.holds_low != verdict.holds_high) {
-      for (int i = 0; i < 14; ++i) {
+      for (int i = 0; i < kMostHalvings && !together(low, high); ++i) {
         const double middle = low > 0 && high > 0 ? std::sqrt(low * high) : 0.5 * (low + high);
         (holds_at(control, middle) == verdict.holds_low ? low : high) = middle;
       }
       verdict.border = verdict.holds_low ? low : high;
     }
     verdict_.controls.push_back(std::move(verdict));
+  }
+
+  static constexpr int kMostHalvings = 40;
+  /// To a thousandth of the value that is sought, however wide the range is.
+  static bool together(double low, double high) {
+    return high - low <= 1e-3 * std::max(std::abs(low), std::abs(high));
   }
 
   const StabilitySubject& subject_;

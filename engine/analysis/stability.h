@@ -28,6 +28,7 @@ struct LoopVerdict {
   std::string at;
   std::vector<std::string> way;  ///< once around
   bool drive = false;            ///< one of the instrument's outputs: its delay is the system's
+  bool joint = false;            ///< the port of a network: it gives back no more than it takes
   CutMargin margin;
   /// Of the root that crosses, a fiftieth below and above the border [1/s].
   double growth_below = 0, growth_above = 0;
@@ -51,8 +52,9 @@ struct RegimeVerdict {
   std::vector<LoopVerdict> loops = {};
   std::vector<StiffVerdict> stiff = {};
   std::optional<double> device_damping = {};  ///< [N s/m] of what is driven, near 0 Hz
-  std::vector<std::string> too_large =
-      {};  ///< loops that are too many to be looked at, by their first signal
+  /// Loops that are too many to be looked at, by their first signal.
+  std::vector<std::string> too_large = {};
+  std::vector<std::string> crests = {};  ///< laws that push away here and pull back elsewhere: left out
   bool holds() const { return growing == 0; }
 };
 
@@ -84,6 +86,8 @@ struct StabilityVerdict {
   std::vector<ControlVerdict> controls;
   std::vector<OpenVerdict> open;
   std::vector<std::string> not_looked_at;
+  bool bends = false;         ///< some force answers a position otherwise elsewhere
+  bool outside_known = true;  ///< false: an instrument alone, and only what it holds itself is judged
   bool holds = true;
 };
 

@@ -211,6 +211,7 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& 
 
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict) {
   std::vector<ExtremePlan> plans;
+  if (verdict.bends) return plans;  // what moves far enough to be heard meets another law
   const LoopVerdict* loop = nullptr;
   for (const auto& other : verdict.regimes.front().loops) {
     if (!other.drive) continue;

@@ -41,6 +41,9 @@ class ScheduleReader {
   static bool gives(const Step& step) {
     return step.kind == Step::Kind::Process || step.kind == Step::Kind::Emit;
   }
+  bool is_network(const Step& step) const {
+    return dynamic_cast<const NetworkView*>(schedule_.nodes[index(step.node)].get()) != nullptr;
+  }
   const std::string& path_of(int path) const { return schedule_.paths[index(path)]; }
 
   int made(const double* buffer, const std::string& name) {
@@ -61,7 +64,8 @@ class ScheduleReader {
       const auto* type = schedule_.types[index(step.node)].get();
       std::string name = path_of(step.path);
       if (type != nullptr && o > 0) name += "." + type->outputs[index(o)].name;
-      made(schedule_.outputs[index(step.first_out + o)], name);
+      const int signal = made(schedule_.outputs[index(step.first_out + o)], name);
+      if (signal >= 0 && is_network(step) && name.ends_with(".wave")) graph_.joints.push_back(signal);
     }
   }
 
@@ -89,6 +93,7 @@ class ScheduleReader {
         const double rest = slope_of(operation.op, operands, k, false);
         const double steep = slope_of(operation.op, operands, k, true);
         graph_.has_touched |= steep != rest;
+        graph_.bends |= steep != rest;
         const double gain = regime_.touched ? steep : rest;
         if (gain != 0)
           graph_.edges.push_back(
@@ -99,7 +104,7 @@ class ScheduleReader {
 
   void join_node(const Step& step) {
     const auto& node = schedule_.nodes[index(step.node)];
-    if (dynamic_cast<const NetworkView*>(node.get()) != nullptr) return join_network(step);
+    if (is_network(step)) return join_network(step);
     const auto* type = schedule_.types[index(step.node)].get();
     std::vector<double> at;
     std::vector<bool> moves;
@@ -107,17 +112,22 @@ class ScheduleReader {
       at.push_back(value(step.first_in + i));
       moves.push_back(signal(schedule_.inputs[index(step.first_in + i)]) >= 0);
     }
+    bool pulls_back = false;
     if (type != nullptr && type->stateless) {
-      const auto steep = steepest(*node, at, moves);
-      graph_.has_touched |= steep != at;
-      if (regime_.touched) at = steep;
+      const auto steep = steepest(*node, *type, at, moves);
+      pulls_back = steep.answer > 0;
+      graph_.has_touched |= steep.at != at;
+      for (std::size_t i = 0; i < at.size(); ++i)
+        graph_.bends |= steep.bends && moves[i] && is_spring(*type, i, 0);
+      if (regime_.touched) at = steep.at;
     }
     for (int i = 0; i < step.inputs; ++i)
       for (int o = 0; moves[index(i)] && o < step.outputs; ++o)
-        if (schedule_.outputs[index(step.first_out + o)] != nullptr) join_port(step, i, o, at);
+        if (schedule_.outputs[index(step.first_out + o)] != nullptr) join_port(step, i, o, at, pulls_back);
   }
 
-  void join_port(const Step& step, int input, int output, const std::vector<double>& at) {
+  /// `pulls_back`: at some place, as a spring does.
+  void join_port(const Step& step, int input, int output, const std::vector<double>& at, bool pulls_back) {
     const auto& node = schedule_.nodes[index(step.node)];
     const auto* type = schedule_.types[index(step.node)].get();
     LinearEdge edge{.kind = LinearEdge::Kind::Node,
@@ -140,8 +150,8 @@ class ScheduleReader {
       }
     } else if (type != nullptr && type->stateless && *response == 0.0) {
       return;
-    } else if (type != nullptr && type->stateless && type->inputs[index(input)].unit == "m" &&
-               type->outputs[index(output)].unit == "N") {
+    } else if (type != nullptr && is_spring(*type, index(input), index(output))) {
+      if (response->real() > 0 && pulls_back) return graph_.crests.push_back(edge.path);
       return add_stiff(edge, type->name, -response->real());
     }
     graph_.edges.push_back(std::move(edge));

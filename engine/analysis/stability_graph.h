@@ -63,7 +63,10 @@ struct LinearGraph {
   std::vector<std::string> not_looked_at;  ///< networks that are too large
   std::vector<StiffPlace> stiff;
   std::vector<EventPlace> events;
-  bool has_touched = false;  ///< some law is steeper elsewhere than where it rests
+  std::vector<std::string> crests;  ///< laws that push away where they rest and pull back elsewhere: left out
+  std::vector<int> joints;          ///< waves that leave a network
+  bool bends = false;               ///< some force answers a position otherwise elsewhere
+  bool has_touched = false;         ///< some law is steeper elsewhere than where it rests
 
   int add_signal(std::string name);
   void join(int from, int to) { edges.push_back({.from = from, .to = to, .path = {}}); }

@@ -23,9 +23,21 @@ int operands_of(Term::Op op);
 /// `touched` takes the side where the moving operand comes through.
 double slope_of(Term::Op op, const Operands& operands, int which, bool touched);
 
-/// [any] The inputs of a law without memory where it answers most: the place among `at` and its neighbours
-/// (each moving input from 1e-6 to 1e3 on both sides of where it is) with the largest sum of slopes.
-std::vector<double> steepest(const Node& node, const std::vector<double>& at, const std::vector<bool>& moves);
+/// [any] Whether output `output` of a law is a force that answers a position at `input`.
+bool is_spring(const NodeType& type, std::size_t input, std::size_t output);
+
+/// A law without memory where it answers most.
+struct SteepPlace {
+  std::vector<double> at;  ///< its inputs there
+  double answer = 0;       ///< sum of the slopes; of a force that answers a position only what pulls back
+  bool bends = false;      ///< it answers less elsewhere
+};
+
+/// [any] Looks around where the law stands, around 0, and around each of its inputs that rest (where a clip,
+/// a wall or a notch begins): one moving input at a time, from 1e-6 to 1e3 to both sides, and climbs from the
+/// best of these.
+SteepPlace steepest(const Node& node, const NodeType& type, const std::vector<double>& at,
+                    const std::vector<bool>& moves);
 
 /// [any] The gain of what has no linearisation but comes close to one when little moves far enough: an
 /// encoder's steps, a limit of speed that is not reached, a value held from one trigger to the next.

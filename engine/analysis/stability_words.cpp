@@ -44,7 +44,7 @@ Weakest weakest(const StabilityVerdict& verdict) {
         if (const double border = stiff.stable_up_to / stiff.stiffness; springs && tells_more(border, found))
           found = {&regime, nullptr, &stiff, border};
       for (const auto& loop : regime.loops)
-        if (!springs && tells_more(loop.margin.border, found))
+        if (!springs && !loop.joint && tells_more(loop.margin.border, found))
           found = {&regime, &loop, nullptr, loop.margin.border};
     }
     // A spring says more than the loop that it stands in.
@@ -63,9 +63,10 @@ std::string headline(const StabilityVerdict& verdict, const Weakest& first) {
   const auto at =
       fmt::format("at {:g} kHz with a delay of {:.4g} ms", verdict.rate.value / 1e3, 1e3 * verdict.delay_s);
   if (!verdict.holds) return "does not hold " + at;
-  if (first.regime == nullptr) return "stable " + at + ": no loop in it can grow, whatever its gain";
+  const auto stable = (verdict.outside_known ? "stable " : "stable by itself ") + at;
+  if (first.regime == nullptr) return stable + ": no loop in it can grow, whatever its gain";
   const double hertz = first.stiff != nullptr ? first.stiff->border_hz : first.loop->margin.border_hz;
-  return fmt::format("stable {}: margin {:.1f} dB at {:.4g} Hz", at, decibels(first.border), hertz);
+  return fmt::format("{}: margin {:.1f} dB at {:.4g} Hz", stable, decibels(first.border), hertz);
 }
 
 void tell_growing(const StabilityVerdict& verdict, std::vector<std::string>& words) {
@@ -84,10 +85,11 @@ void tell_growing(const StabilityVerdict& verdict, std::vector<std::string>& wor
 void tell_first(const Weakest& first, std::vector<std::string>& words) {
   if (first.regime == nullptr) return;
   if (first.stiff != nullptr) {
-    words.push_back(fmt::format("breaks first: {} '{}' ({}), which has {} and holds up to {}",
-                                first.stiff->type, first.stiff->path, first.regime->name,
-                                newtons_per_metre(first.stiff->stiffness),
-                                newtons_per_metre(first.stiff->stable_up_to)));
+    const bool pushes = first.stiff->stiffness < 0;
+    words.push_back(fmt::format("breaks first: {} '{}' ({}), which {} {} and {} up to {}", first.stiff->type,
+                                first.stiff->path, first.regime->name, pushes ? "pushes away with" : "has",
+                                newtons_per_metre(std::abs(first.stiff->stiffness)), pushes ? "may" : "holds",
+                                newtons_per_metre(std::abs(first.stiff->stable_up_to))));
     return;
   }
   words.push_back(fmt::format("breaks first ({}): the loop {}, at {:.3g} times its gain", first.regime->name,
@@ -113,7 +115,7 @@ void tell_change(const StabilityVerdict& verdict, const Weakest& first, std::vec
   std::vector<std::string> ways;
   if (first.stiff != nullptr)
     ways.push_back(fmt::format("give '{}' less than {}", first.stiff->path,
-                               newtons_per_metre(first.stiff->stable_up_to)));
+                               newtons_per_metre(std::abs(first.stiff->stable_up_to))));
   if (first.loop != nullptr)
     ways.push_back(fmt::format("take less than {:.3g} times the gain", first.border));
   for (const auto& control : verdict.controls)
@@ -144,6 +146,26 @@ void tell_held(const StabilityVerdict& verdict, std::vector<std::string>& words)
         "held by a fingertip '{}' holds up to {}{}", stiff.path, newtons_per_metre(stiff.stable_up_to),
         stiff.passive_up_to ? ", and is passive up to " + newtons_per_metre(*stiff.passive_up_to)
                             : std::string{}));
+}
+
+/// What hangs on a crest by nothing falls off to one side: that is no loop's doing.
+void tell_crests(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& path : verdict.regimes.front().crests)
+    words.push_back(
+        fmt::format("stands on a crest of '{}' and falls off to one side: judged where it pulls back", path));
+}
+
+/// An instrument alone whose world is not known.
+void tell_outside(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  if (verdict.outside_known) return;
+  words.emplace_back(
+      "not judged: what comes back from its outputs to its inputs; a scene with a plant says that (or, for "
+      "outputs in N and inputs in m, the assumed device)");
+  for (const auto& pair : verdict.open)
+    words.push_back(
+        fmt::format("{} -> {}: gain at most {:.3g} (at {:.4g} Hz): with what lies outside below "
+                    "{:.3g} it holds at every delay",
+                    pair.input, pair.output, pair.peak, pair.peak_hz, 1 / pair.peak));
 }
 
 void tell_networks(const StabilityVerdict& verdict, std::vector<std::string>& words) {
@@ -186,17 +208,14 @@ std::vector<std::string> in_words(const StabilityVerdict& verdict) {
   tell_networks(verdict, words);
   if (std::any_of(verdict.networks.begin(), verdict.networks.end(), [](const auto& n) { return n.rubs; }))
     words.emplace_back("dry friction is left out: small motions that it holds would be stable beyond this");
+  tell_crests(verdict, words);
   tell_first(first, words);
   tell_change(verdict, first, words);
   tell_room(first, words);
   if (verdict.holds) tell_controls(verdict, words);
   tell_held(verdict, words);
   tell_events(verdict, words);
-  for (const auto& pair : verdict.open)
-    words.push_back(
-        fmt::format("{} -> {}: gain at most {:.3g} (at {:.4g} Hz): with what lies outside below {:.3g} it "
-                    "holds at every delay",
-                    pair.input, pair.output, pair.peak, pair.peak_hz, 1 / pair.peak));
+  tell_outside(verdict, words);
   for (const auto& path : verdict.not_looked_at)
     words.push_back(path + " are too much to be looked at, and are not judged");
   return words;

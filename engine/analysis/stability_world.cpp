@@ -14,6 +14,24 @@ namespace {
 
 constexpr double kSettleSeconds = 0.05;
 
+/// An instrument whose drives nobody hears.
+class Unheard final : public BlockProcessor {
+ public:
+  explicit Unheard(BlockProcessor& inner) : inner_(inner) {}
+  Status prepare(const StreamFormat& format) override {
+    outputs_ = format.out_channels;
+    return inner_.prepare(format);
+  }
+  void process(const BlockIo& io) noexcept override {
+    inner_.process(io);
+    for (int c = 0; c < outputs_; ++c) std::fill_n(io.out[c], io.frames, 0.0);
+  }
+
+ private:
+  BlockProcessor& inner_;
+  int outputs_ = 0;
+};
+
 std::size_t count_channels(const Schedule& schedule) {
   return static_cast<std::size_t>(
       std::count_if(schedule.channels.begin(), schedule.channels.end(),
@@ -119,11 +137,9 @@ Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const 
 /// Frame by frame, so that each signal's last value stands at the front of its buffer.
 void RestingWorld::rest() {
   const int frames = static_cast<int>(kSettleSeconds * rate().value);
-  ClosedLoop loop{*built_.instrument,
-                  *built_.plant,
-                  built_.instrument->out_channels(),
-                  built_.delay_frames,
-                  {.on = false}};
+  Unheard unheard{*built_.instrument};
+  ClosedLoop loop{
+      unheard, *built_.plant, built_.instrument->out_channels(), built_.delay_frames, {.on = false}};
   if (loop.prepare(rate(), 1)) loop.run(frames);
 }
 
@@ -158,10 +174,16 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
       };
 }
 
-std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph) const {
+bool RestingWorld::outside_known() const {
+  const auto& wires = built_.plant->schedule().channels;
+  return !alone_ ||
+         std::any_of(wires.begin(), wires.end(), [](const auto& wire) { return !wire.signal.constant(); });
+}
+
+std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime& regime) const {
   std::vector<OpenPair> pairs;
   if (!alone_) return pairs;
-  const auto terminals = add_schedule(graph, instrument(), {}, "instrument.");
+  const auto terminals = add_schedule(graph, instrument(), regime, "instrument.");
   const auto& outside = built_.plant->schedule();
   for (std::size_t i = 0; i < terminals.inputs.size(); ++i)
     for (std::size_t c = 0; c < terminals.channels.size(); ++c) {

@@ -56,8 +56,8 @@ struct StabilitySubject {
 Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options,
                                 bool side_by_side);
 
-/// An instrument in its world that has run for a moment on silence, so that every signal stands where it
-/// rests.
+/// An instrument in its world that has run for a moment on silence and unheard, so that every signal stands
+/// where it rests: what the instrument does to the world is what is to be judged, and might explode.
 class RestingWorld {
  public:
   static Checked<RestingWorld> make(const StabilitySubject& subject, const WorldOptions& options);
@@ -65,9 +65,12 @@ class RestingWorld {
   /// [control]
   ClosedGraph closed(const Regime& regime) const;
   /// Of an instrument alone: the inputs and drives that the device does not join.
-  std::vector<OpenPair> open_pairs(LinearGraph& graph) const;
+  std::vector<OpenPair> open_pairs(LinearGraph& graph, const Regime& regime) const;
   /// The ways that its contacts and laws can be in: at rest, touched, each contact closed.
   std::vector<Regime> regimes(double push) const;
+
+  /// Whether something is known of what lies between outputs and inputs.
+  bool outside_known() const;
 
   Hertz rate() const { return instrument().sample_rate; }
   int delay_frames() const { return built_.delay_frames; }

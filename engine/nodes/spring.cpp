@@ -28,7 +28,7 @@ const NodeType& spring_type() {
       .source =
           "Berdahl, Steiner & Oldham, NIME 2008, section 6.1.1. Stable on a device with damping b while "
           "stiffness < "
-          "b / (T / 2 + delay): Gil et al., IEEE T. Contr. Syst. Tech. 17, 2009",
+          "b / (T / 2 + delay): Gil et al., J. Comput. Inf. Sci. Eng. 9, 2009",
       .example = "pull = { type = \"spring\", in = \"lever\", stiffness = \"200 N/m\" }",
       .inputs = {{.name = "in", .unit = "m", .doc = "position of the device", .fallback = {}},
                  {.name = "stiffness", .unit = "N/m", .doc = "force for a metre", .fallback = {}, .low = 0},

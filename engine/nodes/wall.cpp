@@ -41,7 +41,7 @@ const NodeType& wall_type() {
       .source =
           "Berdahl, Steiner & Oldham, NIME 2008, section 6.1.2. Stable on a device with damping b while "
           "stiffness < "
-          "(b + damping) / (T / 2 + delay): Gil et al., IEEE T. Contr. Syst. Tech. 17, 2009",
+          "(b + damping) / (T / 2 + delay): Gil et al., J. Comput. Inf. Sci. Eng. 9, 2009",
       .example = "stop = { type = \"wall\", position = \"lever\", stiffness = \"800 N/m\", at = \"20 mm\" }",
       .inputs =
           {{.name = "position", .unit = "m", .doc = "position of the device", .fallback = {}},

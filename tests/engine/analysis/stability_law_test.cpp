@@ -1,11 +1,26 @@
 #include "engine/analysis/stability_law.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
+#include "engine/nodes/clip.h"
 #include "engine/nodes/table.h"
 #include "engine/nodes/wall.h"
 
 using namespace tactus;
+
+namespace {
+
+std::unique_ptr<Node> made(const NodeType& type) {
+  NodeSetup setup{};
+  setup.type = &type;
+  setup.inputs.resize(type.inputs.size());
+  auto node = type.make(setup);
+  REQUIRE(node);
+  return std::move(*node);
+}
+
+}  // namespace
 
 TEST_CASE("stability law: slopes of operations are their derivatives", "[analysis]") {
   const auto op = GENERATE(Term::Op::Add, Term::Op::Subtract, Term::Op::Multiply, Term::Op::Divide,
@@ -47,15 +62,22 @@ TEST_CASE("stability law: a wall made of a maximum is open at rest and closed wh
 }
 
 TEST_CASE("stability law: the steepest place of a wall lies behind it", "[analysis]") {
-  NodeSetup setup{};
-  setup.type = &wall_type();
-  const auto wall = wall_type().make(setup);
-  REQUIRE(wall);
+  const auto wall = made(wall_type());
   // Position, velocity, stiffness, damping, place of the wall.
   const std::vector<double> rest{0, 0, 800, 3, 0.02};
-  const auto steep = steepest(**wall, rest, {true, true, false, false, false});
+  const auto steep = steepest(*wall, wall_type(), rest, {true, true, false, false, false}).at;
   CHECK(steep[0] > 0.02);
-  CHECK((*wall)->response(0, 0, 1.0, rest).value() == 0.0);
-  CHECK((*wall)->response(0, 0, 1.0, steep).value() == -800.0);
-  CHECK((*wall)->response(1, 0, 1.0, steep).value() == -3.0);
+  CHECK(wall->response(0, 0, 1.0, rest).value() == 0.0);
+  CHECK(wall->response(0, 0, 1.0, steep).value() == -800.0);
+  CHECK(wall->response(1, 0, 1.0, steep).value() == -3.0);
+}
+
+TEST_CASE("stability law: a clip that is driven far beyond its limits is steepest between them",
+          "[analysis]") {
+  const auto clip = made(clip_type());
+  const std::vector<double> saturated{1e9, -6.37, 6.37};
+  CHECK(clip->response(0, 0, 1.0, saturated).value() == 0.0);
+  const auto steep = steepest(*clip, clip_type(), saturated, {true, false, false});
+  CHECK(steep.answer == 1.0);
+  CHECK(std::abs(steep.at[0]) < 6.37);
 }

@@ -73,8 +73,8 @@ double phi(double x) {
 
 }  // namespace
 
-// Gil, Sanchez, Hulin, Preusche & Hirzinger, J. Intell. Robot. Syst. 54, 2009: K < (b + B) / (T/2 + delay),
-// here where (b + B)(T/2 + delay)/m is at most 0.005.
+// Gil, Sanchez, Hulin, Preusche & Hirzinger, J. Computing and Information Science in Engineering 9, 2009: K <
+// (b + B) / (T/2 + delay), here where (b + B)(T/2 + delay)/m is at most 0.005.
 TEST_CASE("stability: the stiffest spring on a delayed device is that of the closed form", "[analysis]") {
   const auto asked = GENERATE(Asked{48000, 0.001, 0.05, 0.1}, Asked{1000, 0.001, 0.05, 0.1},
                               Asked{96000, 0.0025, 0.05, 0.1}, Asked{48000, 0.002, 0.05, 0.05});
@@ -128,6 +128,72 @@ TEST_CASE("stability: a wall is judged as it is touched, bare and held", "[analy
   const double tau = 0.001 + 0.5 / 48000, x = 2.1 * tau / 0.056;
   CHECK(held.stiff[0].stable_up_to == Approx(2.1 / tau * phi(x) / std::sin(phi(x))).epsilon(0.01));
   CHECK(regime(verdict, "at rest", false).stiff.empty());
+}
+
+TEST_CASE("stability: on a crest a law is judged where it pulls back", "[analysis]") {
+  // Ribs of 8 mm: 4 pi^2 w h / l^2 = 6.17 N/m at most, up and down; the border is 0.1 / tau.
+  const auto verdict = judged(R"(
+format = 1
+[inputs]
+place = { unit = "m" }
+[nodes]
+ribs = { type = "terrain", position = "place", profile = "sine", weight = "0.1 N", height = "0.1 mm", length = "8 mm" }
+[outputs]
+push = { from = "ribs", unit = "N" }
+)",
+                              {});
+  CHECK(verdict.holds);
+  CHECK(regime(verdict, "at rest", false).crests == std::vector<std::string>{"instrument.ribs"});
+  CHECK(regime(verdict, "at rest", false).stiff.empty());
+  const auto& steep = regime(verdict, "laws where they are steepest", false);
+  REQUIRE(steep.stiff.size() == 1);
+  const double stiffest = 4 * std::pow(std::numbers::pi / 8e-3, 2) * 0.1 * 1e-4;
+  CHECK(steep.stiff[0].stiffness == Approx(stiffest).epsilon(1e-6));
+  CHECK(steep.stiff[0].stable_up_to == Approx(0.1 / (0.001 + 0.5 / 48000)).epsilon(0.01));
+}
+
+TEST_CASE("stability: what pushes away everywhere grows at every delay", "[analysis]") {
+  const auto delay = GENERATE(0.0, 0.001, 0.02);
+  const auto* const kPushes = R"(
+format = 1
+[inputs]
+place = { unit = "m" }
+[outputs]
+push = { from = "5 N/m * place", unit = "N" }
+)";
+  CHECK_FALSE(judged(kPushes, {.delay_s = delay}).holds);
+}
+
+TEST_CASE("stability: a spring far beyond its border is refused although the drive saturates", "[analysis]") {
+  const auto stiffness = GENERATE(200.0, 2e4, 1e9);
+  CHECK_FALSE(judged(fmt::format(R"(
+format = 1
+[inputs]
+place = {{ unit = "m" }}
+[nodes]
+pull = {{ type = "spring", in = "place", stiffness = {} }}
+held = {{ type = "clip", in = "pull", low = "-6 N", high = "6 N" }}
+[outputs]
+push = {{ from = "held", unit = "N" }}
+)",
+                                 stiffness),
+                     {})
+                  .holds);
+}
+
+TEST_CASE("stability: an instrument whose outside is not known says so", "[analysis]") {
+  const auto verdict = judged(R"(
+format = 1
+[inputs]
+sensor = {}
+[outputs]
+drive = { from = "2 * sensor" }
+)",
+                              {});
+  CHECK_FALSE(verdict.outside_known);
+  REQUIRE(verdict.open.size() == 1);
+  CHECK(verdict.open[0].peak == Approx(2).epsilon(1e-6));
+  CHECK(judged(spring_text(5), {}).outside_known);
 }
 
 TEST_CASE("stability: the delay that a spring has room for takes it to its border", "[analysis]") {
