@@ -63,7 +63,7 @@ class SceneBuilder {
   bool nobody_plays() const { return instrument_ == nullptr && !scene_.incomplete; }
   bool instrument_known() const { return instrument_ != nullptr && instrument_->graph != nullptr; }
 
-  /// "strength" is the instrument's; "plant.gain" overwrites a wire of a part.
+  /// "strength" is the instrument's, and no gesture moves it then; "plant.gain" overwrites a wire of a part.
   void route_set() {
     for (const auto& [name, value] : options_.set) {
       const auto dot = name.find('.');
@@ -152,8 +152,8 @@ class SceneBuilder {
   void wire_control(const EntrySpec& control, const Field& field) {
     const auto wired = tactus::wire_control(scene_, control, field, mistakes_);
     if (!wired) return;
-    controls_.try_emplace(control.name, wired->start);
-    if (wired->gesture != nullptr) moved_.push_back({control.name, wired->gesture});
+    const bool asked = !controls_.try_emplace(control.name, wired->start).second;
+    if (wired->gesture != nullptr && !asked) moved_.push_back({control.name, wired->gesture});
   }
 
   // ---- compiling

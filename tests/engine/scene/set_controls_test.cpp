@@ -1,0 +1,32 @@
+#include <catch2/catch.hpp>
+
+#include "engine/nodes/table.h"
+#include "engine/scene/build_scene.h"
+#include "tests/engine/scene/scene_folder.h"
+
+using namespace tactus;
+
+TEST_CASE("scene: what is set by name wins over the gesture that would move it", "[scene]") {
+  const test::SceneFolder folder;
+  folder.write("scene.toml", R"(format = 1
+duration = "1 s"
+delay = "1 ms"
+[parts]
+instrument = { use = "instrument.toml", mic = "plant.mic", pedal = 0, strength = "swell" }
+plant = { use = "plant.toml", drive = "instrument.woofer", lift = "0 mm" }
+[gestures]
+swell = { points = [["0 s", 0.1], ["1 s", 0.9]] }
+)");
+  const auto scene = load_scene_leniently(folder.path() / "scene.toml");
+  const auto moved = compile_scene(scene, standard_nodes());
+  REQUIRE(moved);
+  CHECK_FALSE(moved->journal.empty());
+
+  SceneOptions options;
+  options.set["strength"] = ControlValue{0.25};
+  const auto fixed = compile_scene(scene, standard_nodes(), options);
+  REQUIRE(fixed);
+  CHECK(fixed->journal.empty());
+  REQUIRE(fixed->instrument->controls.size() == 1);
+  CHECK(fixed->instrument->controls[0].control.value == 0.25);
+}
