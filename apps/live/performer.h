@@ -12,6 +12,7 @@
 #include "engine/core/guarded.h"
 #include "engine/graph/compile.h"
 #include "engine/runtime/engine.h"
+#include "engine/scene/energy_watch.h"
 #include "engine/scene/rig.h"
 
 namespace tactus::app {
@@ -41,6 +42,8 @@ class Performer {
   virtual Checked<void> edit() = 0;
   /// Can a take of it be played again? Its files and what the rig does to its inputs go into `header` then.
   virtual bool describe(TakeHeader&) const { return false; }
+  /// [control & stopped] What went through the ports of a scene, as far as one was played.
+  virtual std::vector<PortEnergy> ports() const { return {}; }
   /// [control, while it plays] Strikes once, where there is something to strike.
   virtual bool strike() { return false; }
 };

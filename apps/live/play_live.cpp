@@ -217,7 +217,7 @@ int play_live(const LiveOptions& options) {
   std::vector<std::string> words;
   const auto stopped = session.stop(words);
   for (const auto& line : words) fmt::print(stderr, "{}\n", line);
-  print_report(session, view, plan->performer->name(), options.json);
+  print_report(session, view, *plan->performer, options.json);
   if (!stopped) return report(stopped.error()), kDevice;
   return ended;
 }

@@ -6,6 +6,7 @@
 
 #include "apps/guard_options.h"
 #include "apps/live/status_line.h"
+#include "apps/play_report.h"
 
 namespace tactus::app {
 namespace {
@@ -40,22 +41,24 @@ Json takes_json(const Session& session) {
   return json;
 }
 
-void print_json(const Session& session, const SessionView& view, const std::string& instrument,
+void print_json(const Session& session, const SessionView& view, const Performer& performer,
                 const GuardReport& guard) {
   const auto& granted = session.granted();
-  const Json json{{"instrument", instrument},
-                  {"device", granted.device},
-                  {"sample_rate_hz", granted.format.sample_rate.value},
-                  {"block_frames", granted.block_frames},
-                  {"highest_input", json_of(view.highest_inputs)},
-                  {"highest_output", json_of(view.highest_outputs)},
-                  {"health", json_of(view.health)},
-                  {"takes", takes_json(session)},
-                  {"guard", guard_json(guard, granted.format.sample_rate)}};
+  Json json{{"instrument", performer.name()},
+            {"device", granted.device},
+            {"sample_rate_hz", granted.format.sample_rate.value},
+            {"block_frames", granted.block_frames},
+            {"highest_input", json_of(view.highest_inputs)},
+            {"highest_output", json_of(view.highest_outputs)},
+            {"health", json_of(view.health)},
+            {"takes", takes_json(session)},
+            {"guard", guard_json(guard, granted.format.sample_rate)}};
+  if (const auto ports = performer.ports(); !ports.empty()) json["ports"] = ports_json(ports);
   fmt::print("{}\n", json.dump(2));
 }
 
-void print_text(const Session& session, const SessionView& view, const GuardReport& guard) {
+void print_text(const Session& session, const SessionView& view, const Performer& performer,
+                const GuardReport& guard) {
   for (const auto& level : view.highest_inputs)
     fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
   for (const auto& level : view.highest_outputs)
@@ -66,17 +69,18 @@ void print_text(const Session& session, const SessionView& view, const GuardRepo
     fmt::print("  bad input           {} samples were no numbers and counted as silence\n",
                view.health.bad_input);
   print_guard(guard, session.granted().format.sample_rate);
+  print_ports(performer.ports());
   for (const auto& take : session.takes()) fmt::print("  take                {}\n", take.string());
 }
 
 }  // namespace
 
-void print_report(Session& session, const SessionView& view, const std::string& instrument, bool as_json) {
+void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json) {
   const auto guard = session.guard_report();
   if (as_json)
-    print_json(session, view, instrument, guard);
+    print_json(session, view, performer, guard);
   else
-    print_text(session, view, guard);
+    print_text(session, view, performer, guard);
 }
 
 }  // namespace tactus::app

@@ -1,10 +1,11 @@
 #pragma once
 
+#include "apps/live/performer.h"
 #include "apps/live/session.h"
 
 namespace tactus::app {
 
 /// Prints what a session did that has stopped; `view`: its last look. For people, or all of it as one object.
-void print_report(Session& session, const SessionView& view, const std::string& instrument, bool as_json);
+void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json);
 
 }  // namespace tactus::app

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -44,6 +45,11 @@ std::vector<std::filesystem::path> files_of(const SceneSpec& scene, const std::f
   return files;
 }
 
+bool same_names(const std::vector<SceneTap>& a, const std::vector<SceneTap>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x.name == y.name; });
+}
+
 /// What of the loop goes to the speakers, as indices: of the instrument's outputs, or of its inputs.
 struct Heard {
   bool sensors = false;
@@ -71,17 +77,17 @@ class LiveWorld final : public Performer, private BlockProcessor {
  public:
   LiveWorld(WorldSetup setup, Read read)
       : setup_(std::move(setup)),
-        name_(read.scene.name),
-        files_(files_of(read.scene, setup_.file)),
-        drives_(read.scene.drives),
+        scene_(std::move(read.scene)),
+        files_(files_of(scene_, setup_.file)),
         built_(std::move(read.compiled)),
-        guarded_(*built_.instrument, guarded_channels(built_.instrument->schedule(), drives_)),
+        ports_(scene_, built_.plant_taps),
+        guarded_(*built_.instrument, guarded_channels(built_.instrument->schedule(), scene_.drives)),
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
-              read.scene.converters),
+              scene_.converters),
         heard_(heard_of(*built_.instrument, setup_.speakers)),
         listener_([this](const ClosedLoop::Piece& piece) { hear(piece); }) {}
 
-  const std::string& name() const override { return name_; }
+  const std::string& name() const override { return scene_.name; }
   BlockProcessor& processor() override { return *this; }
   Engine& instrument() override { return *built_.instrument; }
   const Engine& instrument() const override { return *built_.instrument; }
@@ -106,12 +112,15 @@ class LiveWorld final : public Performer, private BlockProcessor {
           std::vector{Error{Errc::BadArgument, setup_.file.string(),
                             "another delay cannot take over while it plays", "start again"}});
     files_ = files_of(read->scene, setup_.file);
+    if (!same_names(read->compiled.plant_taps, built_.plant_taps)) watching_ = false;
     for (auto [engine, schedule] : {std::pair{built_.instrument.get(), &read->compiled.instrument},
                                     std::pair{built_.plant.get(), &read->compiled.plant}})
       if (auto status = engine->replace(std::move(*schedule)); !status)
         return tl::unexpected(std::vector{status.error()});
     return {};
   }
+
+  std::vector<PortEnergy> ports() const override { return ports_.energies(setup_.rate); }
 
   bool strike() override {
     auto& plant = *built_.plant;
@@ -127,7 +136,11 @@ class LiveWorld final : public Performer, private BlockProcessor {
  private:
   Status prepare(const StreamFormat& format) override {
     max_frames_ = format.max_frames;
-    return loop_.prepare(format.sample_rate, format.max_frames);
+    if (auto status = loop_.prepare(format.sample_rate, format.max_frames); !status) return status;
+    // The simulated card is on from the first frame, as when the scene is rendered; the real one starts
+    // softly.
+    guarded_.skip_soft_start();
+    return {};
   }
 
   void process(const BlockIo& io) noexcept override {
@@ -141,13 +154,15 @@ class LiveWorld final : public Performer, private BlockProcessor {
     for (std::size_t c = 0; c < heard_.channels.size(); ++c)
       std::copy_n(from[heard_.channels[c]], piece.frames, io_->out[c] + done_);
     done_ += piece.frames;
+    if (watching_.load(std::memory_order_relaxed)) ports_.take(*built_.plant, piece.frames);
   }
 
   WorldSetup setup_;
-  std::string name_;
+  SceneSpec scene_;  ///< as it was at first
   std::vector<std::filesystem::path> files_;
-  DriveBook drives_;
   BuiltScene built_;
+  PortWatches ports_;
+  std::atomic<bool> watching_ = true;  ///< its signals stand where they stood
   Guarded guarded_;
   ClosedLoop loop_;
   Heard heard_;

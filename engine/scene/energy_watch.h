@@ -49,7 +49,7 @@ class PortWatches {
   /// [control] `scene` passed check_ports. Keeps where its signals stand among the taps of the plant.
   PortWatches(const SceneSpec& scene, const std::vector<SceneTap>& plant_taps);
 
-  /// [control] After each piece.
+  /// [realtime] After each piece.
   void take(const Engine& plant, int frames) noexcept;
   std::vector<PortEnergy> energies(Hertz sample_rate) const;
 

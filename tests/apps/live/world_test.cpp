@@ -2,6 +2,8 @@
 #include <cmath>
 
 #include "apps/live/performer.h"
+#include "engine/nodes/table.h"
+#include "engine/scene/play_scene.h"
 
 using namespace tactus;
 using namespace tactus::app;
@@ -57,4 +59,27 @@ TEST_CASE("live world: a rise of the strike is heard however long blocks are", "
     REQUIRE(world->strike());
     CHECK(loudest(guarded, 0.5, block) > 20 * noise);
   }
+}
+
+TEST_CASE("live world: the watch at a port finds the same energy as when the scene is rendered", "[live]") {
+  const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
+  const auto file = root / "exploding/scene.toml";
+  auto world = make_world({file, root, 48_kHz, {}, {}, {}, 2});
+  REQUIRE(world);
+  Guarded guarded{(*world)->processor(), (*world)->guards(), false};
+  REQUIRE(guarded.prepare({48_kHz, 0, 2, 256}));
+  loudest(guarded, 0.64);  // 120 blocks
+
+  auto scene = load_scene_leniently(file, root);
+  auto built = build_scene(scene, standard_nodes());
+  REQUIRE(built);
+  scene.scene->duration = Seconds{0.64};
+  const auto rendered = play_scene(*scene.scene, *built, 256);
+  REQUIRE(rendered);
+  const auto live = (*world)->ports();
+  REQUIRE(live.size() == 1);
+  REQUIRE(rendered->ports.size() == 1);
+  CHECK(live[0].active_at_s.has_value());
+  CHECK(live[0].given == rendered->ports[0].given);
+  CHECK(live[0].active_at_s == rendered->ports[0].active_at_s);
 }
