@@ -87,6 +87,25 @@ class RegimeJudge {
   RegimeVerdict verdict_;
 };
 
+/// Loops that are closed now and then, or that nobody can look into.
+class EventLoops {
+ public:
+  explicit EventLoops(const LinearGraph& graph) : graph_(graph), looping_(graph.signals.size(), false) {
+    for (const auto& part : loops_of(graph, true))
+      for (const int s : part) looping_[static_cast<std::size_t>(s)] = true;
+  }
+  bool go_through(const std::string& path) const {
+    return std::any_of(graph_.edges.begin(), graph_.edges.end(), [&](const auto& e) {
+      return e.kind == LinearEdge::Kind::Event && e.path == path &&
+             looping_[static_cast<std::size_t>(e.from)] && looping_[static_cast<std::size_t>(e.to)];
+    });
+  }
+
+ private:
+  const LinearGraph& graph_;
+  std::vector<bool> looping_;
+};
+
 class Judge {
  public:
   Judge(const StabilitySubject& subject, const StabilityOptions& options,
@@ -151,21 +170,14 @@ class Judge {
     }
     if (verdict_.not_looked_at.empty())
       for (const auto& path : graph.not_looked_at)
-        verdict_.not_looked_at.push_back("the loops through network '" + path + "'");
+        if (EventLoops{graph}.go_through(path))
+          verdict_.not_looked_at.push_back("the loops through network '" + path + "'");
   }
 
   void judge_events(const RestingWorld& world) {
     const auto graph = world.closed({}).graph;
-    std::vector<bool> looping(graph.signals.size(), false);
-    for (const auto& part : loops_of(graph, true))
-      for (const int s : part) looping[static_cast<std::size_t>(s)] = true;
-    for (const auto& place : graph.events) {
-      const bool on_loop = std::any_of(graph.edges.begin(), graph.edges.end(), [&](const auto& e) {
-        return e.kind == LinearEdge::Kind::Event && e.path == place.path &&
-               looping[static_cast<std::size_t>(e.from)] && looping[static_cast<std::size_t>(e.to)];
-      });
-      verdict_.events.push_back({place, on_loop});
-    }
+    const EventLoops loops{graph};
+    for (const auto& place : graph.events) verdict_.events.push_back({place, loops.go_through(place.path)});
   }
 
   /// The largest gain of a pair, from the answer to 1 at the input with the inner loops closed.

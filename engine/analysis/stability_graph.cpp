@@ -183,11 +183,11 @@ class ScheduleReader {
     const auto model =
         LinearNetwork::make(view, *schedule_.types[index(step.node)],
                             touching == regime_.contacts.end() ? Touching{} : touching->second, regime_.hand);
-    if (model == nullptr) return graph_.not_looked_at.push_back(path);
+    if (model == nullptr) return skip_network(step, path);
     const int number = static_cast<int>(graph_.networks.size());
     graph_.networks.push_back(model);
     graph_.network_paths.push_back(path);
-    if (!model->whole()) return graph_.not_looked_at.push_back(path);
+    if (!model->whole()) return skip_network(step, path);
     for (std::size_t s = 0; s < model->signal_ports().size(); ++s) {
       const int from = signal(schedule_.inputs[index(step.first_in + model->signal_ports()[s])]);
       for (int o = 0; from >= 0 && o < step.outputs; ++o) {
@@ -203,6 +203,19 @@ class ScheduleReader {
                                   .network = number});
       }
     }
+  }
+
+  /// What goes in may come out, nobody knows how.
+  void skip_network(const Step& step, const std::string& path) {
+    graph_.not_looked_at.push_back(path);
+    for (int i = 0; i < step.inputs; ++i)
+      for (int o = 0; o < step.outputs; ++o) {
+        const int from = signal(schedule_.inputs[index(step.first_in + i)]);
+        const auto* out = schedule_.outputs[index(step.first_out + o)];
+        if (from >= 0 && out != nullptr)
+          graph_.edges.push_back(
+              {.kind = LinearEdge::Kind::Event, .from = from, .to = places_.at(out), .path = path});
+      }
   }
 
   LinearGraph& graph_;

@@ -19,7 +19,7 @@ struct LinearEdge {
     Delay,    ///< z^-frames
     Node,     ///< Node::response
     Network,  ///< of LinearNetwork
-    Event,    ///< something happens or not: it has no gain, and closes no linear loop
+    Event,    ///< something happens or not, or nobody knows: it has no gain, and closes no linear loop
   };
   Kind kind = Kind::Gain;
   int from = 0, to = 0;
