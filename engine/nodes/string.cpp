@@ -5,6 +5,7 @@
 #include "engine/dsp/string_loop.h"
 #include "engine/nodes/filter_ports.h"
 #include "engine/nodes/group_steps.h"
+#include "engine/nodes/string_ports.h"
 #include "engine/nodes/wide_string_node.h"
 
 namespace tactus {
@@ -15,7 +16,7 @@ enum Input { kIn, kPitch, kGain, kLoss };
 class StringNode : public Node {
  public:
   explicit StringNode(const NodeSetup& setup)
-      : filter_(setup.setting("loss_filter").text == "one_pole" ? LossFilter::OnePole : LossFilter::OneZero),
+      : filter_(loss_filter_of(setup)),
         sample_rate_(setup.sample_rate),
         lowest_pitch_(lowest_pitch(setup)),
         string_(filter_, setup.sample_rate, lowest_pitch_) {}
@@ -93,32 +94,16 @@ const NodeType& string_type() {
       .source = "Jaffe & Smith, Computer Music Journal 7(2), 1983; Laakso et al., IEEE SP Magazine 13, 1996",
       .example = "{ type = \"string\", in = \"bow\", pitch = \"220 Hz\", gain = 0.995 }",
       .inputs = {filtered_input("what excites the string"),
-                 {.name = "pitch",
-                  .unit = "Hz",
-                  .doc = "of the fundamental; at most 0.3 of the sample rate",
-                  .fallback = std::nullopt,
-                  .low = StringLoop::kLowestPitch,
-                  .high = 20000},
+                 pitch_input("of the fundamental; at most 0.3 of the sample rate"),
                  {.name = "gain",
                   .unit = "",
                   .doc = "once around the loop",
                   .fallback = 0.99,
                   .low = 0,
                   .high = 0.9999},
-                 {.name = "loss",
-                  .unit = "",
-                  .doc = "how much faster high partials die; 0: not at all (one_pole: at most 0.99)",
-                  .fallback = 0.5,
-                  .low = 0,
-                  .high = 1}},
+                 loss_input()},
       .outputs = {filtered_output("out", "the string where it is driven")},
-      .settings =
-          {{.name = "loss_filter",
-            .kind = Setting::Kind::Choice,
-            .doc =
-                "one_zero takes at most this much away, at half the rate; one_pole darkens from lower down",
-            .choices = {"one_zero", "one_pole"},
-            .fallback = "one_zero"}},
+      .settings = {loss_filter_setting()},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
         return std::make_unique<StringNode>(setup);
       },

@@ -5,6 +5,7 @@
 #include "engine/dsp/wave_line.h"
 #include "engine/nodes/group_steps.h"
 #include "engine/nodes/make.h"
+#include "engine/nodes/string_ports.h"
 
 namespace tactus {
 namespace {
@@ -16,9 +17,8 @@ class WaveguideNode final : public Node {
  public:
   explicit WaveguideNode(const NodeSetup& setup)
       : sample_rate_(setup.sample_rate),
-        line_(setup.setting("loss_filter").text == "one_pole" ? LossFilter::OnePole : LossFilter::OneZero,
-              setup.setting("end").text == "free" ? FarEnd::Free : FarEnd::Fixed, setup.sample_rate,
-              {setup.input("pitch").range.low, setup.input("pitch").range.high}) {}
+        line_(loss_filter_of(setup), setup.setting("end").text == "free" ? FarEnd::Free : FarEnd::Fixed,
+              setup.sample_rate, {setup.input("pitch").range.low, setup.input("pitch").range.high}) {}
 
   void process(const NodeBlock& block) noexcept override {
     absorb(block);
@@ -86,37 +86,21 @@ const NodeType& waveguide_type() {
                   .doc = "what goes in: `wave` of a network's port",
                   .fallback = std::nullopt,
                   .late = true},
-                 {.name = "pitch",
-                  .unit = "Hz",
-                  .doc = "one over the time to the far end and back; at most 0.2 of the sample rate",
-                  .fallback = std::nullopt,
-                  .low = StringLoop::kLowestPitch,
-                  .high = 20000},
+                 pitch_input("one over the time to the far end and back; at most 0.2 of the sample rate"),
                  {.name = "gain",
                   .unit = "",
                   .doc = "to the far end and back; 0: an endless line, that swallows all",
                   .fallback = 0.998,
                   .low = 0,
                   .high = WaveLine::kMostGain},
-                 {.name = "loss",
-                  .unit = "",
-                  .doc = "how much faster high partials die; 0: not at all (one_pole: at most 0.99)",
-                  .fallback = 0.5,
-                  .low = 0,
-                  .high = 1}},
+                 loss_input()},
       .outputs = {{.name = "out", .unit = "=wave", .doc = "what comes back", .range = {}}},
-      .settings =
-          {{.name = "end",
-            .kind = Setting::Kind::Choice,
-            .doc = "what holds the far end",
-            .choices = {"fixed", "free"},
-            .fallback = "fixed"},
-           {.name = "loss_filter",
-            .kind = Setting::Kind::Choice,
-            .doc =
-                "one_zero takes at most this much away, at half the rate; one_pole darkens from lower down",
-            .choices = {"one_zero", "one_pole"},
-            .fallback = "one_zero"}},
+      .settings = {{.name = "end",
+                    .kind = Setting::Kind::Choice,
+                    .doc = "what holds the far end",
+                    .choices = {"fixed", "free"},
+                    .fallback = "fixed"},
+                   loss_filter_setting()},
       .make = make_node<WaveguideNode>,
       .range = {}};
   return type;

@@ -1,6 +1,7 @@
 #include "engine/scene/accuracy.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "engine/graph/name_space.h"
 #include "engine/graph/nearest.h"
@@ -9,16 +10,6 @@
 
 namespace tactus {
 namespace {
-
-constexpr double kLongest_s = 86400;
-
-std::optional<QuantityValue> read_number(const Value::Table& fields, std::string_view key,
-                                         Mistakes& mistakes) {
-  const auto* value = find(fields, key);
-  if (value == nullptr) return std::nullopt;
-  const auto quantity = read_quantity(*value);
-  return mistakes.keep(quantity) == nullptr ? std::nullopt : std::optional{*quantity};
-}
 
 void read_measure(const EntrySpec& entry, Accuracy& accuracy, Mistakes& mistakes) {
   accuracy.measure = mistakes.text(entry.fields, "measure");
@@ -60,14 +51,9 @@ Accuracy read_entry(const EntrySpec& entry, Seconds duration, Mistakes& mistakes
   else
     mistakes.add(Errc::Missing, entry.at, "'" + entry.name + "' lacks 'of'",
                  "name a signal, as in of = \"plant.stick\"");
-  const double end_s = duration.value > 0 ? duration.value : kLongest_s;
-  accuracy.from_s = read_bounded(entry.fields, "from", "s", 0, end_s, mistakes);
-  accuracy.to_s = read_bounded(entry.fields, "to", "s", 0, end_s, mistakes);
-  if (accuracy.from_s && accuracy.to_s && *accuracy.from_s >= *accuracy.to_s)
-    mistakes.add(Errc::OutOfRange, find(entry.fields, "to")->at, "'to' does not come after 'from'",
-                 "swap them");
-  accuracy.exact = read_number(entry.fields, "exact", mistakes);
-  accuracy.scale = read_number(entry.fields, "scale", mistakes);
+  std::tie(accuracy.from_s, accuracy.to_s) = read_window(entry.fields, duration, mistakes);
+  accuracy.exact = read_any(entry.fields, "exact", mistakes);
+  accuracy.scale = read_any(entry.fields, "scale", mistakes);
   check_exact(accuracy, entry.fields, mistakes);
   return accuracy;
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <tuple>
 
 #include "engine/graph/name_space.h"
 #include "engine/graph/nearest.h"
@@ -103,14 +103,6 @@ Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
 
 // ---- expectations ----
 
-std::optional<QuantityValue> read_limit(const Value::Table& fields, std::string_view key,
-                                        Mistakes& mistakes) {
-  const auto* value = find(fields, key);
-  if (value == nullptr) return std::nullopt;
-  const auto quantity = read_quantity(*value);
-  return mistakes.keep(quantity) == nullptr ? std::nullopt : std::optional{*quantity};
-}
-
 void check_limits(const Expectation& expectation, const Value::Table& fields, Mistakes& mistakes) {
   const auto &min = expectation.min, &max = expectation.max;
   if (find(fields, "min") == nullptr && find(fields, "max") == nullptr)
@@ -139,14 +131,9 @@ Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes&
     mistakes.add(Errc::Missing, entry.at, "'" + entry.name + "' says nothing to measure",
                  "write measure = \"…\" with what is meant");
   if (const auto* of = find(entry.fields, "of")) expectation.of_at = of->at;
-  const double end_s = duration.value > 0 ? duration.value : kLongest_s;
-  expectation.from_s = read_bounded(entry.fields, "from", "s", 0, end_s, mistakes);
-  expectation.to_s = read_bounded(entry.fields, "to", "s", 0, end_s, mistakes);
-  if (expectation.from_s && expectation.to_s && *expectation.from_s >= *expectation.to_s)
-    mistakes.add(Errc::OutOfRange, find(entry.fields, "to")->at, "'to' does not come after 'from'",
-                 "swap them");
-  expectation.min = read_limit(entry.fields, "min", mistakes);
-  expectation.max = read_limit(entry.fields, "max", mistakes);
+  std::tie(expectation.from_s, expectation.to_s) = read_window(entry.fields, duration, mistakes);
+  expectation.min = read_any(entry.fields, "min", mistakes);
+  expectation.max = read_any(entry.fields, "max", mistakes);
   check_limits(expectation, entry.fields, mistakes);
   return expectation;
 }
@@ -160,6 +147,13 @@ void read_compared(const Field& field, const std::string& name, Comparison& comp
 
 }  // namespace
 
+std::optional<QuantityValue> read_any(const Value::Table& fields, std::string_view key, Mistakes& mistakes) {
+  const auto* value = find(fields, key);
+  if (value == nullptr) return std::nullopt;
+  const auto quantity = read_quantity(*value);
+  return mistakes.keep(quantity) == nullptr ? std::nullopt : std::optional{*quantity};
+}
+
 std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
                                    double low, double high, Mistakes& mistakes) {
   const auto* value = find(table, key);
@@ -170,6 +164,16 @@ std::optional<double> read_bounded(const Value::Table& table, const std::string&
   mistakes.add(Errc::OutOfRange, value->at, "'" + key + "' cannot be " + in_unit(*number, unit),
                "it runs from " + in_unit(low, unit) + " to " + in_unit(high, unit));
   return std::nullopt;
+}
+
+std::pair<std::optional<double>, std::optional<double>> read_window(const Value::Table& table,
+                                                                    Seconds duration, Mistakes& mistakes) {
+  const double end_s = duration.value > 0 ? duration.value : kLongest_s;
+  const auto from = read_bounded(table, "from", "s", 0, end_s, mistakes);
+  const auto to = read_bounded(table, "to", "s", 0, end_s, mistakes);
+  if (from && to && *from >= *to)
+    mistakes.add(Errc::OutOfRange, find(table, "to")->at, "'to' does not come after 'from'", "swap them");
+  return {from, to};
 }
 
 std::optional<double> read_whole(const Value::Table& table, const std::string& key, double low, double high,
