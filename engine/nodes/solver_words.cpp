@@ -23,6 +23,9 @@ std::string against(const SolverBounds& b) {
     case SolverBounds::Limit::ShortContact:
       return fmt::format("a strike at {} m/s lasts {:.1f} steps, fewer than {}", kHardestStrike,
                          b.contact_steps, kFewestContactSteps);
+    case SolverBounds::Limit::DeepContact:
+      return fmt::format("what it starts with, or a strike at {} m/s, presses a contact too stiff for it",
+                         kHardestStrike);
     case SolverBounds::Limit::Inexact:
       return fmt::format("wrong by up to {:.2g} %", percent(b.error));
     case SolverBounds::Limit::None:
