@@ -9,7 +9,6 @@
 namespace tactus {
 namespace {
 
-constexpr int kMostOversample = 64;
 // Bounds do not depend on what enters.
 constexpr int kSignals = 0;
 

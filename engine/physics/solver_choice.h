@@ -37,6 +37,9 @@ inline constexpr double kFewestContactSteps = 5.0;
 /// at five steps, 2 % for the tenth power at thirteen.
 inline constexpr double kStiffestContact = 1.6;
 
+/// Steps a frame that are tried.
+inline constexpr int kMostOversample = 64;
+
 struct SolverChoice {
   Solver solver = Solver::Passive;
   int oversample = 1;
