@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
@@ -23,9 +24,11 @@ struct ExplainOptions {
 };
 
 /// What each step costs: the least of several runs on silence, for other programs only ever make it longer.
+/// What is slow is run for a moment only.
 std::vector<double> measure_steps(Engine& engine, int block) {
   constexpr int kRounds = 7;
   constexpr int kBlocks = 400;
+  constexpr std::chrono::milliseconds kRound{50};
   const int ins = engine.in_channels();
   const int outs = engine.out_channels();
   std::vector<std::vector<double>> in(static_cast<std::size_t>(ins),
@@ -39,9 +42,12 @@ std::vector<double> measure_steps(Engine& engine, int block) {
   std::vector<double> least(engine.schedule().steps.size(), 1e300);
   std::vector<double> before = engine.step_nanoseconds();
   for (int round = 0; round < kRounds; ++round) {
-    for (int b = 0; b < kBlocks; ++b) engine.process_timed({in_ptr.data(), out_ptr.data(), block});
+    const auto end = std::chrono::steady_clock::now() + kRound;
+    int blocks = 0;
+    do engine.process_timed({in_ptr.data(), out_ptr.data(), block});
+    while (++blocks < kBlocks && std::chrono::steady_clock::now() < end);
     for (std::size_t s = 0; s < least.size(); ++s)
-      least[s] = std::min(least[s], (engine.step_nanoseconds()[s] - before[s]) / (kBlocks * block));
+      least[s] = std::min(least[s], (engine.step_nanoseconds()[s] - before[s]) / (blocks * block));
     before = engine.step_nanoseconds();
   }
   return least;

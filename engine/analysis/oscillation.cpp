@@ -1,6 +1,7 @@
 #include "engine/analysis/oscillation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/physics/find_zero.h"
@@ -8,21 +9,49 @@
 namespace tactus {
 namespace {
 
-/// The cubic through y[0] ... y[3] at -1, 0, 1, 2.
-double cubic(const double* y, double x) {
-  const double a = (x + 1) * x, b = (x - 1) * (x - 2);
-  return -y[0] * x * b / 6 + y[1] * (x + 1) * b / 2 - y[2] * a * (x - 2) / 2 + y[3] * a * (x - 1) / 6;
+// Samples on each side of a crossing that the curve through it goes by.
+constexpr std::size_t kBeside = 4;
+
+/// The polynomial through y[0] ... y[7] at -3 ... 4, by Neville's scheme.
+double curve(const double* y, double x) {
+  std::array<double, 2 * kBeside> p;
+  std::copy_n(y, p.size(), p.begin());
+  for (std::size_t order = 1; order < p.size(); ++order)
+    for (std::size_t i = 0; i + order < p.size(); ++i) {
+      const double at = static_cast<double>(i) - 3.0, width = static_cast<double>(order);
+      p[i] = ((at + width - x) * p[i] + (x - at) * p[i + 1]) / width;
+    }
+  return p[0];
 }
 
-/// Rises through `level`, in samples.
-std::vector<double> rises(std::span<const double> samples, double level) {
-  std::vector<double> times;
-  for (std::size_t n = 1; n + 2 < samples.size(); ++n) {
-    if (!(samples[n] < level && samples[n + 1] >= level)) continue;
-    const auto above = [&](double x) { return cubic(&samples[n - 1], x) - level; };
-    times.push_back(static_cast<double>(n) + find_zero(above, 0.0, 1.0, 1e-12).near);
+/// Where the samples cross `level`, from below to above or the other way, in samples.
+struct Crossing {
+  double time;
+  bool rises;
+};
+std::vector<Crossing> crossings(std::span<const double> samples, double level) {
+  std::vector<Crossing> found;
+  for (std::size_t n = kBeside - 1; n + kBeside < samples.size(); ++n) {
+    const bool below = samples[n] < level;
+    if (below == (samples[n + 1] < level)) continue;
+    const auto above = [&](double x) { return curve(&samples[n + 1 - kBeside], x) - level; };
+    found.push_back({static_cast<double>(n) + find_zero(above, 0.0, 1.0, 1e-13).near, below});
   }
-  return times;
+  return found;
+}
+
+/// A moment of each swing: of two rises and the fall between them, which counts twice. An offset of the level
+/// moves rises and falls apart, and this not at all; a decay moves it by the third power of its ratio only.
+/// Of one swing alone: its rises.
+std::vector<double> swings(std::span<const double> samples, double level) {
+  const auto all = crossings(samples, level);
+  std::vector<double> times, rises;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!all[i].rises) continue;
+    rises.push_back(all[i].time);
+    if (i + 2 < all.size()) times.push_back(0.25 * (all[i].time + 2.0 * all[i + 1].time + all[i + 2].time));
+  }
+  return times.size() > 1 ? times : rises;
 }
 
 struct Line {
@@ -47,7 +76,7 @@ Line line_through(const std::vector<double>& x, const std::vector<double>& y) {
 std::optional<double> frequency_of(std::span<const double> samples, Hertz rate) {
   if (samples.empty()) return std::nullopt;
   const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
-  const auto times = rises(samples, 0.5 * (*low + *high));
+  const auto times = swings(samples, 0.5 * (*low + *high));
   if (times.size() < 2) return std::nullopt;
   return rate.value * static_cast<double>(times.size() - 1) / (times.back() - times.front());
 }

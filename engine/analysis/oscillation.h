@@ -10,8 +10,9 @@ namespace tactus {
 
 /// What samples of a motion say, read between the samples. [control]
 
-/// From the first to the last rise through the middle between the highest and the lowest sample, each on a
-/// cubic through four samples: its own error is below (w T)^4 / 100 of a period. Nothing: fewer than two.
+/// From the first to the last swing, by its rises and its fall through the middle between the highest and the
+/// lowest sample, each on the polynomial through eight samples. Its own error is below (w T)^9 / 1000 of a
+/// radian in all swings. Nothing: fewer than two rises.
 std::optional<double> frequency_of(std::span<const double> samples, Hertz rate);
 
 /// a of a motion A e^-at about 0: the slope of the logarithm of its peaks, each on a parabola through three

@@ -14,7 +14,8 @@ inline constexpr std::array kSolvers = {Solver::Explicit, Solver::Exact, Solver:
 /// [any] The word in a file.
 const char* name_of(Solver solver);
 
-/// [any] Which solver was taken and why none of the cheaper ones: one sentence.
+/// [any] Which solver was taken, a warning if even that one is not accurate, and why none of the cheaper
+/// ones: a line for each solver at most.
 std::string reason_for(const SolverChoice& choice);
 
 }  // namespace tactus

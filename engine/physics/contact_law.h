@@ -51,4 +51,11 @@ class ContactLaw {
 /// <= 1 (clamped). Exact for bodies on which no other force acts.
 double loss_for_restitution(double e);
 
+/// The other way round: e of r v >= 0. [realtime]
+double restitution_of(double loss_speed) noexcept;
+
+/// What a contact has stored at its deepest, of m v^2:  (rv - ln(1 + rv)) / (rv)^2, 1/2 without a loss.
+/// [realtime]
+double stored_at_deepest(double loss_speed) noexcept;
+
 }  // namespace tactus

@@ -27,7 +27,10 @@ namespace tactus {
 /// (n+ - n-), solved by Newton's method: more work, twice as exact in time.
 ///
 /// Losses F r v act on the force that is to be foreseen, so that the ratio of speeds that r leaves comes out
-/// right for the potential that the scheme really has.
+/// right for the potential that the scheme really has. A touch that would be at its deepest before a step is
+/// over has no force that could be foreseen: with quadratised energy it would lose nothing. For that one step
+/// it is a damper instead, as strong as sends the bodies back by the restitution e that r leaves at their
+/// speed:  F = R motion,  R W_cc = (1 + e) / (1 - e),  in motions over one step and over two.
 class Couplings {
  public:
   enum class Method {
@@ -90,6 +93,7 @@ class Couplings {
   bool foresee_centred(NetworkState& state, Touch& touch) const noexcept;
   bool foresee_exact(NetworkState& state, Touch& touch) const noexcept;
   double foreseen_push(const NetworkState& state, std::size_t contact) const noexcept;
+  bool bounce(const NetworkState& state, Touch& touch) const noexcept;
   bool let_go(NetworkState& state, Touch& touch, double motion) const noexcept;
   void find_plucks(NetworkState& state) const noexcept;
   void push_contacts(NetworkState& state) const noexcept;

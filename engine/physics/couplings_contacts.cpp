@@ -62,6 +62,22 @@ bool Couplings::let_go(NetworkState& state, Touch& touch, double motion) const n
   return true;
 }
 
+/// Whether a touch that begins is over sooner than a step shows: then it is the damper of its restitution.
+bool Couplings::bounce(const NetworkState& state, Touch& touch) const noexcept {
+  const auto c = at(touch.coupling);
+  const double approach = moved(state, c), loss = state.loss[c], own = mutual(c, c);
+  if (loss == 0.0 || approach <= 0.0 || state.root[c] != 0.0 || own == 0.0) return false;
+  const double loss_speed = loss * approach / model_->k;
+  // m v^2 of the two bodies, m = k^2 steps / 2 W.
+  const double twice_kinetic = 0.5 * steps() * approach * approach / own;
+  if (model_->contacts[c].law.energy(approach) <= twice_kinetic * stored_at_deepest(loss_speed)) return false;
+  const double e = restitution_of(loss_speed);
+  if (e >= 1.0) return false;
+  touch.resistance = (1.0 + e) / ((1.0 - e) * own);
+  touch.free = motion(state, c);
+  return true;
+}
+
 bool Couplings::foresee_centred(NetworkState& state, Touch& touch) const noexcept {
   const auto c = at(touch.coupling);
   const auto& law = model_->contacts[c].law;
@@ -71,6 +87,7 @@ bool Couplings::foresee_centred(NetworkState& state, Touch& touch) const noexcep
   double damping = 0.0;
   if (n >= 0.0) {
     watch_touch(*model_, state, c, n, w);
+    if (bounce(state, touch)) return true;
     const bool first = n <= w && w > 0.0 && psi == 0.0;
     const double g = first ? law.root(n + 0.5 * w) / w : law.root_slope(n);
     touch.slope = psi < 0.0 ? -g : g;
@@ -112,6 +129,7 @@ bool Couplings::foresee_exact(NetworkState& state, Touch& touch) const noexcept 
   if (n <= 0.0 && n + motion > 0.0) watch_touch(*model_, state, c, n, moved(state, c));
   double damping = 0.0;
   if (n >= 0.0 || n + motion > 0.0) {
+    if (bounce(state, touch)) return true;
     const double g = motion == 0.0 ? law.root_slope(std::max(0.0, n)) : chord(law, n, motion);
     touch.slope = psi < 0.0 ? -g : g;
     const double force = touch.slope * (psi + 0.5 * touch.slope * motion);

@@ -3,52 +3,43 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <optional>
 
 #include "engine/physics/network.h"
 
 namespace tactus {
 namespace {
 
-constexpr int kMostOversample = 64;
 // Bounds do not depend on what enters.
 constexpr int kSignals = 0;
 
-/// The shortest contact, alpha the exponent, m the reduced mass, v the speed of the strike:
-///   t = 2 sqrt(pi) Gamma(1 + 1/(alpha+1)) / Gamma(1/2 + 1/(alpha+1)) * ((alpha+1) m v^2 / 2K)^(1/(alpha+1))
-///   / v
-std::optional<double> shortest_contact(const NetworkElements& elements) {
-  const auto inverse_mass = [&](int point) {
-    const auto& p = elements.points[static_cast<std::size_t>(point)];
-    return p.kind == Point::Kind::Mass ? 1.0 / p.mass : 0.0;
-  };
-  std::optional<double> shortest;
-  for (const auto& c : elements.contacts) {
-    const double inverse = inverse_mass(c.lower) + inverse_mass(c.upper);
-    if (inverse == 0.0) continue;
-    const double a1 = c.exponent + 1.0, v = kHardestStrike;
-    const double depth = std::pow(a1 * v * v / (2.0 * c.stiffness * inverse), 1.0 / a1);
-    const double time = 2.0 * std::sqrt(std::numbers::pi) * std::tgamma(1.0 + 1.0 / a1) /
-                        std::tgamma(0.5 + 1.0 / a1) * depth / v;
-    shortest = std::min(shortest.value_or(time), time);
-  }
-  return shortest;
-}
-
-double contact_error(Solver solver, double steps) {
+double contact_error(Solver solver, const ContactDemand::Strike& strike, double k) {
+  const double a = strike.exponent, s = strike.time_s / k, second_order = 0.5 + 0.33 * a;
   switch (solver) {
     case Solver::Implicit:
-      return 0.25 / steps;
+      return (1.3 + 0.86 * a) / (s * s);
     case Solver::Passive:
-      return 1.0 / std::pow(steps, 1.5);
+      return std::max(1.0, 0.12 * a) / std::pow(s, 1.5);
+    case Solver::Explicit:
+      return std::max(1.4, second_order) / (s * s);
     default:
-      return 1.4 / (steps * steps);
+      return second_order / (s * s);
   }
+}
+
+/// What makes explicit steps unstable.
+SolverBounds::Limit explicit_limit(const NetworkModel& model, const ContactDemand& contacts,
+                                   const SolverBounds& bounds) {
+  using Limit = SolverBounds::Limit;
+  const double squared = model.k * model.k, linear = squared * model.stiffest(1.0, 2.0);
+  const double pressed = squared * contacts.stiffness;
+  if (!(linear < 4.0)) return Limit::TooStiff;
+  if (!contacts.strikes.empty() && bounds.contact_steps < kFewestContactSteps) return Limit::ShortContact;
+  const double all = linear + pressed + 2.0 * model.k * contacts.damping;
+  return all < 4.0 && pressed <= kStiffestContact ? Limit::None : Limit::DeepContact;
 }
 
 SolverBounds bounds_of(const NetworkElements& elements, Hertz rate, Solver solver, int oversample,
-                       std::optional<double> contact) {
+                       const ContactDemand& contacts) {
   using Limit = SolverBounds::Limit;
   SolverBounds bounds{.solver = solver, .oversample = oversample};
   const auto made = Network::make(elements, kSignals, rate, solver, oversample);
@@ -63,16 +54,13 @@ SolverBounds bounds_of(const NetworkElements& elements, Hertz rate, Solver solve
   bounds.multiplications = oversample * (cost.step + (elements.contacts.empty() ? 0.0 : cost.touch));
   const double shape = made->springs_averaged() ? 12.0 : 24.0;
   bounds.error = solver == Solver::Exact ? 0.0 : model.stiffest(1.0, 0.0) * k * k / shape;
-  if (contact) {
-    bounds.contact_steps = *contact / k;
-    bounds.error = std::max(bounds.error, contact_error(solver, bounds.contact_steps));
+  for (const auto& strike : contacts.strikes) {
+    const double steps = strike.time_s / k;
+    bounds.contact_steps = bounds.contact_steps == 0.0 ? steps : std::min(bounds.contact_steps, steps);
+    bounds.error = std::max(bounds.error, contact_error(solver, strike, k));
   }
-  if (solver == Solver::Explicit && !(model.stiffest(1.0, 2.0) * k * k < 4.0))
-    bounds.limit = Limit::TooStiff;
-  else if (solver == Solver::Explicit && contact && bounds.contact_steps < kFewestContactSteps)
-    bounds.limit = Limit::ShortContact;
-  else if (!(bounds.error <= kGoodEnough))
-    bounds.limit = Limit::Inexact;
+  if (solver == Solver::Explicit) bounds.limit = explicit_limit(model, contacts, bounds);
+  if (bounds.limit == Limit::None && !(bounds.error <= kGoodEnough)) bounds.limit = Limit::Inexact;
   bounds.stable = bounds.limit == Limit::None || bounds.limit == Limit::Inexact;
   return bounds;
 }
@@ -80,11 +68,11 @@ SolverBounds bounds_of(const NetworkElements& elements, Hertz rate, Solver solve
 }  // namespace
 
 SolverChoice choose_solver(const NetworkElements& elements, Hertz rate, int oversample) {
-  const auto contact = shortest_contact(elements);
+  const auto contacts = contact_demand(elements);
   SolverChoice choice;
   const auto try_at = [&](int steps) {
     for (const auto solver : {Solver::Explicit, Solver::Passive, Solver::Exact, Solver::Implicit})
-      choice.candidates.push_back(bounds_of(elements, rate, solver, steps, contact));
+      choice.candidates.push_back(bounds_of(elements, rate, solver, steps, contacts));
   };
   const auto good = [](const SolverBounds& b) { return b.limit == SolverBounds::Limit::None; };
   // More steps of a solver cost more: once one will do, twice as many can only be dearer than it.

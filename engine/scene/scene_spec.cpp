@@ -51,6 +51,12 @@ void check_wire(const Value& value, Mistakes& mistakes) {
     for (const auto& lane : *lanes) check_wire(lane, mistakes);
 }
 
+/// What a scene without a name is called: as its file, or the folder that it is the scene of.
+std::string name_of_file(const std::filesystem::path& file) {
+  const auto folder = file.parent_path().filename();
+  return (file.filename() == "scene.toml" && !folder.empty() ? folder : file.stem()).string();
+}
+
 class SceneReader {
  public:
   SceneReader(const std::filesystem::path& file, const std::filesystem::path& root)
@@ -70,6 +76,7 @@ class SceneReader {
     check_format(table, scene_.file, mistakes_);
     scene_.incomplete = !check_keys(table, mistakes_);
     scene_.name = mistakes_.text(table, "name");
+    if (scene_.name.empty()) scene_.name = name_of_file(*scene_.file.file);
     scene_.about = mistakes_.text(table, "about");
     scene_.source = mistakes_.text(table, "source");
     read_times(table);

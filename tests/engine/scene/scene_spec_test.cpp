@@ -203,3 +203,12 @@ TEST_CASE("scene: a folder without a scene says which file it lacks", "[scene]")
   REQUIRE_FALSE(scene);
   CHECK(folder.strip(to_string(scene.error())) == "scene.toml: there is no such file; check the path");
 }
+
+TEST_CASE("scene: without a name it is called as its file, or as the folder that it is the scene of",
+          "[scene]") {
+  const Folder folder;
+  const auto text = std::string("format = 1\nduration = \"1 s\"\n") + kParts;
+  CHECK(folder.read(text).value().name == folder.path().filename().string());
+  CHECK(parse_scene(text, (folder.path() / "loud.toml").string()).value().name == "loud");
+  CHECK(folder.read("name = \"wall\"\n" + text).value().name == "wall");
+}
