@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "engine/nodes/element_types.h"
 
 namespace tactus {
@@ -6,9 +8,35 @@ namespace {
 using Kind = ElementQuantity::Kind;
 using Ends = ElementType::Ends;
 
-}  // namespace
+Setting count(const char* name, const char* doc, double most) {
+  return {.name = name,
+          .kind = Setting::Kind::Integer,
+          .doc = doc,
+          .choices = {},
+          .fallback = "",
+          .low = 1,
+          .high = most};
+}
 
-std::vector<ElementType> point_elements() {
+Setting ends(const char* doc) {
+  return {.name = "ends",
+          .kind = Setting::Kind::Choice,
+          .doc = doc,
+          .choices = {"fixed", "free"},
+          .fallback = "fixed"};
+}
+
+/// What each mass of a chain, a ring or a grid is, and what joins it to its neighbours and to the ground.
+std::vector<ElementField> repeated_fields() {
+  return {required("mass", "kg", "of each", kTiny),
+          required("stiffness", "N/m", "between neighbours", 0.0),
+          with_default("damping", "N s/m", "between neighbours", 0.0, 0.0),
+          with_default("ground_stiffness", "N/m", "from each to its place", 0.0, 0.0),
+          with_default("ground_damping", "N s/m", "from each to its place", 0.0, 0.0),
+          with_default("at", "m", "position of all", 0.0)};
+}
+
+std::vector<ElementType> single_points() {
   return {
       {.name = "mass",
        .doc = "A body that moves along the network's axis.",
@@ -57,29 +85,19 @@ std::vector<ElementType> point_elements() {
        .fields = {signal("position", "m", "where it goes")},
        .quantities = {kPosition, kVelocity},
        .example = "table = { type = \"motion\", position = \"shake\" }"},
+  };
+}
+
+std::vector<ElementType> many_points() {
+  return {
       {.name = "chain",
        .doc = "Masses in a row, joined by springs: `name.1` is the first.",
        .equation = "mass x_i'' = stiffness (x_{i+1} - 2 x_i + x_{i-1}) + damping (x_{i+1} - 2 x_i + "
                    "x_{i-1})' - ground_stiffness (x_i - at) - ground_damping x_i'",
        .ends = Ends::None,
-       .settings = {{.name = "masses",
-                     .kind = Setting::Kind::Integer,
-                     .doc = "how many",
-                     .choices = {},
-                     .fallback = "",
-                     .low = 1,
-                     .high = 1'000'000},
-                    {.name = "ends",
-                     .kind = Setting::Kind::Choice,
-                     .doc = "whether springs hold the first and the last one, too",
-                     .choices = {"fixed", "free"},
-                     .fallback = "fixed"}},
-       .fields = {required("mass", "kg", "of each", kTiny),
-                  required("stiffness", "N/m", "between neighbours", 0.0),
-                  with_default("damping", "N s/m", "between neighbours", 0.0, 0.0),
-                  with_default("ground_stiffness", "N/m", "from each to its place", 0.0, 0.0),
-                  with_default("ground_damping", "N s/m", "from each to its place", 0.0, 0.0),
-                  with_default("at", "m", "position of all", 0.0)},
+       .settings = {count("masses", "how many", 1'000'000),
+                    ends("whether springs hold the first and the last one, too")},
+       .fields = repeated_fields(),
        .quantities = {},
        .example = "string = { type = \"chain\", masses = 100, mass = \"0.1 g\", stiffness = \"57 kN/m\" }",
        .many = true},
@@ -87,19 +105,8 @@ std::vector<ElementType> point_elements() {
        .doc = "Masses in a ring: a chain whose last mass is the neighbour of the first.",
        .equation = "as a chain, x_0 = x_n",
        .ends = Ends::None,
-       .settings = {{.name = "masses",
-                     .kind = Setting::Kind::Integer,
-                     .doc = "how many",
-                     .choices = {},
-                     .fallback = "",
-                     .low = 1,
-                     .high = 1'000'000}},
-       .fields = {required("mass", "kg", "of each", kTiny),
-                  required("stiffness", "N/m", "between neighbours", 0.0),
-                  with_default("damping", "N s/m", "between neighbours", 0.0, 0.0),
-                  with_default("ground_stiffness", "N/m", "from each to its place", 0.0, 0.0),
-                  with_default("ground_damping", "N s/m", "from each to its place", 0.0, 0.0),
-                  with_default("at", "m", "position of all", 0.0)},
+       .settings = {count("masses", "how many", 1'000'000)},
+       .fields = repeated_fields(),
        .quantities = {},
        .example = "hoop = { type = \"ring\", masses = 64, mass = \"1 g\", stiffness = \"10 kN/m\" }",
        .many = true},
@@ -109,36 +116,22 @@ std::vector<ElementType> point_elements() {
        .equation =
            "mass x_rc'' = stiffness (x_{r+1,c} + x_{r-1,c} + x_{r,c+1} + x_{r,c-1} - 4 x_rc) + …, as a chain",
        .ends = Ends::None,
-       .settings = {{.name = "rows",
-                     .kind = Setting::Kind::Integer,
-                     .doc = "how many rows",
-                     .choices = {},
-                     .fallback = "",
-                     .low = 1,
-                     .high = 1'000},
-                    {.name = "columns",
-                     .kind = Setting::Kind::Integer,
-                     .doc = "how many columns",
-                     .choices = {},
-                     .fallback = "",
-                     .low = 1,
-                     .high = 1'000},
-                    {.name = "ends",
-                     .kind = Setting::Kind::Choice,
-                     .doc = "whether springs hold the border, too",
-                     .choices = {"fixed", "free"},
-                     .fallback = "fixed"}},
-       .fields = {required("mass", "kg", "of each", kTiny),
-                  required("stiffness", "N/m", "between neighbours", 0.0),
-                  with_default("damping", "N s/m", "between neighbours", 0.0, 0.0),
-                  with_default("ground_stiffness", "N/m", "from each to its place", 0.0, 0.0),
-                  with_default("ground_damping", "N s/m", "from each to its place", 0.0, 0.0),
-                  with_default("at", "m", "position of all", 0.0)},
+       .settings = {count("rows", "how many rows", 1'000), count("columns", "how many columns", 1'000),
+                    ends("whether springs hold the border, too")},
+       .fields = repeated_fields(),
        .quantities = {},
        .example = "membrane = { type = \"grid\", rows = 20, columns = 20, mass = \"0.1 g\", stiffness = \"20 "
                   "kN/m\" }",
        .many = true},
   };
+}
+
+}  // namespace
+
+std::vector<ElementType> point_elements() {
+  auto all = single_points();
+  for (auto& type : many_points()) all.push_back(std::move(type));
+  return all;
 }
 
 }  // namespace tactus

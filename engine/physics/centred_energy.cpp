@@ -1,11 +1,8 @@
 #include "engine/physics/centred_scheme.h"
+#include "engine/physics/index.h"
 
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-double square(double x) { return x * x; }
 
 /// The energy of a spring between two instants, in the form that each way of stepping it conserves.
 double spring_energy(double stiffness, double extension, double before, bool averaged) {

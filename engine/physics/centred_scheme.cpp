@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/physics/index.h"
+
 namespace tactus {
 namespace {
 
 // Fewer masses are stepped faster one by one.
 constexpr int kShortestRow = 16;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

@@ -3,11 +3,10 @@
 #include <cmath>
 
 #include "engine/physics/centred_scheme.h"
+#include "engine/physics/index.h"
 
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Vector instructions whatever the compiler's mood; sums and products of single numbers, so the same bits.
 auto array(Numbers& numbers, std::size_t from, std::size_t count) {
@@ -84,24 +83,7 @@ double CentredScheme::softened(std::size_t coupling, double stiffness, double fo
   return factored() ? force / (1.0 + 0.25 * couplings_.mutual(coupling, coupling) * stiffness) : force;
 }
 
-/// What each contact holds half a step ago; a plectrum holds, unless it is bent too far.
-void CentredScheme::store_energy(NetworkState& state) const noexcept {
-  const auto half_ago = [&](int lower, int upper) {
-    const auto l = index(lower), u = index(upper);
-    return state.position[l] - state.position[u] - 0.5 * (state.moved[l] - state.moved[u]);
-  };
-  const auto contacts = model_.contacts.size();
-  for (std::size_t c = 0; c < contacts; ++c) {
-    const auto& contact = model_.contacts[c];
-    const double n = half_ago(contact.lower, contact.upper) + contact.offset;
-    state.root[c] = n > 0.0 ? contact.law.root(n) : 0.0;
-  }
-  for (std::size_t p = 0; p < model_.plucks.size(); ++p) {
-    const auto& pluck = model_.plucks[p];
-    if (state.slipped[p] == 0.0)
-      state.root[contacts + p] = std::sqrt(pluck.stiffness) * half_ago(pluck.lower, pluck.upper);
-  }
-}
+void CentredScheme::store_energy(NetworkState& state) const noexcept { couplings_.store_energy(state); }
 
 void CentredScheme::step(NetworkState& state) const noexcept {
   start_forces(state);

@@ -7,13 +7,10 @@
 #include <utility>
 
 #include "engine/physics/contact_law.h"
+#include "engine/physics/index.h"
 
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-double square(double x) { return x * x; }
 
 /// A contact or a plectrum, as far as it may be pressed or bent.
 struct Link {

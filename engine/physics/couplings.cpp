@@ -88,6 +88,22 @@ double Couplings::rubbed(const NetworkState& state, std::size_t c) const noexcep
   return sum;
 }
 
+void Couplings::store_energy(NetworkState& state) const noexcept {
+  const auto apart = [&](std::size_t c) {
+    const double now = state.position[at(lower_[c])] - state.position[at(upper_[c])];
+    return method_ == Method::Exact ? now : now - 0.5 * moved(state, c);
+  };
+  const auto contacts = model_->contacts.size();
+  for (std::size_t c = 0; c < contacts; ++c) {
+    const auto& contact = model_->contacts[c];
+    const double n = apart(c) + contact.offset;
+    state.root[c] = n > 0.0 ? contact.law.root(n) : 0.0;
+  }
+  for (std::size_t p = 0; p < model_->plucks.size(); ++p)
+    if (state.slipped[p] == 0.0)
+      state.root[contacts + p] = std::sqrt(model_->plucks[p].stiffness) * apart(contacts + p);
+}
+
 void Couplings::solve(NetworkState& state) const noexcept {
   state.touching.clear();
   if (method_ == Method::Pushed) {

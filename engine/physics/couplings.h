@@ -45,6 +45,9 @@ class Couplings {
   static Result<Couplings> make(const NetworkModel& model, Method method,
                                 const std::function<void(std::span<double>)>& respond);
 
+  /// [realtime] What each contact and each plectrum that holds has stored by where everything is, at the
+  /// instant that the method stores it for: half a step ago where motions are over two steps.
+  void store_energy(NetworkState& state) const noexcept;
   /// [realtime] Finds what touches and solves all forces, given how far each slot moves without them:
   /// share * state.moved + state.change, in the way of the method.
   void solve(NetworkState& state) const noexcept;

@@ -6,13 +6,9 @@
 #include <numeric>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "engine/physics/index.h"
+
 namespace tactus {
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 /// The rates of a group's states in the time of a step, d x / d(t/k) = A x + B u, scaled so that A is about
 /// as large as its eigenvalues: columns of B are forces on the masses, voltages, and driven points' places
 /// and ways.

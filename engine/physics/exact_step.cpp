@@ -1,13 +1,10 @@
 #include <cmath>
 
 #include "engine/physics/exact_scheme.h"
+#include "engine/physics/index.h"
 
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-double square(double x) { return x * x; }
 
 using View = Eigen::Map<Eigen::VectorXd>;
 
@@ -27,22 +24,7 @@ void ExactScheme::start(NetworkState& state) const noexcept {
   store_energy(state);
 }
 
-void ExactScheme::store_energy(NetworkState& state) const noexcept {
-  const auto contacts = model_.contacts.size();
-  const auto apart = [&](int lower, int upper) {
-    return state.position[index(lower)] - state.position[index(upper)];
-  };
-  for (std::size_t c = 0; c < contacts; ++c) {
-    const auto& contact = model_.contacts[c];
-    const double n = apart(contact.lower, contact.upper) + contact.offset;
-    state.root[c] = n > 0.0 ? contact.law.root(n) : 0.0;
-  }
-  for (std::size_t p = 0; p < model_.plucks.size(); ++p) {
-    const auto& pluck = model_.plucks[p];
-    if (state.slipped[p] == 0.0)
-      state.root[contacts + p] = std::sqrt(pluck.stiffness) * apart(pluck.lower, pluck.upper);
-  }
-}
+void ExactScheme::store_energy(NetworkState& state) const noexcept { couplings_.store_energy(state); }
 
 void ExactScheme::step(NetworkState& state) const noexcept {
   for (std::size_t i = 0; i < model_.motions.size(); ++i) {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/physics/index.h"
+
 namespace tactus {
 namespace {
 
 using Slide = NetworkFlow::State::Slide;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 Slide slide_of(double sign) { return sign == 0.0 ? Slide::Holds : sign > 0.0 ? Slide::Up : Slide::Down; }
 double sign_of(Slide slide) { return slide == Slide::Holds ? 0.0 : slide == Slide::Up ? 1.0 : -1.0; }

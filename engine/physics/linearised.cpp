@@ -6,10 +6,10 @@
 #include <functional>
 #include <limits>
 
+#include "engine/physics/index.h"
+
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 /// Points that can move; their slots come before those of all others.
 std::size_t moving_points(const NetworkElements& elements) {

@@ -7,11 +7,10 @@
 #include "engine/physics/centred_scheme.h"
 #include "engine/physics/exact_scheme.h"
 #include "engine/physics/flow_scheme.h"
+#include "engine/physics/index.h"
 
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 /// What enters at frame n; nothing is connected to signal -1.
 double now(const Drive& drive, const double* inputs) { return drive.signal < 0 ? 0.0 : inputs[drive.signal]; }

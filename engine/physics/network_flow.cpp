@@ -5,15 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/physics/index.h"
+
 namespace tactus {
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-double square(double x) { return x * x; }
-
-}  // namespace
-
 NetworkFlow::NetworkFlow(NetworkElements elements, Seconds frame, double tolerance)
     : elements_(std::move(elements)), frame_s_(frame.value), tolerance_(tolerance) {
   assert(frame_s_ > 0.0);

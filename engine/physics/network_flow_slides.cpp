@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/physics/index.h"
 #include "engine/physics/network_flow.h"
 
 // Links that hold or slide. A friction that holds pushes as hard as keeps its ends at one velocity, which is
@@ -8,8 +9,6 @@
 // law's force in the direction that it has slid so far, also a little past the instant at which it stops.
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // A driven point changes its speed from frame to frame; less than this is rounding. [m/s]
 constexpr double kStill = 1e-12;

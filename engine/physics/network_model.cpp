@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/physics/index.h"
+
 namespace tactus {
 namespace {
 
 // Up to here eigenvalues are computed; beyond, the row sums bound them (Gershgorin).
 constexpr int kMostEigenvalues = 64;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

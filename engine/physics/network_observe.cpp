@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/physics/index.h"
 #include "engine/physics/network.h"
 
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double extension_of(const NetworkState& state, const Spring& spring) {
   return state.position[index(spring.upper)] - state.position[index(spring.lower)] - spring.rest;
