@@ -5,11 +5,10 @@
 #include <set>
 
 #include "engine/analysis/stability_law.h"
+#include "engine/physics/index.h"
 
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 /// Any z serves to ask whether there is a response at all.
 const std::complex<double> kSomewhere = std::polar(1.0, 0.01);

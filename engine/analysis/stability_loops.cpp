@@ -6,10 +6,10 @@
 #include <map>
 #include <set>
 
+#include "engine/physics/index.h"
+
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 /// Tarjan's algorithm without recursion: graphs can be deep. SIAM J. Comput. 1(2), 1972.
 class StrongParts {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/physics/index.h"
+
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double depth_of(const Contact& contact, double push) {
   return std::pow(push / contact.stiffness, 1.0 / contact.exponent);
