@@ -58,6 +58,9 @@ class ScheduleReader {
   double value(int slot) const { return *schedule_.inputs[index(slot)].data; }
 
   void make_outputs(const Step& step) {
+    // What rests goes into a part with a rate of its own, or out of it, as the number that it is.
+    const bool crosses = step.pace_in != step.pace_out;
+    if (crosses && signal(schedule_.inputs[index(step.first_in)]) < 0) return;
     for (int o = 0; o < step.outputs; ++o) {
       const auto* type = schedule_.types[index(step.node)].get();
       std::string name = path_of(step.path);
