@@ -64,6 +64,9 @@ Json part() {
           {"properties",
            {{"use", text("path of the file, from this one")},
             {"voices", whole_number("how many lanes", 1, 1024)},
+            {"rate", text("of its own: a fraction, \"1/16\", or \"3 kHz\"; that around it if left out")},
+            {"take", choice("what a frame at that rate is given: last if left out", {"last", "mean"})},
+            {"between", choice("what goes out between two of them: hold if left out", {"hold", "line"})},
             {"about", text("for people")}}},
           {"required", {"use"}},
           {"additionalProperties", signal("")}};

@@ -56,9 +56,13 @@ class ScheduleReader {
     const auto found = places_.find(signal.data);
     return found == places_.end() ? -1 : found->second;
   }
+  int every(const Step& step) const { return schedule_.paces[index(step.pace)]; }
   double value(int slot) const { return *schedule_.inputs[index(slot)].data; }
 
   void make_outputs(const Step& step) {
+    // What rests goes into a part with a rate of its own, or out of it, as the number that it is.
+    const bool crosses = step.pace_in != step.pace_out;
+    if (crosses && signal(schedule_.inputs[index(step.first_in)]) < 0) return;
     for (int o = 0; o < step.outputs; ++o) {
       const auto* type = schedule_.types[index(step.node)].get();
       std::string name = path_of(step.path);
@@ -133,11 +137,12 @@ class ScheduleReader {
                     .from = signal(schedule_.inputs[index(step.first_in + input)]),
                     .to = places_.at(schedule_.outputs[index(step.first_out + output)]),
                     .path = prefix_ + path_of(step.path),
-                    .frames = std::max(0, node->delay(input, output).most),
+                    .frames = std::max(0, node->delay(input, output).most) * every(step),
                     .node = node,
                     .input = input,
                     .output = output,
-                    .at = at};
+                    .at = at,
+                    .every = every(step)};
     const auto response = node->response(input, output, kSomewhere, at);
     if (!response) {
       if (const auto instead = stands_for(schedule_.whats[index(step.node)], input)) {
@@ -196,10 +201,11 @@ class ScheduleReader {
                                   .from = from,
                                   .to = places_.at(out),
                                   .path = path,
-                                  .frames = 1,
+                                  .frames = every(step),
                                   .input = static_cast<int>(s),
                                   .output = o,
-                                  .network = number});
+                                  .network = number,
+                                  .every = every(step)});
       }
     }
   }
@@ -249,11 +255,12 @@ void LinearGraph::gains(std::complex<double> z, const std::vector<std::size_t>& 
         gains[e] = std::exp(-static_cast<double>(edge.frames) * std::log(z));
         break;
       case LinearEdge::Kind::Node:
-        gains[e] = edge.node->response(edge.input, edge.output, z, edge.at).value_or(0.0);
+        gains[e] =
+            edge.node->response(edge.input, edge.output, std::pow(z, edge.every), edge.at).value_or(0.0);
         break;
       case LinearEdge::Kind::Network: {
         auto& response = responses[index(edge.network)];
-        if (response.size() == 0) response = networks[index(edge.network)]->response(z);
+        if (response.size() == 0) response = networks[index(edge.network)]->response(std::pow(z, edge.every));
         gains[e] = response(edge.output, edge.input);
         break;
       }

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
+#include "engine/graph/crossing.h"
+#include "engine/graph/find_what_rests.h"
 #include "engine/graph/operators.h"
 
 namespace tactus {
@@ -25,8 +26,7 @@ class Builder {
     take_nodes();
     for (const auto& section : sections) add_section(section);
     add_channels();
-    find_what_can_rest();
-    find_readers();
+    find_what_rests(*schedule_);
     return std::move(schedule_);
   }
 
@@ -132,9 +132,27 @@ class Builder {
         return "sum of lanes";
       case Vertex::Kind::Pack:
         return "pack";
+      case Vertex::Kind::Crossing:
+        return vertex.every > vertex.crossing.from ? "to 1/" + std::to_string(vertex.every)
+                                                   : "from 1/" + std::to_string(vertex.crossing.from);
       default:
         return "1 operation";
     }
+  }
+
+  int pace(int every) {
+    auto& paces = schedule_->paces;
+    const auto found = std::find(paces.begin(), paces.end(), every);
+    if (found != paces.end()) return static_cast<int>(found - paces.begin());
+    paces.push_back(every);
+    return static_cast<int>(paces.size()) - 1;
+  }
+
+  void set_paces(Step& step, const Vertex& vertex) {
+    const bool crosses = vertex.kind == Vertex::Kind::Crossing;
+    step.pace = pace(crosses ? Crossing::runs_every(vertex.crossing, vertex.every) : vertex.every);
+    step.pace_in = pace(crosses ? vertex.crossing.from : vertex.every);
+    step.pace_out = pace(vertex.every);
   }
 
   int path(const std::string& text) {
@@ -179,7 +197,8 @@ class Builder {
                                             : Step::Kind::Process;
     step.node = node;
     step.width = vertex.width;
-    step.can_fail = vertex.kind != Vertex::Kind::Pack &&
+    set_paces(step, vertex);
+    step.can_fail = vertex.kind != Vertex::Kind::Pack && vertex.kind != Vertex::Kind::Crossing &&
                     (vertex.kind != Vertex::Kind::Operation || can_overflow(vertex.op));
     step.first_in = add_inputs(vertex.in);
     step.inputs = static_cast<int>(vertex.in.size());
@@ -198,8 +217,10 @@ class Builder {
 
   void add_operation(int v, const Vertex& vertex, int section_start) {
     auto& steps = schedule_->steps;
-    if (static_cast<int>(steps.size()) == section_start || steps.back().kind != Step::Kind::Operations) {
+    if (static_cast<int>(steps.size()) == section_start || steps.back().kind != Step::Kind::Operations ||
+        steps.back().pace != pace(vertex.every)) {
       Step step;
+      set_paces(step, vertex);
       step.kind = Step::Kind::Operations;
       step.first_operation = static_cast<int>(schedule_->operations.size());
       step.first_out = static_cast<int>(schedule_->outputs.size());
@@ -237,36 +258,6 @@ class Builder {
       const auto& output = graph_.outputs[static_cast<std::size_t>(vertex.index)];
       channel = {output.name, output.use, output.dimension, signal(vertex.in.front())};
     }
-  }
-
-  void find_what_can_rest() {
-    std::set<const double*> found;
-    const auto rests = [&](const Signal& signal) { return signal.constant() || found.contains(signal.data); };
-    for (auto& operation : schedule_->operations) {
-      const Signal* in = schedule_->inputs.data() + operation.first_in;
-      if (!rests(in[0]) || !rests(in[1])) continue;
-      operation.can_rest = static_cast<int>(schedule_->can_rest.size());
-      found.insert(operation.out);
-      schedule_->can_rest.emplace_back();
-    }
-  }
-
-  void find_readers() {
-    std::map<const double*, Readers*> readers;
-    for (auto& control : schedule_->controls)
-      if (control.buffer != nullptr) readers.emplace(control.buffer, &control.readers);
-    for (const auto& operation : schedule_->operations)
-      if (operation.can_rest >= 0)
-        readers.emplace(operation.out, &schedule_->can_rest[static_cast<std::size_t>(operation.can_rest)]);
-    const auto readers_of = [&](const Signal& signal) {
-      const auto found = readers.find(signal.data);
-      return found == readers.end() ? nullptr : found->second;
-    };
-    for (std::size_t slot = 0; slot < schedule_->inputs.size(); ++slot)
-      if (auto* of = readers_of(schedule_->inputs[slot])) of->slots.push_back(static_cast<int>(slot));
-    for (std::size_t channel = 0; channel < schedule_->channels.size(); ++channel)
-      if (auto* of = readers_of(schedule_->channels[channel].signal))
-        of->channels.push_back(static_cast<int>(channel));
   }
 
   const VertexGraph& graph_;

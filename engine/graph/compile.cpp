@@ -15,7 +15,7 @@
 namespace tactus {
 namespace {
 
-/// Which inputs are late, and how late at least.
+/// Which inputs are late, and how late at least, in engine frames.
 void delays_of(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes& made,
                std::vector<std::vector<bool>>& late, std::vector<int>& least) {
   late.resize(graph.vertices.size());
@@ -33,7 +33,11 @@ void delays_of(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes&
       for (int output = 0; made.nodes[v] != nullptr && output < vertex.outputs; ++output)
         shortest = std::min(shortest, made.nodes[v]->delay(static_cast<int>(i), output).least);
     }
-    least[v] = shortest == std::numeric_limits<int>::max() ? kMaxPiece : shortest;
+    // In engine frames: any stretch of d R of them holds d frames of a part at a rate of 1/R, wherever it
+    // begins.
+    least[v] = shortest == std::numeric_limits<int>::max()
+                   ? kMaxPiece
+                   : std::min(shortest, std::numeric_limits<int>::max() / vertex.every) * vertex.every;
   }
 }
 

@@ -78,7 +78,7 @@ void Instance::connect_compensation(const EntrySpec& entry, FlatNode& node) {
 
 void Instance::check_part_fields(const NodeSpec& node, const Instance& part) {
   const auto owner = "part '" + node.name + "'";
-  std::vector<std::string> known = {"use", "voices", "about"};
+  auto known = part_words(part.spec_);
   for (const auto& [name, id] : part.bindings_) known.push_back(name);
   if (!part.spec_.incomplete) check_fields(node, known, owner, mistakes_);
   for (const auto& input : part.spec_.inputs) {

@@ -9,13 +9,17 @@
 
 namespace tactus {
 
-Instance::Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices)
+Instance::Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices, int around,
+                   PartRate rate)
     : spec_(spec),
       resolving_(resolving),
       flat_(resolving.flat),
       mistakes_(resolving.mistakes),
       prefix_(std::move(prefix)),
-      voices_(voices) {
+      voices_(voices),
+      around_(around),
+      every_(around * rate.ratio),
+      rate_(rate) {
   if (spec.incomplete) scope_.tolerate("");
 }
 
@@ -27,6 +31,7 @@ int Instance::add_signal(const std::string& name, const Source& at, FlatSignal::
   added.at = at;
   added.index = index;
   added.port = port;
+  added.every = every_;
   flat_.signals.push_back(std::move(added));
   const int id = static_cast<int>(flat_.signals.size()) - 1;
   scope_.add(name, id);
@@ -72,7 +77,7 @@ void Instance::declare_control(const EntrySpec& entry) {
 
 void Instance::declare_system() {
   Term rate;
-  rate.number = resolving_.sample_rate.value;
+  rate.number = sample_rate().value;
   rate.dimension = parse_unit("Hz")->dimension;
   rate.bare = false;
   const int system_rate = add_expression("system.rate", {});
@@ -148,6 +153,7 @@ void Instance::declare_outputs(const EntrySpec& entry, std::shared_ptr<const Nod
   node.type = type;
   // A mix adds the lanes that there are, in a part with voices too.
   node.voices = type->name == "mix" ? 1 : voices_;
+  node.every = every_;
   for (std::size_t port = 0; port < type->outputs.size(); ++port) {
     const int id = add_signal(entry.name + "." + type->outputs[port].name, entry.at,
                               FlatSignal::Kind::NodeOutput, index, static_cast<int>(port));
@@ -166,10 +172,12 @@ void Instance::declare_part(const NodeSpec& node) {
   int voices = voices_;
   if (const auto* value = find(node.fields, "voices"))
     voices = read_whole_number(*value, "voices", 1, 1024, mistakes_);
-  auto instance = std::make_unique<Instance>(*part->second, resolving_, prefix_ + node.name + ".", voices);
+  const auto rate = read_part_rate(node, *part->second, sample_rate(), mistakes_);
+  auto instance =
+      std::make_unique<Instance>(*part->second, resolving_, prefix_ + node.name + ".", voices, every_, rate);
   instance->declare_as_part();
   const int first_output = static_cast<int>(flat_.signals.size());
-  declare_part_outputs(node, *part->second);
+  declare_part_outputs(node, *part->second, *instance);
   pending_parts_.push_back({&node, std::move(instance), first_output});
 }
 
@@ -182,8 +190,13 @@ bool Instance::too_large(const NodeSpec& node) {
   return true;
 }
 
-void Instance::declare_part_outputs(const NodeSpec& node, const GraphSpec& part) {
-  for (const auto& output : part.outputs) add_expression(node.name + "." + output.name, node.at);
+void Instance::declare_part_outputs(const NodeSpec& node, const GraphSpec& part, const Instance& instance) {
+  using How = SignalCrossing::How;
+  for (const auto& output : part.outputs) {
+    const int id = add_expression(node.name + "." + output.name, node.at);
+    if (instance.every_ != every_)
+      signal(id).crossing = {instance.every_, instance.rate_.line ? How::Smooth : How::Last};
+  }
   if (part.outputs.size() == 1)
     scope_.add(node.name, static_cast<int>(flat_.signals.size()) - 1);
   else
@@ -192,18 +205,25 @@ void Instance::declare_part_outputs(const NodeSpec& node, const GraphSpec& part)
   if (part.incomplete) scope_.tolerate(node.name);
 }
 
+/// What a part is given: it comes from the rate around the part into its own.
+int Instance::declare_binding(const EntrySpec& entry) {
+  using How = SignalCrossing::How;
+  const int id = add_expression(entry.name, entry.at);
+  bindings_[entry.name] = id;
+  if (every_ != around_) signal(id).crossing = {around_, rate_.mean ? How::Smooth : How::Last};
+  return id;
+}
+
 void Instance::declare_as_part() {
   for (const auto& input : spec_.inputs) {
-    const int id = add_expression(input.name, input.at);
-    bindings_[input.name] = id;
+    const int id = declare_binding(input);
     if (input.broken) continue;
     read_input(input, mistakes_);
     const auto unit = read_unit(input, mistakes_);
     if (unit && find(input.fields, "unit") != nullptr) signal(id).declared = unit->dimension;
   }
   for (const auto& control : spec_.controls) {
-    const int id = add_expression(control.name, control.at);
-    bindings_[control.name] = id;
+    const int id = declare_binding(control);
     if (control.broken) continue;
     const auto read = read_control(control, mistakes_);
     if (!read.unit_known) continue;

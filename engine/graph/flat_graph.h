@@ -40,6 +40,13 @@ struct UnitFact {
   }
 };
 
+/// How a signal comes into a part with a rate of its own, or out of it: see Crossing.
+struct SignalCrossing {
+  enum class How { Last, Smooth, Trigger };
+  int from = 1;  ///< engine frames between two samples of what it is made of
+  How how = How::Last;
+};
+
 struct FlatSignal {
   /// Missing stands for whatever a mistake of the file left out, so that it raises no second error.
   enum class Kind { Missing, Input, Control, SystemDelay, Expression, NodeOutput };
@@ -47,10 +54,12 @@ struct FlatSignal {
   Kind kind = Kind::Expression;
   std::string path;  ///< "bridge.loss.low"
   Source at;
-  int index = -1;                     ///< of the input, control or node
-  int port = 0;                       ///< of the node's output
-  Term term;                          ///< Expression
-  std::optional<Dimension> declared;  ///< what the file says the unit is
+  int index = -1;                          ///< of the input, control or node
+  int port = 0;                            ///< of the node's output
+  Term term;                               ///< Expression
+  std::optional<Dimension> declared;       ///< what the file says the unit is
+  int every = 1;                           ///< engine frames between two samples
+  std::optional<SignalCrossing> crossing;  ///< Expression at the border of a part
   // Inferred:
   UnitFact unit;
   int lanes = 1;
@@ -66,6 +75,7 @@ struct FlatNode {
   std::vector<int> outputs;                 ///< signals, declaration order
   std::vector<int> compensate;              ///< nodes whose phase delay is taken off `time`
   int voices = 1;                           ///< lanes asked for with `voices`
+  int every = 1;                            ///< engine frames between two of its own
   int lanes = 1;                            ///< inferred
   std::vector<Interval> ranges;             ///< inferred, of the inputs
 };

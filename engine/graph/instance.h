@@ -9,6 +9,7 @@
 #include "engine/graph/flat_graph.h"
 #include "engine/graph/mistakes.h"
 #include "engine/graph/node_table.h"
+#include "engine/graph/part_rate.h"
 #include "engine/graph/scope.h"
 #include "engine/graph/spec.h"
 
@@ -31,7 +32,9 @@ class Instance {
  public:
   /// `prefix` ("bridge.") stands before its names in the whole graph; `voices` is how many lanes its user
   /// wants.
-  Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices);
+  /// `around` is the pace of the file that uses it, in engine frames between two of its own.
+  Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices, int around = 1,
+           PartRate rate = {});
 
   void declare_top();
   void connect_top(const std::vector<std::string>& taps);
@@ -47,6 +50,7 @@ class Instance {
     int first_output;  ///< its signal; those of the other outputs follow
   };
 
+  Hertz sample_rate() const { return Hertz{resolving_.sample_rate.value / every_}; }
   FlatSignal& signal(int id) { return flat_.signals[static_cast<std::size_t>(id)]; }
   int add_signal(const std::string& name, const Source& at, FlatSignal::Kind kind, int index, int port = 0);
   int add_expression(const std::string& name, const Source& at);
@@ -61,8 +65,9 @@ class Instance {
   void declare_outputs(const EntrySpec& entry, std::shared_ptr<const NodeType> type, bool bare_name);
   void declare_part(const NodeSpec& node);
   bool too_large(const NodeSpec& node);
-  void declare_part_outputs(const NodeSpec& node, const GraphSpec& part);
+  void declare_part_outputs(const NodeSpec& node, const GraphSpec& part, const Instance& instance);
   void declare_as_part();
+  int declare_binding(const EntrySpec& entry);
 
   // What stands in the ports (connect.cpp).
   void connect_inside();
@@ -81,6 +86,8 @@ class Instance {
   Mistakes& mistakes_;
   std::string prefix_;
   int voices_;
+  int around_, every_;  ///< engine frames between two of its user's, and of its own
+  PartRate rate_;
   Scope scope_;
   std::map<std::string, int> nodes_by_name_;
   std::map<std::string, int> bindings_;  ///< a part's inputs and controls: their signals

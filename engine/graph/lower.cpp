@@ -19,13 +19,15 @@ class Lowering {
       wires_.emplace_back(static_cast<std::size_t>(signal.lanes));
       if (signal.kind == FlatSignal::Kind::NodeOutput) continue;
       for (int lane = 0; lane < signal.lanes; ++lane)
-        wires_[i][static_cast<std::size_t>(lane)] = make_source(signal, lane);
+        wires_[i][static_cast<std::size_t>(lane)] =
+            signal.kind == FlatSignal::Kind::SystemDelay ? system_delay(signal) : make_source(signal, lane);
     }
     make_nodes();
     // All names have their vertices now; loops can be closed.
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
       if (signal.kind != FlatSignal::Kind::Expression) continue;
+      every_ = signal.crossing ? signal.crossing->from : signal.every;
       for (int lane = 0; lane < signal.lanes; ++lane) {
         const auto wire = lower(signal.term, lane, signal.lanes, signal.path);
         graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {
@@ -73,6 +75,7 @@ class Lowering {
     Vertex vertex;
     vertex.path = lane_path(signal.path, lane, signal.lanes);
     vertex.at = signal.at;
+    vertex.every = signal.every;
     set_lane(vertex, &signal, lane, signal.lanes);
     switch (signal.kind) {
       case FlatSignal::Kind::Input:
@@ -94,7 +97,31 @@ class Lowering {
         vertex.op = Term::Op::Signal;
         break;
     }
+    if (signal.crossing) make_crossing(vertex, signal);
     return add(std::move(vertex));
+  }
+
+  /// One for all files: whoever plays tells it once.
+  Wire system_delay(const FlatSignal& signal) {
+    if (system_delay_.vertex < 0) system_delay_ = make_source(signal, 0);
+    return system_delay_;
+  }
+
+  void make_crossing(Vertex& vertex, const FlatSignal& signal) const {
+    vertex.kind = Vertex::Kind::Crossing;
+    vertex.crossing = *signal.crossing;
+    vertex.origin = {};
+    if (is_trigger(signal.term, 0)) vertex.crossing.how = SignalCrossing::How::Trigger;
+  }
+
+  /// A name for what a node fires, through as many files as there may be.
+  bool is_trigger(const Term& term, int depth) const {
+    if (term.op != Term::Op::Signal || depth > 64) return false;
+    const auto& signal = flat_.signals[static_cast<std::size_t>(term.signal)];
+    if (signal.kind == FlatSignal::Kind::Expression) return is_trigger(signal.term, depth + 1);
+    if (signal.kind != FlatSignal::Kind::NodeOutput) return false;
+    const auto& type = *flat_.nodes[static_cast<std::size_t>(signal.index)].type;
+    return type.outputs[static_cast<std::size_t>(signal.port)].kind == OutputKind::Trigger;
   }
 
   void make_nodes() {
@@ -115,6 +142,7 @@ class Lowering {
         vertex.outputs = static_cast<int>(node.outputs.size());
         vertex.path = lane_path(node.path, lane, node.lanes);
         vertex.at = node.at;
+        vertex.every = node.every;
         const auto wire = add(std::move(vertex));
         for (std::size_t port = 0; port < node.outputs.size(); ++port)
           wires_[static_cast<std::size_t>(node.outputs[port])][static_cast<std::size_t>(lane)] = {
@@ -126,6 +154,7 @@ class Lowering {
   void connect_nodes() {
     for (std::size_t n = 0; n < flat_.nodes.size(); ++n) {
       const auto& node = flat_.nodes[n];
+      every_ = node.every;
       if (node.type->name == "mix") {
         connect_mix(node);
         continue;
@@ -153,6 +182,7 @@ class Lowering {
       vertex.index = first_vertex_[static_cast<std::size_t>(other_index)] + std::min(lane, other.lanes - 1);
       vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
       vertex.at = node.at;
+      vertex.every = node.every;
       // What is left after the compensations before this one, then the uncompensated time, then the
       // parameters.
       vertex.in = {in[time], lower(*node.inputs[time], lane, node.lanes, node.path)};
@@ -169,6 +199,7 @@ class Lowering {
     sum.kind = Vertex::Kind::Sum;
     sum.path = node.path;
     sum.at = node.at;
+    sum.every = node.every;
     for (int lane = 0; lane < node.lanes; ++lane)
       sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
     const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
@@ -206,6 +237,7 @@ class Lowering {
     vertex.op = term.op;
     vertex.path = path;
     vertex.at = term.at;
+    vertex.every = every_;
     set_lane(vertex, &term, lane, lanes);
     for (const auto& argument : term.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
     return add(std::move(vertex));
@@ -226,6 +258,7 @@ class Lowering {
   }
 
   void make_outputs() {
+    every_ = 1;
     for (const auto& output : flat_.outputs) {
       for (int lane = 0; lane < output.lanes; ++lane) {
         Vertex vertex;
@@ -243,7 +276,9 @@ class Lowering {
 
   const FlatGraph& flat_;
   VertexGraph graph_;
-  std::vector<std::vector<Wire>> wires_;                ///< [signal][lane]
+  int every_ = 1;                         ///< of the expression that is being lowered
+  std::vector<std::vector<Wire>> wires_;  ///< [signal][lane]
+  Wire system_delay_;
   std::vector<int> first_channel_;                      ///< [input]
   std::vector<int> first_vertex_;                       ///< [node]
   std::map<const Term*, Wire> shared_;                  ///< what all lanes have in common

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 
+#include "engine/graph/crossing.h"
 #include "engine/graph/fingerprint.h"
 #include "engine/graph/lane_sum.h"
 #include "engine/graph/operators.h"
@@ -34,12 +35,13 @@ class Maker {
     }
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       const auto& vertex = graph_.vertices[v];
+      if (vertex.alive && vertex.kind == Vertex::Kind::Crossing) make_crossing(v, vertex);
       if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
       const auto other = static_cast<std::size_t>(vertex.index);
       made_.fingerprints[v] = made_.fingerprints[other];
       if (made_.nodes[other] != nullptr)
         made_.nodes[v] = std::make_shared<PhaseDelay>(
-            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, options_.sample_rate);
+            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, rate_of(vertex.every));
       else if (made_.mistakes.empty())
         complain_phase(vertex);
     }
@@ -51,6 +53,17 @@ class Maker {
     return flat_.nodes[static_cast<std::size_t>(vertex.index)];
   }
   const Vertex& at(Wire wire) const { return graph_.vertices[static_cast<std::size_t>(wire.vertex)]; }
+
+  Hertz rate_of(int every) const { return Hertz{options_.sample_rate.value / every}; }
+
+  void make_crossing(std::size_t v, const Vertex& vertex) {
+    const auto& how = vertex.crossing;
+    made_.nodes[v] = std::make_shared<Crossing>(how, vertex.every, rate_of(std::min(how.from, vertex.every)));
+    Fingerprint print;
+    for (const int number : {how.from, vertex.every, static_cast<int>(how.how)})
+      print.add(static_cast<std::uint64_t>(number));
+    made_.fingerprints[v] = print.value();
+  }
 
   void make(std::size_t v, const Vertex& vertex) {
     const auto& node = flat_node(vertex);
@@ -88,7 +101,7 @@ class Maker {
       for (const auto& wire : vertex.in)
         if (at(wire).kind == Vertex::Kind::Constant) in.push_back(at(wire).value);
       if (other == nullptr || in.size() != vertex.in.size()) continue;
-      const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()}, options_.sample_rate);
+      const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()}, rate_of(vertex.every));
       if (!taken) continue;
       vertex.kind = Vertex::Kind::Constant;
       vertex.value = in[0] - *taken;
@@ -100,7 +113,7 @@ class Maker {
   std::optional<NodeSetup> setup_of(const FlatNode& node, const Vertex& vertex) {
     NodeSetup setup;
     bool right = true;
-    setup.sample_rate = options_.sample_rate;
+    setup.sample_rate = rate_of(node.every);
     setup.type = node.type.get();
     setup.settings = node.settings;
     setup.lane = vertex.lane;
@@ -134,6 +147,7 @@ class Maker {
       return flat_.controls[static_cast<std::size_t>(vertex.index)].value;
     }
     if (vertex.kind == Vertex::Kind::Sum) return starting_sum(vertex, depth);
+    if (vertex.kind == Vertex::Kind::Crossing) return starting_value(vertex.in[0], depth + 1);
     if (vertex.kind != Vertex::Kind::Operation || depth > 1000) return std::nullopt;
     const auto a = starting_value(vertex.in[0], depth + 1);
     const auto b = vertex.in.size() > 1 ? starting_value(vertex.in[1], depth + 1) : std::optional{0.0};
@@ -157,7 +171,7 @@ class Maker {
     auto tuned = node.ranges[time];
     if (!tuned.bounded()) return true;  // the node itself asks for bounds
     // No period is shorter than two frames.
-    const double shortest = 2 / options_.sample_rate.value;
+    const double shortest = 2 / rate_of(node.every).value;
     tuned = {std::max(tuned.low, shortest), std::max(tuned.high, shortest)};
     Wire wire = vertex.in[time];
     Interval left{0, 0};
@@ -165,7 +179,7 @@ class Maker {
       const auto other = static_cast<std::size_t>(at(wire).index);
       if (made_.nodes[other] == nullptr) return false;
       const auto taken = PhaseDelay::range(made_.nodes[other], tuned,
-                                           flat_node(graph_.vertices[other]).ranges, options_.sample_rate);
+                                           flat_node(graph_.vertices[other]).ranges, rate_of(node.every));
       if (!taken) return complain_phase(at(wire)), false;
       left = {left.low - taken->high, left.high - taken->low};
     }

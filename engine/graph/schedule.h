@@ -55,7 +55,10 @@ struct Step {
   int first_in = 0, inputs = 0;    ///< in Schedule::inputs
   int first_out = 0, outputs = 0;  ///< in Schedule::outputs
   int first_operation = 0, operations = 0;
-  int width = 1;         ///< numbers a frame of every output
+  int width = 1;  ///< numbers a frame of every output
+  /// Of the frames that it runs in, and of what it reads and gives (which differ at the border of a part with
+  /// a rate of its own): in Schedule::paces.
+  int pace = 0, pace_in = 0, pace_out = 0;
   bool can_fail = true;  ///< may give what is not finite although all that it reads is
   int path = 0;          ///< in Schedule::paths
 };
@@ -100,6 +103,7 @@ struct Schedule {
   std::vector<std::string> whats;                      ///< of `nodes`: "low_pass", "phase delay", "pack"
   std::vector<Step> steps;
   std::vector<Section> sections;
+  std::vector<int> paces = {1};  ///< engine frames between two of a part's own; the first is the engine's
   std::vector<Signal> inputs;
   std::vector<double*> outputs;
   std::vector<MicroOperation> operations;

@@ -85,7 +85,15 @@ class Simplifier {
     if (at(v).kind == Vertex::Kind::Operation && !is_copy(at(v))) return fold_operation(v);
     if (at(v).kind == Vertex::Kind::Node) return fold_node(v);
     if (at(v).kind == Vertex::Kind::Sum) return fold_sum(v);
+    if (at(v).kind == Vertex::Kind::Crossing) return fold_crossing(v);
     return false;
+  }
+
+  /// What never changes is the same at every rate.
+  bool fold_crossing(int v) {
+    const auto value = constant(at(v).in.front());
+    if (value) make_constant(v, *value);
+    return value.has_value();
   }
 
   bool fold_sum(int v) {
@@ -144,7 +152,7 @@ class Simplifier {
     const auto& node = flat_.nodes[static_cast<std::size_t>(at(v).index)];
     if (!node.type->stateless) return false;
     NodeSetup setup;
-    setup.sample_rate = sample_rate_;
+    setup.sample_rate = Hertz{sample_rate_.value / node.every};
     setup.type = node.type.get();
     setup.settings = node.settings;
     std::vector<double> values;
@@ -221,7 +229,8 @@ class Simplifier {
     for (std::size_t v = 0; v < written; ++v) {
       const auto& vertex = graph_.vertices[v];
       named_[v] = vertex.kind == Vertex::Kind::Node || vertex.kind == Vertex::Kind::Control ||
-                  vertex.kind == Vertex::Kind::Input || (is_copy(vertex) && vertex.path != "system.rate");
+                  vertex.kind == Vertex::Kind::Input || vertex.kind == Vertex::Kind::Crossing ||
+                  (is_copy(vertex) && vertex.path != "system.rate");
     }
   }
 

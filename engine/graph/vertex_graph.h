@@ -36,8 +36,9 @@ struct Vertex {
     Operation,
     Node,
     PhaseDelay,
-    Sum,   ///< all lanes of a signal; where nothing is wide, `widen` makes additions of it
-    Pack,  ///< kWide signals put side by side
+    Sum,       ///< all lanes of a signal; where nothing is wide, `widen` makes additions of it
+    Pack,      ///< kWide signals put side by side
+    Crossing,  ///< into a part with a rate of its own, or out of it
     Output
   };
 
@@ -49,7 +50,9 @@ struct Vertex {
   int lane = 0;                    ///< the first one of a wide vertex
   int lanes = 1;                   ///< of its origin
   Origin origin;
-  int width = 1;  ///< 1 or kWide
+  int width = 1;            ///< 1 or kWide
+  int every = 1;            ///< engine frames between two of its samples
+  SignalCrossing crossing;  ///< Crossing
   std::vector<Wire> in;
   int outputs = 1;
   std::string path;

@@ -87,19 +87,19 @@ class Widening {
   void connect(const Group& group) {
     std::vector<Wire> in;
     for (std::size_t i = 0; i < at(group.first).in.size(); ++i)
-      in.push_back(wide_input(groups_.input(group, i), at(group.vertex).path));
+      in.push_back(wide_input(groups_.input(group, i), at(group.vertex)));
     // Every operation has two operands to point at.
     if (at(group.vertex).kind == Vertex::Kind::Operation && in.size() == 1) in.push_back(in[0]);
     at(group.vertex).in = std::move(in);
   }
 
-  Wire wide_input(const Row& row, const std::string& path) {
+  Wire wide_input(const Row& row, const Vertex& reader) {
     if (const int g = groups_.lined_up(row); g != kNone) return all_lanes(g, row);
     if (all_of(row, [&](const Wire& wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; }))
       return constants(row);
     if (all_of(row, [&](const Wire& wire) { return wire == first_of(row); }))
-      return scalar(first_of(row), path);
-    return packed(row, path);
+      return scalar(first_of(row), reader.path);
+    return packed(row, reader.path, reader.every);
   }
 
   Wire all_lanes(int group, const Row& row) const {
@@ -114,15 +114,17 @@ class Widening {
     return {add(std::move(vertex)), 0, Wire::kAllLanes};
   }
 
-  Wire packed(const Row& row, const std::string& path) {
+  Wire packed(const Row& row, std::string path, int every) {
     Row wires;
     for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == kNone ? first_of(row) : wire));
     wires.resize(kWide, wires[0]);
     Vertex vertex;
     vertex.kind = Vertex::Kind::Pack;
     vertex.width = kWide;
-    vertex.path = path;
-    const auto key = wires_of(wires);
+    vertex.every = every;
+    vertex.path = std::move(path);
+    auto key = wires_of(wires);
+    key.push_back(every);
     if (const auto known = packs_.find(key); known != packs_.end()) return known->second;
     vertex.in = std::move(wires);
     return packs_[key] = {add(std::move(vertex), std::make_unique<Pack>()), 0, Wire::kAllLanes};
@@ -146,7 +148,7 @@ class Widening {
   }
 
   /// Its samples in a row.
-  Wire scalar(const Wire& wire, const std::string& path) {
+  Wire scalar(const Wire& wire, std::string path) {
     if (groups_.group_of(wire) == kNone) return wire;
     const auto lane = lane_of(wire);
     const auto [known, fresh] = rows_.try_emplace(wires_of({lane}));
@@ -154,7 +156,8 @@ class Widening {
     Vertex row;
     row.kind = Vertex::Kind::Operation;
     row.op = Term::Op::Signal;
-    row.path = path;
+    row.every = at(wire.vertex).every;
+    row.path = std::move(path);
     row.in = {lane};
     return known->second = {add(std::move(row)), 0};
   }
@@ -182,7 +185,7 @@ class Widening {
     Row in;
     for (const auto& row : rows) {
       const int g = groups_.lined_up(row);
-      in.push_back(g == kNone ? packed(row, at(v).path) : all_lanes(g, row));
+      in.push_back(g == kNone ? packed(row, at(v).path, at(v).every) : all_lanes(g, row));
     }
     at(v).in = std::move(in);
     nodes_.push_back({v, std::make_unique<LaneSum>(static_cast<int>(lanes.size())), lanes.size()});

@@ -81,18 +81,19 @@ class Describer {
     if (step.kind == Step::Kind::Operations) {
       for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
         const auto& operation = schedule_.operations[static_cast<std::size_t>(i)];
-        add(operation_names_.at(i), -1, static_cast<std::uint64_t>(operation.op), operation.first_in, 2);
+        add({operation_names_.at(i), -1, static_cast<std::uint64_t>(operation.op), step.pace_in, {}},
+            operation.first_in, 2);
       }
       return;
     }
     const auto node = static_cast<std::size_t>(step.node);
     if (done_[node]) return;  // the other half of it
     done_[node] = true;
-    add(node_names_.at(step.node), step.node, schedule_.fingerprints[node], step.first_in, step.inputs);
+    add({node_names_.at(step.node), step.node, schedule_.fingerprints[node], step.pace_in, {}}, step.first_in,
+        step.inputs);
   }
 
-  void add(const std::string& name, int node, std::uint64_t made_from, int first_in, int inputs) {
-    Anatomy::Part part{name, node, made_from, {}};
+  void add(Anatomy::Part part, int first_in, int inputs) {
     for (int i = first_in; i < first_in + inputs; ++i)
       part.operands.push_back(operand(schedule_.inputs[static_cast<std::size_t>(i)], i));
     found_.parts.push_back(std::move(part));

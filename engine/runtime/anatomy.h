@@ -22,6 +22,7 @@ struct Anatomy {
     std::string name;
     int node = -1;
     std::uint64_t made_from = 0;  ///< fingerprint of a node, operator of an operation
+    int pace = 0;                 ///< of its operands, in Schedule::paces
     std::vector<Operand> operands;
   };
 

@@ -104,45 +104,6 @@ void Engine::run_piece(const BlockIo& io, int offset, int frames) noexcept {
   }
 }
 
-// ---- journal and controls
-// ------------------------------------------------------------------------------------
-
-int Engine::frames_to_next_entry(int frames) noexcept {
-  std::int64_t piece = frames;
-  if (Running* next = incoming_.load(std::memory_order_acquire); next != nullptr) {
-    if (next->frame <= now_)
-      take_over(*next);
-    else
-      piece = std::min(piece, next->frame - now_);
-  }
-  while (next_entry_ < journal_.size() && journal_[next_entry_].frame <= now_) apply(journal_[next_entry_++]);
-  if (next_entry_ < journal_.size()) piece = std::min(piece, journal_[next_entry_].frame - now_);
-  const JournalEntry* posted = inbox_.front();
-  while (posted != nullptr && posted->frame <= now_) {
-    apply(*posted);
-    inbox_.drop_front();
-    posted = inbox_.front();
-  }
-  if (posted != nullptr) piece = std::min(piece, posted->frame - now_);
-  return static_cast<int>(piece);
-}
-
-void Engine::tell(const JournalEntry& entry) noexcept {
-  if (tap_ != nullptr) tap_->applied({now_, entry.kind, entry.index, entry.value});
-}
-
-void Engine::apply(const JournalEntry& entry) noexcept {
-  tell(entry);
-  // Where it is no longer known, the last one that was is the best guess.
-  if (entry.kind == JournalEntry::Kind::SystemDelay && schedule_->system_delay != nullptr && entry.value >= 0)
-    std::fill_n(schedule_->system_delay, kWide, entry.value / schedule_->sample_rate.value);
-  if (entry.kind != JournalEntry::Kind::ControlChange) return;
-  if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
-  const int index = running_->control_of[static_cast<std::size_t>(entry.index)];
-  if (index < 0 || !std::isfinite(entry.value)) return;
-  running_->move_control(static_cast<std::size_t>(index), now_, entry.value);
-}
-
 // ---- steps
 // ---------------------------------------------------------------------------------------------------
 
@@ -254,10 +215,22 @@ bool Engine::run_at_rest(const MicroOperation& operation, const Signal* operands
 
 /// In a loop, what the step gave is made finite from the bad frame on, for the steps that follow.
 Engine::Fault Engine::run_step(const Step& step, bool loop, int offset, int frames) noexcept {
-  if (step.kind == Step::Kind::Operations) return run_operations(step, loop, offset, frames);
-  NodeBlock block{schedule_->inputs.data() + step.first_in, schedule_->outputs.data() + step.first_out,
-                  frames, now_ + offset};
-  if (offset > 0) move_operands(step, offset, block);
+  Fault fault;
+  if (paced(step)) {
+    fault = run_paced(step, loop, offset, frames);
+  } else if (step.kind == Step::Kind::Operations) {
+    return run_operations(step, loop, offset, frames);
+  } else {
+    NodeBlock block{schedule_->inputs.data() + step.first_in, schedule_->outputs.data() + step.first_out,
+                    frames, now_ + offset};
+    if (offset > 0) move_operands(step, offset, block);
+    fault = run_node(step, block);
+  }
+  if (loop && fault.path != kSound) silence(step, offset + fault.frame, frames - fault.frame);
+  return fault;
+}
+
+Engine::Fault Engine::run_node(const Step& step, const NodeBlock& block) noexcept {
   Node& node = *schedule_->nodes[static_cast<std::size_t>(step.node)];
   if (step.kind == Step::Kind::Absorb) {
     node.absorb(block);
@@ -269,11 +242,8 @@ Engine::Fault Engine::run_step(const Step& step, bool loop, int offset, int fram
     node.process(block);
   if (!step.can_fail) return {};
   for (int i = 0; i < step.outputs; ++i)
-    if (block.out[i] != nullptr && !all_finite(block.out[i], frames * step.width)) {
-      const Fault fault = fault_of(step, block);
-      if (loop) silence(step, offset + fault.frame, frames - fault.frame);
-      return fault;
-    }
+    if (block.out[i] != nullptr && !all_finite(block.out[i], block.frames * step.width))
+      return fault_of(step, block);
   return {};
 }
 
@@ -307,6 +277,10 @@ void Engine::reset(const Step& step) noexcept {
 }
 
 void Engine::silence(const Step& step, int offset, int frames) noexcept {
+  if (const Pace* const at = pace(step.pace_out)) {
+    frames = at->count(offset + frames) - at->count(offset);
+    offset = at->count(offset);
+  }
   for (int i = step.first_out; i < step.first_out + step.outputs; ++i)
     if (double* out = schedule_->outputs[static_cast<std::size_t>(i)])
       std::fill_n(out + offset * step.width, frames * step.width, 0.0);

@@ -102,7 +102,16 @@ class Engine final : public BlockProcessor {
   template <bool kTimed>
   void run_loop(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept;
   Fault run_step(const Step& step, bool loop, int offset, int frames) noexcept;
+  Fault run_node(const Step& step, const NodeBlock& block) noexcept;
   [[gnu::noinline]] void move_operands(const Step& step, int offset, NodeBlock& block) noexcept;
+  // Steps of a part with a rate of its own, and at its border.
+  [[gnu::noinline]] Fault run_paced(const Step& step, bool loop, int offset, int frames) noexcept;
+  void move_paced(const Step& step, int offset, NodeBlock& block) noexcept;
+  /// nullptr: that of the engine itself.
+  const Pace* pace(int of) const noexcept {
+    return of == 0 ? nullptr : &running_->paces[static_cast<std::size_t>(of)];
+  }
+  static bool paced(const Step& step) noexcept { return (step.pace | step.pace_in | step.pace_out) != 0; }
   static Fault fault_of(const Step& step, const NodeBlock& block) noexcept;
   Fault run_operations(const Step& step, bool loop, int offset, int frames) noexcept;
   bool run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept;

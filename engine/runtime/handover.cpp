@@ -113,24 +113,25 @@ class Planner {
     if (now.node >= 0) new_.handover.nodes.push_back({then.node, now.node});
     changed_[p] = false;
     for (std::size_t i = 0; i < now.operands.size(); ++i)
-      if (!same(then.operands[i], now.operands[i])) changed_[p] = true;
+      if (!same(then.operands[i], now.operands[i], now.pace)) changed_[p] = true;
   }
 
   /// Constants are the same in this sense even if their values differ: then one moves to the other.
-  bool same(const Operand& then, const Operand& now) {
+  bool same(const Operand& then, const Operand& now, int pace) {
     const auto ramp = ramp_at_.find(then.slot);
     const bool moves = ramp != ramp_at_.end();
     const auto before =
         moves ? old_.ramps[static_cast<std::size_t>(ramp->second)].mover.value.to : then.constant;
     if (before.has_value() != now.constant.has_value()) return false;
     if (!before) return then.source == now.source;
-    if (moves || *before != *now.constant) add_ramp(now, *before, moves ? ramp->second : -1);
+    if (moves || *before != *now.constant) add_ramp(now, pace, *before, moves ? ramp->second : -1);
     return true;
   }
 
-  void add_ramp(const Operand& now, double before, int ramp_before) {
+  void add_ramp(const Operand& now, int pace, double before, int ramp_before) {
     auto& ramp = new_.ramps.emplace_back();
     ramp.before = ramp_before;
+    ramp.pace = pace;
     ramp.samples.assign(kMaxPiece, 0.0);
     ramp.mover.readers.slots = {now.slot};
     ramp.mover.value = {before, *now.constant, 0, 0};

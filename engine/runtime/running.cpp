@@ -30,6 +30,7 @@ Running::Running(std::unique_ptr<Schedule> made, int max_frames)
     control_names.push_back(scheduled.control.name);
     controls.push_back(std::move(mover));
   }
+  for (const int every : schedule->paces) paces.push_back({every, 0, 0, {}});
   start(max_frames);
 }
 
@@ -124,17 +125,23 @@ void Running::set_strides(const Readers& readers, int stride) noexcept {
 }
 
 void Running::advance(std::int64_t now, int frames) noexcept {
+  for (std::size_t p = 1; p < paces.size(); ++p) paces[p].begin(now, frames);
   if (moving_ == 0) return;
   for (auto& control : controls)
-    if (!control.resting) advance(control, now, frames);
-  for (auto& ramp : ramps)
-    if (!ramp.mover.resting) advance(ramp.mover, now, frames);
+    if (!control.resting) advance(control, nullptr, now, frames);
+  for (auto& ramp : ramps) {
+    const auto* pace = ramp.pace == 0 ? nullptr : &paces[static_cast<std::size_t>(ramp.pace)];
+    if (!ramp.mover.resting) advance(ramp.mover, pace, now, frames);
+  }
 }
 
-void Running::advance(Mover& mover, std::int64_t now, int frames) noexcept {
+/// `pace`: of its reader; nullptr for that of the engine.
+void Running::advance(Mover& mover, const Pace* pace, std::int64_t now, int frames) noexcept {
   if (mover.value.done(now)) return rest(mover, true);
   if (mover.buffer == nullptr) return;
-  for (int n = 0; n < frames; ++n) mover.buffer[n] = mover.value.at(now + n, mover.decibel);
+  const int samples = pace == nullptr ? frames : pace->count(frames);
+  for (int i = 0; i < samples; ++i)
+    mover.buffer[i] = mover.value.at(now + (pace == nullptr ? i : pace->place(i)), mover.decibel);
 }
 
 }  // namespace tactus

@@ -7,6 +7,7 @@
 
 #include "engine/graph/schedule.h"
 #include "engine/runtime/moving_value.h"
+#include "engine/runtime/pace.h"
 
 namespace tactus {
 
@@ -15,6 +16,7 @@ namespace tactus {
 struct ConstantRamp {
   Mover mover;
   int before = -1;  ///< the ramp of the schedule before, if it has one for this place; its value then counts
+  int pace = 0;     ///< of who reads it
   std::vector<double> samples;
 };
 
@@ -48,7 +50,7 @@ struct Running {
   void take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
   /// [realtime] From here on the signal is one number, or a sample a frame.
   void rest(int can_rest, bool resting) noexcept;
-  /// [realtime] Moves on by `frames` from `now`.
+  /// [realtime] Moves on by `frames` from `now`. Once for each piece, before its steps.
   void advance(std::int64_t now, int frames) noexcept;
 
   std::unique_ptr<Schedule> schedule;
@@ -65,6 +67,7 @@ struct Running {
   std::vector<std::atomic<std::int64_t>> faults;  ///< by path
   std::vector<double> step_ns;
   std::vector<char> at_rest;  ///< as Schedule::can_rest
+  std::vector<Pace> paces;    ///< as Schedule::paces; the first stays unused
   /// [step, of a loop its first] the frame where the silence after a fault ends.
   std::vector<std::int64_t> silent_until;
 
@@ -75,7 +78,7 @@ struct Running {
   bool begins_lanes(std::size_t output) const;
   void rest(Mover& mover, bool resting) noexcept;
   void set_strides(const Readers& readers, int stride) noexcept;
-  void advance(Mover& mover, std::int64_t now, int frames) noexcept;
+  void advance(Mover& mover, const Pace* pace, std::int64_t now, int frames) noexcept;
 
   int moving_ = 0;  ///< controls and ramps that do not rest: a file may have thousands that nobody moves
 };

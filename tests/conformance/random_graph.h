@@ -131,8 +131,14 @@ class RandomGraph {
   void add_part() {
     text_ += "part = { use = \"part.toml\", x0 = \"" + signal() + "\", x1 = \"" + signal() + "\"";
     if (pick(2) == 0) text_ += ", c0 = \"" + limited(signal()) + "\"";
+    if (pick(2) == 0) text_ += rate_of_its_own();
     text_ += pick(3) == 0 ? ", voices = " + std::to_string(lanes_) + " }\n" : " }\n";
     signals_.push_back("part");
+  }
+
+  std::string rate_of_its_own() {
+    return ", rate = \"1/" + std::to_string(2 + pick(90)) + "\", take = \"" +
+           (pick(2) == 0 ? "last" : "mean") + "\", between = \"" + (pick(2) == 0 ? "hold" : "line") + "\"";
   }
 
   /// A chain of masses from the floor up, with one of each kind of element that takes a signal now and then.
