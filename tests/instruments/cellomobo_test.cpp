@@ -20,8 +20,7 @@ struct Played {
   SceneRecording recording;
 };
 
-Played play(const std::string& file, const SceneOptions& options = {},
-            std::optional<Seconds> duration = {}) {
+Played play(const std::string& file, const SceneOptions& options = {}, std::optional<Seconds> duration = {}) {
   auto scene = load_scene(kInstruments / file, kInstruments);
   if (!scene) throw std::runtime_error(to_string(scene.error()));
   scene->duration = duration.value_or(scene->duration);
