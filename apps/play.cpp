@@ -6,7 +6,9 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/live/live_options.h"
+#include "apps/play_notes.h"
 #include "apps/play_report.h"
+#include "engine/analysis/pitch_track.h"
 #include "engine/analysis/story.h"
 #include "engine/scene/measure.h"
 
@@ -66,6 +68,7 @@ Json report_of(const PlayedScene& played, const PlayedScene* compared) {
                           {"last_hit_s", other.last_s}};
     }
   }
+  report_notes(json, played, compared);
   json["faults"] = Json::array();
   for (const auto& fault : recording.faults)
     json["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
@@ -105,6 +108,7 @@ void print(const Json& json, const PlayedScene& played) {
       json["duration_s"].get<double>(), json["sample_rate_hz"].get<double>(), json["delay_ms"].get<double>(),
       json["run_s"].get<double>(), json["real_time_factor"].get<double>());
   if (json.contains("strikes")) print_roll(json);
+  print_notes(json);
   print_guard(played.recording.guard, played.recording.sample_rate);
   print_ports(played.recording.ports);
   fmt::print("  faults              {}\n",
@@ -130,7 +134,9 @@ std::string base_of(const PlayOptions& options, const PlayedScene& played) {
 }
 
 Result<std::pair<double, double>> shown_times(const PlayOptions& options, const SceneRecording& recording) {
-  if (options.show.empty()) return std::pair{0.0, std::min(1.0, recording.seconds())};
+  // A melody as a whole; of what is quick, the first second.
+  const double shown = melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds());
+  if (options.show.empty()) return std::pair{0.0, shown};
   const auto from = parse_option(options.show[0], "s", "show");
   const auto to = parse_option(options.show[1], "s", "show");
   if (!from) return tl::unexpected(from.error());

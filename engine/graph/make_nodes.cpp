@@ -41,7 +41,7 @@ class Maker {
       made_.fingerprints[v] = made_.fingerprints[other];
       if (made_.nodes[other] != nullptr)
         made_.nodes[v] = std::make_shared<PhaseDelay>(
-            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, rate_of(vertex.every));
+            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, rate_of(vertex.every), vertex.value);
       else if (made_.mistakes.empty())
         complain_phase(vertex);
     }
@@ -104,7 +104,7 @@ class Maker {
       const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()}, rate_of(vertex.every));
       if (!taken) continue;
       vertex.kind = Vertex::Kind::Constant;
-      vertex.value = in[0] - *taken;
+      vertex.value = in[0] + vertex.value * *taken;
       vertex.in.clear();
     }
   }
@@ -167,8 +167,9 @@ class Maker {
 
   /// False if a node that is compensated for could not be made: nothing is known of its delay.
   bool shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
-    const auto time = static_cast<std::size_t>(node.type->input_index("time"));
-    auto tuned = node.ranges[time];
+    const auto where = compensation_of(*node.type);
+    const auto time = static_cast<std::size_t>(where.port);
+    auto tuned = node.ranges[static_cast<std::size_t>(where.period)];
     if (!tuned.bounded()) return true;  // the node itself asks for bounds
     // No period is shorter than two frames.
     const double shortest = 2 / rate_of(node.every).value;
@@ -181,7 +182,7 @@ class Maker {
       const auto taken = PhaseDelay::range(made_.nodes[other], tuned,
                                            flat_node(graph_.vertices[other]).ranges, rate_of(node.every));
       if (!taken) return complain_phase(at(wire)), false;
-      left = {left.low - taken->high, left.high - taken->low};
+      left = left + (where.sign < 0 ? Interval{-taken->high, -taken->low} : *taken);
     }
     left = left +
            (at(wire).kind == Vertex::Kind::Constant ? Interval::exactly(at(wire).value) : node.ranges[time]);
