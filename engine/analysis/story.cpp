@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "engine/analysis/pitch_track.h"
 #include "engine/scene/events.h"
 
 namespace tactus {
@@ -20,6 +21,7 @@ class Story {
     figure.title = scene_.name;
     figure.subtitle = scene_.about;
     figure.x = {.label = "time", .unit = "s", .low = from_, .high = to_};
+    add_pitch(figure);
     add_motions(figure);
     for (const auto& input : recording_.inputs) add_heard(figure, input);
     add_given(figure);
@@ -40,11 +42,34 @@ class Story {
 
   static std::string short_name(const std::string& name) { return name.substr(name.rfind('.') + 1); }
 
+  /// What was to be played and what was heard.
+  void add_pitch(Figure& figure) const {
+    const auto melody = melody_of(recording_);
+    if (!melody) return;
+    PlotPanel panel;
+    panel.y = {.label = "pitch", .unit = "Hz", .log = true};
+    panel.height = 1.6;
+    panel.series.push_back(trace("wanted", *melody->wanted));
+    PlotSeries heard{.label = "heard", .mark = PlotMark::Points, .color = PlotColor::Vermillion};
+    for (const auto& point : melody->heard) {
+      if (point.time_s < from_ || point.time_s > to_) continue;
+      heard.x.push_back(point.time_s);
+      heard.y.push_back(point.hertz);
+    }
+    panel.series.push_back(std::move(heard));
+    figure.panels.push_back(std::move(panel));
+  }
+
+  static bool is_pitch(const RecordedSignal& signal) {
+    static const auto kHertz = parse_unit("Hz")->dimension;
+    return signal.dimension == kHertz;
+  }
+
   /// The plant's outputs, those of one unit together.
   void add_motions(Figure& figure) const {
     std::vector<std::pair<std::string, PlotPanel>> panels;
     for (const auto& signal : recording_.signals) {
-      if (signal.name.starts_with("instrument.") || signal.dimension.plain()) continue;
+      if (signal.name.starts_with("instrument.") || signal.dimension.plain() || is_pitch(signal)) continue;
       const auto unit = to_string(signal.dimension);
       auto panel = std::find_if(panels.begin(), panels.end(), [&](const auto& p) { return p.first == unit; });
       if (panel == panels.end()) {

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "engine/graph/facts.h"
+#include "engine/graph/phase_delay.h"
 #include "engine/graph/vertex_graph.h"
 
 namespace tactus {
@@ -142,20 +143,21 @@ class Lowering {
     }
   }
 
-  /// `time` less the phase delay, at the frequency 1/time, of other nodes: a vertex of its own that reads all
-  /// their inputs, since those decide what the delay is.
+  /// A time less the phase delays of other nodes, or with them: a vertex for each, that reads all inputs of
+  /// that node, since those decide what the delay is.
   void compensate(const FlatNode& node, int lane, std::vector<Wire>& in) {
-    const auto time = static_cast<std::size_t>(node.type->input_index("time"));
+    const auto where = compensation_of(*node.type);
+    const auto time = static_cast<std::size_t>(where.port), period = static_cast<std::size_t>(where.period);
     for (const int other_index : node.compensate) {
       const auto& other = flat_.nodes[static_cast<std::size_t>(other_index)];
       Vertex vertex;
       vertex.kind = Vertex::Kind::PhaseDelay;
       vertex.index = first_vertex_[static_cast<std::size_t>(other_index)] + std::min(lane, other.lanes - 1);
+      vertex.value = where.sign;
       vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
       vertex.at = node.at;
-      // What is left after the compensations before this one, then the uncompensated time, then the
-      // parameters.
-      vertex.in = {in[time], lower(*node.inputs[time], lane, node.lanes, node.path)};
+      // What the compensations before this one left, then the period, then the parameters.
+      vertex.in = {in[time], lower(*node.inputs[period], lane, node.lanes, node.path)};
       for (std::size_t i = 0; i < other.inputs.size(); ++i)
         vertex.in.push_back(other.type->inputs[i].late || i == 0 || !other.inputs[i]
                                 ? constant(other.type->inputs[i].fallback.value_or(0))

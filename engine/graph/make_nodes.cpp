@@ -39,7 +39,7 @@ class Maker {
       made_.fingerprints[v] = made_.fingerprints[other];
       if (made_.nodes[other] != nullptr)
         made_.nodes[v] = std::make_shared<PhaseDelay>(
-            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, options_.sample_rate);
+            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, options_.sample_rate, vertex.value);
       else if (made_.mistakes.empty())
         complain_phase(vertex);
     }
@@ -91,7 +91,7 @@ class Maker {
       const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()}, options_.sample_rate);
       if (!taken) continue;
       vertex.kind = Vertex::Kind::Constant;
-      vertex.value = in[0] - *taken;
+      vertex.value = in[0] + vertex.value * *taken;
       vertex.in.clear();
     }
   }
@@ -153,8 +153,9 @@ class Maker {
 
   /// False if a node that is compensated for could not be made: nothing is known of its delay.
   bool shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
-    const auto time = static_cast<std::size_t>(node.type->input_index("time"));
-    auto tuned = node.ranges[time];
+    const auto where = compensation_of(*node.type);
+    const auto time = static_cast<std::size_t>(where.port);
+    auto tuned = node.ranges[static_cast<std::size_t>(where.period)];
     if (!tuned.bounded()) return true;  // the node itself asks for bounds
     // No period is shorter than two frames.
     const double shortest = 2 / options_.sample_rate.value;
@@ -167,7 +168,7 @@ class Maker {
       const auto taken = PhaseDelay::range(made_.nodes[other], tuned,
                                            flat_node(graph_.vertices[other]).ranges, options_.sample_rate);
       if (!taken) return complain_phase(at(wire)), false;
-      left = {left.low - taken->high, left.high - taken->low};
+      left = left + (where.sign < 0 ? Interval{-taken->high, -taken->low} : *taken);
     }
     left = left +
            (at(wire).kind == Vertex::Kind::Constant ? Interval::exactly(at(wire).value) : node.ranges[time]);

@@ -6,6 +6,13 @@
 
 namespace tactus {
 
+Compensation compensation_of(const NodeType& type) {
+  const int period = type.input_index("period");
+  if (period >= 0) return {type.input_index("delay"), period, 1};
+  const int time = type.input_index("time");
+  return {time, time, -1};
+}
+
 std::optional<double> PhaseDelay::phase_delay(double tuned) const noexcept {
   if (!(tuned > 0)) return std::nullopt;
   const double frequency = 1 / tuned;
@@ -27,20 +34,20 @@ void PhaseDelay::process(const NodeBlock& block) noexcept {
       result_ = phase_delay(tuned_).value_or(0);
       known_ = true;
     }
-    block.out[0][frame] = block.in[0][frame] - result_;
+    block.out[0][frame] = block.in[0][frame] + sign_ * result_;
   }
 }
 
 std::optional<double> PhaseDelay::at(const std::shared_ptr<const Node>& other, double tuned,
                                      const std::vector<double>& inputs, Hertz sample_rate) {
-  PhaseDelay probe{other, static_cast<int>(inputs.size()), sample_rate};
+  PhaseDelay probe{other, static_cast<int>(inputs.size()), sample_rate, 1};
   probe.values_ = inputs;
   return probe.phase_delay(tuned);
 }
 
 std::optional<Interval> PhaseDelay::range(const std::shared_ptr<const Node>& other, Interval tuned,
                                           const std::vector<Interval>& inputs, Hertz sample_rate) {
-  PhaseDelay probe{other, static_cast<int>(inputs.size()), sample_rate};
+  PhaseDelay probe{other, static_cast<int>(inputs.size()), sample_rate, 1};
   std::optional<Interval> found;
   constexpr int kSteps = 64;
   const std::size_t corners = std::size_t{1} << std::min<std::size_t>(inputs.size(), 8);

@@ -1,6 +1,7 @@
 #include "engine/nodes/table.h"
 
 #include "engine/nodes/adsr.h"
+#include "engine/nodes/align.h"
 #include "engine/nodes/band_pass.h"
 #include "engine/nodes/clip.h"
 #include "engine/nodes/counter.h"
@@ -74,6 +75,7 @@ const NodeTable& standard_nodes() {
               // delays
               &delay_type(),
               &string_type(),
+              &align_type(),
               // logic
               &onset_type(),
               &threshold_type(),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/dsp/pitch_track.h"
 #include "engine/graph/mistakes.h"
 #include "engine/graph/nearest.h"
 #include "engine/graph/quantity.h"
@@ -45,6 +46,16 @@ double peak(const std::vector<double>& samples) {
   return most;
 }
 
+/// Median; 0 where nothing has a pitch.
+double pitch(const std::vector<double>& samples, Hertz rate) {
+  std::vector<double> found;
+  for (const auto& point : track_pitch(samples, rate, 40_Hz, 3_kHz)) found.push_back(point.hertz);
+  if (found.empty()) return 0;
+  const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
+  std::nth_element(found.begin(), middle, found.end());
+  return *middle;
+}
+
 class Measurement {
  public:
   Measurement(const SceneRecording& recording, const Expectation& expectation)
@@ -63,6 +74,8 @@ class Measurement {
     if (signal == nullptr) return unknown_signal();
     if (what == "peak") return peak(part_of(*signal, recording_.sample_rate, from_, to_));
     if (what == "rms") return rms(part_of(*signal, recording_.sample_rate, from_, to_));
+    if (what == "pitch")
+      return pitch(part_of(*signal, recording_.sample_rate, from_, to_), recording_.sample_rate);
     return rhythm(*signal, what);
   }
 
@@ -170,6 +183,7 @@ const std::vector<MeasureType>& measure_types() {
        "instrument.hit", true},
       {"peak", MeasureType::kUnitOfSubject, "largest absolute value", Subject::Signal},
       {"rms", MeasureType::kUnitOfSubject, "root mean square", Subject::Signal},
+      {"pitch", "Hz", "how often a second it repeats itself, median; 0: it has no pitch", Subject::Signal},
       {"energy_given", "J", "most that the instrument gave to the plant since any earlier moment",
        Subject::Port},
       {"faults", "", "values that were not numbers, at inputs and in nodes", Subject::Nothing},
