@@ -10,13 +10,9 @@ namespace tactus {
 namespace {
 
 constexpr int kMostBeats = 4;
+constexpr double kRepeats = 0.02;  // a pattern that close needs no longer one
 constexpr std::size_t kLeastHits = 6;
 constexpr double kWindow_s = 1.0, kStep_s = 0.1;
-
-std::vector<double> between(const std::vector<double>& times, double from, double to) {
-  const auto first = std::lower_bound(times.begin(), times.end(), from);
-  return {first, std::upper_bound(first, times.end(), to)};
-}
 
 double pattern_spread(const std::vector<double>& intervals, std::size_t beats, double mean) {
   if (intervals.size() <= beats) return 1;
@@ -60,7 +56,8 @@ Evenness evenness_of(const std::vector<double>& times_s) {
                 pattern_spread(intervals, 1, mean)};
   for (int beats = 2; beats <= kMostBeats; ++beats) {
     const double spread = pattern_spread(intervals, static_cast<std::size_t>(beats), mean);
-    if (spread < 0.9 * even.pattern_spread) even.beats = beats, even.pattern_spread = spread;
+    if (even.pattern_spread > kRepeats && spread < 0.9 * even.pattern_spread)
+      even.beats = beats, even.pattern_spread = spread;
   }
   return even;
 }
@@ -93,14 +90,15 @@ const std::vector<RunKind>& roll_kinds() {
 }
 
 JudgedRun judge_roll(const SceneRecording& recording, const Playability& judged) {
-  const double from = judged.from_s, to = recording.seconds();
-  const auto triggers = triggers_of(recording, judged.hits.name);
-  const auto hits = between(triggers, from, to);
-  const auto rhythm = rhythm_of(hits, from, to);
-  const auto even = evenness_of(hits);
+  const double from = judged.from_s, to = judged.to_s.value_or(recording.seconds());
   const auto* contact = recording.find(judged.contact.name);
   const auto detection =
-      contact == nullptr ? Detection{} : detection_of(*contact, recording.sample_rate, triggers, from, to);
+      contact == nullptr
+          ? Detection{}
+          : detection_of(*contact, recording.sample_rate, triggers_of(recording, judged.hits.name), from, to);
+  const auto& hits = detection.found_s;
+  const auto rhythm = rhythm_of(hits, from, to);
+  const auto even = evenness_of(hits);
   const double lasts = sustained(hits, from, to, judged.fewest);
   const bool lives = lasts == 1.0;
   JudgedRun run;

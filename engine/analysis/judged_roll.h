@@ -9,7 +9,7 @@ namespace tactus {
 /// 0 where every p-th interval repeats, the standard deviation over the mean where nothing does.
 struct Evenness {
   double spread = 0;          ///< standard deviation of the intervals over their mean
-  int beats = 1;              ///< p <= 4 of the smallest s_p; of those within 10 % of it the smallest p
+  int beats = 1;              ///< p <= 4 of the smallest s_p; the first one below 0.02, if there is
   double pattern_spread = 0;  ///< that s_p
 };
 /// [any] Of at least six times in rising order; a spread of 1 where there are fewer.
@@ -24,7 +24,8 @@ inline constexpr double kLeastScore = 0.5;
 const std::vector<ReadingType>& roll_readings();
 const std::vector<RunKind>& roll_kinds();
 
-/// [control] A roll:
+/// [control] A roll. Only strikes count that were heard and are there, in the contact: a drum that hears its
+/// own throws does not play.
 ///     score = sustained * heard * even
 /// sustained: the share of the windows of 1 s, every 0.1 s, that have `fewest` strikes;
 /// heard: strikes that were heard once over those, the missed and the doubled ones;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/analysis/judged_roll.h"
+#include "engine/analysis/judged_tone.h"
 
 namespace tactus {
 
@@ -13,12 +14,17 @@ double JudgedRun::reading(Playability::Kind judged_by, const std::string& name) 
   return readings.at(static_cast<std::size_t>(found - types.begin()));
 }
 
-const std::vector<ReadingType>& reading_types(Playability::Kind) { return roll_readings(); }
+const std::vector<ReadingType>& reading_types(Playability::Kind kind) {
+  return kind == Playability::Kind::Roll ? roll_readings() : tone_readings();
+}
 
-const std::vector<RunKind>& run_kinds(Playability::Kind) { return roll_kinds(); }
+const std::vector<RunKind>& run_kinds(Playability::Kind kind) {
+  return kind == Playability::Kind::Roll ? roll_kinds() : tone_kinds();
+}
 
 JudgedRun judge(const SceneRecording& recording, const Playability& judged) {
-  return judge_roll(recording, judged);
+  return judged.kind == Playability::Kind::Roll ? judge_roll(recording, judged)
+                                                : judge_tone(recording, judged);
 }
 
 }  // namespace tactus

@@ -69,10 +69,11 @@ PlotPanel reading_panel(const PlayabilityStudy& study, const std::string& label,
     series.x.push_back(run.delay_s);
     series.y.push_back(value(run));
   }
+  const auto line_low = line.y;
   made.series.push_back(std::move(line));
   for (auto& series : points)
     if (!series.x.empty()) made.series.push_back(std::move(series));
-  made.y.low = 0;
+  if (std::all_of(line_low.begin(), line_low.end(), [](double y) { return y >= 0; })) made.y.low = 0;
   return made;
 }
 

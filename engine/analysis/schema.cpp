@@ -150,6 +150,7 @@ Json playability() {
   return object("what playing well means, for tactus study playability",
                 {{"kind", choice("what is played", playability_kinds())},
                  {"from", quantity("what is judged begins here; 1 s if left out", 0, 86400)},
+                 {"to", quantity("and ends here; with the scene if left out", 0, 86400)},
                  {"hits", text("of a roll: a trigger; instrument.hit if left out")},
                  {"contact", text("the force of what strikes; plant.contact if left out")},
                  {"fewest", whole_number("strikes in its worst second; 10 if left out", 1, 100)},

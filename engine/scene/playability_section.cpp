@@ -34,13 +34,22 @@ std::optional<Kind> read_kind(const Value::Table& fields, const Source& section,
 
 /// Keys of the other kind are told apart from slips of the pen.
 void check_keys(const Value::Table& fields, std::optional<Kind> kind, Mistakes& mistakes) {
-  static const std::vector<std::string> kBoth = {"kind", "from", "about"};
+  static const std::vector<std::string> kBoth = {"kind", "from", "to", "about"};
   static const std::vector<std::string> kRoll = {"hits", "contact", "fewest"};
   static const std::vector<std::string> kTone = {"sound", "pitch", "begin", "quiet"};
   auto known = kBoth;
   if (!kind || *kind == Kind::Roll) known.insert(known.end(), kRoll.begin(), kRoll.end());
   if (!kind || *kind == Kind::Tone) known.insert(known.end(), kTone.begin(), kTone.end());
   mistakes.unknown_keys(fields, known);
+}
+
+void read_times(const Value::Table& fields, double end_s, Playability& judged, Mistakes& mistakes) {
+  judged.from_s = read_bounded(fields, "from", "s", 0, end_s, mistakes).value_or(judged.from_s);
+  judged.to_s = read_bounded(fields, "to", "s", 0, end_s, mistakes);
+  if (judged.to_s.value_or(end_s) - judged.from_s >= kShortest_s) return;
+  const auto* from = find(fields, "from");
+  mistakes.add(Errc::OutOfRange, from != nullptr ? from->at : judged.at,
+               "less than a second is left to be judged", "lower 'from', or give more time behind it");
 }
 
 void read_signal(const Value::Table& fields, const char* key, Playability::Signal& signal,
@@ -87,11 +96,7 @@ std::optional<Playability> read_playability(const Value::Table& scene, Seconds d
   check_keys(*fields, kind, mistakes);
   mistakes.text(*fields, "about");
   const double end_s = duration.value > 0 ? duration.value : kLongest_s;
-  const auto from = read_bounded(*fields, "from", "s", 0, end_s, mistakes);
-  judged.from_s = from.value_or(judged.from_s);
-  if (end_s - judged.from_s < kShortest_s)
-    mistakes.add(Errc::OutOfRange, find(*fields, "from") != nullptr ? find(*fields, "from")->at : judged.at,
-                 "less than a second is left to be judged", "lengthen 'duration', or lower 'from'");
+  read_times(*fields, end_s, judged, mistakes);
   if (!kind) return std::nullopt;
   judged.kind = *kind;
   if (*kind == Kind::Roll)

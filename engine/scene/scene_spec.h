@@ -98,7 +98,8 @@ struct Playability {
   };
   Kind kind = Kind::Roll;
   Source at;
-  double from_s = 1;  ///< what is judged begins here
+  double from_s = 1;           ///< what is judged begins here
+  std::optional<double> to_s;  ///< and ends here, or with the scene
 
   Signal hits{"instrument.hit", {}};     ///< of a roll: the trigger of what the instrument heard
   Signal contact{"plant.contact", {}};   ///< the force of what struck it
