@@ -4,6 +4,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/interrupts.h"
 #include "apps/latency/keep_delay.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/measure_now.h"

@@ -2,30 +2,21 @@
 
 #include <fmt/format.h>
 
-#include <csignal>
-
 #include "apps/console.h"
+#include "apps/interrupts.h"
 
 namespace tactus::app {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-extern "C" void interrupt_measurement(int) { interrupted = 1; }
 
 struct Interrupted {};
 
 }  // namespace
 
-void heed_interrupts() {
-  std::signal(SIGINT, interrupt_measurement);
-  std::signal(SIGTERM, interrupt_measurement);
-}
-
 Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings) {
   Progress bar{"measuring"};
   try {
     auto measured = measure(backend, settings, [&](double share, const std::string& what) {
-      if (interrupted != 0) throw Interrupted{};  // the stream ends with its owner, with a block of zeros
+      if (interrupted()) throw Interrupted{};  // the stream ends with its owner, with a block of zeros
       bar(share, what);
     });
     if (!measured) return tl::unexpected(measured.error());

@@ -6,10 +6,8 @@
 
 namespace tactus::app {
 
-/// From now on Ctrl-C ends a measurement instead of the program.
-void heed_interrupts();
-
-/// Measures with a bar on stderr. Errors: of `measure`. Nothing: the user ended it; the stream is closed.
+/// Measures with a bar on stderr. Errors: of `measure`. Nothing: the user ended it (after heed_interrupts);
+/// the stream is closed.
 Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings);
 
 /// "jack:system, 48 kHz, 64 frames a block, 2 periods; output 1 to input 1"

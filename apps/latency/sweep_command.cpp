@@ -6,6 +6,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/interrupts.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/measure_now.h"
 #include "apps/latency/sweep_report.h"

@@ -7,10 +7,10 @@
 
 namespace tactus {
 
-/// [control] Calls work(0) … work(count - 1), each once, on all cores; `done(share)` is heard on this thread.
-/// The calls must not touch the same data.
+/// [control] Calls work(0) … work(count - 1), each once, on all cores, or on as many as `workers` says;
+/// `done(share)` is heard on this thread. The calls must not touch the same data.
 template <class Work, class Done>
-void on_all_cores(int count, const Work& work, const Done& done) {
+void on_all_cores(int count, const Work& work, const Done& done, int workers = 0) {
   std::atomic<int> next{0}, finished{0};
   const auto labour = [&](bool tells) {
     for (int i = next++; i < count; i = next++) {
@@ -20,7 +20,8 @@ void on_all_cores(int count, const Work& work, const Done& done) {
     }
   };
   std::vector<std::thread> helpers;
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int cores =
+      workers > 0 ? workers : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   for (int i = 1; i < std::min(cores, count); ++i) helpers.emplace_back(labour, false);
   labour(true);
   for (auto& helper : helpers) helper.join();

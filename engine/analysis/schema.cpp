@@ -4,6 +4,7 @@
 #include "engine/nodes/solver_words.h"
 #include "engine/scene/accuracy.h"
 #include "engine/scene/measure.h"
+#include "engine/scene/playability_section.h"
 
 namespace tactus {
 namespace {
@@ -148,6 +149,22 @@ Json accuracy() {
                 {"measure", "of"});
 }
 
+Json playability() {
+  return object("what playing well means, for tactus study playability",
+                {{"kind", choice("what is played", playability_kinds())},
+                 {"from", quantity("what is judged begins here; 1 s if left out", 0, 86400)},
+                 {"to", quantity("and ends here; with the scene if left out", 0, 86400)},
+                 {"hits", text("of a roll: a trigger; instrument.hit if left out")},
+                 {"contact", text("the force of what strikes; plant.contact if left out")},
+                 {"fewest", whole_number("strikes in its worst second; 10 if left out", 1, 100)},
+                 {"sound", text("of a tone: what is heard; instrument.sound if left out")},
+                 {"pitch", quantity("the note wanted, in Hz", 1, 20e3)},
+                 {"begin", quantity("when the bow is on; 0 s if left out", 0, 86400)},
+                 {"quiet", quantity("softer is silent; -60 dB if left out", 1e-9, 1)},
+                 {"about", text("for people")}},
+                {"kind"});
+}
+
 Json comparison() {
   auto value = quantity("a control, or another part's controls: plant.gain = 2");
   value["type"] = {"number", "string", "object"};
@@ -193,6 +210,7 @@ Json scene() {
   keys["ports"] = entries("where energy goes between instrument and plant", port());
   keys["expect"] = entries("what must hold", expectation());
   keys["accuracy"] = entries("what a study of solvers compares", accuracy());
+  keys["playability"] = playability();
   keys["compare"] = comparison();
   return object("a scene", std::move(keys), {"format", "duration", "parts"});
 }

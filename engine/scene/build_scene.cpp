@@ -43,6 +43,7 @@ class SceneBuilder {
     if (instrument_known()) wire_instrument();
     check_measures(scene_, table_, mistakes_);
     check_accuracy(scene_, table_, mistakes_);
+    check_playability(scene_, table_, mistakes_);
     check_comparison(scene_, mistakes_);
     check_drives(scene_, mistakes_);
     check_ports(scene_, mistakes_);

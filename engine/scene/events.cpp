@@ -121,6 +121,7 @@ Detection match(const std::vector<Strike>& touches, const std::vector<double>& t
     }
     heard[static_cast<std::size_t>(touch)] = true;
     ++detection.found;
+    detection.found_s.push_back(time);
     detection.latest_s =
         std::max(detection.latest_s, time - touches[static_cast<std::size_t>(touch)].start_s);
   }

@@ -42,7 +42,8 @@ double restitution(const std::vector<double>& position, Hertz sample_rate,
 /// one was heard less than `apart` before it: then the two count as one.
 struct Detection {
   int found = 0, missed = 0, doubled = 0;
-  double latest_s = 0;  ///< longest time from the start of a touch to its trigger
+  double latest_s = 0;               ///< longest time from the start of a touch to its trigger
+  std::vector<double> found_s = {};  ///< times of the triggers that have a touch
 };
 struct DetectionRules {
   Seconds late = 6_ms;

@@ -115,16 +115,9 @@ class Measurement {
   Result<double> detection(const std::string& what) const {
     const auto triggers =
         triggers_of(recording_, expectation_.of.empty() ? "instrument.hit" : expectation_.of);
-    std::vector<double> heard;
-    for (const double time : triggers)
-      if (time >= from_ && time <= to_) heard.push_back(time);
-    const auto* force = recording_.find("plant.contact");
+    const auto* force = recording_.find(kStrikeContact);
     if (force == nullptr) return unknown_signal();
-    const DetectionRules rules;
-    auto touches = find_strikes(force->samples, recording_.sample_rate, kTouchGap, kLeastTouch_N);
-    std::erase_if(touches,
-                  [&](const Strike& s) { return s.start_s < from_ || s.start_s > to_ - rules.late.value; });
-    const auto found = match(touches, heard, rules);
+    const auto found = detection_of(*force, recording_.sample_rate, triggers, from_, to_);
     return what == "missed" ? found.missed : what == "doubled" ? found.doubled : found.latest_s;
   }
 
@@ -217,6 +210,18 @@ std::vector<Strike> strikes_of(const SceneRecording& recording, const std::strin
   const auto* force = recording.find(contact);
   if (force == nullptr) return {};
   return find_strikes(force->samples, recording.sample_rate, kStrikeGap, kLeastStrike_N);
+}
+
+Detection detection_of(const RecordedSignal& contact, Hertz sample_rate,
+                       const std::vector<double>& triggers_s, double from_s, double to_s) {
+  std::vector<double> heard;
+  for (const double time : triggers_s)
+    if (time >= from_s && time <= to_s) heard.push_back(time);
+  const DetectionRules rules;
+  auto touches = find_strikes(contact.samples, sample_rate, kTouchGap, kLeastTouch_N);
+  std::erase_if(touches,
+                [&](const Strike& s) { return s.start_s < from_s || s.start_s > to_s - rules.late.value; });
+  return match(touches, heard, rules);
 }
 
 std::vector<double> triggers_of(const SceneRecording& recording, const std::string& name) {

@@ -56,6 +56,10 @@ Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const S
 /// The instrument's strikes on what it plays: pushes of a contact force above 5 N; less than 5 ms apart they
 /// are one.
 std::vector<Strike> strikes_of(const SceneRecording& recording, const std::string& contact = kStrikeContact);
+/// How well triggers at these times heard what touched `contact` between two times. A touch is any push that
+/// the ear could follow; of those, pushes above 5 N must be heard.
+Detection detection_of(const RecordedSignal& contact, Hertz sample_rate,
+                       const std::vector<double>& triggers_s, double from_s, double to_s);
 /// Times of the first trigger called `name` ("instrument.hit", with or without its output); empty if there is
 /// none.
 std::vector<double> triggers_of(const SceneRecording& recording, const std::string& name);

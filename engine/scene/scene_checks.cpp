@@ -85,6 +85,14 @@ void check_subject(const Expectation& expectation, const std::string& of, const 
                near.empty() ? "recorded are " + listed(recorded) : "did you mean '" + near + "'?");
 }
 
+void check_recorded(const std::string& of, const Source& at, const SceneSpec& scene,
+                    const std::vector<std::string>& recorded, Mistakes& mistakes) {
+  Expectation subject;
+  subject.of = of;
+  subject.of_at = at;
+  check_subject(subject, of, scene, recorded, mistakes);
+}
+
 void check_port(const Expectation& expectation, const SceneSpec& scene, Mistakes& mistakes) {
   if (scene.port(expectation.of) != nullptr) return;
   std::vector<std::string> names;
@@ -132,10 +140,7 @@ void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
   for (const auto& accuracy : scene.accuracy) {
     const auto* type = find_accuracy(accuracy.measure);
     if (type == nullptr || accuracy.of.empty()) continue;  // told when the scene was read
-    Expectation subject;
-    subject.of = accuracy.of;
-    subject.of_at = accuracy.of_at;
-    check_subject(subject, accuracy.of, scene, recorded, mistakes);
+    check_recorded(accuracy.of, accuracy.of_at, scene, recorded, mistakes);
     const auto check_unit = [&](const std::optional<QuantityValue>& number, const std::string& unit) {
       if (!number || number->bare || unit == AccuracyType::kUnitOfSubject) return;
       if (!(number->unit.dimension == parse_unit(unit)->dimension))
@@ -147,6 +152,15 @@ void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
     check_unit(accuracy.exact, type->unit);
     check_unit(accuracy.scale, type->scale);
   }
+}
+
+void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+  if (!scene.playability) return;
+  const auto recorded = recorded_names(scene, table);
+  const auto& judged = *scene.playability;
+  const bool roll = judged.kind == Playability::Kind::Roll;
+  for (const auto* signal : roll ? std::vector{&judged.hits, &judged.contact} : std::vector{&judged.sound})
+    check_recorded(signal->name, signal->at, scene, recorded, mistakes);
 }
 
 void check_comparison(const SceneSpec& scene, Mistakes& mistakes) {

@@ -19,6 +19,9 @@ void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
 /// [accuracy]: will what it compares be recorded, and are its numbers in the right unit?
 void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes);
 
+/// [playability]: will what it listens to be recorded?
+void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes);
+
 /// [compare]: is there what it sets?
 void check_comparison(const SceneSpec& scene, Mistakes& mistakes);
 

@@ -10,6 +10,7 @@
 #include "engine/graph/part_path.h"
 #include "engine/graph/read_graph.h"
 #include "engine/scene/accuracy.h"
+#include "engine/scene/playability_section.h"
 #include "engine/scene/scene_drives.h"
 #include "engine/scene/scene_ports.h"
 #include "engine/scene/scene_sections.h"
@@ -18,8 +19,8 @@ namespace tactus {
 namespace {
 
 const std::vector<std::string> kSceneKeys = {
-    "format",   "name",       "about",  "source",  "rate", "delay",  "duration", "parts",
-    "gestures", "converters", "expect", "compare", "seed", "drives", "accuracy", "ports"};
+    "format",     "name",   "about",   "source", "rate",   "delay",    "duration", "parts",      "gestures",
+    "converters", "expect", "compare", "seed",   "drives", "accuracy", "ports",    "playability"};
 const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "networks", "outputs"};
 
 // Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.
@@ -89,6 +90,7 @@ class SceneReader {
     scene_.ports = read_ports(table, mistakes_);
     scene_.expect = read_expectations(table, scene_.duration, mistakes_);
     scene_.accuracy = read_accuracy(table, scene_.duration, mistakes_);
+    scene_.playability = read_playability(table, scene_.duration, mistakes_);
     scene_.compare = read_comparison(table, mistakes_);
     NameSpace names;
     for (const auto& part : scene_.parts) names.add(part.name, "a part", part.at, mistakes_);

@@ -86,6 +86,30 @@ struct Accuracy {
   std::optional<QuantityValue> scale;  ///< an error of 1; left out: of the reference
 };
 
+/// What playing this scene well means: `[playability]`, which `tactus study playability` judges.
+struct Playability {
+  enum class Kind {
+    Roll,  ///< strikes that keep coming
+    Tone,  ///< one note that is held
+  };
+  struct Signal {
+    std::string name;  ///< "part.port"
+    Source at;
+  };
+  Kind kind = Kind::Roll;
+  Source at;
+  double from_s = 1;           ///< what is judged begins here
+  std::optional<double> to_s;  ///< and ends here, or with the scene
+
+  Signal hits{"instrument.hit", {}};     ///< of a roll: the trigger of what the instrument heard
+  Signal contact{"plant.contact", {}};   ///< the force of what struck it
+  double fewest = 10;                    ///< strikes in its worst second
+  Signal sound{"instrument.sound", {}};  ///< of a tone
+  double pitch_hz = 0;                   ///< the note wanted
+  double begin_s = 0;                    ///< when the bow is on the string
+  double quiet = 1e-3;                   ///< softer than this it is silent: root mean square
+};
+
 /// The same scene once more with some controls elsewhere, to show beside it what they do.
 struct Comparison {
   std::string name;  ///< "without the pulse"
@@ -110,6 +134,7 @@ struct SceneSpec {
   std::vector<Port> ports;
   std::vector<Expectation> expect;
   std::vector<Accuracy> accuracy;
+  std::optional<Playability> playability;
   std::optional<Comparison> compare;
   std::optional<std::uint64_t> seed;  ///< of everything random
   bool incomplete = false;            ///< a section could not be read

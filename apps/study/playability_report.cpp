@@ -1,0 +1,169 @@
+#include "apps/study/playability_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/analysis/playability_plot.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string ms(double seconds) { return fmt::format("{:.4g}", 1e3 * seconds); }
+
+char letter_of(const PlayabilityStudy& study, const PlayedRun& run) {
+  const auto& kinds = run_kinds(study.kind);
+  return std::find_if(kinds.begin(), kinds.end(),
+                      [&](const RunKind& kind) { return kind.name == run.judged->kind; })
+      ->letter;
+}
+
+/// Where a run was played: "strength 0.2, weight x 0.5".
+std::string place_of(const PlayabilityStudy& study, const PlayedRun& run) {
+  std::string text;
+  for (std::size_t i = 0; i < run.at.size(); ++i) {
+    const auto& swept = study.over[i];
+    const auto value = std::find_if(swept.values.begin(), swept.values.end(),
+                                    [&](const ControlValue& v) { return v.si == run.at[i]; });
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", swept.name,
+                        value_in_words(swept, static_cast<std::size_t>(value - swept.values.begin())));
+  }
+  return text;
+}
+
+// ---- the table
+
+std::string head(const PlayabilityStudy& study) {
+  auto text = fmt::format("{:>8}  {:8}  {:>5}  {:<10}", "delay ms", "playable", "score", "kind");
+  for (const auto& type : reading_types(study.kind))
+    text += fmt::format("  {:>{}}", type.head, std::max<std::size_t>(type.head.size(), 6));
+  if (study.variants.size() > 1) text += "  others";
+  return text + (study.over.empty() ? "\n" : "  worst at\n");
+}
+
+std::string row(const PlayabilityStudy& study, const DelayVerdict& verdict) {
+  const auto& run = study.runs[verdict.worst];
+  auto text = fmt::format("{:>8}  {:8}  {:>5.2f}  {:<10}", ms(verdict.delay_s),
+                          verdict.playable ? "yes" : "no", verdict.score, run.judged->kind);
+  const auto& types = reading_types(study.kind);
+  for (std::size_t i = 0; i < types.size(); ++i)
+    text += fmt::format("  {:>{}.{}f}", run.judged->readings[i],
+                        std::max<std::size_t>(types[i].head.size(), 6), types[i].digits);
+  if (verdict.varied > 0) text += fmt::format("  {}/{}", verdict.varied_good, verdict.varied);
+  return text + (study.over.empty() ? "" : "  " + place_of(study, run)) + "\n";
+}
+
+/// One letter a run: delays across, what is swept first upwards.
+std::string letters(const PlayabilityStudy& study) {
+  const auto rows = study.over[0].values.size(), a_delay = study.runs_a_delay();
+  const auto in_row = a_delay / rows;
+  std::size_t widest = study.over[0].name.size();
+  for (std::size_t r = 0; r < rows; ++r) widest = std::max(widest, value_in_words(study.over[0], r).size());
+  auto text = fmt::format("\n{:>{}}  delay {} to {} ms\n", study.over[0].name, widest,
+                          ms(study.delays_s.front()), ms(study.delays_s.back()));
+  for (std::size_t r = rows; r-- > 0;) {
+    text += fmt::format("{:>{}}  ", value_in_words(study.over[0], r), widest);
+    for (std::size_t d = 0; d < study.delays_s.size(); ++d) {
+      const auto first = study.runs.begin() + static_cast<std::ptrdiff_t>(d * a_delay + r * in_row);
+      const auto worst = std::min_element(first, first + static_cast<std::ptrdiff_t>(in_row),
+                                          [](const PlayedRun& a, const PlayedRun& b) {
+                                            if (a.as_written() != b.as_written()) return a.as_written();
+                                            return a.judged->score < b.judged->score;
+                                          });
+      text += letter_of(study, *worst);
+    }
+    text += "\n";
+  }
+  for (const auto& kind : run_kinds(study.kind))
+    text += fmt::format("{:>{}}  {}: {}\n", kind.letter, widest, kind.name, kind.doc);
+  return text;
+}
+
+// ---- the verdict
+
+/// "0 to 7 and 11 to 40 ms": delays for which it holds, as they were tried.
+std::string ranges(const std::vector<DelayVerdict>& verdicts, bool playable) {
+  std::vector<std::string> found;
+  for (std::size_t i = 0; i < verdicts.size();) {
+    auto end = i;
+    while (end + 1 < verdicts.size() && verdicts[end + 1].playable == verdicts[i].playable) ++end;
+    if (verdicts[i].playable == playable)
+      found.push_back(end == i ? "at " + ms(verdicts[i].delay_s)
+                               : "from " + ms(verdicts[i].delay_s) + " to " + ms(verdicts[end].delay_s));
+    i = end + 1;
+  }
+  std::string text;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == found.size() ? " and " : ", ") + found[i];
+  return text + " ms";
+}
+
+std::string lacking(const PlayabilityStudy& study, const DelayVerdict& verdict) {
+  const auto& run = study.runs[verdict.worst];
+  auto text = fmt::format("{}, score {:.2f}", run.judged->kind, run.judged->score);
+  if (study.over.empty() && verdict.varied == 0) return text;
+  if (!study.over.empty())
+    text += fmt::format(" at {}; {} of {} settings are playable", place_of(study, run), verdict.good,
+                        verdict.runs);
+  if (verdict.varied > 0)
+    text += fmt::format("; {} of {} other actuators and plants", verdict.varied_good, verdict.varied);
+  return text;
+}
+
+}  // namespace
+
+std::string verdict_in_words(const PlayabilityStudy& study) {
+  const auto verdicts = study.verdicts();
+  const auto weaker = [](const DelayVerdict& a, const DelayVerdict& b) {
+    if (a.playable != b.playable) return !a.playable;
+    return a.score * a.robust() < b.score * b.robust();
+  };
+  const auto weakest = std::min_element(verdicts.begin(), verdicts.end(), weaker);
+  const bool some = std::any_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.playable; });
+  auto text = some ? "playable " + ranges(verdicts, true) : std::string{"playable at no delay"};
+  if (some && !weakest->playable) text += "; not " + ranges(verdicts, false);
+  return text + fmt::format("; weakest at {} ms: {}", ms(weakest->delay_s), lacking(study, *weakest));
+}
+
+std::string text_of(const PlayabilityStudy& study) {
+  const auto verdicts = study.verdicts();
+  auto text = fmt::format("{}\n\n{}", study.scene, head(study));
+  for (const auto& verdict : verdicts) text += row(study, verdict);
+  if (!study.over.empty()) text += letters(study);
+  return text + "\n" + verdict_in_words(study) + "\n";
+}
+
+Json json_of(const PlayabilityStudy& study) {
+  Json json{{"scene", study.scene},
+            {"kind", study.kind == Playability::Kind::Roll ? "roll" : "tone"},
+            {"verdict", verdict_in_words(study)},
+            {"over", Json::array()},
+            {"delays", Json::array()},
+            {"runs", Json::array()}};
+  for (const auto& swept : study.over) json["over"].push_back(swept.name);
+  for (const auto& verdict : study.verdicts())
+    json["delays"].push_back({{"delay_s", verdict.delay_s},
+                              {"playable", verdict.playable},
+                              {"score", verdict.score},
+                              {"runs", verdict.runs},
+                              {"playable_runs", verdict.good},
+                              {"varied_runs", verdict.varied},
+                              {"playable_varied_runs", verdict.varied_good}});
+  const auto& types = reading_types(study.kind);
+  for (const auto& run : study.runs) {
+    Json entry{{"delay_s", run.delay_s}};
+    for (std::size_t i = 0; i < run.at.size(); ++i) entry[study.over[i].name] = run.at[i];
+    entry["variant"] = run.variant;
+    entry["kind"] = run.judged->kind;
+    entry["score"] = run.judged->score;
+    entry["playable"] = run.judged->playable;
+    for (std::size_t i = 0; i < types.size(); ++i) entry[types[i].name] = run.judged->readings[i];
+    json["runs"].push_back(std::move(entry));
+  }
+  return json;
+}
+
+}  // namespace tactus::app

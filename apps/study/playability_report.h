@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "engine/analysis/playability.h"
+
+namespace tactus::app {
+
+// All of a complete study.
+
+/// One line a delay: score, kind, readings; where something is swept, a map of letters too; the verdict.
+std::string text_of(const PlayabilityStudy& study);
+/// "playable from 0 to 40 ms; weakest at 23 ms: irregular, score 0.61"
+std::string verdict_in_words(const PlayabilityStudy& study);
+nlohmann::ordered_json json_of(const PlayabilityStudy& study);
+
+}  // namespace tactus::app

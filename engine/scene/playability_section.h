@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/graph/mistakes.h"
+#include "engine/scene/scene_spec.h"
+
+namespace tactus {
+
+/// [any] What can be judged: the words of `kind`.
+const std::vector<std::string>& playability_kinds();
+
+/// `[playability]` of a scene: what playing it well means; nothing if it says nothing.
+///   kind = "roll", fewest = 12
+///   kind = "tone", pitch = "110 Hz", begin = "0.1 s"
+std::optional<Playability> read_playability(const Value::Table& scene, Seconds duration, Mistakes& mistakes);
+
+}  // namespace tactus
