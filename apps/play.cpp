@@ -6,6 +6,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/live/live_options.h"
+#include "apps/play_notes.h"
 #include "apps/play_report.h"
 #include "engine/analysis/pitch_track.h"
 #include "engine/analysis/story.h"
@@ -25,37 +26,6 @@ struct PlayOptions {
   std::optional<int> block;
   bool json = false;
 };
-
-Json notes_json(const std::vector<NoteHeard>& notes) {
-  auto json = Json::array();
-  for (const auto& note : notes) {
-    json.push_back({{"from_s", note.from_s},
-                    {"to_s", note.to_s},
-                    {"name", note_name(note.wanted_hz)},
-                    {"wanted_hz", note.wanted_hz},
-                    {"heard_hz", note.heard_hz},
-                    {"partial", note.partial},
-                    {"cents", note.cents},
-                    {"swing_cents", note.swing_cents},
-                    {"words", in_words(note)}});
-    if (note.speaks_after_s) json.back()["speaks_after_s"] = *note.speaks_after_s;
-  }
-  return json;
-}
-
-/// What a player asks of a melody, where the scene says which notes are wanted.
-void report_notes(Json& json, const PlayedScene& played, const PlayedScene* compared) {
-  const auto melody = melody_of(played.recording);
-  if (!melody) return;
-  json["notes"] = notes_json(melody->notes);
-  json["notes_in_words"] = in_words(melody->notes);
-  if (compared == nullptr) return;
-  const auto other = melody_of(compared->recording);
-  if (!other) return;
-  json["compared_notes"] = {{"name", compared->scene.compare->name},
-                            {"notes", notes_json(other->notes)},
-                            {"notes_in_words", in_words(other->notes)}};
-}
 
 /// What a drummer asks of a roll, where the scene has a stick and strikes.
 Json report_of(const PlayedScene& played, const PlayedScene* compared) {
@@ -130,19 +100,6 @@ void print_roll(const Json& json) {
   fmt::print("\n");
 }
 
-void print_notes(const Json& json) {
-  fmt::print("  heard               {}\n", json["notes_in_words"].get<std::string>());
-  for (const auto& note : json["notes"])
-    fmt::print("    {:5.2f} s           {}\n", note["from_s"].get<double>(),
-               note["words"].get<std::string>());
-  if (!json.contains("compared_notes")) return;
-  const auto& other = json["compared_notes"];
-  fmt::print("  {:<19} {}\n", other["name"].get<std::string>(), other["notes_in_words"].get<std::string>());
-  for (const auto& note : other["notes"])
-    fmt::print("    {:5.2f} s           {}\n", note["from_s"].get<double>(),
-               note["words"].get<std::string>());
-}
-
 void print(const Json& json, const PlayedScene& played) {
   const auto& scene = played.scene;
   fmt::print("{}\n{}\n\n", scene.name, scene.about);
@@ -151,7 +108,7 @@ void print(const Json& json, const PlayedScene& played) {
       json["duration_s"].get<double>(), json["sample_rate_hz"].get<double>(), json["delay_ms"].get<double>(),
       json["run_s"].get<double>(), json["real_time_factor"].get<double>());
   if (json.contains("strikes")) print_roll(json);
-  if (json.contains("notes")) print_notes(json);
+  print_notes(json);
   print_guard(played.recording.guard, played.recording.sample_rate);
   print_ports(played.recording.ports);
   fmt::print("  faults              {}\n",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "engine/analysis/pitch_track.h"
@@ -50,14 +51,20 @@ class Story {
     panel.y = {.label = "pitch", .unit = "Hz", .log = true};
     panel.height = 1.6;
     panel.series.push_back(trace("wanted", *melody->wanted));
-    PlotSeries heard{.label = "heard", .mark = PlotMark::Points, .color = PlotColor::Vermillion};
+    PlotSeries heard{.label = "heard", .color = PlotColor::Vermillion};
     for (const auto& point : melody->heard) {
       if (point.time_s < from_ || point.time_s > to_) continue;
+      // Nothing had a pitch for a while: a gap.
+      if (!heard.x.empty() && point.time_s > heard.x.back() + 0.015) {
+        heard.x.push_back(point.time_s);
+        heard.y.push_back(std::numeric_limits<double>::quiet_NaN());
+      }
       heard.x.push_back(point.time_s);
       heard.y.push_back(point.hertz);
     }
     panel.series.push_back(std::move(heard));
     figure.panels.push_back(std::move(panel));
+    figure.subtitle += " Heard: " + in_words(melody->notes) + ".";
   }
 
   static bool is_pitch(const RecordedSignal& signal) {

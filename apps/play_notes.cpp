@@ -1,0 +1,56 @@
+#include "apps/play_notes.h"
+
+#include <fmt/format.h>
+
+#include "engine/analysis/pitch_track.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void add_notes(Json& json, const Melody& melody) {
+  json["notes"] = Json::array();
+  for (const auto& note : melody.notes) {
+    json["notes"].push_back({{"from_s", note.from_s},
+                             {"to_s", note.to_s},
+                             {"name", note_name(note.wanted_hz)},
+                             {"wanted_hz", note.wanted_hz},
+                             {"heard_hz", note.heard_hz},
+                             {"partial", note.partial},
+                             {"cents", note.cents},
+                             {"swing_cents", note.swing_cents},
+                             {"words", in_words(note)}});
+    if (note.speaks_after_s) json["notes"].back()["speaks_after_s"] = *note.speaks_after_s;
+  }
+  json["notes_in_words"] = in_words(melody.notes);
+}
+
+void print_all(const std::string& title, const Json& heard) {
+  fmt::print("  {:<19} {}\n", title, heard["notes_in_words"].get<std::string>());
+  for (const auto& note : heard["notes"])
+    fmt::print("    {:5.2f} s           {}\n", note["from_s"].get<double>(),
+               note["words"].get<std::string>());
+}
+
+}  // namespace
+
+void report_notes(Json& json, const PlayedScene& played, const PlayedScene* compared) {
+  const auto melody = melody_of(played.recording);
+  if (!melody) return;
+  add_notes(json, *melody);
+  const auto other = compared != nullptr ? melody_of(compared->recording) : std::nullopt;
+  if (!other) return;
+  auto& notes = json["compared_notes"] = {{"name", compared->scene.compare->name}};
+  add_notes(notes, *other);
+}
+
+void print_notes(const Json& json) {
+  if (!json.contains("notes")) return;
+  print_all("heard", json);
+  if (!json.contains("compared_notes")) return;
+  const auto& other = json["compared_notes"];
+  print_all(other["name"].get<std::string>(), other);
+}
+
+}  // namespace tactus::app
