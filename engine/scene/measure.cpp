@@ -49,7 +49,7 @@ double peak(const std::vector<double>& samples) {
 /// Median; 0 where nothing has a pitch.
 double pitch(const std::vector<double>& samples, Hertz rate) {
   std::vector<double> found;
-  for (const auto& point : track_pitch(samples, rate, 40_Hz, 3_kHz)) found.push_back(point.hertz);
+  for (const auto& point : track_pitch(samples, rate, 40_Hz, 2_kHz)) found.push_back(point.hertz);
   if (found.empty()) return 0;
   const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
   std::nth_element(found.begin(), middle, found.end());
