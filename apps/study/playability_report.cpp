@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "engine/analysis/playability_plot.h"
 
@@ -56,29 +57,64 @@ std::string row(const PlayabilityStudy& study, const DelayVerdict& verdict) {
   return text + (study.over.empty() ? "" : "  " + place_of(study, run)) + "\n";
 }
 
-/// One letter a run: delays across, what is swept first upwards.
-std::string letters(const PlayabilityStudy& study) {
-  const auto rows = study.over[0].values.size(), a_delay = study.runs_a_delay();
-  const auto in_row = a_delay / rows;
-  std::size_t widest = study.over[0].name.size();
-  for (std::size_t r = 0; r < rows; ++r) widest = std::max(widest, value_in_words(study.over[0], r).size());
-  auto text = fmt::format("\n{:>{}}  delay {} to {} ms\n", study.over[0].name, widest,
-                          ms(study.delays_s.front()), ms(study.delays_s.back()));
-  for (std::size_t r = rows; r-- > 0;) {
-    text += fmt::format("{:>{}}  ", value_in_words(study.over[0], r), widest);
-    for (std::size_t d = 0; d < study.delays_s.size(); ++d) {
-      const auto first = study.runs.begin() + static_cast<std::ptrdiff_t>(d * a_delay + r * in_row);
-      const auto worst = std::min_element(first, first + static_cast<std::ptrdiff_t>(in_row),
-                                          [](const PlayedRun& a, const PlayedRun& b) {
-                                            if (a.as_written() != b.as_written()) return a.as_written();
-                                            return a.judged->score < b.judged->score;
-                                          });
-      text += letter_of(study, *worst);
-    }
-    text += "\n";
-  }
+constexpr std::size_t kMostMaps = 6;
+
+/// The letter of the worst run as written among so many from the first on.
+char worst_letter(const PlayabilityStudy& study, std::size_t first, std::size_t count) {
+  auto worst = first;  // the first variant is as written
+  for (auto i = first; i < first + count; ++i)
+    if (study.runs[i].as_written() && study.runs[i].judged->score < study.runs[worst].judged->score)
+      worst = i;
+  return letter_of(study, study.runs[worst]);
+}
+
+/// Rows of letters, what is swept upwards named in front of each.
+std::string map_text(const SweptValue& upwards, const std::string& across,
+                     const std::function<std::string(std::size_t)>& row_of) {
+  std::size_t widest = upwards.name.size();
+  for (std::size_t r = 0; r < upwards.values.size(); ++r)
+    widest = std::max(widest, value_in_words(upwards, r).size());
+  auto text = fmt::format("\n{:>{}}  {}\n", upwards.name, widest, across);
+  for (std::size_t r = upwards.values.size(); r-- > 0;)
+    text += fmt::format("{:>{}}  {}\n", value_in_words(upwards, r), widest, row_of(r));
+  return text;
+}
+
+/// Delays across, what is swept first upwards; the worst of what is swept besides.
+std::string map_over_delay(const PlayabilityStudy& study) {
+  const auto in_row = study.runs_a_delay() / study.over[0].values.size();
+  const auto across = fmt::format("delay {} to {} ms", ms(study.delays_s.front()), ms(study.delays_s.back()));
+  return map_text(study.over[0], across, [&](std::size_t row) {
+    std::string letters;
+    for (std::size_t d = 0; d < study.delays_s.size(); ++d)
+      letters += worst_letter(study, d * study.runs_a_delay() + row * in_row, in_row);
+    return letters;
+  });
+}
+
+/// At one delay: what is swept first across, the second upwards.
+std::string map_at_delay(const PlayabilityStudy& study, std::size_t delay) {
+  const auto& first = study.over[0];
+  const auto across = fmt::format("at {} ms, {} {} to {}", ms(study.delays_s[delay]), first.name,
+                                  value_in_words(first, 0), value_in_words(first, first.values.size() - 1));
+  const auto rows = study.over[1].values.size(), variants = study.variants.size();
+  return map_text(study.over[1], across, [&](std::size_t row) {
+    std::string letters;
+    for (std::size_t column = 0; column < first.values.size(); ++column)
+      letters +=
+          worst_letter(study, delay * study.runs_a_delay() + (column * rows + row) * variants, variants);
+    return letters;
+  });
+}
+
+std::string maps_text(const PlayabilityStudy& study) {
+  std::string text;
+  if (study.over.size() == 1 || study.delays_s.size() > kMostMaps)
+    text += map_over_delay(study);
+  else
+    for (std::size_t d = 0; d < study.delays_s.size(); ++d) text += map_at_delay(study, d);
   for (const auto& kind : run_kinds(study.kind))
-    text += fmt::format("{:>{}}  {}: {}\n", kind.letter, widest, kind.name, kind.doc);
+    text += fmt::format("  {}  {}: {}\n", kind.letter, kind.name, kind.doc);
   return text;
 }
 
@@ -132,7 +168,7 @@ std::string text_of(const PlayabilityStudy& study) {
   const auto verdicts = study.verdicts();
   auto text = fmt::format("{}\n\n{}", study.scene, head(study));
   for (const auto& verdict : verdicts) text += row(study, verdict);
-  if (!study.over.empty()) text += letters(study);
+  if (!study.over.empty()) text += maps_text(study);
   return text + "\n" + verdict_in_words(study) + "\n";
 }
 

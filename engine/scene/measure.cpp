@@ -49,7 +49,7 @@ double peak(const std::vector<double>& samples) {
 /// Median; 0 where nothing has a pitch.
 double pitch(const std::vector<double>& samples, Hertz rate) {
   std::vector<double> found;
-  for (const auto& point : track_pitch(samples, rate, 40_Hz, 3_kHz)) found.push_back(point.hertz);
+  for (const auto& point : track_pitch(samples, rate, 40_Hz, 2_kHz)) found.push_back(point.hertz);
   if (found.empty()) return 0;
   const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
   std::nth_element(found.begin(), middle, found.end());
@@ -219,8 +219,10 @@ Detection detection_of(const RecordedSignal& contact, Hertz sample_rate,
     if (time >= from_s && time <= to_s) heard.push_back(time);
   const DetectionRules rules;
   auto touches = find_strikes(contact.samples, sample_rate, kTouchGap, kLeastTouch_N);
-  std::erase_if(touches,
-                [&](const Strike& s) { return s.start_s < from_s || s.start_s > to_s - rules.late.value; });
+  std::erase_if(touches, [&](const Strike& s) { return s.start_s < from_s || s.start_s > to_s; });
+  // What comes so late may be heard, and need not be.
+  for (auto& touch : touches)
+    if (touch.start_s > to_s - rules.late.value) touch.peak = 0;
   return match(touches, heard, rules);
 }
 

@@ -84,10 +84,9 @@ TEST_CASE("cellomobo: every scene does what it promises, at short and long delay
 
 TEST_CASE("cellomobo: untouched it is silent, however noisy the piezo and whatever the string",
           "[instruments]") {
-  const double g = GENERATE(0.9, 0.99, 0.999), delay_ms = GENERATE(0.0, 20.0, 40.0);
-  INFO("g " << g << ", " << delay_ms << " ms");
+  const double g = GENERATE(0.9, 0.99, 0.999);
+  INFO("g " << g);
   SceneOptions options;
-  options.delay = Seconds{delay_ms * 1e-3};
   options.set["g"] = g;
   options.set["plant.hiss"] = 1e-3 * (1 - g);
   const auto played = play("cellomobo/untouched.toml", options);

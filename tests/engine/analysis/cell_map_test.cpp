@@ -29,6 +29,7 @@ TEST_CASE("cell map: one box a cell, named rows and columns, safe text", "[analy
       {"kind", "delay [ms]", "strength", {"0", "1", "2"}, {"0.5", "1"}, {}, {{"#111111", "dead"}}});
   for (int i = 0; i < 6; ++i) page.maps.back().cells.push_back({"#123456", "R"});
   const auto svg = to_svg(page);
+  CHECK(test::well_formed(svg));
   CHECK(count(svg, "fill=\"#123456\"") == 6);
   CHECK(count(svg, ">R</text>") == 6);
   CHECK(svg.find("Kind &lt; of &quot;roll&quot;") != std::string::npos);

@@ -11,7 +11,7 @@ namespace {
 struct Folder : test::SceneFolder {
   LoadedScene load(const std::string& section) const {
     const auto text =
-        "format = 1\nduration = \"4 s\"\n[parts]\n"
+        "format = 1\ndelay = \"1 ms\"\nduration = \"4 s\"\n[parts]\n"
         "instrument = { use = \"instrument.toml\", mic = \"plant.mic\", pedal = 0 }\n"
         "plant = { use = \"plant.toml\", drive = \"instrument.woofer\", lift = 0 }\n"
         "[playability]\n" +
@@ -57,21 +57,22 @@ TEST_CASE("playability section: a tone has a pitch, a beginning and an end", "[s
 TEST_CASE("playability section: its mistakes come with line and column", "[scene]") {
   const Folder folder;
   CHECK(folder.mistakes("from = \"1 s\"\n") ==
-        "scene.toml:6:1: [playability] lacks 'kind'; there are 'roll' and 'tone'");
+        "scene.toml:7:1: [playability] lacks 'kind'; there are 'roll' and 'tone'");
   CHECK(folder.mistakes("kind = \"rol\"\n") ==
-        "scene.toml:7:8: nothing of kind 'rol' can be judged; did you mean 'roll'?");
+        "scene.toml:8:8: nothing of kind 'rol' can be judged; did you mean 'roll'?");
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\npitch = \"110 Hz\"\n")
-            .starts_with("scene.toml:9:1: unknown key 'pitch'"));
+            .starts_with("scene.toml:10:1: unknown key 'pitch'"));
   CHECK(folder.mistakes("kind = \"roll\"\n")
-            .starts_with("scene.toml:6:1: nothing called 'plant.contact' is recorded"));
+            .starts_with("scene.toml:7:1: nothing called 'plant.contact' is recorded"));
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stik\"\n") ==
-        "scene.toml:8:11: nothing called 'plant.stik' is recorded; did you mean 'plant.stick'?");
+        "scene.toml:9:11: nothing called 'plant.stik' is recorded; did you mean 'plant.stick'?");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\n") ==
-        "scene.toml:6:1: a tone needs the 'pitch' that is wanted; give it as in pitch = \"110 Hz\"");
+        "scene.toml:7:1: a tone needs the 'pitch' that is wanted; give it as in pitch = \"110 Hz\"");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"1 s\"\n")
-            .starts_with("scene.toml:9:9: '1 s' is in s, but 'pitch' is in Hz"));
-  CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\nfrom = \"3.5 s\"\n") ==
-        "scene.toml:9:8: less than a second is left to be judged; lower 'from', or give more time behind it");
+            .starts_with("scene.toml:10:9: '1 s' is in s, but 'pitch' is in Hz"));
+  CHECK(
+      folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\nfrom = \"3.5 s\"\n") ==
+      "scene.toml:10:8: less than a second is left to be judged; lower 'from', or give more time behind it");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"110 Hz\"\nbegin = \"2 s\"\n")
-            .starts_with("scene.toml:10:9: the tone begins after 'from'"));
+            .starts_with("scene.toml:11:9: the tone begins after 'from'"));
 }
