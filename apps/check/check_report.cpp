@@ -39,6 +39,7 @@ Json regime_json(const RegimeVerdict& regime) {
                   {"through", loop.way},
                   {"drive", loop.drive},
                   {"joint", loop.joint},
+                  {"integrates", loop.integrates()},
                   {"growth_per_s_below_border", loop.growth_below},
                   {"growth_per_s_above_border", loop.growth_above}});
     json["loops"].push_back(std::move(entry));
@@ -110,12 +111,15 @@ void print_loops(const StabilityVerdict& verdict) {
              "Hz", "peak gain", "more delay");
   for (const auto& regime : verdict.regimes)
     for (const auto& loop : regime.loops)
-      fmt::print(
-          "  {:28} {:8} {:24} {:>10} {:9.4g} {:10.3g} {:>10}\n", regime.name, regime.held ? "held" : "bare",
-          loop.at, loop.joint ? "passive" : decibels(loop.margin.border), loop.margin.border_hz,
-          loop.margin.peak,
-          std::isfinite(loop.margin.more_delay_s) ? fmt::format("{:.3g} ms", 1e3 * loop.margin.more_delay_s)
-                                                  : "any");
+      fmt::print("  {:28} {:8} {:24} {:>10} {:9.4g} {:10.3g} {:>10}\n", regime.name,
+                 regime.held ? "held" : "bare", loop.at,
+                 loop.joint          ? "passive"
+                 : loop.integrates() ? "integrates"
+                                     : decibels(loop.margin.border),
+                 loop.margin.border_hz, loop.margin.peak,
+                 std::isfinite(loop.margin.more_delay_s)
+                     ? fmt::format("{:.3g} ms", 1e3 * loop.margin.more_delay_s)
+                     : "any");
 }
 
 void print_stiff(const StabilityVerdict& verdict) {

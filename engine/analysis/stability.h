@@ -30,6 +30,8 @@ struct LoopVerdict {
   bool drive = false;            ///< one of the instrument's outputs: its delay is the system's
   bool joint = false;            ///< the port of a network: it gives back no more than it takes
   CutMargin margin;
+  /// It adds up what comes in: a root stands at z = 1 on purpose, and no gain was to be turned up.
+  bool integrates() const { return margin.border_hz == 0 && margin.border >= 1 && margin.border < 1 + 1e-6; }
   /// Of the root that crosses, a fiftieth below and above the border [1/s].
   double growth_below = 0, growth_above = 0;
 };

@@ -44,7 +44,7 @@ Weakest weakest(const StabilityVerdict& verdict) {
         if (const double border = stiff.stable_up_to / stiff.stiffness; springs && tells_more(border, found))
           found = {&regime, nullptr, &stiff, border};
       for (const auto& loop : regime.loops)
-        if (!springs && !loop.joint && tells_more(loop.margin.border, found))
+        if (!springs && !loop.joint && !loop.integrates() && tells_more(loop.margin.border, found))
           found = {&regime, &loop, nullptr, loop.margin.border};
     }
     // A spring says more than the loop that it stands in.

@@ -230,6 +230,28 @@ out = { from = "sum" }
   CHECK(verdict.open[0].peak == Approx(5).epsilon(1e-3));
 }
 
+TEST_CASE("stability: a sum that never forgets is no loop that breaks first", "[analysis]") {
+  // sum: z / (z - 1); the other loop has a gain of a half.
+  const auto verdict = judged(R"(
+format = 1
+[inputs]
+in = {}
+[nodes]
+sum    = "0.001 * in + before"
+before = { type = "delay", in = "sum", time = "1 / system.rate", interpolation = "none" }
+echo   = "in + 0.5 * back"
+back   = { type = "delay", in = "echo", time = "1 ms", interpolation = "none" }
+[outputs]
+out = { from = "sum + echo" }
+)",
+                              {});
+  CHECK(verdict.holds);
+  const auto& loops = verdict.regimes[0].loops;
+  REQUIRE(loops.size() == 2);
+  CHECK(loops[0].integrates() != loops[1].integrates());
+  CHECK(in_words(verdict)[0].find("margin 6.0 dB") != std::string::npos);
+}
+
 TEST_CASE("stability: every root of a loop that is only a delay is counted", "[analysis]") {
   // z^24 = -1.1: 24 roots, all at 24th root of 1.1, at odd multiples of 1 kHz.
   const auto verdict = judged(R"(
