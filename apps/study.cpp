@@ -10,9 +10,11 @@ void add_study(CLI::App& app, int& exit_code) {
   command->require_subcommand(0, 1);
   add_study_work_precision(*command, exit_code);
   add_study_stability(*command, exit_code);
+  add_study_bifurcation(*command, exit_code);
   command->footer(
       "Examples:\n  tactus study work-precision instruments/numerics/woofer\n"
       "  tactus study stability instruments/wall --report walls.svg\n"
+      "  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n"
       "Each study has its own --help.");
   command->callback([command] {
     if (command->get_subcommands().empty()) fmt::print("{}", command->help("tactus"));
