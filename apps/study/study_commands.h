@@ -8,5 +8,6 @@ namespace tactus::app {
 void add_study_work_precision(CLI::App& study, int& exit_code);
 void add_study_stability(CLI::App& study, int& exit_code);
 void add_study_playability(CLI::App& study, int& exit_code);
+void add_study_bifurcation(CLI::App& study, int& exit_code);
 
 }  // namespace tactus::app

@@ -58,12 +58,12 @@ std::vector<double> LoopScan::first_points() const {
   return points;
 }
 
-bool LoopScan::smooth(const Sample& a, const Sample& b) {
+bool LoopScan::smooth(const Sample& a, const Sample& b) const {
   const double step = std::abs(a.f - b.f);
   if (step > 0.5 * std::min(std::abs(a.f), std::abs(b.f))) return false;
   for (std::size_t c = 0; c < a.alone.size(); ++c)
     if (std::abs(a.alone[c] - b.alone[c]) >
-        0.5 * (0.2 + std::min(std::abs(a.alone[c]), std::abs(b.alone[c]))))
+        0.5 * (0.2 * heights_[c] + std::min(std::abs(a.alone[c]), std::abs(b.alone[c]))))
       return false;
   return true;
 }
@@ -72,6 +72,10 @@ void LoopScan::refine(std::vector<double> points) {
   constexpr double kClosest = 1e-13;
   std::vector<Sample> ahead;
   for (auto p = points.rbegin(); p != points.rend(); ++p) ahead.push_back(sample(*p));
+  heights_.assign(group_.cuts().size(), 0.0);
+  for (const auto& s : ahead)
+    for (std::size_t c = 0; c < heights_.size(); ++c)
+      heights_[c] = std::max(heights_[c], std::min(1.0, std::abs(s.alone[c])));
   while (!ahead.empty()) {
     if (!samples_.empty() && samples_.size() + ahead.size() < kMostPoints) {
       const double from = samples_.back().radians, to = ahead.back().radians;

@@ -66,7 +66,7 @@ class LoopScan {
   std::vector<double> first_points() const;
   std::vector<std::complex<double>> first_guesses(std::size_t most) const;
   void refine(std::vector<double> points);
-  static bool smooth(const Sample& a, const Sample& b);
+  bool smooth(const Sample& a, const Sample& b) const;
   std::vector<Crossing> crossings(int cut) const;
   std::optional<Crossing> crossing_between(double a, double b, int cut) const;
   void find_border(int cut, const std::vector<Crossing>& crossings, CutMargin& margin) const;
@@ -79,6 +79,7 @@ class LoopScan {
   double radius_;
   std::vector<std::complex<double>> poles_;  ///< of the networks in the loop
   std::vector<Sample> samples_;              ///< from 0 to half the rate
+  std::vector<double> heights_;  ///< of each cut's L among the first points, at most 1: what counts as near 0
 };
 
 }  // namespace tactus

@@ -31,8 +31,8 @@ struct Signal {
   bool constant() const { return stride == 0; }
 };
 
-/// What a node works on: `frames` frames, the first of which is number `first_frame` since the engine
-/// started. Inputs and outputs stand in the order of the declaration.
+/// What a node works on: `frames` frames at its own rate, the first of which is number `first_frame` since
+/// the engine started. Inputs and outputs stand in the order of the declaration.
 struct NodeBlock {
   const Signal* in = nullptr;
   double* const* out = nullptr;

@@ -1,0 +1,109 @@
+#include "apps/study/bifurcation_report.h"
+
+#include <fmt/format.h>
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const std::vector<BifurcationColumn>& columns) {
+  auto list = Json::array();
+  for (const auto& column : columns)
+    list.push_back({{"value", column.value},
+                    {"period", column.period},
+                    {"landing_speeds_m_per_s", column.speeds},
+                    {"landing_phases", column.phases}});
+  return list;
+}
+
+Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+std::string period_name(int period) { return period == 0 ? "none" : fmt::format("{}", period); }
+
+/// Neighbouring columns that do the same, on one line.
+std::string columns_text(const std::vector<BifurcationColumn>& columns) {
+  std::string text = "  from        to          landings until it repeats\n";
+  for (std::size_t i = 0; i < columns.size();) {
+    std::size_t end = i;
+    while (end < columns.size() && columns[end].period == columns[i].period) ++end;
+    text += fmt::format("  {:<11.5g} {:<11.5g} {}\n", columns[i].value, columns[end - 1].value,
+                        period_name(columns[i].period));
+    i = end;
+  }
+  return text;
+}
+
+std::string found(const std::optional<double>& value, double exact) {
+  return value ? fmt::format("{:.4f} ({:+.2f} %)", *value, 100 * (*value / exact - 1)) : "not seen";
+}
+
+std::string doublings_text(const Bifurcation& study) {
+  if (study.doublings.empty()) return {};
+  auto text =
+      fmt::format("\n  {:<10} {:>10} {:>22} {:>22}\n", "landings", "exact", "simulated", "exact map, swept");
+  for (const auto& doubling : study.doublings)
+    text += fmt::format("  {:<10} {:>10.6f} {:>22} {:>22}\n",
+                        fmt::format("{} to {}", doubling.bounces, 2 * doubling.bounces), doubling.exact,
+                        found(doubling.simulated, doubling.exact), found(doubling.swept, doubling.exact));
+  return text;
+}
+
+PlotSeries points(const std::vector<BifurcationColumn>& columns, const std::string& label, PlotColor color,
+                  std::vector<double> BifurcationColumn::*of) {
+  PlotSeries series{.label = label, .mark = PlotMark::Points, .color = color};
+  for (const auto& column : columns)
+    for (const double value : column.*of) {
+      series.x.push_back(column.value);
+      series.y.push_back(value);
+    }
+  return series;
+}
+
+LogPlot plot(const Bifurcation& study, const std::string& title, PlotAxis y,
+             std::vector<double> BifurcationColumn::*of) {
+  y.log = false;
+  LogPlot plot{.title = title, .x = {.label = study.control, .log = false}, .y = std::move(y)};
+  if (!study.exact.empty()) plot.series.push_back(points(study.exact, "ideal ball", PlotColor::Grey, of));
+  plot.series.push_back(points(study.simulated, "simulated", PlotColor::Blue, of));
+  return plot;
+}
+
+}  // namespace
+
+Json json_of(const Bifurcation& study) {
+  Json json{{"scene", study.scene},
+            {"control", study.control},
+            {"frequency_hz", study.frequency_hz},
+            {"restitution", study.restitution},
+            {"measured_restitution", study.measured_restitution},
+            {"doublings", Json::array()}};
+  for (const auto& doubling : study.doublings)
+    json["doublings"].push_back({{"from_landings", doubling.bounces},
+                                 {"exact", doubling.exact},
+                                 {"simulated", number(doubling.simulated)},
+                                 {"exact_map_swept", number(doubling.swept)}});
+  json["simulated"] = json_of(study.simulated);
+  json["exact"] = json_of(study.exact);
+  return json;
+}
+
+std::string text_of(const Bifurcation& study) {
+  auto text = fmt::format("{}: {} swept up, {:g} Hz\n", study.scene, study.control, study.frequency_hz);
+  text += study.measured_restitution > 0
+              ? fmt::format("restitution {:.4f} as measured, {:.4f} of the ideal ball\n\n",
+                            study.measured_restitution, study.restitution)
+              : std::string{"no landings that repeat one by one: no restitution measured\n\n"};
+  return text + columns_text(study.simulated) + doublings_text(study);
+}
+
+std::vector<LogPlot> picture_of(const Bifurcation& study) {
+  auto speeds =
+      plot(study, study.scene, {.label = "speed of landing", .unit = "m/s"}, &BifurcationColumn::speeds);
+  speeds.subtitle = fmt::format("{} swept up; restitution {:.3f}", study.control, study.restitution);
+  return {speeds,
+          plot(study, "", {.label = "moment of landing, in periods of the drive", .low = 0, .high = 1},
+               &BifurcationColumn::phases)};
+}
+
+}  // namespace tactus::app

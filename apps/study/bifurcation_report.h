@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "engine/analysis/bifurcation.h"
+#include "engine/analysis/log_plot.h"
+
+namespace tactus::app {
+
+// What a study of bouncing tells: for machines, for people, and as a picture.
+
+nlohmann::ordered_json json_of(const Bifurcation& study);
+std::string text_of(const Bifurcation& study);
+std::vector<LogPlot> picture_of(const Bifurcation& study);
+
+}  // namespace tactus::app
