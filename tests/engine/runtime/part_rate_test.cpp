@@ -304,6 +304,9 @@ TEST_CASE("part rate: an edit of a part moves there at the part's rate, the same
   CHECK(test::first_difference(plain, moved) != "");
   CHECK(test::first_difference(moved, play_edit(edited, 1)) == "");
   CHECK(test::first_difference(moved, play_edit(edited, 77)) == "");
+  // Another rate is made of other nodes, which take over what they can.
+  const auto faster = rich_user("rate = \"1/8\"");
+  CHECK(test::first_difference(play_edit(faster, 64), play_edit(faster, 5)) == "");
 }
 
 TEST_CASE("part rate: a part at a sixteenth runs a sixteenth of the frames", "[runtime]") {
