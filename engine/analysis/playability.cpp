@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 
 #include "engine/analysis/all_cores.h"
 #include "engine/analysis/kept_runs.h"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "engine/analysis/cell_map.h"
 #include "engine/analysis/svg.h"
