@@ -3,8 +3,6 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
-#include "engine/physics/wide.h"
-
 namespace tactus {
 namespace {
 
@@ -87,7 +85,10 @@ void SparseSolver::solve_chain(std::span<double> b) const noexcept {
 
 void SparseSolver::solve(std::span<double> b, std::span<double> work) const noexcept {
   const std::size_t n = inverse_.size();
-  if (diagonal()) return multiply(inverse_.data(), n, b.data());
+  if (diagonal()) {
+    for (std::size_t i = 0; i < n; ++i) b[i] *= inverse_[i];
+    return;
+  }
   if (chain_) return solve_chain(b);
   if (in_order_)
     std::copy(b.begin(), b.end(), work.begin());
