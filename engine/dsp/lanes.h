@@ -37,6 +37,10 @@ struct Lanes {
   Lanes moved_up(Lanes before) const noexcept {
     return {__builtin_shufflevector(before.all, all, 7, 8, 9, 10, 11, 12, 13, 14)};
   }
+  /// Every lane from the one above it; the highest from the lowest of `after`.
+  Lanes moved_down(Lanes after) const noexcept {
+    return {__builtin_shufflevector(all, after.all, 1, 2, 3, 4, 5, 6, 7, 8)};
+  }
   friend Lanes operator+(Lanes a, Lanes b) noexcept { return {_mm512_add_pd(a.all, b.all)}; }
   friend Lanes operator-(Lanes a, Lanes b) noexcept { return {_mm512_sub_pd(a.all, b.all)}; }
   friend Lanes operator*(Lanes a, Lanes b) noexcept { return {_mm512_mul_pd(a.all, b.all)}; }
@@ -80,6 +84,10 @@ struct Lanes {
   Lanes moved_up(Lanes before) const noexcept {
     return {__builtin_shufflevector(before.high, low, 3, 4, 5, 6),
             __builtin_shufflevector(low, high, 3, 4, 5, 6)};
+  }
+  Lanes moved_down(Lanes after) const noexcept {
+    return {__builtin_shufflevector(low, high, 1, 2, 3, 4),
+            __builtin_shufflevector(high, after.low, 1, 2, 3, 4)};
   }
   friend Lanes operator+(Lanes a, Lanes b) noexcept {
     return {_mm256_add_pd(a.low, b.low), _mm256_add_pd(a.high, b.high)};
@@ -137,6 +145,9 @@ struct Lanes {
   }
   Lanes moved_up(const Lanes& before) const noexcept {
     return each([&](int i) { return i == 0 ? before.lane[kCount - 1] : lane[i - 1]; });
+  }
+  Lanes moved_down(const Lanes& after) const noexcept {
+    return each([&](int i) { return i + 1 == kCount ? after.lane[0] : lane[i + 1]; });
   }
   friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept {
     return each([&](int i) { return a.lane[i] + b.lane[i]; });

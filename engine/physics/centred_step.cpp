@@ -1,24 +1,11 @@
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "engine/physics/centred_scheme.h"
 #include "engine/physics/index.h"
+#include "engine/physics/wide.h"
 
 namespace tactus {
-namespace {
-
-// Vector instructions whatever the compiler's mood; sums and products of single numbers, so the same bits.
-auto array(Numbers& numbers, std::size_t from, std::size_t count) {
-  return Eigen::Map<Eigen::ArrayXd>(numbers.data() + from, static_cast<Eigen::Index>(count));
-}
-template <class List>
-auto array(const List& numbers, std::size_t from, std::size_t count) {
-  return Eigen::Map<const Eigen::ArrayXd>(numbers.data() + from, static_cast<Eigen::Index>(count));
-}
-
-}  // namespace
-
 /// Positions before the start, from position, velocity and acceleration at the start: consistent to second
 /// order. Inputs count as 0 before the start, which makes the first step exact for any first input. Schemes
 /// that solve for A bend these forces by A^-1 (M/k^2) A^-1 in place of k^2/m: the same to second order, and
@@ -68,13 +55,9 @@ void CentredScheme::start(NetworkState& state) const noexcept {
 
 void CentredScheme::bend(NetworkState& state) const noexcept {
   const auto masses = model_.mass.size();
-  const auto scale = array(model_.scale, 0, masses);
-  if (!factored()) {
-    array(state.change, 0, masses) *= scale;
-    return;
-  }
+  if (!factored()) return multiply(model_.scale.data(), masses, state.change.data());
   solver_.solve({state.change.data(), masses}, state.work);
-  array(state.change, 0, masses) /= scale;
+  for (std::size_t i = 0; i < masses; ++i) state.change[i] /= model_.scale[i];
   solver_.solve({state.change.data(), masses}, state.work);
 }
 
@@ -87,9 +70,9 @@ void CentredScheme::store_energy(NetworkState& state) const noexcept { couplings
 
 void CentredScheme::step(NetworkState& state) const noexcept {
   start_forces(state);
-  move_driven(state);
+  if (!model_.motions.empty()) move_driven(state);
   add_applied(state);
-  add_coils(state);
+  if (!model_.coils.empty()) add_coils(state);
   if (factored()) solver_.solve({state.change.data(), model_.mass.size()}, state.work);
   if (!couplings_.empty()) {
     couplings_.solve(state);
@@ -99,8 +82,8 @@ void CentredScheme::step(NetworkState& state) const noexcept {
       push(state);
     couplings_.finish(state);
   }
-  step_currents(state);
-  send_waves(state);
+  if (!model_.coils.empty()) step_currents(state);
+  if (!model_.ports.empty()) send_waves(state);
   if (state.audit) audit(state);
   advance(state);
 }
@@ -173,19 +156,20 @@ void CentredScheme::send_waves(NetworkState& state) const noexcept {
 
 /// u+ = u + e, q+ = q + u+, where the explicit solver's e is still k^2/m away.
 void CentredScheme::advance(NetworkState& state) const noexcept {
-  const auto masses = model_.mass.size(), moving = masses + model_.motions.size();
-  const auto scaled = factored() ? 0 : masses;
-  if (in_row_) {
-    row_.step(state.position.data(), state.moved.data(), state.moved_before.data(), state.change.data());
-  } else {
-    array(state.moved_before, 0, scaled) =
-        array(state.moved, 0, scaled) + array(model_.scale, 0, scaled) * array(state.change, 0, scaled);
-    array(state.position, 0, scaled) += array(state.moved_before, 0, scaled);
-  }
-  const auto rest = moving - scaled;
-  array(state.moved_before, scaled, rest) =
-      array(state.moved, scaled, rest) + array(state.change, scaled, rest);
-  array(state.position, scaled, rest) += array(state.moved_before, scaled, rest);
+  const auto masses = model_.mass.size();
+  double *q = state.position.data(), *u = state.moved.data(), *e = state.change.data();
+  double* u_next = state.moved_before.data();
+  if (in_row_)
+    row_.step(q, u, u_next, e);
+  else if (!factored())
+    multiply(model_.scale.data(), masses, e);
+  const auto first = in_row_ ? masses : 0;
+  const auto go = [=]<class Wide>(std::size_t i) {
+    const Wide moving = load<Wide>(u + first + i) + load<Wide>(e + first + i);
+    store(moving, u_next + first + i);
+    store(load<Wide>(q + first + i) + moving, q + first + i);
+  };
+  for_all(masses + model_.motions.size() - first, go);
   state.moved.swap(state.moved_before);
 }
 

@@ -3,12 +3,14 @@
 #include <span>
 #include <vector>
 
+#include "engine/physics/numbers.h"
+
 namespace tactus {
 
 /// The linear forces in a network: y = c - K q - B u, where row i belongs to mass i,
 /// K and B are symmetric between masses, and the columns are the
 /// masses and after them the driven points. Entries that lie along diagonals (chains, grids) are stored by
-/// diagonals and run at the speed of the memory; the rest one by one, sorted by mass.
+/// diagonals and run at the speed of the memory; the rest mass by mass.
 class LinkOperator {
  public:
   struct Entry {
@@ -29,16 +31,31 @@ class LinkOperator {
  private:
   struct Diagonal {
     int offset, first, count;  // rows first ... first + count - 1; column = row + offset
-    std::vector<double> k, b;
+    Numbers k, b;
   };
   void split();
   bool is_chain() const;
+  bool few() const;
+  struct ChainPass;
+  template <bool BelowFirst>
   void apply_chain(const double* q, const double* u, double* y) const noexcept;
   void apply_diagonals(const double* q, const double* u, double* y) const noexcept;
 
-  std::vector<Entry> entries_, scattered_;
+  void apply_scattered(const double* q, const double* u, double* y) const noexcept;
+
+  std::vector<Entry> entries_;
   std::vector<Diagonal> diagonals_;
-  std::vector<double> constant_;
+  /// Entries `first` ... before that of the next row; the last row is an end.
+  struct Row {
+    int row, first;
+  };
+  struct Scattered {
+    int column;
+    double k, b;
+  };
+  std::vector<Row> rows_;
+  std::vector<Scattered> scattered_;
+  Numbers constant_;
   bool chain_ = false;  ///< diagonals -1, 0 and 1, all complete
 };
 

@@ -2,40 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
-#include "engine/dsp/lanes.h"
+#include "engine/physics/index.h"
+#include "engine/physics/wide.h"
 
 namespace tactus {
 
-/// Where all numbers are. The same sums and products for one mass or for a register full of them, so the bits
-/// do not tell which.
+/// Where all numbers are.
 struct MassRow::Pass {
   const double *k, *b, *own_k, *own_b, *scale, *u, *push;
   double *q, *u_next;
 
   template <class Wide>
-  static Wide load(const double* x) noexcept {
-    if constexpr (std::is_same_v<Wide, double>)
-      return *x;
-    else
-      return Wide::load(x);
+  struct Constants {
+    Wide k, b, own_k, own_b, scale;
+  };
+  template <class Wide>
+  Constants<Wide> constants(int i) const noexcept {
+    return {load<Wide>(k + i), load<Wide>(b + i), load<Wide>(own_k + i), load<Wide>(own_b + i),
+            load<Wide>(scale + i)};
   }
-  static void store(double x, double* to) noexcept { *to = x; }
-  static void store(const Lanes& x, double* to) noexcept { x.store(to); }
-  static double moved_up(double, double below) noexcept { return below; }
-  static Lanes moved_up(const Lanes& above, const Lanes& below) noexcept { return above.moved_up(below); }
 
-  /// From the tension below mass i to the one above it, which it has with mass `next`.
+  /// From the tension below mass i to the one above it; `next` is the mass after the last one of `Wide`.
   template <bool Pushed, class Wide>
-  Wide advance(int i, int next, const Wide& below) const noexcept {
+  Wide advance(int i, int next, const Constants<Wide>& c, const Wide& below) const noexcept {
     const Wide here = load<Wide>(q + i), moved = load<Wide>(u + i);
-    const Wide above = load<Wide>(k + i) * (load<Wide>(q + next) - here) +
-                       load<Wide>(b + i) * (load<Wide>(u + next) - moved);
-    Wide force =
-        (above - moved_up(above, below)) - (load<Wide>(own_k + i) * here + load<Wide>(own_b + i) * moved);
+    const Wide above =
+        c.k * (moved_down(here, q + next) - here) + c.b * (moved_down(moved, u + next) - moved);
+    Wide force = (above - moved_up(above, below)) - (c.own_k * here + c.own_b * moved);
     if constexpr (Pushed) force = force + load<Wide>(push + i);
-    const Wide moving = moved + load<Wide>(scale + i) * force;
+    const Wide moving = moved + c.scale * force;
     store(moving, u_next + i);
     store(here + moving, q + i);
     return above;
@@ -43,10 +39,15 @@ struct MassRow::Pass {
 };
 
 /// Goes upwards: what lies above still is where it was, what lies below is known by its tension.
-template <bool Pushed>
+template <MassRow::Run::Kind kind>
 Lanes MassRow::step_lanes(const Pass& where, const Run& run, Lanes below) noexcept {
   const Pass pass = where;  // a copy that no store of a register can be thought to change
-  for (int i = run.first; i < run.last; i += Lanes::kCount) below = pass.advance<Pushed>(i, i + 1, below);
+  const int last = run.last;
+  auto constants = pass.constants<Lanes>(run.first);
+  for (int i = run.first; i < last; i += Lanes::kCount) {
+    if constexpr (kind != Run::Kind::Alike) constants = pass.constants<Lanes>(i);
+    below = pass.advance<kind == Run::Kind::Pushed>(i, i + Lanes::kCount, constants, below);
+  }
   return below;
 }
 
@@ -71,37 +72,52 @@ MassRow::MassRow(std::span<const LinkOperator::Entry> links, std::span<const dou
   let_push(std::vector<bool>(scale.size()));
 }
 
-/// The last mass has none above it; without vector registers one by one is faster than eight by eight.
-int MassRow::in_lanes() const {
-  return Lanes::kInRegisters ? std::max(0, masses() - 1) / Lanes::kCount * Lanes::kCount : 0;
+/// The last mass has none above it.
+int MassRow::wide() const { return in_lanes(masses() - 1); }
+
+bool MassRow::alike(int one, int other) const {
+  const auto same = [&](const Numbers& list) { return list[index(one)] == list[index(other)]; };
+  return same(k_) && same(b_) && same(own_k_) && same(own_b_) && same(scale_);
+}
+
+MassRow::Run::Kind MassRow::kind_of(int first, const std::vector<bool>& pushed) const {
+  auto kind = Run::Kind::Alike;
+  for (int i = first; i < first + Lanes::kCount; ++i) {
+    if (pushed[index(i)]) return Run::Kind::Pushed;
+    if (!alike(i, first)) kind = Run::Kind::Own;
+  }
+  return kind;
 }
 
 void MassRow::let_push(const std::vector<bool>& masses) {
   runs_.clear();
-  for (int i = 0; i < in_lanes(); i += Lanes::kCount) {
-    const auto first = masses.begin() + i;
-    const bool pushed = std::find(first, first + Lanes::kCount, true) != first + Lanes::kCount;
-    if (runs_.empty() || runs_.back().pushed != pushed) runs_.push_back({i, i, pushed});
+  for (int i = 0; i < wide(); i += Lanes::kCount) {
+    const auto kind = kind_of(i, masses);
+    const bool goes_on = !runs_.empty() && runs_.back().kind == kind &&
+                         (kind != Run::Kind::Alike || alike(i, runs_.back().first));
+    if (!goes_on) runs_.push_back({kind, i, i});
     runs_.back().last = i + Lanes::kCount;
   }
 }
 
 void MassRow::fill(const double* rest, double* push) const noexcept {
+  const auto copy = [&](int first, int last) { copy_samples(rest + first, last - first, push + first); };
   for (const auto& run : runs_)
-    if (run.pushed) std::copy(rest + run.first, rest + run.last, push + run.first);
-  std::copy(rest + in_lanes(), rest + masses(), push + in_lanes());
+    if (run.kind == Run::Kind::Pushed) copy(run.first, run.last);
+  copy(wide(), masses());
 }
 
 void MassRow::step(double* q, const double* u, double* u_next, const double* push) const noexcept {
+  using Kind = Run::Kind;
   const Pass pass{k_.data(), b_.data(), own_k_.data(), own_b_.data(), scale_.data(), u, push, q, u_next};
   Lanes below = Lanes::same(0.0);
   for (const auto& run : runs_)
-    below = run.pushed ? step_lanes<true>(pass, run, below) : step_lanes<false>(pass, run, below);
-  double tensions[Lanes::kCount];
-  below.store(tensions);
-  double tension = tensions[Lanes::kCount - 1];
-  for (int i = in_lanes(); i < masses(); ++i)
-    tension = pass.advance<true>(i, std::min(i + 1, masses() - 1), tension);
+    below = run.kind == Kind::Alike ? step_lanes<Kind::Alike>(pass, run, below)
+            : run.kind == Kind::Own ? step_lanes<Kind::Own>(pass, run, below)
+                                    : step_lanes<Kind::Pushed>(pass, run, below);
+  double tension = highest(below);
+  for (int i = wide(); i < masses(); ++i)
+    tension = pass.advance<true>(i, std::min(i + 1, masses() - 1), pass.constants<double>(i), tension);
 }
 
 }  // namespace tactus

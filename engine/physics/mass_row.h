@@ -14,7 +14,8 @@ namespace tactus {
 ///     e_i = s_i (f_i - f_i-1 - K_i q_i - B_i u_i + p_i)      K, B: to whatever stands still
 ///     u+ = u + e,   q+ = q + u+
 /// with q [m], u = q - q- [m], s = step^2 / mass [s^2/kg], and p [N] whatever else pushes. Each tension is
-/// worked out once and acts on both of its masses: action equals reaction to the bit.
+/// worked out once and acts on both of its masses: action equals reaction to the bit. Where neighbours are
+/// alike (chains, rings) their numbers stay in registers: of the memory only q, u and u+ are passed.
 class MassRow {
  public:
   MassRow() = default;
@@ -32,17 +33,20 @@ class MassRow {
   void step(double* q, const double* u, double* u_next, const double* push) const noexcept;
 
  private:
-  /// Masses that are stepped in lanes, first ... last - 1.
+  /// Masses that are stepped in lanes, first ... last - 1: all with the same numbers, each with its own, or
+  /// such that something may push.
   struct Run {
+    enum class Kind { Alike, Own, Pushed } kind;
     int first, last;
-    bool pushed;
   };
   struct Pass;
-  template <bool Pushed>
+  template <Run::Kind kind>
   static Lanes step_lanes(const Pass& where, const Run& run, Lanes below) noexcept;
 
   int masses() const { return static_cast<int>(scale_.size()); }
-  int in_lanes() const;
+  int wide() const;
+  bool alike(int one, int other) const;
+  Run::Kind kind_of(int first, const std::vector<bool>& pushed) const;
 
   Numbers k_, b_, own_k_, own_b_, scale_;
   std::vector<Run> runs_;

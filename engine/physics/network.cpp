@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "engine/dsp/lanes.h"
 #include "engine/physics/centred_scheme.h"
 #include "engine/physics/exact_scheme.h"
 #include "engine/physics/flow_scheme.h"
@@ -130,10 +131,10 @@ void Network::settle(NetworkState& state, const double* inputs) const noexcept {
 
 void Network::step(NetworkState& state, const double* inputs) const noexcept {
   if (!state.settled) settle(state, inputs);
-  std::fill(state.wave_back.begin(), state.wave_back.end(), 0.0);
+  for (auto& wave : state.wave_back) wave = 0.0;
   for (int part = 0; part < oversample_; ++part) substep(state, inputs, part);
   for (auto& wave : state.wave_back) wave /= oversample_;
-  std::copy_n(inputs, model_->signals, state.held.begin());
+  copy_samples(inputs, model_->signals, state.held.data());
 }
 
 /// A value held from frame to frame, as the scheme sees it in step `part` of a frame.
@@ -150,14 +151,14 @@ double Network::enter(NetworkState& state, const NetworkModel::Driven& driven, c
 }
 
 void Network::substep(NetworkState& state, const double* inputs, int part) const noexcept {
-  move_driven(state, inputs, part);
+  if (!model_->motions.empty()) move_driven(state, inputs, part);
   for (std::size_t i = 0; i < model_->forces.size(); ++i)
     state.force[i] = enter(state, model_->forces[i], inputs, part);
   for (std::size_t i = 0; i < model_->coils.size(); ++i)
     state.voltage[i] = enter(state, model_->coils[i].voltage, inputs, part);
   for (std::size_t i = 0; i < model_->ports.size(); ++i)
     state.wave[i] = now(model_->ports[i].wave.drive, inputs);  // a sample of a wave, not a held force
-  press(state, inputs, part);
+  if (!model_->frictions.empty()) press(state, inputs, part);
   scheme_->step(state);
 }
 

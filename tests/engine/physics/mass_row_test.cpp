@@ -7,6 +7,7 @@ using namespace tactus;
 
 TEST_CASE("mass_row: vector registers and masses one by one give the same bits", "[physics]") {
   const int count = GENERATE(1, 8, 9, 17, 100);
+  const bool alike = GENERATE(false, true);
   const auto n = static_cast<std::size_t>(count);
   std::mt19937 bits(1);
   const auto random = [&bits] { return static_cast<double>(bits()) / 4294967296.0; };
@@ -15,11 +16,12 @@ TEST_CASE("mass_row: vector registers and masses one by one give the same bits",
     for (auto& x : list) x = random();
     return list;
   };
-  const auto k = numbers(), b = numbers(), scale = numbers(), u = numbers();
+  const auto constants = [&] { return alike ? Numbers(n, random()) : numbers(); };
+  const auto k = constants(), b = constants(), scale = constants(), u = numbers();
   auto q = numbers();
   Numbers push(n);
   std::vector<bool> pushed(n);
-  for (std::size_t i = 0; i < n; i += 11) pushed[i] = true, push[i] = random();
+  for (std::size_t i = 0; i < n; i += alike ? 50 : 11) pushed[i] = true, push[i] = random();
   std::vector<LinkOperator::Entry> links, left;
   for (int i = 0; i < count; ++i) {
     const auto here = static_cast<std::size_t>(i);
