@@ -67,6 +67,8 @@ Json network_json(const NetworkVerdict& network) {
           {"holds_at_every_rate", !network.needed_hz.has_value()},
           {"needs_hz", network.needed_hz ? finite(*network.needed_hz) : Json()},
           {"weakest", network.weakest},
+          {"contact_steps", finite(network.contact_steps)},
+          {"contact_too_deep", network.too_deep},
           {"holds", network.holds}};
 }
 

@@ -165,13 +165,24 @@ class Judge {
       verdict.rate_hz = recipe.rate.value * recipe.oversample;
       if (const auto needed = model.needed_rate()) verdict.needed_hz = needed->value;
       verdict.weakest = model.weakest();
-      verdict.holds = !model.grows();
+      judge_contacts(recipe, verdict);
+      verdict.grows = model.grows();
+      verdict.holds = !verdict.grows && verdict.contacts_hold();
       verdict_.networks.push_back(std::move(verdict));
     }
     if (verdict_.not_looked_at.empty())
       for (const auto& path : graph.not_looked_at)
         if (EventLoops{graph}.go_through(path))
           verdict_.not_looked_at.push_back("the loops through network '" + path + "'");
+  }
+
+  /// Of the explicit solver: the others bound what a contact gives back, however short it is.
+  static void judge_contacts(const NetworkRecipe& recipe, NetworkVerdict& verdict) {
+    if (recipe.solver != Solver::Explicit) return;
+    const auto demand = contact_demand(recipe.elements);
+    for (const auto& strike : demand.strikes)
+      verdict.contact_steps = std::min(verdict.contact_steps, strike.time_s * verdict.rate_hz);
+    verdict.too_deep = demand.stiffness > kStiffestContact * verdict.rate_hz * verdict.rate_hz;
   }
 
   void judge_events(const RestingWorld& world) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "engine/analysis/stability_roots.h"
 #include "engine/analysis/stability_world.h"
+#include "engine/physics/solver_choice.h"
 
 namespace tactus {
 
@@ -20,6 +22,12 @@ struct NetworkVerdict {
   double rate_hz = 0;                    ///< that it runs at: rate times oversample
   std::optional<double> needed_hz = {};  ///< the least; nullopt: it holds at every rate, infinite: at none
   std::string weakest = {};              ///< what would grow first
+  /// Steps in the shortest strike at 1 m/s; below kFewestContactSteps explicit contacts make energy. Infinite
+  /// where none is stepped so.
+  double contact_steps = std::numeric_limits<double>::infinity();
+  bool too_deep = false;  ///< what it starts with presses an explicit contact too stiff for the rate
+  bool contacts_hold() const { return contact_steps >= kFewestContactSteps && !too_deep; }
+  bool grows = false;  ///< its linear part
   bool holds = true;
 };
 

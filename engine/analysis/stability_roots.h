@@ -32,7 +32,7 @@ struct CutMargin {
 };
 
 /// Looks at f(z) = det(1 - R(z)) of a loop group along the circle |z| = 1 + tiny, on which a root doubles in
-/// a quarter of an hour, with points so close that f never turns by more than a fraction from one to the
+/// two hours, with points so close that f never turns by more than a fraction from one to the
 /// next.
 class LoopScan {
  public:
@@ -51,7 +51,7 @@ class LoopScan {
   std::size_t points() const { return samples_.size(); }
 
   /// Growth per second of the circle.
-  static constexpr double kSlowest = 1e-3;
+  static constexpr double kSlowest = 1e-4;
 
  private:
   struct Sample {

@@ -53,6 +53,11 @@ Weakest weakest(const StabilityVerdict& verdict) {
   return found;
 }
 
+bool several_drives(const StabilityVerdict& verdict) {
+  const auto& loops = verdict.regimes.front().loops;
+  return std::count_if(loops.begin(), loops.end(), [](const auto& loop) { return loop.drive; }) > 1;
+}
+
 const LoopVerdict* widest_drive(const RegimeVerdict& regime) {
   for (const auto& loop : regime.loops)
     if (loop.drive) return &loop;
@@ -64,7 +69,7 @@ std::string headline(const StabilityVerdict& verdict, const Weakest& first) {
       fmt::format("at {:g} kHz with a delay of {:.4g} ms", verdict.rate.value / 1e3, 1e3 * verdict.delay_s);
   if (!verdict.holds) return "does not hold " + at;
   const auto stable = (verdict.outside_known ? "stable " : "stable by itself ") + at;
-  if (first.regime == nullptr) return stable + ": no loop in it can grow, whatever its gain";
+  if (first.regime == nullptr) return stable + ": no loop is closed as it stands";
   const double hertz = first.stiff != nullptr ? first.stiff->border_hz : first.loop->margin.border_hz;
   return fmt::format("{}: margin {:.1f} dB at {:.4g} Hz", stable, decibels(first.border), hertz);
 }
@@ -96,7 +101,13 @@ void tell_first(const Weakest& first, std::vector<std::string>& words) {
                               joined(first.loop->way), first.border));
 }
 
-void tell_room(const Weakest& first, std::vector<std::string>& words) {
+void tell_room(const StabilityVerdict& verdict, const Weakest& first, std::vector<std::string>& words) {
+  if (several_drives(verdict)) {
+    words.emplace_back(
+        "several drives: each margin is that of one drive alone; all together have less room, for gain and "
+        "for delay");
+    return;
+  }
   const auto* drive = first.regime == nullptr ? nullptr : widest_drive(*first.regime);
   if (drive != nullptr && drive->margin.more_delay_s > 0 && std::isfinite(drive->margin.more_delay_s))
     words.push_back(fmt::format("room for delay: {:.3g} ms more", 1e3 * drive->margin.more_delay_s));
@@ -111,8 +122,14 @@ void tell_controls(const StabilityVerdict& verdict, std::vector<std::string>& wo
 }
 
 void tell_change(const StabilityVerdict& verdict, const Weakest& first, std::vector<std::string>& words) {
-  if (first.regime == nullptr || verdict.holds) return;
+  if (verdict.holds) return;
   std::vector<std::string> ways;
+  if (first.regime == nullptr)
+    for (const auto& regime : verdict.regimes)
+      for (const auto& stiff : regime.stiff)
+        if (!regime.held && !regime.holds())
+          ways.push_back(fmt::format("give '{}' less than its {} (it grows together with others)", stiff.path,
+                                     newtons_per_metre(std::abs(stiff.stiffness))));
   if (first.stiff != nullptr)
     ways.push_back(fmt::format("give '{}' less than {}", first.stiff->path,
                                newtons_per_metre(std::abs(first.stiff->stable_up_to))));
@@ -124,7 +141,7 @@ void tell_change(const StabilityVerdict& verdict, const Weakest& first, std::vec
                                  control.holds_low ? "below" : "above",
                                  in_unit(*control.border, control.control.unit)));
   if (verdict.delay_s > 0) ways.emplace_back("shorten the delay");
-  words.push_back(fmt::format("to change one of these: {}", fmt::join(ways, "; ")));
+  if (!ways.empty()) words.push_back(fmt::format("to change one of these: {}", fmt::join(ways, "; ")));
 }
 
 /// Of each spring the least that it holds up to, over all that it can be in while a fingertip holds the
@@ -170,7 +187,18 @@ void tell_outside(const StabilityVerdict& verdict, std::vector<std::string>& wor
 
 void tell_networks(const StabilityVerdict& verdict, std::vector<std::string>& words) {
   for (const auto& network : verdict.networks) {
-    if (network.holds) continue;
+    if (!network.contacts_hold())
+      words.push_back(
+          network.contact_steps < kFewestContactSteps
+              ? fmt::format(
+                    "network '{}': a strike at 1 m/s lasts {:.2g} steps, fewer than {:g}, and "
+                    "explicit contacts make energy then: oversample = {:.0f}, or solver = \"passive\"",
+                    network.path, network.contact_steps, kFewestContactSteps,
+                    std::ceil(kFewestContactSteps / network.contact_steps))
+              : fmt::format("network '{}': what it starts with presses a contact too stiff for explicit "
+                            "steps, which make energy then: more steps, or solver = \"passive\"",
+                            network.path));
+    if (network.holds || !network.grows) continue;
     std::string line = fmt::format("network '{}' ({}) grows by itself: spectral radius {:.9g}", network.path,
                                    network.regime, network.radius);
     if (!network.weakest.empty()) line += ", carried by " + network.weakest;
@@ -211,7 +239,7 @@ std::vector<std::string> in_words(const StabilityVerdict& verdict) {
   tell_crests(verdict, words);
   tell_first(first, words);
   tell_change(verdict, first, words);
-  tell_room(first, words);
+  tell_room(verdict, first, words);
   if (verdict.holds) tell_controls(verdict, words);
   tell_held(verdict, words);
   tell_events(verdict, words);

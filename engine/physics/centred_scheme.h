@@ -54,6 +54,7 @@ class CentredScheme final : public Scheme {
   explicit CentredScheme(const NetworkModel& model, Kind kind) : model_(model), kind_(kind) {}
   bool factored() const { return kind_ != Kind::Explicit; }
   Status factor();
+  Status slow_start();
   Status couple();
   void line_up(std::vector<double> constant);
 
@@ -64,6 +65,7 @@ class CentredScheme final : public Scheme {
   void push(NetworkState& state) const noexcept;
   void step_currents(NetworkState& state) const noexcept;
   void bend(NetworkState& state) const noexcept;
+  void slow(NetworkState& state) const noexcept;
   double softened(std::size_t coupling, double stiffness, double force) const noexcept;
   void send_waves(NetworkState& state) const noexcept;
   void advance(NetworkState& state) const noexcept;
@@ -83,6 +85,7 @@ class CentredScheme final : public Scheme {
   LinkOperator jumps_;
   std::vector<DrivenColumn> driven_columns_;
   SparseSolver solver_;
+  std::vector<double> start_velocity_;  ///< as the first step sees it
   Couplings couplings_;
 };
 

@@ -8,12 +8,10 @@
 namespace tactus {
 /// Positions before the start, from position, velocity and acceleration at the start: consistent to second
 /// order. Inputs count as 0 before the start, which makes the first step exact for any first input. Schemes
-/// that solve for A bend these forces by A^-1 (M/k^2) A^-1 in place of k^2/m: the same to second order, and
-/// nothing where springs and dampers are too stiff for the rate, which would else start with energy that is
-/// not there.
+/// that solve for A bend these forces by A^-1 in place of k^2/m, which is the trapezoidal rule's own step
+/// back: what is too stiff for the rate swings as far as it was drawn, and no farther.
 void CentredScheme::start(NetworkState& state) const noexcept {
-  for (std::size_t i = 0; i < model_.start_velocity.size(); ++i)
-    state.moved[i] = model_.k * model_.start_velocity[i];
+  for (std::size_t i = 0; i < start_velocity_.size(); ++i) state.moved[i] = model_.k * start_velocity_[i];
   state.touching.clear();
   for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
     const auto& contact = model_.contacts[c];
@@ -28,7 +26,8 @@ void CentredScheme::start(NetworkState& state) const noexcept {
         {.coupling = static_cast<int>(c),
          .force = softened(c, contact.law.stiffness(n), std::max(0.0, contact.law.force(n) * rate))});
   }
-  links_.apply(state.position.data(), state.moved.data(), state.change.data());
+  slow(state);
+  links_.apply(state.position.data(), state.moved_before.data(), state.change.data());
   for (const auto& force : model_.forces)
     if (force.low_pass >= 0 && model_.is_mass(force.slot))
       state.change[index(force.slot)] += state.low_pass[index(force.low_pass)].value;
@@ -53,11 +52,19 @@ void CentredScheme::start(NetworkState& state) const noexcept {
   store_energy(state);
 }
 
+/// What dampers see at the start, into `moved_before`: A^-1 (M/k^2) of the motion, so that those that stop a
+/// mass within a step give it nothing.
+void CentredScheme::slow(NetworkState& state) const noexcept {
+  std::copy(state.moved.begin(), state.moved.end(), state.moved_before.begin());
+  if (!factored()) return;
+  const auto masses = model_.mass.size();
+  for (std::size_t i = 0; i < masses; ++i) state.moved_before[i] /= model_.scale[i];
+  solver_.solve({state.moved_before.data(), masses}, state.work);
+}
+
 void CentredScheme::bend(NetworkState& state) const noexcept {
   const auto masses = model_.mass.size();
   if (!factored()) return multiply(model_.scale.data(), masses, state.change.data());
-  solver_.solve({state.change.data(), masses}, state.work);
-  for (std::size_t i = 0; i < masses; ++i) state.change[i] /= model_.scale[i];
   solver_.solve({state.change.data(), masses}, state.work);
 }
 

@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "engine/analysis/stability.h"
 #include "engine/nodes/table.h"
@@ -97,4 +100,33 @@ TEST_CASE("stability: against its stop a lever rings, and the delay turns a spri
     found = found ||
             (std::abs(root.frequency_hz - 50.33) < 0.1 && root.growth_per_s == Approx(growth).epsilon(0.02));
   CHECK(found);
+}
+
+TEST_CASE("stability: explicit contacts too short for the rate are refused, with the steps that they need",
+          "[analysis]") {
+  // A gram on 4e6 N/m touches for pi sqrt(m / K) = 49.7 us, 2.4 steps at 48 kHz: fewer than 5.
+  const auto text = [](const char* solver) {
+    return fmt::format(R"(format = 1
+[networks.n]
+solver = "{}"
+frame = {{ type = "ground" }}
+ball  = {{ type = "mass", mass = "1 g", at = "-1 mm", velocity = "1 m/s" }}
+wall  = {{ type = "contact", between = ["ball", "frame"], stiffness = "4e6 N/m", exponent = 1 }}
+[outputs]
+ball = {{ from = "n.ball.position", unit = "m" }}
+)",
+                       solver);
+  };
+  const auto verdict_of = [&](const char* solver) {
+    const auto graph = parse_graph_leniently(text(solver), "plant.toml");
+    auto verdict = judge_stability({nullptr, &graph, &standard_nodes()}, {});
+    REQUIRE(verdict);
+    return *verdict;
+  };
+  const auto refused = verdict_of("explicit");
+  CHECK_FALSE(refused.holds);
+  REQUIRE_FALSE(refused.networks.empty());
+  CHECK(refused.networks[0].contact_steps ==
+        Approx(std::numbers::pi * std::sqrt(1e-3 / 4e6) * 48000).epsilon(0.01));
+  CHECK(verdict_of("passive").holds);
 }

@@ -98,6 +98,43 @@ TEST_CASE("energy: what is far too stiff for the rate starts with the energy tha
   CHECK(largest(deep) < 1e9 * std::pow(1e-3, 2.5) / 2.5 * 1.01);
 }
 
+TEST_CASE("energy: two masses on a link too stiff for the rate swing as they were thrown", "[physics]") {
+  // 10 g and 10 g on 1e9 N/m, one at 1 m/s: half of 5 mJ swings, by v/2w each way, v/w between them; w k
+  // = 9.3.
+  const auto solver = GENERATE(Solver::Passive, Solver::Implicit, Solver::Exact);
+  CAPTURE(static_cast<int>(solver));
+  NetworkElements pair;
+  pair.points = {mass(0.01, 0.0, 1.0), mass(0.01, 0.0, 0.0)};
+  pair.springs = {{0, 1, 1e9, 0.0, 0.0}};
+  const auto network = Network::make(pair, 0, 48_kHz, solver, 1).value();
+  auto state = network.initial_state();
+  double most = network.energy(state), apart = 0.0;
+  for (int n = 0; n < 4800; ++n) {
+    network.step(state, nullptr);
+    most = std::max(most, network.energy(state));
+    apart = std::max(apart, std::abs(network.position(state, 0) - network.position(state, 1)));
+  }
+  CHECK(most < 5e-3 * 1.0001);
+  CHECK(apart < 1.0001 / std::sqrt(2e11));
+  CHECK(apart > 0.97 / std::sqrt(2e11));
+  // The centre of mass goes on at half a metre a second.
+  CHECK(0.5 * (network.position(state, 0) + network.position(state, 1)) == Approx(0.05).epsilon(1e-3));
+}
+
+TEST_CASE("energy: a spring too stiff for the rate swings as far as it was drawn", "[physics]") {
+  // A milligram on 1e9 N/m, 1 um out: w k = 659.
+  const auto solver = GENERATE(Solver::Passive, Solver::Implicit, Solver::Exact);
+  NetworkElements spring;
+  spring.points = {mass(1e-6, 1e-6, 0.0), ground(0.0)};
+  spring.springs = {{1, 0, 1e9, 0.0, 0.0}};
+  const auto network = Network::make(spring, 0, 48_kHz, solver, 1).value();
+  auto state = network.initial_state();
+  for (int n = 0; n < 4800; ++n) {
+    network.step(state, nullptr);
+    REQUIRE(std::abs(network.position(state, 0)) < 1.0001e-6);
+  }
+}
+
 TEST_CASE("energy: nothing but losses never gains", "[physics]") {
   NetworkElements elements;
   elements.points = {mass(0.0125, 0.01, -2.0), mass(0.035, 0.0, 0.0), mass(0.1, -0.01, 1.0), ground(-0.02),
