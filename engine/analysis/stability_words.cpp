@@ -187,7 +187,8 @@ void tell_outside(const StabilityVerdict& verdict, std::vector<std::string>& wor
 
 void tell_networks(const StabilityVerdict& verdict, std::vector<std::string>& words) {
   for (const auto& network : verdict.networks) {
-    if (!network.contacts_hold())
+    const bool first = &network == &verdict.networks.front() || (&network - 1)->path != network.path;
+    if (first && !network.contacts_hold())
       words.push_back(
           network.contact_steps < kFewestContactSteps
               ? fmt::format(
