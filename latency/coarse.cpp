@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "latency/median.h"
+#include "engine/core/median.h"
 
 namespace tactus {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "latency/median.h"
+#include "engine/core/median.h"
 
 namespace tactus {
 namespace {

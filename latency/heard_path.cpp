@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "latency/median.h"
+#include "engine/core/median.h"
 #include "latency/pilot_track.h"
 
 namespace tactus {

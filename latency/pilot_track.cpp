@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "engine/core/median.h"
 #include "latency/fourier.h"
-#include "latency/median.h"
 #include "latency/short_runs.h"
 
 namespace tactus {

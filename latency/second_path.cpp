@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/core/decibels.h"
-#include "latency/median.h"
+#include "engine/core/median.h"
 
 namespace tactus {
 namespace {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "latency/median.h"
+#include "engine/core/median.h"
 #include "latency/short_runs.h"
 
 namespace tactus {

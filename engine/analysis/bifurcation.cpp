@@ -7,6 +7,7 @@
 
 #include "engine/analysis/all_cores.h"
 #include "engine/analysis/bifurcation_sweep.h"
+#include "engine/core/median.h"
 #include "engine/physics/bouncing_cascade.h"
 
 namespace tactus {
@@ -75,12 +76,6 @@ std::vector<BifurcationColumn> sweep_exactly(const BifurcationPlan& plan, double
     columns.push_back(std::move(column));
   }
   return columns;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 std::vector<Doubling> doublings_of(const Bifurcation& found) {

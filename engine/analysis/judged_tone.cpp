@@ -5,6 +5,7 @@
 #include <span>
 
 #include "engine/analysis/judged_roll.h"
+#include "engine/core/median.h"
 #include "engine/dsp/pitch_track.h"
 
 namespace tactus {
@@ -18,15 +19,6 @@ constexpr double kNearPartial = 50;  // [cents]
 constexpr double kBegun = 0.178;
 constexpr std::size_t kStands = 10;               // frames that make a tone stand
 constexpr double kLowest = 0.45, kHighest = 6.5;  // of the pitch wanted: where it is looked for
-
-double cents(double hertz, double of) { return 1200 * std::log2(hertz / of); }
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double rms_of(std::span<const double> samples) {
   double squares = 0;

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "engine/core/dimension.h"
+#include "engine/core/median.h"
 #include "engine/graph/node_type.h"
 
 namespace tactus {
@@ -16,15 +17,6 @@ namespace {
 constexpr double kHalfSemitone = 0.0293;  // 2^(1/24) - 1
 constexpr double kShortest_s = 0.05;
 constexpr double kSpoken_cents = 50;
-
-double cents(double hertz, double of) { return 1200 * std::log2(hertz / of); }
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 bool jumps(double before, double now) {
   return std::max(before, now) > (1 + kHalfSemitone) * std::min(before, now);

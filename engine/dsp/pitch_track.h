@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
 #include "engine/core/units.h"
 
 namespace tactus {
+
+/// [any] How far one pitch lies above another.
+inline double cents(double hertz, double of) { return 1200 * std::log2(hertz / of); }
 
 /// What sounds around one moment.
 struct PitchPoint {

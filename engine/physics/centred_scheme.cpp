@@ -32,24 +32,32 @@ Result<std::unique_ptr<Scheme>> CentredScheme::make(const NetworkModel& model, K
   return scheme;
 }
 
-Status CentredScheme::factor() {
-  const double k_share = averaged_ ? 0.25 : 0.0;
+/// Of M/k^2 and of the links so much.
+Result<SparseSolver> CentredScheme::solver_of(double k_share, double b_share) const {
   std::vector<Eigen::Triplet<double>> entries;
   for (int i = 0; i < model_.masses; ++i) entries.emplace_back(i, i, 1.0 / model_.scale[index(i)]);
   for (const auto& e : links_.entries()) {
-    const double a = k_share * e.k + 0.5 * e.b;
-    if (a == 0.0) continue;
-    if (e.column < model_.masses)
-      entries.emplace_back(e.row, e.column, a);
-    else
-      driven_columns_.push_back({e.row, e.column, a});
+    const double a = k_share * e.k + b_share * e.b;
+    if (a != 0.0 && e.column < model_.masses) entries.emplace_back(e.row, e.column, a);
   }
   Eigen::SparseMatrix<double> matrix(model_.masses, model_.masses);
   matrix.setFromTriplets(entries.begin(), entries.end());
-  solver_ = SparseSolver(matrix);
-  if (solver_.valid()) return {};
+  SparseSolver solver(matrix);
+  if (solver.valid()) return solver;
   return fail(Errc::OutOfRange, {}, "its masses, springs and dampers are too far apart for the solver",
               "look for a number that is much too large or too small");
+}
+
+Status CentredScheme::factor() {
+  const double k_share = averaged_ ? 0.25 : 0.0;
+  for (const auto& e : links_.entries()) {
+    const double a = k_share * e.k + 0.5 * e.b;
+    if (a != 0.0 && e.column >= model_.masses) driven_columns_.push_back({e.row, e.column, a});
+  }
+  auto solver = solver_of(k_share, 0.5);
+  if (!solver) return tl::unexpected(solver.error());
+  solver_ = std::move(*solver);
+  return {};
 }
 
 /// The trapezoidal rule's mean velocity of the step before the start,
@@ -59,19 +67,11 @@ Status CentredScheme::slow_start() {
   start_velocity_ = model_.start_velocity;
   const auto moves = [](double v) { return v != 0.0; };
   if (!averaged_ || std::none_of(start_velocity_.begin(), start_velocity_.end(), moves)) return {};
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < model_.masses; ++i) entries.emplace_back(i, i, 1.0 / model_.scale[index(i)]);
-  for (const auto& e : links_.entries())
-    if (e.k != 0.0 && e.column < model_.masses) entries.emplace_back(e.row, e.column, 0.25 * e.k);
-  Eigen::SparseMatrix<double> matrix(model_.masses, model_.masses);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const SparseSolver springs(matrix);
-  if (!springs.valid())
-    return fail(Errc::OutOfRange, {}, "its masses and springs are too far apart for the solver",
-                "look for a number that is much too large or too small");
+  const auto springs = solver_of(0.25, 0.0);
+  if (!springs) return tl::unexpected(springs.error());
   std::vector<double> work(model_.mass.size());
   for (std::size_t i = 0; i < model_.mass.size(); ++i) start_velocity_[i] /= model_.scale[i];
-  springs.solve({start_velocity_.data(), model_.mass.size()}, work);
+  springs->solve({start_velocity_.data(), model_.mass.size()}, work);
   return {};
 }
 

@@ -53,6 +53,7 @@ class CentredScheme final : public Scheme {
 
   explicit CentredScheme(const NetworkModel& model, Kind kind) : model_(model), kind_(kind) {}
   bool factored() const { return kind_ != Kind::Explicit; }
+  Result<SparseSolver> solver_of(double k_share, double b_share) const;
   Status factor();
   Status slow_start();
   Status couple();

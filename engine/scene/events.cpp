@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "engine/core/median.h"
 
 namespace tactus {
 namespace {
-
-/// Reorders its argument.
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 int longest_growth(const std::vector<double>& intervals) {
   int longest = 0;
@@ -82,7 +77,7 @@ Rhythm rhythm_of(const std::vector<double>& times_s, double from_s, double to_s)
     ratios.push_back(std::max(intervals[i], intervals[i - 1]) / std::min(intervals[i], intervals[i - 1]));
   rhythm.rate_hz = 1 / mean;
   rhythm.spread = std::sqrt(squares / static_cast<double>(intervals.size())) / mean;
-  rhythm.long_short = median(ratios);
+  rhythm.long_short = median(std::move(ratios));
   rhythm.growing = longest_growth(intervals);
   return rhythm;
 }

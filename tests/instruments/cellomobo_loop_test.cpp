@@ -94,8 +94,6 @@ double fundamental(const std::vector<double>& x, double f0, double from_s) {
   return std::abs(sum);
 }
 
-double cents(double hertz, double of) { return 1200 * std::log2(hertz / of); }
-
 int partial_of(double hertz, double f0) { return std::max(1, static_cast<int>(std::lround(hertz / f0))); }
 
 /// |H_LP|, |H_2LP| and |H_ac| at f.

@@ -23,8 +23,6 @@ test::Samples tone(double hertz, const std::vector<double>& partials, double sec
   return x;
 }
 
-double cents(double hertz, double of) { return 1200 * std::log2(hertz / of); }
-
 /// All that is found has this pitch within `most` cents, and it is found everywhere but at the ends, where
 /// the windows of six periods do not fit.
 void check_pitch(const test::Samples& x, double hertz, double most = 0.1) {
