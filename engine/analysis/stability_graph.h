@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/analysis/stability_bends.h"
 #include "engine/analysis/stability_network.h"
-#include "engine/graph/schedule.h"
+#include "engine/graph/node.h"
 
 namespace tactus {
 
@@ -51,6 +52,7 @@ struct EventPlace {
 struct Regime {
   std::string name = "at rest";
   bool touched = false;  ///< laws without memory where they are steepest: behind the wall, on the slope
+  Displaced moved = {};  ///< touched: where these signals take them; others are taken each by itself
   std::map<std::string, Touching> contacts = {};  ///< [path of the network]
   std::optional<Fingertip> hand = {};
 };
@@ -66,6 +68,7 @@ struct LinearGraph {
   std::vector<EventPlace> events;
   std::vector<std::string> crests;  ///< laws that push away where they rest and pull back elsewhere: left out
   std::vector<int> joints;          ///< waves that leave a network
+  std::vector<Bend> laws;           ///< that answer otherwise elsewhere
   bool bends = false;               ///< some force answers a position otherwise elsewhere
   bool has_touched = false;         ///< some law is steeper elsewhere than where it rests
 
@@ -76,16 +79,5 @@ struct LinearGraph {
   void gains(std::complex<double> z, const std::vector<std::size_t>& of,
              std::vector<std::complex<double>>& gains) const;
 };
-
-/// Where a schedule meets the outside: its signals in the graph, -1 for what is not read or rests.
-struct Terminals {
-  std::vector<int> inputs;    ///< in the order of Schedule::input_names
-  std::vector<int> channels;  ///< in the order of Schedule::channels, taps included
-};
-
-/// [control] Adds a schedule (compiled with `side_by_side` off) as it is at the place where its signals
-/// stand: it must have run, and last for one frame. `prefix` comes before its names.
-Terminals add_schedule(LinearGraph& graph, const Schedule& schedule, const Regime& regime,
-                       const std::string& prefix);
 
 }  // namespace tactus

@@ -7,74 +7,6 @@
 namespace tactus {
 namespace {
 
-class SteepSearch {
- public:
-  SteepSearch(const Node& node, const NodeType& type, const std::vector<double>& at,
-              const std::vector<bool>& moves)
-      : node_(node), type_(type), moves_(moves), best_{at, answer(at), false} {}
-
-  SteepPlace run() {
-    const auto start = best_.at;
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      if (!moves_[i]) continue;
-      look_around(start, i, start[i]);
-      look_around(start, i, 0.0);
-      for (std::size_t other = 0; other < start.size(); ++other)
-        if (!moves_[other]) look_around(start, i, start[other]);
-    }
-    if (climbing_ >= 0) climb();
-    return best_;
-  }
-
- private:
-  double answer(const std::vector<double>& at) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < at.size(); ++i) {
-      if (!moves_[i]) continue;
-      const double slope = node_.response(static_cast<int>(i), 0, 1.0, at).value_or(0.0).real();
-      sum += is_spring(type_, i, 0) ? std::max(0.0, -slope) : std::abs(slope);
-    }
-    return std::isfinite(sum) ? sum : 0;
-  }
-
-  /// Whether it answers more there, by more than rounding.
-  bool try_at(const std::vector<double>& at) {
-    const double found = answer(at);
-    best_.bends |= std::abs(found - best_.answer) > 1e-6 * best_.answer;
-    if (found <= best_.answer * (1 + 1e-9)) return false;
-    best_.at = at;
-    best_.answer = found;
-    return true;
-  }
-
-  void look_around(std::vector<double> at, std::size_t input, double middle) {
-    constexpr int kPerDecade = 12;
-    for (int step = -6 * kPerDecade; step <= 3 * kPerDecade; ++step)
-      for (const double side : {-1.0, 1.0}) {
-        const double away = std::pow(10.0, step / static_cast<double>(kPerDecade));
-        at[input] = middle + side * away;
-        if (try_at(at)) climbing_ = static_cast<int>(input), stride_ = 0.1 * away;
-      }
-  }
-
-  void climb() {
-    const auto input = static_cast<std::size_t>(climbing_);
-    for (int halved = 0; halved < 40;) {
-      auto up = best_.at, down = best_.at;
-      up[input] += stride_;
-      down[input] -= stride_;
-      if (!try_at(up) && !try_at(down)) stride_ *= 0.5, ++halved;
-    }
-  }
-
-  const Node& node_;
-  const NodeType& type_;
-  const std::vector<bool>& moves_;
-  SteepPlace best_;
-  int climbing_ = -1;
-  double stride_ = 0;
-};
-
 /// Of a minimum (or maximum) of something that moves and something that does not, the moving one limits when
 /// touched; of two that move, the one that does so now.
 double chosen(const Operands& operands, int which, bool first, bool touched) {
@@ -125,9 +57,63 @@ bool is_spring(const NodeType& type, std::size_t input, std::size_t output) {
   return type.stateless && type.inputs[input].unit == "m" && type.outputs[output].unit == "N";
 }
 
+double answer_at(const Node& node, const NodeType& type, const std::vector<double>& at,
+                 const std::vector<bool>& moves) {
+  double sum = 0;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (!moves[i]) continue;
+    const double slope = node.response(static_cast<int>(i), 0, 1.0, at).value_or(0.0).real();
+    sum += is_spring(type, i, 0) ? std::max(0.0, -slope) : std::abs(slope);
+  }
+  return std::isfinite(sum) ? sum : 0;
+}
+
+Summit summit(const std::function<double(double)>& height, double start, const std::vector<double>& middles) {
+  Summit best{start, height(start)};
+  const auto rises = [&](double at) {
+    const double found = height(at);
+    if (found <= best.height * (1 + 1e-9)) return false;
+    best = {at, found};
+    return true;
+  };
+  constexpr int kPerDecade = 12;
+  double stride = 0;
+  for (const double middle : middles)
+    for (int step = -6 * kPerDecade; step <= 3 * kPerDecade; ++step)
+      for (const double side : {-1.0, 1.0}) {
+        const double away = std::pow(10.0, step / static_cast<double>(kPerDecade));
+        if (rises(middle + side * away)) stride = 0.1 * away;
+      }
+  for (int halved = 0; stride > 0 && halved < 40;)
+    if (!rises(best.at + stride) && !rises(best.at - stride)) stride *= 0.5, ++halved;
+  return best;
+}
+
 SteepPlace steepest(const Node& node, const NodeType& type, const std::vector<double>& at,
                     const std::vector<bool>& moves) {
-  return SteepSearch{node, type, at, moves}.run();
+  const double rest = answer_at(node, type, at, moves);
+  SteepPlace best{at, rest};
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (!moves[i]) continue;
+    if (best.input < 0) best.input = static_cast<int>(i);
+    auto there = at;
+    const auto height = [&](double value) {
+      there[i] = value;
+      const double found = answer_at(node, type, there, moves);
+      best.bends |= std::abs(found - rest) > 1e-6 * rest;
+      return found;
+    };
+    std::vector<double> middles{at[i], 0.0};
+    for (std::size_t other = 0; other < at.size(); ++other)
+      if (!moves[other]) middles.push_back(at[other]);
+    const auto found = summit(height, at[i], middles);
+    if (found.height <= best.answer * (1 + 1e-9)) continue;
+    best.at = at;
+    best.at[i] = found.at;
+    best.answer = found.height;
+    best.input = static_cast<int>(i);
+  }
+  return best;
 }
 
 std::optional<double> stands_for(std::string_view type, int input) {

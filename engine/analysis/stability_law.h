@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -30,12 +31,24 @@ bool is_spring(const NodeType& type, std::size_t input, std::size_t output);
 struct SteepPlace {
   std::vector<double> at;  ///< its inputs there
   double answer = 0;       ///< sum of the slopes; of a force that answers a position only what pulls back
-  bool bends = false;      ///< it answers less elsewhere
+  bool bends = false;      ///< it answers otherwise elsewhere
+  int input = -1;          ///< what moved to get there; the first that can, where nothing had to
 };
 
+/// [any] How much it answers at `at`: the sum of its slopes.
+double answer_at(const Node& node, const NodeType& type, const std::vector<double>& at,
+                 const std::vector<bool>& moves);
+
+struct Summit {
+  double at = 0, height = 0;
+};
+
+/// [any] The highest place of a curve that can be found from `start` and around each of the middles: from
+/// 1e-6 to 1e3 to both sides, and up from the best of these.
+Summit summit(const std::function<double(double)>& height, double start, const std::vector<double>& middles);
+
 /// [any] Looks around where the law stands, around 0, and around each of its inputs that rest (where a clip,
-/// a wall or a notch begins): one moving input at a time, from 1e-6 to 1e3 to both sides, and climbs from the
-/// best of these.
+/// a wall or a notch begins), one moving input at a time.
 SteepPlace steepest(const Node& node, const NodeType& type, const std::vector<double>& at,
                     const std::vector<bool>& moves);
 

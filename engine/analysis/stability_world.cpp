@@ -200,8 +200,10 @@ std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime&
 std::vector<Regime> RestingWorld::regimes(double push) const {
   std::vector<Regime> regimes(1);
   const auto free = closed(regimes.front()).graph;
+  const auto places = free.has_touched ? places_of(free.laws) : std::vector<BendPlace>{};
+  for (const auto& place : places)
+    regimes.push_back({.name = place.name, .touched = true, .moved = place.moved});
   Regime all{.name = "everything touched", .touched = true};
-  if (free.has_touched) regimes.push_back({.name = "laws where they are steepest", .touched = true});
   std::size_t contacts = 0;
   for (std::size_t n = 0; n < free.networks.size(); ++n) {
     const auto& names = free.networks[n]->recipe().contacts;
@@ -216,8 +218,14 @@ std::vector<Regime> RestingWorld::regimes(double push) const {
     }
   }
   const bool more = contacts > 1 || (contacts > 0 && free.has_touched);
-  if (contacts > 4) regimes.resize(free.has_touched ? 2 : 1);
-  if (more) regimes.push_back(std::move(all));
+  if (contacts > 4) regimes.resize(1 + places.size());
+  if (!more) return regimes;
+  if (places.size() < 2) regimes.push_back(all);
+  for (std::size_t p = 0; places.size() > 1 && p < places.size(); ++p) {
+    auto& one = regimes.emplace_back(all);
+    one.name += ", " + places[p].name;
+    one.moved = places[p].moved;
+  }
   return regimes;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/analysis/stability_graph.h"
+#include "engine/analysis/stability_schedule.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/closed_loop.h"
 

@@ -130,6 +130,36 @@ TEST_CASE("stability: a wall is judged as it is touched, bare and held", "[analy
   CHECK(regime(verdict, "at rest", false).stiff.empty());
 }
 
+TEST_CASE("stability: walls at both ends of a range hold what one of them holds", "[analysis]") {
+  // 0.1 N s/m and 1.01 ms: 99 N/m each; on the same side of the range they add up.
+  const double border = 0.1 / (0.001 + 0.5 / 48000);
+  const auto two_walls = [](const char* second) {
+    return judged(fmt::format(R"(
+format = 1
+[inputs]
+place = {{ unit = "m" }}
+[nodes]
+high = {{ type = "wall", position = "place", stiffness = "80 N/m", at = "5 mm" }}
+{}
+[outputs]
+push = {{ from = "high + low", unit = "N" }}
+)",
+                              second),
+                  {});
+  };
+  const auto* const mirrored =
+      R"(low = "-mirror"
+mirror = { type = "wall", position = "-place", stiffness = "80 N/m", at = "5 mm" })";
+  const auto* const by_hand = R"x(low = "80 N/m * max(0 m, -place - 5 mm)")x";
+  const auto* const second = GENERATE_COPY(mirrored, by_hand);
+  const auto ends = two_walls(second);
+  CHECK(ends.holds);
+  CHECK(regime(ends, "where 'instrument.high' is steepest", false).stiff.at(0).stable_up_to ==
+        Approx(border).epsilon(0.01));
+  CHECK_FALSE(
+      two_walls(R"(low = { type = "wall", position = "place", stiffness = "80 N/m", at = "4 mm" })").holds);
+}
+
 TEST_CASE("stability: on a crest a law is judged where it pulls back", "[analysis]") {
   // Ribs of 8 mm: 4 pi^2 w h / l^2 = 6.17 N/m at most, up and down; the border is 0.1 / tau.
   const auto verdict = judged(R"(
