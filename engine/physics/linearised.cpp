@@ -164,17 +164,17 @@ double radius_by_running(const Network& network, const NetworkElements& elements
 StepResponse::StepResponse(const LinearStep& step, const Eigen::MatrixXd& c) {
   const Eigen::HessenbergDecomposition<Eigen::MatrixXd> form(step.a);
   const Eigen::MatrixXd q = form.matrixQ();
-  h_ = form.matrixH();
-  b_ = q.transpose() * step.b;
-  c_ = c * q;
+  minus_h_ = -form.matrixH().cast<std::complex<double>>();
+  b_ = (q.transpose() * step.b).cast<std::complex<double>>();
+  c_ = (c * q).cast<std::complex<double>>();
 }
 
 /// Elimination of the one diagonal below the main one, with the larger of two rows on top.
 Eigen::MatrixXcd StepResponse::at(std::complex<double> z) const {
-  const auto n = h_.rows();
-  Eigen::MatrixXcd m = -h_.cast<std::complex<double>>();
+  const auto n = minus_h_.rows();
+  Rows m = minus_h_;
+  Eigen::MatrixXcd x = b_;
   m.diagonal().array() += z;
-  Eigen::MatrixXcd x = b_.cast<std::complex<double>>();
   for (Eigen::Index i = 0; i + 1 < n; ++i) {
     if (std::norm(m(i + 1, i)) > std::norm(m(i, i))) {
       m.row(i).tail(n - i).swap(m.row(i + 1).tail(n - i));
@@ -184,7 +184,11 @@ Eigen::MatrixXcd StepResponse::at(std::complex<double> z) const {
     m.row(i + 1).tail(n - i) -= share * m.row(i).tail(n - i);
     x.row(i + 1) -= share * x.row(i);
   }
-  m.triangularView<Eigen::Upper>().solveInPlace(x);
+  for (Eigen::Index i = n - 1; i >= 0; --i)
+    for (auto column : x.colwise()) {
+      const auto known = m.row(i).tail(n - 1 - i).transpose().cwiseProduct(column.tail(n - 1 - i)).sum();
+      column[i] = (column[i] - known) / m(i, i);
+    }
   return c_ * x;
 }
 

@@ -65,7 +65,10 @@ class StepResponse {
   Eigen::MatrixXcd at(std::complex<double> z) const;
 
  private:
-  Eigen::MatrixXd h_, b_, c_;
+  /// Rows lie in one piece: elimination goes along them.
+  using Rows = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Rows minus_h_;
+  Eigen::MatrixXcd b_, c_;
 };
 
 /// What a network is run with.
