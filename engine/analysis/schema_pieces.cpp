@@ -112,6 +112,15 @@ Json list(const std::string& description, Json items, int least, int most) {
   return json;
 }
 
+Json range(const std::string& description) { return list(description, quantity(""), 2, 2); }
+
+Json heading() {
+  return {{"format", {{"description", "of the file"}, {"const", 1}}},
+          {"name", {{"description", "for people"}, {"type", "string"}}},
+          {"about", {{"description", "for people: what it does"}, {"type", "string"}}},
+          {"source", {{"description", "for people: where it comes from"}, {"type", "string"}}}};
+}
+
 Json object(const std::string& description, Json properties, const std::vector<std::string>& required) {
   Json json{{"description", description}, {"type", "object"}, {"properties", std::move(properties)}};
   if (!required.empty()) json["required"] = required;

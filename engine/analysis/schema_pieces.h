@@ -21,6 +21,12 @@ Json choice(const std::string& description, const std::vector<std::string>& word
 /// [x, y], [a, b, …]: at least one item, at most `most` unless that is 0.
 Json list(const std::string& description, Json items, int least = 1, int most = 0);
 
+/// Two quantities, the lower one first.
+Json range(const std::string& description);
+
+/// What every file begins with.
+Json heading();
+
 /// An object with just these keys; nothing else is allowed in it.
 Json object(const std::string& description, Json properties, const std::vector<std::string>& required = {});
 /// An object of entries with free names, each like `entry`.
