@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
+#include <utility>
 
+#include "engine/analysis/changed_networks.h"
 #include "engine/graph/fingerprint.h"
 #include "engine/nodes/network_elements.h"
 
@@ -66,15 +67,6 @@ void redraw(NodeSpec& element, const std::string& path, const Draw& rule) {
       field.value = times(field.value, 1 + rule.within * draw(rule.seed, path + "." + field.key));
 }
 
-std::shared_ptr<const GraphSpec> redrawn(const GraphSpec& graph, const std::string& path, const Draw& rule) {
-  auto changed = std::make_shared<GraphSpec>(graph);
-  for (auto& network : changed->networks)
-    for (auto& element : network.elements)
-      redraw(element, path + "." + network.name + "." + element.name, rule);
-  for (auto& [name, part] : changed->parts) part = redrawn(*part, path + "." + name, rule);
-  return changed;
-}
-
 }  // namespace
 
 SceneSpec with_actuator_gain(SceneSpec scene, double gain) {
@@ -85,10 +77,9 @@ SceneSpec with_actuator_gain(SceneSpec scene, double gain) {
 }
 
 SceneSpec with_plant_drawn(SceneSpec scene, double within, std::uint64_t seed) {
-  for (auto& part : scene.parts)
-    if (part.name != "instrument" && part.graph != nullptr)
-      part.graph = redrawn(*part.graph, part.name, {within, seed});
-  return scene;
+  return with_world_changed(std::move(scene), [&](NetworkSpec& network, const std::string& path) {
+    for (auto& element : network.elements) redraw(element, path + "." + element.name, {within, seed});
+  });
 }
 
 SceneSpec with_gesture_scaled(SceneSpec scene, const std::string& gesture, double factor) {

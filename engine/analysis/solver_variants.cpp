@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <utility>
 
+#include "engine/analysis/changed_networks.h"
 #include "engine/nodes/solver_words.h"
 
 namespace tactus {
@@ -18,16 +20,6 @@ constexpr std::array kLinear = {"mass", "ground", "motion", "spring", "damper", 
 void set(Value::Table& options, const std::string& key, Value value) {
   std::erase_if(options, [&](const Field& field) { return field.key == key; });
   options.push_back({key, value.at, value});
-}
-
-std::shared_ptr<const GraphSpec> with_solver(const GraphSpec& graph, const SolverVariant& variant) {
-  auto changed = std::make_shared<GraphSpec>(graph);
-  for (auto& network : changed->networks) {
-    set(network.options, "solver", {variant.solver, network.at});
-    set(network.options, "oversample", {static_cast<double>(variant.oversample), network.at});
-  }
-  for (auto& [name, part] : changed->parts) part = with_solver(*part, variant);
-  return changed;
 }
 
 bool any_network(const GraphSpec& graph, const std::function<bool(const NetworkSpec&)>& holds) {
@@ -50,9 +42,10 @@ std::string to_string(const SolverVariant& variant) {
 }
 
 SceneSpec with_solver(SceneSpec scene, const SolverVariant& variant) {
-  for (auto& part : scene.parts)
-    if (part.name != "instrument" && part.graph != nullptr) part.graph = with_solver(*part.graph, variant);
-  return scene;
+  return with_world_changed(std::move(scene), [&](NetworkSpec& network, const std::string&) {
+    set(network.options, "solver", {variant.solver, network.at});
+    set(network.options, "oversample", {static_cast<double>(variant.oversample), network.at});
+  });
 }
 
 std::vector<std::string> stepping_solvers() {
