@@ -6,30 +6,14 @@
 #include <numbers>
 
 #include "engine/analysis/pitch_track.h"
-#include "engine/nodes/table.h"
 #include "engine/scene/measure.h"
+#include "tests/support/shipped_scene.h"
 
 using namespace tactus;
+using test::play;
+using test::Played;
 
 namespace {
-
-const std::filesystem::path kInstruments = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
-
-struct Played {
-  SceneSpec scene;
-  SceneRecording recording;
-};
-
-Played play(const std::string& file, const SceneOptions& options = {}, std::optional<Seconds> duration = {}) {
-  auto scene = load_scene(kInstruments / file, kInstruments);
-  if (!scene) throw std::runtime_error(to_string(scene.error()));
-  scene->duration = duration.value_or(scene->duration);
-  auto built = build_scene(*scene, standard_nodes(), options);
-  if (!built) throw std::runtime_error(to_string(built.error()));
-  auto recording = play_scene(*scene, *built, 256);
-  if (!recording) throw std::runtime_error(to_string(recording.error()));
-  return {std::move(*scene), std::move(*recording)};
-}
 
 void check_expectations_hold(const Played& played) {
   const auto outcomes = check_expectations(played.scene, played.recording);

@@ -2,30 +2,15 @@
 #include <filesystem>
 
 #include "engine/graph/load.h"
-#include "engine/nodes/table.h"
 #include "engine/scene/measure.h"
-#include "engine/scene/play_scene.h"
+#include "tests/support/shipped_scene.h"
 
 using namespace tactus;
+using test::kInstruments;
+using test::play;
+using test::Played;
 
 namespace {
-
-const std::filesystem::path kInstruments = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
-
-struct Played {
-  SceneSpec scene;
-  SceneRecording recording;
-};
-
-Played play(const std::filesystem::path& file, const SceneOptions& options = {}) {
-  auto scene = load_scene(file, kInstruments);
-  if (!scene) throw std::runtime_error(to_string(scene.error()));
-  auto built = build_scene(*scene, standard_nodes(), options);
-  if (!built) throw std::runtime_error(to_string(built.error()));
-  auto recording = play_scene(*scene, *built, 256);
-  if (!recording) throw std::runtime_error(to_string(recording.error()));
-  return {std::move(*scene), std::move(*recording)};
-}
 
 double ask(const Played& played, const char* measure_name, const char* of, double from, double to) {
   Expectation expectation;

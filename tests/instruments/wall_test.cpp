@@ -1,32 +1,16 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <filesystem>
 
 #include "engine/analysis/wall_border.h"
 #include "engine/analysis/wall_device.h"
-#include "engine/nodes/table.h"
-#include "engine/scene/play_scene.h"
+#include "tests/support/shipped_scene.h"
 
 using namespace tactus;
+using test::play;
+using test::shipped_scene;
 
 namespace {
-
-const std::filesystem::path kInstruments = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
-
-SceneSpec scene_of(const std::filesystem::path& file) {
-  auto scene = load_scene(kInstruments / file, kInstruments);
-  if (!scene) throw std::runtime_error(to_string(scene.error()));
-  return std::move(*scene);
-}
-
-SceneRecording play(const SceneSpec& scene, const SceneOptions& options = {}) {
-  auto built = build_scene(scene, standard_nodes(), options);
-  if (!built) throw std::runtime_error(to_string(built.error()));
-  auto recording = play_scene(scene, *built, 256);
-  if (!recording) throw std::runtime_error(to_string(recording.error()));
-  return std::move(*recording);
-}
 
 /// The stiffest spring that the arm of a scene carries, as it is held there.
 double border_of(const SceneSpec& scene, std::optional<Seconds> delay = {}) {
@@ -52,7 +36,7 @@ bool howls(const SceneRecording& recording) {
 }  // namespace
 
 TEST_CASE("wall: bare the arm carries less than the finger's wall, held far more", "[instruments]") {
-  const auto scene = scene_of("wall");
+  const auto scene = shipped_scene("wall");
   const auto device = device_of(scene);
   REQUIRE(device);
   const WallLoop loop{scene.rate, scene.delay};
@@ -62,7 +46,7 @@ TEST_CASE("wall: bare the arm carries less than the finger's wall, held far more
 
 TEST_CASE("wall: the same wall turns active when its delay passes the border, and the watch says so",
           "[instruments]") {
-  auto scene = scene_of("wall");
+  auto scene = shipped_scene("wall");
   const auto ports_at = [&](Seconds delay) {
     SceneOptions options;
     options.delay = delay;
@@ -77,7 +61,7 @@ TEST_CASE("wall: the same wall turns active when its delay passes the border, an
 }
 
 TEST_CASE("exploding: four times too stiff, it grows until the drive guard ends it", "[instruments]") {
-  const auto scene = scene_of("exploding");
+  const auto scene = shipped_scene("exploding");
   const double border = border_of(scene);
   CHECK(border == Approx(129.0).epsilon(0.001));  // b / tau = 102.4, times 1.26 for b tau / m = 2.56
   REQUIRE(500 > 3 * border);
@@ -92,7 +76,7 @@ TEST_CASE("exploding: four times too stiff, it grows until the drive guard ends 
 }
 
 TEST_CASE("exploding: with a delay that it was made for, the same spring is calm", "[instruments]") {
-  const auto scene = scene_of("exploding");
+  const auto scene = shipped_scene("exploding");
   SceneOptions options;
   options.delay = Seconds{0.1e-3};
   REQUIRE(border_of(scene, options.delay) > 10 * 500);

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/dsp/pitch_track.h"
 #include "engine/dsp/string_loop.h"
 #include "tests/support/measured_response.h"
 
@@ -16,8 +17,6 @@ constexpr double kPi = std::numbers::pi;
 StringDesign designed(double pitch, double gain, double loss, LossFilter filter = LossFilter::OneZero) {
   return {{.pitch_hz = pitch, .gain = gain, .loss = loss}, filter, Hertz{kRate}};
 }
-
-double cents(double hertz, double wanted) { return 1200 * std::log2(hertz / wanted); }
 
 /// Where the phase once around the loop is a whole turn, near `pitch`: the root of the imaginary part of 1 /
 /// H.

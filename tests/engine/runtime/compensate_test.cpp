@@ -2,6 +2,7 @@
 #include <complex>
 #include <numbers>
 
+#include "engine/dsp/pitch_track.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/node_runner.h"
 
@@ -36,8 +37,6 @@ double partial(const test::Samples& y, std::size_t from, double near) {
   };
   return near + std::arg(seen(from + kShift) / seen(from)) / (2 * std::numbers::pi * kShift / 48000.0);
 }
-
-double cents(double measured, double wanted) { return 1200 * std::log2(measured / wanted); }
 
 test::Samples pluck(Engine& engine) { return test::run(engine, {test::impulse(48000)}, 48000, {256})[0]; }
 
