@@ -14,7 +14,6 @@ namespace tactus {
 namespace {
 
 constexpr double kGravity = 9.81;   // [m/s^2]
-constexpr double kAlike = 0.01;     // of the mean speed: landings that do not differ by more
 constexpr int kColumnsOfARun = 12;  // of the simulation; fixed, so that cores change nothing
 constexpr int kColumnsBefore = 3;   // are played first and not read: a doubled orbit takes time to come apart
 constexpr int kFittedColumns = 4;
@@ -26,21 +25,6 @@ double value_at(const BifurcationPlan& plan, int i, int values) {
   return plan.from + (plan.to - plan.from) * i / (values - 1);
 }
 
-/// How unlike landings are that lie so many landings apart, root mean square [m/s].
-double split_of(const std::vector<double>& speeds, int apart) {
-  const auto step = static_cast<std::size_t>(apart);
-  if (speeds.size() <= step) return 0;
-  double sum = 0;
-  for (std::size_t i = step; i < speeds.size(); ++i) sum += std::pow(speeds[i] - speeds[i - step], 2);
-  return std::sqrt(sum / static_cast<double>(speeds.size() - step));
-}
-
-double mean_of(const std::vector<double>& speeds) {
-  double sum = 0;
-  for (const double speed : speeds) sum += speed;
-  return speeds.empty() ? 0 : sum / static_cast<double>(speeds.size());
-}
-
 BifurcationColumn column_of(double value, const std::vector<Landing>& landings, double frequency) {
   BifurcationColumn column{value, {}, {}, 0};
   for (const auto& landing : landings) {
@@ -48,7 +32,7 @@ BifurcationColumn column_of(double value, const std::vector<Landing>& landings, 
     const double turns = landing.time_s * frequency;
     column.phases.push_back(turns - std::floor(turns));
   }
-  column.period = period_of(column.speeds, kAlike);
+  column.period = period_of(column.speeds);
   return column;
 }
 
@@ -72,7 +56,7 @@ std::vector<BifurcationColumn> sweep_exactly(const BifurcationPlan& plan, double
       const double turns = bounce.phase / (2 * std::numbers::pi);
       column.phases.push_back(turns - std::floor(turns));
     }
-    column.period = period_of(column.speeds, kAlike);
+    column.period = period_of(column.speeds);
     columns.push_back(std::move(column));
   }
   return columns;
@@ -91,14 +75,6 @@ std::vector<Doubling> doublings_of(const Bifurcation& found) {
 }
 
 }  // namespace
-
-int period_of(const std::vector<double>& speeds, double tolerance) {
-  for (int period = 1; period <= 8; ++period)
-    if (speeds.size() > 2 * static_cast<std::size_t>(period) &&
-        split_of(speeds, period) <= tolerance * mean_of(speeds))
-      return period;
-  return 0;
-}
 
 std::optional<double> doubling_in(const std::vector<BifurcationColumn>& columns, int bounces) {
   const auto behind =

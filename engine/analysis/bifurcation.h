@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/analysis/landings.h"
 #include "engine/core/error.h"
 #include "engine/graph/node_table.h"
+#include "engine/scene/landings.h"
 #include "engine/scene/scene_spec.h"
 
 namespace tactus {
@@ -29,7 +29,7 @@ struct BifurcationColumn {
   double value = 0;
   std::vector<double> speeds;  ///< of its landings, towards the table [m/s]
   std::vector<double> phases;  ///< of the same, in periods of the drive [0, 1)
-  int period = 0;              ///< landings until it does the same again, up to 8; 0: more, or never
+  int period = 0;              ///< of its landings, as period_of says
 };
 
 /// Where the orbit of `bounces` landings gives way to one of twice as many.
@@ -57,9 +57,6 @@ struct Bifurcation {
 Checked<Bifurcation> study_bifurcation(const SceneSpec& scene, const NodeTable& table,
                                        const BifurcationPlan& plan,
                                        const std::function<void(double)>& progress = {});
-
-/// [any] Landings until the speeds repeat within `tolerance` of their mean; 0 if none up to 8 will do.
-int period_of(const std::vector<double>& speeds, double tolerance);
 
 /// [any] Where the columns change from `bounces` landings to twice as many. Behind a doubling the square of
 /// the split between landings that were alike grows on a straight line from 0; so where that line begins.

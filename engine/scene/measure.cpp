@@ -7,6 +7,7 @@
 #include "engine/graph/mistakes.h"
 #include "engine/graph/nearest.h"
 #include "engine/graph/quantity.h"
+#include "engine/scene/landings.h"
 
 namespace tactus {
 namespace {
@@ -69,6 +70,7 @@ class Measurement {
     if (what == "faults") return faults();
     if (what == "missed" || what == "doubled" || what == "detection_time") return detection(what);
     if (what == "restitution") return bounce();
+    if (what == "period") return period();
     if (what == "energy_given") return energy_given();
     const auto* signal = trigger_signal(recording_, expectation_.of);
     if (signal == nullptr) return unknown_signal();
@@ -130,6 +132,12 @@ class Measurement {
     return restitution(position->samples, recording_.sample_rate, strikes);
   }
 
+  Result<double> period() const {
+    const auto bouncing =
+        bouncing_in(recording_, expectation_.of.empty() ? "plant.ball" : expectation_.of, from_, to_);
+    return bouncing ? Result<double>{bouncing->period} : unknown_signal();
+  }
+
   Result<double> energy_given() const {
     for (const auto& port : recording_.ports) {
       if (port.name != expectation_.of) continue;
@@ -152,6 +160,8 @@ std::string wanted_text(const Expectation& expectation, const std::string& unit)
   const auto number = [&](const QuantityValue& q) {
     return short_number(q.si) + (unit.empty() ? "" : " " + unit);
   };
+  if (expectation.min && expectation.max && expectation.min->si == expectation.max->si)
+    return "exactly " + number(*expectation.min);
   if (expectation.min && expectation.max) return number(*expectation.min) + " to " + number(*expectation.max);
   return expectation.min ? "at least " + number(*expectation.min) : "at most " + number(*expectation.max);
 }
@@ -176,11 +186,14 @@ const std::vector<MeasureType>& measure_types() {
       {"growing", "", "longest run of intervals that each grow by 3 % or more"},
       {"last", "s", "time of the last event"},
       {"restitution", "", "speed after a strike over the speed before, geometric mean", Subject::Signal,
-       "plant.stick", true},
-      {"missed", "", "strikes that were not heard", Subject::Events, "instrument.hit", true},
-      {"doubled", "", "hits heard without a strike of their own", Subject::Events, "instrument.hit", true},
+       "plant.stick", kStrikeContact},
+      {"missed", "", "strikes that were not heard", Subject::Events, "instrument.hit", kStrikeContact},
+      {"doubled", "", "hits heard without a strike of their own", Subject::Events, "instrument.hit",
+       kStrikeContact},
       {"detection_time", "s", "longest time from the start of a strike to the hit", Subject::Events,
-       "instrument.hit", true},
+       "instrument.hit", kStrikeContact},
+      {"period", "", "landings of a ball on plant.table until it does the same again; 0: not within 8",
+       Subject::Signal, "plant.ball", kTable},
       {"peak", MeasureType::kUnitOfSubject, "largest absolute value", Subject::Signal},
       {"rms", MeasureType::kUnitOfSubject, "root mean square", Subject::Signal},
       {"pitch", "Hz", "how often a second it repeats itself, median; 0: it has no pitch", Subject::Signal},

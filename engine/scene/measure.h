@@ -23,8 +23,8 @@ struct MeasureType {
   std::string unit;  ///< or kUnitOfSubject
   std::string doc;
   Subject subject = Subject::Events;
-  std::string of{};         ///< what it is taken of if the scene does not say; empty: the scene must
-  bool of_strikes = false;  ///< compares it with the strikes in kStrikeContact
+  std::string of{};      ///< what it is taken of if the scene does not say; empty: the scene must
+  std::string beside{};  ///< what it is compared with, if anything
 };
 /// [any] All of them.
 const std::vector<MeasureType>& measure_types();

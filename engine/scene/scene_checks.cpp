@@ -131,7 +131,7 @@ void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
       check_port(expectation, scene, mistakes);
     else
       check_subject(expectation, of, scene, recorded, mistakes);
-    if (type->of_strikes) check_subject(expectation, kStrikeContact, scene, recorded, mistakes);
+    if (!type->beside.empty()) check_subject(expectation, type->beside, scene, recorded, mistakes);
   }
 }
 

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/core/units.h"
+#include "engine/scene/play_scene.h"
+
+namespace tactus {
+
+/// One landing of a ball on a table that moves.
+struct Landing {
+  double time_s;   ///< of the touch, from the first sample
+  double speed;    ///< towards the table just before [m/s]
+  double rebound;  ///< away from the table as it was, less what the ball's own fall took meanwhile [m/s]
+};
+
+/// [control] Landings, from the positions of both [m]: where the gap falls to 0 or below, and how it was
+/// until then and is once the two are apart again, as if all of the touch happened at its start. Slopes are
+/// taken through three samples. A touch that has not ended is none.
+std::vector<Landing> landings_of(std::span<const double> ball, std::span<const double> table, Hertz rate);
+
+/// [any] How unlike landings are that lie `apart` landings apart, root mean square [m/s].
+double split_of(const std::vector<double>& speeds, int apart);
+
+/// Landings that differ by no more are alike, over the mean of their speeds.
+inline constexpr double kAlikeLandings = 0.01;
+/// A longer orbit is not told from one that never closes.
+inline constexpr int kLongestOrbit = 8;
+/// [any] Landings until a ball does the same again: the least p <= kLongestOrbit with
+/// split_of(speeds, p) <= kAlikeLandings * mean. 0: there is none, or there are no more than 2 p landings.
+int period_of(const std::vector<double>& speeds);
+
+/// The table of every ball.
+inline constexpr auto kTable = "plant.table";
+
+/// What a ball does on its table.
+struct Bouncing {
+  std::vector<double> speeds;      ///< of the landings, towards the table [m/s]
+  int period = 0;                  ///< as `period_of` says
+  double landings_per_second = 0;  ///< over whole orbits, if there are
+};
+/// [control] Of the landings on kTable between two times; nullopt where ball or table were not recorded.
+std::optional<Bouncing> bouncing_in(const SceneRecording& recording, const std::string& ball, double from_s,
+                                    double to_s);
+
+}  // namespace tactus
