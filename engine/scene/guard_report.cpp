@@ -59,6 +59,17 @@ std::vector<std::string> output_names(const Schedule& schedule) {
   return names;
 }
 
+std::vector<std::string> sound_names(const Schedule& schedule) {
+  std::vector<std::string> names, called_sound;
+  for (const auto& channel : schedule.channels) {
+    if (channel.use != OutputUse::Audio) continue;
+    names.push_back(channel.name);
+    // Lanes are called sound[1], sound[2], ...
+    if (channel.name.substr(0, channel.name.find('[')) == "sound") called_sound.push_back(channel.name);
+  }
+  return called_sound.empty() ? names : called_sound;
+}
+
 std::vector<GuardedChannel> guarded_channels(const Schedule& schedule, const DriveBook& drives) {
   std::vector<GuardedChannel> channels;
   for (const auto& channel : schedule.channels) {

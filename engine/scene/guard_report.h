@@ -34,6 +34,9 @@ const char* name_of(GuardEvent::Kind kind);
 
 /// Names of the outputs that a schedule gives to the outside.
 std::vector<std::string> output_names(const Schedule& schedule);
+/// Of those, what is to be listened to: the one called `sound` if it is of kind "audio"; without it all of
+/// that kind. A carrier for a sensor is of that kind too.
+std::vector<std::string> sound_names(const Schedule& schedule);
 /// Their guards.
 std::vector<GuardedChannel> guarded_channels(const Schedule& schedule, const DriveBook& drives);
 

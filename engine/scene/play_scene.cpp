@@ -62,6 +62,14 @@ double SceneRecording::seconds() const {
   return signals.empty() ? 0 : static_cast<double>(signals.front().samples.size()) / sample_rate.value;
 }
 
+std::vector<std::string> drive_names(const SceneRecording& recording) {
+  auto names = recording.outputs;
+  std::erase_if(names, [&](const std::string& name) {
+    return std::find(recording.sounds.begin(), recording.sounds.end(), name) != recording.sounds.end();
+  });
+  return names;
+}
+
 Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,
                                   const std::function<void(double)>& progress) {
   SceneRecording recording;
@@ -76,6 +84,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
   recording.inputs = built.instrument->schedule().input_names;
   recording.outputs = output_names(built.instrument->schedule());
+  recording.sounds = sound_names(built.instrument->schedule());
   Recorder recorder{recording, built, static_cast<std::size_t>(frames)};
   PortWatches ports{scene, built.plant_taps};
   const auto started = std::chrono::steady_clock::now();

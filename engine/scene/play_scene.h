@@ -25,6 +25,7 @@ struct SceneRecording {
   int delay_frames = 0;
   std::vector<RecordedSignal> signals;
   std::vector<std::string> inputs, outputs;  ///< of the instrument, in order
+  std::vector<std::string> sounds;           ///< of its outputs, those for the ears (see sound_names)
   std::vector<FaultCount> faults;            ///< of both engines
   GuardReport guard;                         ///< what the drive guards had to do
   std::vector<PortEnergy> ports;             ///< what went through the ports
@@ -35,6 +36,9 @@ struct SceneRecording {
   const RecordedSignal* find(std::string_view name) const;
   double seconds() const;
 };
+
+/// [any] The outputs of the instrument that are not `sounds`.
+std::vector<std::string> drive_names(const SceneRecording& recording);
 
 /// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` hears the share
 /// done.
