@@ -2,26 +2,38 @@
 
 #include <fmt/format.h>
 
-#include "engine/analysis/pitch_track.h"
+#include "engine/analysis/note_words.h"
 
 namespace tactus::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json json_of(const WantedNote& wanted) {
+  Json json{{"from_s", wanted.from_s},
+            {"to_s", wanted.to_s},
+            {"name", pitch_in_words(wanted.hertz)},
+            {"wanted_hz", wanted.hertz}};
+  if (wanted.glides) json["glides"] = {{"from_hz", wanted.begins_hz}, {"to_hz", wanted.ends_hz}};
+  return json;
+}
+
 void add_notes(Json& json, const Melody& melody) {
   json["notes"] = Json::array();
   for (const auto& note : melody.notes) {
-    json["notes"].push_back({{"from_s", note.from_s},
-                             {"to_s", note.to_s},
-                             {"name", note_name(note.wanted_hz)},
-                             {"wanted_hz", note.wanted_hz},
-                             {"heard_hz", note.heard_hz},
-                             {"partial", note.partial},
-                             {"cents", note.cents},
-                             {"swing_cents", note.swing_cents},
-                             {"words", in_words(note)}});
-    if (note.speaks_after_s) json["notes"].back()["speaks_after_s"] = *note.speaks_after_s;
+    auto entry = json_of(note.wanted);
+    entry.update(Json{{"right", note.right()},
+                      {"heard_hz", note.heard_hz},
+                      {"partial", note.partial},
+                      {"cents", note.cents},
+                      {"swing_cents", note.swing_cents},
+                      {"on_other_partials_s", note.partials_s},
+                      {"on_stray_pitches_s", note.strays_s},
+                      {"without_pitch_s", note.silent_s},
+                      {"words", in_words(note)}});
+    if (note.swings_hz) entry["vibrato_hz"] = *note.swings_hz;
+    if (note.speaks_after_s) entry["speaks_after_s"] = *note.speaks_after_s;
+    json["notes"].push_back(std::move(entry));
   }
   json["notes_in_words"] = in_words(melody.notes);
 }

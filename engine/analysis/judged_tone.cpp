@@ -6,18 +6,11 @@
 
 #include "engine/analysis/judged_roll.h"
 #include "engine/core/median.h"
-#include "engine/dsp/pitch_track.h"
 
 namespace tactus {
 namespace {
 
-constexpr double kFrame_s = 0.01;    // of track_pitch
-constexpr double kRightShare = 0.9;  // of a right note
-constexpr double kNearPartial = 50;  // [cents]
-// A tone is heard to begin some 15 dB below its level. Source: Vos & Rasch, Perception & Psychophysics 29,
-// 1981.
-constexpr double kBegun = 0.178;
-constexpr std::size_t kStands = 10;               // frames that make a tone stand
+constexpr double kRightShare = 0.9;               // of a right note
 constexpr double kLowest = 0.45, kHighest = 6.5;  // of the pitch wanted: where it is looked for
 
 double rms_of(std::span<const double> samples) {
@@ -33,12 +26,6 @@ std::span<const double> between(const RecordedSignal& signal, Hertz rate, double
   return std::span{signal.samples}.subspan(frame(from), frame(to) - frame(from));
 }
 
-/// Which partial of the note a pitch is: 0 if it is none.
-int partial_of(double hertz, double wanted) {
-  const auto partial = static_cast<int>(std::lround(hertz / wanted));
-  return partial >= 1 && std::abs(cents(hertz, partial * wanted)) <= kNearPartial ? partial : 0;
-}
-
 /// The moments of the part that should be steady.
 struct Moments {
   double frames = 0;  ///< that there are, with a pitch or without
@@ -51,7 +38,7 @@ struct Moments {
 
 Moments moments_of(const std::vector<PitchPoint>& track, double from, double to, double wanted) {
   Moments moments;
-  moments.frames = std::max(1.0, std::floor((to - from) / kFrame_s));
+  moments.frames = std::max(1.0, std::floor((to - from) / kPitchHop_s));
   for (const auto& point : track) {
     if (point.time_s < from || point.time_s >= to) continue;
     moments.hertz.push_back(point.hertz);
@@ -73,25 +60,14 @@ double spread_of(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(values.size())) / mean;
 }
 
-double swing_of(std::vector<double> hertz) {
-  if (hertz.empty()) return 0;
-  std::sort(hertz.begin(), hertz.end());
-  const auto edge = hertz.size() / 20;  // the middle 90 %
-  return cents(hertz[hertz.size() - 1 - edge], hertz[edge]);
-}
-
 /// The first moment from which on it stands; `latest` if there is none.
-double stands_at(const std::vector<PitchPoint>& track, const Moments& moments, double latest) {
-  const double pitch = median(moments.hertz), level = median(moments.level);
-  std::size_t run = 0;
-  for (std::size_t i = 0; i < track.size() && track[i].time_s < latest; ++i) {
-    const bool stands =
-        std::abs(cents(track[i].hertz, pitch)) <= kNearPartial && track[i].rms >= kBegun * level;
-    const bool follows = i == 0 || track[i].time_s - track[i - 1].time_s < 1.5 * kFrame_s;
-    run = !stands ? 0 : follows ? run + 1 : 1;
-    if (run == kStands) return track[i + 1 - kStands].time_s;
-  }
-  return latest;
+double stands_before(double latest, const std::vector<PitchPoint>& track, const Moments& moments,
+                     double wanted) {
+  if (moments.hertz.empty()) return latest;
+  std::vector<ToneMoment> all;
+  for (const auto& point : track)
+    if (point.time_s < latest) all.push_back({point.time_s, cents(point.hertz, wanted), point.rms});
+  return stands_at(all, cents(median(moments.hertz), wanted), median(moments.level)).value_or(latest);
 }
 
 const char* kind_of(double level, double quiet, const Moments& moments) {
@@ -139,7 +115,7 @@ JudgedRun judge_tone(const SceneRecording& recording, const Playability& judged)
   for (auto& point : track) point.time_s += judged.begin_s;
   const double ends = std::min(to, recording.seconds() - 10 / judged.pitch_hz);
   const auto moments = moments_of(track, from, ends, judged.pitch_hz);
-  const double start = stands_at(track, moments, to) - judged.begin_s;
+  const double start = stands_before(to, track, moments, judged.pitch_hz) - judged.begin_s;
   const double spread = spread_of(moments.level);
   const double pitch = median(moments.hertz);
   const int partial = pitch > 0 ? partial_of(pitch, judged.pitch_hz) : 0;

@@ -1,12 +1,11 @@
 #include "engine/analysis/pitch_track.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
 
+#include "engine/analysis/standing_tone.h"
 #include "engine/core/dimension.h"
 #include "engine/core/median.h"
 #include "engine/graph/node_type.h"
@@ -14,66 +13,127 @@
 namespace tactus {
 namespace {
 
-constexpr double kHalfSemitone = 0.0293;  // 2^(1/24) - 1
-constexpr double kShortest_s = 0.05;
-constexpr double kSpoken_cents = 50;
+constexpr double kElsewhere = 0.25;                  // of its time, in a right note
+constexpr double kSlowest_hz = 3, kFastest_hz = 10;  // of a vibrato
 
-bool jumps(double before, double now) {
-  return std::max(before, now) > (1 + kHalfSemitone) * std::min(before, now);
+/// What was heard at one moment of a note, and wanted.
+struct Moment {
+  PitchPoint heard;
+  double wanted_hz;
+};
+
+std::vector<Moment> moments_of(const WantedNote& note, const std::vector<PitchPoint>& track,
+                               std::span<const double> wanted, Hertz rate) {
+  std::vector<Moment> moments;
+  for (const auto& point : track)
+    if (point.time_s >= note.from_s && point.time_s < note.to_s)
+      moments.push_back({point, wanted[static_cast<std::size_t>(point.time_s * rate.value)]});
+  return moments;
 }
 
-/// Notes without what was heard.
-std::vector<NoteHeard> wanted_notes(std::span<const double> wanted, Hertz rate) {
-  std::vector<NoteHeard> notes;
-  for (std::size_t from = 0, to = 0; from < wanted.size(); from = to) {
-    to = from + 1;
-    while (to < wanted.size() && !jumps(wanted[to - 1], wanted[to])) ++to;
-    NoteHeard note;
-    note.from_s = static_cast<double>(from) / rate.value;
-    note.to_s = static_cast<double>(to) / rate.value;
-    if (!(wanted[from] > 0) || note.to_s - note.from_s < kShortest_s) continue;
-    const auto part = wanted.subspan(from, to - from);
-    note.wanted_hz = median({part.begin(), part.end()});
-    notes.push_back(note);
+std::vector<Moment> from_time(const std::vector<Moment>& moments, double time_s) {
+  std::vector<Moment> late;
+  std::copy_if(moments.begin(), moments.end(), std::back_inserter(late),
+               [&](const Moment& moment) { return moment.heard.time_s >= time_s; });
+  return late;
+}
+
+double off_of(const Moment& moment) { return cents(moment.heard.hertz, moment.wanted_hz); }
+double heard_of(const Moment& moment) { return moment.heard.hertz; }
+double wanted_of(const Moment& moment) { return moment.wanted_hz; }
+double level_of(const Moment& moment) { return moment.heard.rms; }
+
+std::vector<double> each(const std::vector<Moment>& moments, double (*of)(const Moment&)) {
+  std::vector<double> values;
+  std::transform(moments.begin(), moments.end(), std::back_inserter(values), of);
+  return values;
+}
+
+/// How often a pitch goes around its median: from the times at which it rises a quarter of its swing above
+/// it after having been as far below. nullopt: fewer than three times, or not as often as a vibrato.
+std::optional<double> vibrato_of(const std::vector<Moment>& moments) {
+  const auto hertz = each(moments, heard_of);
+  const double middle = median(hertz), far = 0.25 * swing_of(hertz);
+  std::vector<double> rises;
+  bool low = false;
+  for (const auto& moment : moments) {
+    const double off = cents(moment.heard.hertz, middle);
+    if (off < -far) low = true;
+    if (!low || off < far) continue;
+    low = false;
+    rises.push_back(moment.heard.time_s);
   }
-  return notes;
+  if (rises.size() < 3) return std::nullopt;
+  const double often = static_cast<double>(rises.size() - 1) / (rises.back() - rises.front());
+  return often >= kSlowest_hz && often <= kFastest_hz ? std::optional{often} : std::nullopt;
 }
 
-/// The first moment from which on everything is near the end.
-std::optional<double> speaks_after(const NoteHeard& note, const std::vector<PitchPoint>& points) {
-  std::optional<double> since;
-  for (const auto& point : points) {
-    const bool near = std::abs(cents(point.hertz, note.heard_hz)) < kSpoken_cents;
-    if (!near)
-      since.reset();
-    else if (!since)
-      since = point.time_s - note.from_s;
+std::optional<double> speaks_after(const WantedNote& note, const std::vector<Moment>& moments, double off,
+                                   double rms) {
+  std::vector<ToneMoment> tone;
+  for (const auto& moment : moments) tone.push_back({moment.heard.time_s, off_of(moment), moment.heard.rms});
+  const auto stands_s = stands_at(tone, off, rms, std::min(kStands_s, 0.5 * note.seconds()));
+  return stands_s ? std::optional{*stands_s - note.from_s} : std::nullopt;
+}
+
+/// What it did since it stands, or in its second half.
+void tell_standing(NoteHeard& note, const std::vector<Moment>& moments) {
+  const double stands_s = note.wanted.from_s + note.speaks_after_s.value_or(0.5 * note.wanted.seconds());
+  const auto standing = from_time(moments, stands_s);
+  note.swing_cents = swing_of(each(standing, heard_of));
+  note.wanted_swing_cents = swing_of(each(standing, wanted_of));
+  if (!note.wanted.glides) note.swings_hz = vibrato_of(standing);
+  note.silent_s =
+      std::max(0.0, note.wanted.to_s - stands_s - static_cast<double>(standing.size()) * kPitchHop_s);
+}
+
+/// Where it was when it was not where it should be.
+void tell_strays(NoteHeard& note, const std::vector<Moment>& moments) {
+  std::map<int, int> partials;
+  int strays = 0;
+  for (const auto& moment : moments) {
+    const int partial = partial_of(moment.heard.hertz, moment.wanted_hz);
+    if (partial > 1) ++partials[partial];
+    if (partial == 0) ++strays;
   }
-  return since;
+  note.strays_s = strays * kPitchHop_s;
+  int most = 0;
+  for (const auto& [partial, count] : partials) {
+    note.partials_s += count * kPitchHop_s;
+    if (count > most) note.other_partial = partial;
+    most = std::max(most, count);
+  }
 }
 
-void hear(NoteHeard& note, const std::vector<PitchPoint>& all) {
-  std::vector<PitchPoint> points;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(points),
-               [&](const auto& p) { return p.time_s >= note.from_s && p.time_s < note.to_s; });
-  std::vector<double> late;
-  for (const auto& point : points)
-    if (point.time_s >= 0.5 * (note.from_s + note.to_s)) late.push_back(point.hertz);
-  if (late.empty()) return;
-  note.heard_hz = median(late);
-  note.partial = static_cast<int>(std::lround(note.heard_hz / note.wanted_hz));
-  note.cents = cents(note.heard_hz, note.wanted_hz * std::max(1, note.partial));
-  const auto [low, high] = std::minmax_element(late.begin(), late.end());
-  note.swing_cents = cents(*high, *low);
-  note.speaks_after_s = speaks_after(note, points);
+NoteHeard hear(const WantedNote& wanted_note, const std::vector<PitchPoint>& track,
+               std::span<const double> wanted, Hertz rate) {
+  NoteHeard note;
+  note.wanted = wanted_note;
+  const auto moments = moments_of(wanted_note, track, wanted, rate);
+  const auto late = from_time(moments, 0.5 * (wanted_note.from_s + wanted_note.to_s));
+  if (late.empty()) return note;
+  const double off = median(each(late, off_of));
+  note.heard_hz = median(each(late, heard_of));
+  note.partial = static_cast<int>(std::lround(std::exp2(off / 1200)));
+  note.cents = off - cents(std::max(1, note.partial), 1);
+  note.speaks_after_s = speaks_after(wanted_note, moments, off, median(each(late, level_of)));
+  tell_standing(note, moments);
+  tell_strays(note, moments);
+  return note;
 }
 
 }  // namespace
 
+bool NoteHeard::right() const {
+  return partial == 1 && std::abs(cents) <= kInTune_cents &&
+         partials_s + strays_s <= kElsewhere * wanted.seconds();
+}
+
 std::vector<NoteHeard> notes_heard(const std::vector<PitchPoint>& track, std::span<const double> wanted_hz,
                                    Hertz rate) {
-  auto notes = wanted_notes(wanted_hz, rate);
-  for (auto& note : notes) hear(note, track);
+  std::vector<NoteHeard> notes;
+  for (const auto& wanted : wanted_notes(wanted_hz, rate))
+    notes.push_back(hear(wanted, track, wanted_hz, rate));
   return notes;
 }
 
@@ -98,40 +158,6 @@ std::optional<Melody> melody_of(const SceneRecording& recording) {
   Melody melody{&*wanted, track_pitch(sound->samples, recording.sample_rate, lo, hi), {}};
   melody.notes = notes_heard(melody.heard, wanted->samples, recording.sample_rate);
   return melody;
-}
-
-std::string note_name(double hertz) {
-  static constexpr std::array<const char*, 12> kNames = {"C",  "C#", "D",  "D#", "E",  "F",
-                                                         "F#", "G",  "G#", "A",  "A#", "B"};
-  const auto semitones = static_cast<int>(std::lround(57 + 12 * std::log2(hertz / 440)));  // from C0 on
-  const int octave = semitones >= 0 ? semitones / 12 : -((11 - semitones) / 12);
-  return kNames[static_cast<std::size_t>(semitones - 12 * octave)] + std::to_string(octave);
-}
-
-std::string in_words(const NoteHeard& note) {
-  const auto name = fmt::format("{}, {:.1f} Hz: ", note_name(note.wanted_hz), note.wanted_hz);
-  if (note.heard_hz <= 0) return name + "nothing with a pitch";
-  auto text = name;
-  if (note.partial != 1) text += fmt::format("{:.1f} Hz sounds, ", note.heard_hz);
-  if (note.partial > 1) text += fmt::format("partial {}, ", note.partial);
-  text += fmt::format("{:+.1f} cents", note.cents);
-  if (note.swing_cents > 5) text += fmt::format(", swings by {:.0f}", note.swing_cents);
-  if (note.speaks_after_s) text += fmt::format(", speaks after {:.2f} s", *note.speaks_after_s);
-  return text;
-}
-
-std::string in_words(const std::vector<NoteHeard>& notes) {
-  int right = 0;
-  double off = 0, slowest = 0;
-  for (const auto& note : notes) {
-    if (note.partial != 1) continue;
-    ++right;
-    off = std::max(off, std::abs(note.cents));
-    slowest = std::max(slowest, note.speaks_after_s.value_or(0));
-  }
-  auto text = fmt::format("{} of {} notes on their first partial", right, notes.size());
-  if (right > 0) text += fmt::format(", at most {:.1f} cents off, within {:.2f} s", off, slowest);
-  return text;
 }
 
 }  // namespace tactus

@@ -5,24 +5,32 @@
 #include <string>
 #include <vector>
 
+#include "engine/analysis/wanted_notes.h"
 #include "engine/dsp/pitch_track.h"
 #include "engine/scene/play_scene.h"
 
 namespace tactus {
 
-/// What came of a note that was wanted.
+/// What came of a note that was wanted. Each moment is held against the pitch wanted just then.
 struct NoteHeard {
-  double from_s = 0, to_s = 0;
-  double wanted_hz = 0;  ///< median
-  double heard_hz = 0;   ///< median of its second half; 0: nothing with a pitch
-  int partial = 0;   ///< of the wanted note, nearest to what was heard; 0: nothing, or lower than the note
-  double cents = 0;  ///< heard over that partial
-  double swing_cents = 0;                ///< from the lowest to the highest in its second half
-  std::optional<double> speaks_after_s;  ///< until it is within 50 cents of what it ends as
+  WantedNote wanted;
+  double heard_hz = 0;  ///< median of its second half; 0: nothing with a pitch
+  int partial = 0;      ///< of the wanted pitch, nearest to what was heard; 0: nothing, or lower than that
+  double cents = 0;     ///< heard over that partial, median of the second half
+  std::optional<double> speaks_after_s;  ///< until it stands (see stands_at), or half of it if it is short
+  double swing_cents = 0;                ///< of what was heard since it stands, see swing_of
+  double wanted_swing_cents = 0;         ///< of what was wanted then
+  std::optional<double> swings_hz;       ///< how often it swings, where that is a vibrato's 3 Hz to 10 Hz
+  double partials_s = 0;                 ///< how long another partial was heard
+  int other_partial = 0;                 ///< which one for the longest
+  double strays_s = 0;                   ///< how long a pitch was heard that is no partial
+  double silent_s = 0;                   ///< how long no pitch was heard after it stood
+
+  /// It ends on its first partial, within kInTune_cents, and was elsewhere for at most a quarter of its time.
+  bool right() const;
 };
 
-/// [control] The notes in a track, held against the pitch that was wanted in each frame (0: none). A new one
-/// starts where that jumps by more than half a semitone; one shorter than 50 ms is none.
+/// [control] What was heard of the notes that were wanted in each frame (0: none).
 std::vector<NoteHeard> notes_heard(const std::vector<PitchPoint>& track, std::span<const double> wanted_hz,
                                    Hertz rate);
 
@@ -35,13 +43,5 @@ struct Melody {
 };
 /// [control] nullopt: the scene wants no pitch. Points into `recording`.
 std::optional<Melody> melody_of(const SceneRecording& recording);
-
-/// [any] "A2", "C#4": the nearest note of the scale in equal temperament, A4 = 440 Hz.
-std::string note_name(double hertz);
-
-/// [any] "A2, 110.0 Hz: +0.3 cents, speaks after 0.12 s"
-std::string in_words(const NoteHeard& note);
-/// [any] "10 of 10 notes on their first partial, at most 0.4 cents off, within 0.21 s"
-std::string in_words(const std::vector<NoteHeard>& notes);
 
 }  // namespace tactus

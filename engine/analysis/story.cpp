@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
-#include "engine/analysis/pitch_track.h"
+#include "engine/analysis/note_words.h"
+#include "engine/analysis/standing_tone.h"
 #include "engine/scene/events.h"
 
 namespace tactus {
@@ -48,14 +50,15 @@ class Story {
     const auto melody = melody_of(recording_);
     if (!melody) return;
     PlotPanel panel;
-    panel.y = {.label = "pitch", .unit = "Hz", .log = true};
+    panel.y = {.label = "pitch", .unit = "Hz", .log = true, .notes = true};
     panel.height = 1.6;
     panel.series.push_back(trace("wanted", *melody->wanted));
     PlotSeries heard{.label = "heard", .color = PlotColor::Vermillion};
     for (const auto& point : melody->heard) {
       if (point.time_s < from_ || point.time_s > to_) continue;
-      // Nothing had a pitch for a while: a gap.
-      if (!heard.x.empty() && point.time_s > heard.x.back() + 0.015) {
+      // A gap where nothing had a pitch for a while, and where another note begins.
+      if (!heard.x.empty() && (point.time_s > heard.x.back() + 1.5 * kPitchHop_s ||
+                               std::abs(cents(point.hertz, heard.y.back())) > kNearPartial_cents)) {
         heard.x.push_back(point.time_s);
         heard.y.push_back(std::numeric_limits<double>::quiet_NaN());
       }
@@ -101,13 +104,13 @@ class Story {
     PlotPanel panel;
     panel.y = {.label = "what the instrument hears", .unit = ""};
     panel.series.push_back(trace(input, *recording_.find("instrument." + input)));
+    // What it noticed stands once, with what it hears first.
     for (const auto& signal : recording_.signals) {
-      if (!signal.name.starts_with("instrument.") ||
+      if (input != recording_.inputs.front() || !signal.name.starts_with("instrument.") ||
           std::count(signal.name.begin(), signal.name.end(), '.') != 2 || signal.name.ends_with(".level"))
         continue;
       PlotSeries marks{.label = signal.name.substr(11, signal.name.rfind('.') - 11),
-                       .mark = PlotMark::Points,
-                       .color = PlotColor::Vermillion};
+                       .mark = PlotMark::Points};
       for (const double time : trigger_times(signal.samples, recording_.sample_rate)) {
         if (time < from_ || time > to_) continue;
         marks.x.push_back(time);
@@ -120,8 +123,7 @@ class Story {
   }
 
   void add_given(Figure& figure) const {
-    for (const auto& output : recording_.outputs) {
-      if (output == "sound") continue;
+    for (const auto& output : drive_names(recording_)) {
       PlotPanel panel;
       panel.y = {.label = "what the instrument gives", .unit = ""};
       panel.series.push_back(trace(output, *recording_.find("instrument." + output)));

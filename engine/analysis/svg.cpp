@@ -11,6 +11,8 @@ namespace {
 
 using namespace svg;
 
+constexpr double kLongestLeader = 120;  // from the end of a series to its label [px]
+
 PlotColor color_of(const PlotPanel& panel, std::size_t series) {
   const auto chosen = panel.series[series].color;
   return chosen != PlotColor::Auto ? chosen : static_cast<PlotColor>(1 + series % 6);
@@ -174,8 +176,10 @@ void Drawing::draw_end_labels(std::size_t index) {
   const auto placed = spread(wanted, kLabelRow, layout.top + 2, layout.bottom - 2);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto& label = labels[i];
-    canvas_.line(std::max(plan_.left, label.x + 3), label.y, plan_.right + 10, placed[i],
-                 shade(label.color).line, 0.8, " opacity=\"0.6\"");
+    // What ends far from its label has its colour; a leader would cross all that comes after it.
+    if (label.x > plan_.right - kLongestLeader)
+      canvas_.line(std::max(plan_.left, label.x + 3), label.y, plan_.right + 10, placed[i],
+                   shade(label.color).line, 0.8, " opacity=\"0.6\"");
     canvas_.text(plan_.right + 13, placed[i] + 4, label.text, "start", shade(label.color).text, kFont, true);
   }
 }

@@ -53,6 +53,7 @@ struct PlotAxis {
   std::string unit = {};
   std::optional<double> low = {}, high = {};  ///< SI; left out: from the data
   bool log = false;                           ///< only positive values are shown
+  bool notes = false;                         ///< of pitch, in Hz and log: ticks at notes of the scale
 };
 
 struct PlotPanel {

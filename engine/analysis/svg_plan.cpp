@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "engine/analysis/note_ticks.h"
 #include "engine/analysis/svg_canvas.h"
 
 namespace tactus::svg {
@@ -49,14 +50,18 @@ double plot_height(const Figure& figure, const PlotPanel& panel) {
 
 int most_ticks(double height) { return static_cast<int>(height / 26); }
 
+std::vector<Tick> ticks_on(const PlotPanel& panel, const Scale& y, const PrefixedUnit& unit, double height) {
+  return panel.y.notes ? note_ticks(y, most_ticks(height))
+                       : ticks_of(y, panel.y.unit, unit, most_ticks(height));
+}
+
 double left_margin(const Figure& figure, const Range& x) {
   double width = 0;
   for (const auto& panel : figure.panels) {
     const auto range = y_range(panel, x);
     const double height = plot_height(figure, panel);
     const Scale scale{range.low, range.high, height, 0, panel.y.log};
-    const auto unit = prefixed_unit(panel.y.unit, largest(range));
-    for (const auto& tick : ticks_of(scale, panel.y.unit, unit, most_ticks(height)))
+    for (const auto& tick : ticks_on(panel, scale, prefixed_unit(panel.y.unit, largest(range)), height))
       width = std::max(width, text_width(tick.text, kFont));
   }
   return kPad + width + 8;
@@ -109,7 +114,7 @@ PanelPlan plan_panel(const Figure& figure, std::size_t index, const Scale& x, do
   plan.top = at + (axis_title(panel.y, plan.unit).empty() ? 6 : 21) + kLabelRow * plan.band.rows();
   plan.bottom = plan.top + height;
   plan.y = {y.low, y.high, plan.bottom, plan.top, panel.y.log};
-  plan.ticks = ticks_of(plan.y, panel.y.unit, plan.unit, most_ticks(height));
+  plan.ticks = ticks_on(panel, plan.y, plan.unit, height);
   return plan;
 }
 

@@ -10,7 +10,6 @@
 namespace tactus {
 namespace {
 
-constexpr double kHop_s = 0.010;
 constexpr double kLeastClarity = 0.8, kNearHighest = 0.9;
 constexpr double kSilence = 1e-6, kFarBelow = 1e-3;
 constexpr int kPartials = 12;
@@ -141,8 +140,8 @@ class Tracker {
   std::vector<PitchPoint> run() const {
     std::vector<PitchPoint> points;
     const double end = static_cast<double>(samples_.size()) / rate_;
-    for (int i = 0; i * kHop_s < end; ++i)
-      if (const auto point = at(i * kHop_s)) points.push_back(*point);
+    for (int i = 0; i * kPitchHop_s < end; ++i)
+      if (const auto point = at(i * kPitchHop_s)) points.push_back(*point);
     double loudest = 0;
     for (const auto& point : points) loudest = std::max(loudest, point.rms);
     std::erase_if(points, [&](const auto& point) { return point.rms < kFarBelow * loudest; });

@@ -11,6 +11,9 @@ namespace tactus {
 /// [any] How far one pitch lies above another.
 inline double cents(double hertz, double of) { return 1200 * std::log2(hertz / of); }
 
+/// Between two moments of a track.
+inline constexpr double kPitchHop_s = 0.010;
+
 /// What sounds around one moment.
 struct PitchPoint {
   double time_s = 0;
@@ -20,9 +23,9 @@ struct PitchPoint {
   double rms = 0;
 };
 
-/// Pitch of a signal every 10 ms, wherever it repeats itself with a period between 1/hi and 1/lo. Moments
-/// without a pitch are left out: silence (below -120 dBFS, or 60 dB below the loudest), noise, and the first
-/// and last three periods.
+/// Pitch of a signal every kPitchHop_s, wherever it repeats itself with a period between 1/hi and 1/lo.
+/// Moments without a pitch are left out: silence (below -120 dBFS, or 60 dB below the loudest), noise, and
+/// the first and last three periods.
 ///
 ///   coarse   n(t) = 2 sum x[j] x[j+t] / sum (x[j]^2 + x[j+t]^2), the first peak above 0.9 of the highest
 ///   fine     the phases of the partials turn by 2 pi h f d from a window to one d later; both are four
