@@ -147,10 +147,10 @@ Json events_of(const PlayedScene& played) {
   return events_json(names, taps, played.recording.sample_rate);
 }
 
-Samples drives_of(const PlayedScene& played) {
+Samples outputs_of(const PlayedScene& played, const std::vector<std::string>& names) {
   Samples samples;
   samples.sample_rate = played.recording.sample_rate;
-  for (const auto& name : played.recording.outputs)
+  for (const auto& name : names)
     samples.channels.push_back(played.recording.find("instrument." + name)->samples);
   return samples;
 }

@@ -45,7 +45,7 @@ void print_ports(const std::vector<PortEnergy>& ports);
 /// Errors: BadFile.
 Status write_json(const std::string& path, const nlohmann::ordered_json& json);
 
-/// What the instrument gave out, behind the guard, channel by channel.
-Samples drives_of(const PlayedScene& played);
+/// What the instrument gave out, behind the guard: a channel for each of these outputs.
+Samples outputs_of(const PlayedScene& played, const std::vector<std::string>& names);
 
 }  // namespace tactus::app

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "apps/render_error.h"
 #include "apps/render_take.h"
 #include "apps/resample.h"
+#include "apps/writable.h"
 #include "backends/offline/offline.h"
 #include "engine/graph/compile.h"
 #include "engine/graph/load.h"
@@ -24,7 +26,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct RenderOptions {
-  std::string target, replay, in, out, events, rate, delay, duration;
+  std::string target, replay, in, out, sound, events, rate, delay, duration;
   int block = 256;
   std::string format = "float";
   std::vector<std::string> set;
@@ -89,10 +91,27 @@ Result<Samples> read_input(const RenderOptions& options) {
 /// A recording must not be lost to its own rendering.
 Status check_files(const RenderOptions& options) {
   std::error_code none;
-  for (const auto& written : {options.out, options.events})
+  for (const auto& written : {options.out, options.sound, options.events})
     if (!written.empty() && !options.in.empty() && std::filesystem::equivalent(written, options.in, none))
       return fail(Errc::BadArgument, written, "would overwrite what it is made from", "choose another name");
   return {};
+}
+
+/// All outputs, and what is to be listened to alone, into the files that were asked for.
+Status write_outputs(const RenderOptions& options, const Samples& outputs,
+                     const std::vector<std::string>& names, const std::vector<std::string>& sounds) {
+  const auto encoding = options.format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32;
+  if (!options.out.empty())
+    if (auto status = write_wav(options.out, outputs, encoding); !status) return status;
+  if (options.sound.empty()) return {};
+  if (sounds.empty())
+    return fail(Errc::BadArgument, "--sound", "this instrument gives nothing to the ears",
+                "leave it out, or give an output the kind \"audio\"");
+  Samples heard{outputs.sample_rate, {}};
+  for (const auto& sound : sounds)
+    heard.channels.push_back(outputs.channels[static_cast<std::size_t>(
+        std::find(names.begin(), names.end(), sound) - names.begin())]);
+  return write_wav(options.sound, heard, encoding);
 }
 
 int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
@@ -147,10 +166,8 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   if (!health) return report(health.error());
 
   const auto events = recorder.events(input->sample_rate);
-  if (!options.out.empty()) {
-    const auto encoding = options.format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32;
-    if (auto status = write_wav(options.out, output, encoding); !status) return report(status.error());
-  }
+  if (auto status = write_outputs(options, output, outputs, sound_names(engine.schedule())); !status)
+    return report(status.error());
   if (!options.events.empty())
     if (auto status = write_json(options.events, events); !status) return report(status.error());
 
@@ -198,11 +215,11 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   run.guard = options.guard;
   const auto played = play_file(run);
   if (!played) return report(played.error());
-  if (!options.out.empty()) {
-    const auto encoding = options.format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32;
-    if (auto status = write_wav(options.out, drives_of(*played), encoding); !status)
-      return report(status.error());
-  }
+  const auto& recording = played->recording;
+  if (auto status =
+          write_outputs(options, outputs_of(*played, recording.outputs), recording.outputs, recording.sounds);
+      !status)
+    return report(status.error());
   const auto events = events_of(*played);
   if (!options.events.empty())
     if (auto status = write_json(options.events, events); !status) return report(status.error());
@@ -225,6 +242,7 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
 
 int replay(const RenderOptions& options) {
   for (const auto& [text, name] : {std::pair{&options.in, "--in"},
+                                   {&options.sound, "--sound"},
                                    {&options.events, "--events"},
                                    {&options.rate, "--rate"},
                                    {&options.duration, "--duration"}})
@@ -268,17 +286,22 @@ void add_render(CLI::App& app, int& exit_code) {
       "take.wav of --record: plays it again and tells whether the drives are the same bit for "
       "bit; with FILE, plays its sensors on that instrument");
   command->add_option("--in", options->in, "WAV file: channel k goes to the k-th input");
-  command->add_option("--out", options->out, "WAV file for the outputs, in the order of the file");
-  command->add_option(
-      "--events", options->events,
-      "JSON file for what was heard: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}");
+  command->add_option("--out", options->out, "WAV file for all outputs, in the order of the file")
+      ->check(writable_file());
+  command->add_option("--sound", options->sound, "WAV file for what is to be listened to, without the drives")
+      ->check(writable_file());
+  command
+      ->add_option(
+          "--events", options->events,
+          "JSON file for what was heard: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}")
+      ->check(writable_file());
   command->add_option("--rate", options->rate, "sample rate; a WAV file is resampled to it");
   command->add_option("--block", options->block, "frames a block (the result does not depend on it)")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   command->add_option("--delay", options->delay, "system delay, such as \"20 ms\"");
   command->add_option("--duration", options->duration, "cut off or continue with silence, such as \"10 s\"");
-  command->add_option("--format", options->format, "of --out")
+  command->add_option("--format", options->format, "of the WAV files")
       ->check(CLI::IsMember({"float", "24"}))
       ->capture_default_str();
   command->add_option("--set", options->set,
@@ -287,12 +310,13 @@ void add_render(CLI::App& app, int& exit_code) {
   command
       ->add_flag("--error", options->error,
                  "of a scene with [accuracy]: tells how wrong it is, and what a frame costs")
-      ->excludes("--in", "--out", "--events", "--replay", "--set");
+      ->excludes("--in", "--out", "--sound", "--events", "--replay", "--set");
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus render instruments/haptic_drum --in hits.wav --out drive.wav --events "
       "events.json\n"
       "  tactus render --replay take.wav --out drives.wav\n"
+      "  tactus render instruments/cellomobo --sound phrase.wav\n"
       "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav\n"
       "  tactus render instruments/numerics/woofer --error");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -14,6 +14,7 @@
 #include "apps/latency/profile_file.h"
 #include "apps/latency/recording_files.h"
 #include "apps/play_report.h"
+#include "apps/writable.h"
 #include "latency/calibration.h"
 
 namespace tactus::app {
@@ -147,9 +148,11 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
                       "the card's own delay, such as \"3.92 ms\"; [the rig's, or as it was measured here]");
   command
       ->add_option("--save", options->out, "file for the profile, a graph that a scene can use as its plant")
+      ->check(writable_file())
       ->required();
-  command->add_option("--report", options->picture, "a picture of it, an SVG file");
-  command->add_option("--wav", options->sound, "keep what was played and heard, for analyze");
+  command->add_option("--report", options->picture, "a picture of it, an SVG file")->check(writable_file());
+  command->add_option("--wav", options->sound, "keep what was played and heard, for analyze")
+      ->check(writable_file());
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus latency measure --rig desk.toml                          # first, over a cable\n"

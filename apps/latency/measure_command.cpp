@@ -8,6 +8,7 @@
 #include "apps/latency/keep_delay.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/measure_now.h"
+#include "apps/writable.h"
 
 namespace tactus::app {
 namespace {
@@ -66,7 +67,8 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
       ->capture_default_str();
   command->add_option("--sweeps", loop.sweeps, "each time")->check(CLI::Range(2, 100))->capture_default_str();
   add_report_options(*command, options->report);
-  command->add_option("--wav", options->report.sound, "keep what was played and heard, for analyze");
+  command->add_option("--wav", options->report.sound, "keep what was played and heard, for analyze")
+      ->check(writable_file());
   command->add_flag("--no-keep", options->no_keep, "write the delay nowhere");
   command->footer(
       "Examples:\n  tactus latency measure --device jack:system\n"

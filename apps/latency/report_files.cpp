@@ -8,6 +8,7 @@
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/recording_files.h"
 #include "apps/play_report.h"
+#include "apps/writable.h"
 
 namespace tactus::app {
 namespace {
@@ -61,9 +62,10 @@ Status write_files(LatencyReport& report, const ReportFiles& files) {
 }  // namespace
 
 void add_report_options(CLI::App& command, ReportFiles& files) {
-  command.add_option("--folder", files.folder,
-                     "folder for the picture, the report as JSON and the recordings");
-  command.add_option("--report", files.picture, "the picture alone, an SVG file");
+  command
+      .add_option("--folder", files.folder, "folder for the picture, the report as JSON and the recordings")
+      ->check(writable_folder());
+  command.add_option("--report", files.picture, "the picture alone, an SVG file")->check(writable_file());
   command.add_flag("--json", files.json, "for machines");
 }
 

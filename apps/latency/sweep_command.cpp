@@ -11,6 +11,7 @@
 #include "apps/latency/measure_now.h"
 #include "apps/latency/sweep_report.h"
 #include "apps/play_report.h"
+#include "apps/writable.h"
 
 namespace tactus::app {
 namespace {
@@ -172,7 +173,8 @@ void add_latency_sweep(CLI::App& latency, int& exit_code) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->add_option("--sweeps", loop.sweeps, "each time")->check(CLI::Range(2, 100))->capture_default_str();
-  command->add_option("--report", options->picture, "picture of the delay against the block, an SVG file");
+  command->add_option("--report", options->picture, "picture of the delay against the block, an SVG file")
+      ->check(writable_file());
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus latency sweep --device jack:system\n"

@@ -7,6 +7,7 @@
 #include "apps/console.h"
 #include "apps/study/bifurcation_report.h"
 #include "apps/study/study_commands.h"
+#include "apps/writable.h"
 #include "engine/nodes/table.h"
 
 namespace tactus::app {
@@ -73,7 +74,7 @@ void add_study_bifurcation(CLI::App& study, int& exit_code) {
       ->capture_default_str();
   command->add_option("--restitution", options->restitution, "of the ideal ball; [as measured]")
       ->check(CLI::Range(0.01, 0.99));
-  command->add_option("--report", options->picture, "the diagram, an SVG file");
+  command->add_option("--report", options->picture, "the diagram, an SVG file")->check(writable_file());
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n"

@@ -12,7 +12,9 @@
 #include "apps/study/playability_report.h"
 #include "apps/study/study_commands.h"
 #include "apps/study/sweep_range.h"
+#include "apps/writable.h"
 #include "engine/analysis/playability_plot.h"
+#include "engine/graph/quantity.h"
 #include "engine/nodes/table.h"
 
 namespace tactus::app {
@@ -69,6 +71,33 @@ Status read_part(const std::string& text, PlayabilityOptions& study) {
   return {};
 }
 
+/// "6 dB": both ways. A bare number might be meant as decibels or as a factor.
+Status read_gain(const std::string& text, PlayabilityOptions& study) {
+  if (text.empty()) return {};
+  const auto gain = parse_option(text, "", "gain");
+  if (!gain) return tl::unexpected(gain.error());
+  if (read_quantity(Value{text, {}})->bare)
+    return fail(Errc::UnitMismatch, "--gain", "'" + text + "' may be decibels or a factor",
+                fmt::format("write \"{0} dB\", or \"{1:g} %\" for {0} times as strong", text, 100 * *gain));
+  if (!(*gain > 0 && *gain <= 100))
+    return fail(Errc::OutOfRange, "--gain", "must lie above 0 and at most at 40 dB", "");
+  study.gains = {1 / *gain, *gain};
+  return {};
+}
+
+/// What is swept has no other value.
+Status check_swept(const PlayabilityOptions& study) {
+  for (auto swept = study.over.begin(); swept != study.over.end(); ++swept) {
+    const auto same = [&](const SweptValue& other) { return other.name == swept->name; };
+    if (std::any_of(study.over.begin(), swept, same))
+      return fail(Errc::BadArgument, "--over", "'" + swept->name + "' is swept twice", "sweep it once");
+    if (study.set.contains(swept->name))
+      return fail(Errc::BadArgument, "--set",
+                  "'" + swept->name + "' is swept by --over, and cannot be set too", "leave one of them out");
+  }
+  return {};
+}
+
 Status read_variants(const Options& options, PlayabilityOptions& study) {
   study.draws = options.draws;
   study.seed = options.seed;
@@ -77,13 +106,7 @@ Status read_variants(const Options& options, PlayabilityOptions& study) {
   if (!(*within > 0 && *within < 1))
     return fail(Errc::OutOfRange, "--within", "must lie above 0 and below 100 %", "");
   study.within = *within;
-  if (options.gain.empty()) return {};
-  const auto gain = parse_option(options.gain, "", "gain");
-  if (!gain) return tl::unexpected(gain.error());
-  if (!(*gain > 0 && *gain <= 100))
-    return fail(Errc::OutOfRange, "--gain", "must lie above 0 and at most at 40 dB", "");
-  study.gains = {1 / *gain, *gain};
-  return {};
+  return read_gain(options.gain, study);
 }
 
 Result<PlayabilityOptions> study_options(const Options& options, SceneSpec& scene) {
@@ -101,6 +124,7 @@ Result<PlayabilityOptions> study_options(const Options& options, SceneSpec& scen
   auto set = parse_settings(options.set);
   if (!set) return tl::unexpected(set.error());
   study.set = std::move(*set);
+  if (auto status = check_swept(study); !status) return tl::unexpected(status.error());
   if (!options.duration.empty()) {
     const auto duration = parse_option(options.duration, "s", "duration");
     if (!duration) return tl::unexpected(duration.error());
@@ -183,11 +207,14 @@ void add_study_playability(CLI::App& study, int& exit_code) {
   command->add_option("--within", options->within, "how far all their quantities are from the plant's")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "of the draws")->capture_default_str();
-  command->add_option("--keep", options->keep,
-                      "folder of finished runs: what is there is not played again, whatever ended it");
+  command
+      ->add_option("--keep", options->keep,
+                   "folder of finished runs: what is there is not played again, whatever ended it")
+      ->check(writable_folder());
   command->add_option("--part", options->part, "I/N: plays that share of the runs into --keep, and no more");
   command->add_option("--workers", options->workers, "threads; [one a core]")->check(CLI::Range(1, 1024));
-  command->add_option("--svg", options->picture, "the picture: curves, or maps where something is swept");
+  command->add_option("--svg", options->picture, "the picture: curves, or maps where something is swept")
+      ->check(writable_file());
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus study playability instruments/haptic_drum\n"

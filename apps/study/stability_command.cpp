@@ -8,6 +8,7 @@
 #include "apps/console.h"
 #include "apps/study/study_commands.h"
 #include "apps/study/wall_report.h"
+#include "apps/writable.h"
 #include "engine/analysis/wall_device.h"
 
 namespace tactus::app {
@@ -118,7 +119,7 @@ void add_study_stability(CLI::App& study, int& exit_code) {
   command->add_option("--points", options->points, "a decade")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command->add_option("--report", options->picture, "the map, an SVG file");
+  command->add_option("--report", options->picture, "the map, an SVG file")->check(writable_file());
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus study stability instruments/wall --report walls.svg\n"

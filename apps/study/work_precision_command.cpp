@@ -11,6 +11,7 @@
 #include "apps/play_report.h"
 #include "apps/study/study_commands.h"
 #include "apps/study/work_precision_report.h"
+#include "apps/writable.h"
 #include "engine/analysis/work_precision_plot.h"
 #include "engine/graph/mistakes.h"
 #include "engine/nodes/table.h"
@@ -106,8 +107,10 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
   command->add_option("--repeat", options->repeats, "runs for the time, of which the median counts")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--out", options->folder,
-                      "folder for the picture (SVG), the table (Markdown) and the JSON");
+  command
+      ->add_option("--out", options->folder,
+                   "folder for the picture (SVG), the table (Markdown) and the JSON")
+      ->check(writable_folder());
   command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus study work-precision instruments/numerics/stick_impact\n"

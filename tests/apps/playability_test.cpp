@@ -141,6 +141,9 @@ TEST_CASE("study playability: exit codes, and a picture of each form", "[apps]")
                 svg) == 0);
   CHECK(shown());
   CHECK(exit_of(kDrum + " --delay 20") == 2);
+  CHECK(exit_of(kDrum + " --delay '20 ms' --gain 6") == 2);
+  CHECK(exit_of(kDrum + " --delay '20 ms' --over strength=0.5:1:2 --set strength=0.9") == 2);
+  CHECK(exit_of(kDrum + " --delay '20 ms' --over strength=0.5:1:2 --over strength=0.2:1:3") == 2);
   CHECK(exit_of(kDrum + " --part 1/2") == 2);
   CHECK(exit_of(kDrum + "/single_strike.toml") == 3);
 }
