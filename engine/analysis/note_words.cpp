@@ -16,7 +16,7 @@ constexpr double kTold_s = kStands_s;
 
 std::string head_of(const WantedNote& wanted) {
   if (wanted.glides)
-    return fmt::format("{} to {} in {:.2f} s, {:.1f} to {:.1f} Hz: ", pitch_in_words(wanted.begins_hz),
+    return fmt::format("from {} to {} in {:.2f} s, {:.1f} to {:.1f} Hz: ", pitch_in_words(wanted.begins_hz),
                        pitch_in_words(wanted.ends_hz), wanted.seconds(), wanted.begins_hz, wanted.ends_hz);
   return fmt::format("{}, {:.1f} Hz: ", pitch_in_words(wanted.hertz), wanted.hertz);
 }

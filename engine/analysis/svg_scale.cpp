@@ -111,7 +111,9 @@ PrefixedUnit prefixed_unit(const std::string& unit, double largest) {
 
 std::vector<Tick> ticks_of(const Scale& scale, const std::string& unit, const PrefixedUnit& prefixed,
                            int most) {
-  if (scale.log) return log_ticks(scale, unit, most);
+  if (scale.log)
+    if (auto ticks = log_ticks(scale, unit, most); ticks.size() > 1 || scale.high >= 10 * scale.low)
+      return ticks;
   const double low = scale.low / prefixed.factor;
   const double high = scale.high / prefixed.factor;
   const double least_step = (high - low) / std::max(1, most);
@@ -120,9 +122,10 @@ std::vector<Tick> ticks_of(const Scale& scale, const std::string& unit, const Pr
   for (const double nice : {5.0, 2.0, 1.0})
     if (nice * power >= least_step * (1 - 1e-9)) step = nice * power;
   const int decimals = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
+  const auto own_unit = scale.log && takes_prefix(unit) ? " " + prefixed.text : std::string{};
   std::vector<Tick> ticks;
   for (double n = std::ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n += 1.0)
-    ticks.push_back({n * step * prefixed.factor, number(n * step, decimals)});
+    ticks.push_back({n * step * prefixed.factor, number(n * step, decimals) + own_unit});
   return ticks;
 }
 

@@ -40,7 +40,8 @@ struct Tick {
   std::string text;
 };
 /// At most about `most` ticks at 1, 2 or 5 times a power of ten; on a log scale at powers of ten, or at 1, 2,
-/// 5 where fewer than two of those are there. `unit` is how the numbers are written.
+/// 5 where fewer than two of those are there, or else, within a decade, as on a straight one. `unit` is how
+/// the numbers are written.
 std::vector<Tick> ticks_of(const Scale& scale, const std::string& unit, const PrefixedUnit& prefixed,
                            int most);
 

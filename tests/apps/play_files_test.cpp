@@ -7,6 +7,10 @@
 #include "engine/scene/measure.h"
 #include "tests/engine/graph/temporary_folder.h"
 
+#if defined(TACTUS_PROGRAM) && defined(__unix__)
+#include <cstdlib>
+#endif
+
 using namespace tactus;
 using namespace tactus::app;
 
@@ -72,3 +76,29 @@ TEST_CASE("play files: a carrier for a sensor is not listened to", "[apps]") {
   CHECK(played.recording.sounds == std::vector<std::string>{"sound"});
   CHECK(drive_names(played.recording) == std::vector<std::string>{"shaker", "tones"});
 }
+
+#if defined(TACTUS_PROGRAM) && defined(__unix__)
+namespace {
+
+int render(const std::string& arguments) {
+  const auto command = std::string{TACTUS_PROGRAM} + " render " + TACTUS_SOURCE_DIR + "/instruments/" +
+                       arguments + " >/dev/null 2>&1";
+  return std::system(command.c_str()) / 256;
+}
+
+}  // namespace
+
+TEST_CASE("render: all outputs in one file, what is to be listened to in another", "[apps]") {
+  const test::TemporaryFolder folder;
+  const auto all = (folder.path() / "all.wav").string(), sound = (folder.path() / "sound.wav").string();
+  REQUIRE(render("cellomobo --duration '0.5 s' --out " + all + " --sound " + sound) == 0);
+  const auto both = read_wav(all), heard = read_wav(sound);
+  REQUIRE(both);
+  REQUIRE(heard);
+  REQUIRE(both->channels.size() == 2);
+  REQUIRE(heard->channels.size() == 1);
+  CHECK(heard->channels[0] == both->channels[1]);
+  CHECK(render("bouncing_ball --duration '0.1 s' --sound " + sound) == 2);
+  CHECK(render("cellomobo --duration '0.1 s' --sound " + (folder.path() / "no" / "x.wav").string()) == 2);
+}
+#endif

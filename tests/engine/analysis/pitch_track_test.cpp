@@ -136,7 +136,7 @@ TEST_CASE("notes_heard: a slide is a glide between two notes", "[analysis]") {
   CHECK(notes[1].wanted.seconds() == Approx(0.8).epsilon(0).margin(2 * kPitchHop_s));
   CHECK(notes[1].right());
   CHECK(notes[1].cents == Approx(0).margin(1));
-  CHECK(in_words(notes[1]).starts_with("A2 to E3 in 0.8"));
+  CHECK(in_words(notes[1]).starts_with("from A2 to E3 in 0.8"));
   CHECK(in_words(notes).starts_with("2 of 2 notes right and 1 of 1 glides, "));
   // Whoever stays where he was has not played it.
   const auto lazy = heard(steps({110}, 1.8), wanted);

@@ -65,6 +65,25 @@ TEST_CASE("svg: log ticks are powers of ten, or 1-2-5 where few of those are in 
         std::vector<std::string>{"10⁻⁹", "10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴"});
 }
 
+TEST_CASE("svg: a log scale of less than a decade has even ticks where 1-2-5 would leave it bare",
+          "[analysis]") {
+  CHECK(log_ticks(105, 190, "Hz") == std::vector<std::string>{"120 Hz", "140 Hz", "160 Hz", "180 Hz"});
+  CHECK(log_ticks(105, 450, "Hz") == std::vector<std::string>{"200 Hz", "300 Hz", "400 Hz"});
+}
+
+TEST_CASE("svg: what ends far from its label has no leader", "[analysis]") {
+  const auto leaders = [](double ends) {
+    Figure figure;
+    figure.x = {.low = 0, .high = 1};
+    figure.panels = {{.series = {{.label = "one", .x = {0, ends}, .y = {0, 1}}}}};
+    const auto svg = to_svg(figure);
+    CHECK(contains(svg, ">one<"));
+    return contains(svg, "opacity=\"0.6\"");
+  };
+  CHECK(leaders(1.0));
+  CHECK_FALSE(leaders(0.1));
+}
+
 TEST_CASE("svg: the prefix is that of the largest value, and only where the unit takes one", "[analysis]") {
   const auto text = [](const std::string& unit, double largest) {
     return svg::prefixed_unit(unit, largest).text;
