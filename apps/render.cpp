@@ -1,15 +1,16 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/event_recorder.h"
 #include "apps/play_report.h"
 #include "apps/render_error.h"
 #include "apps/render_take.h"
+#include "apps/rendered_files.h"
 #include "apps/resample.h"
 #include "apps/writable.h"
 #include "backends/offline/offline.h"
@@ -26,33 +27,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct RenderOptions {
-  std::string target, replay, in, out, sound, events, rate, delay, duration;
+  std::string target, replay, in, events, rate, delay, duration;
+  RenderedFiles files;
   int block = 256;
-  std::string format = "float";
   std::vector<std::string> set;
   GuardOptions guard;
   bool error = false;
   bool json = false;
-};
-
-/// Keeps the instrument's taps while an offline run goes by: each block of the engine is followed by one of
-/// the sink.
-class EventRecorder {
- public:
-  EventRecorder(const Engine& engine, std::vector<std::string> names)
-      : engine_(engine), names_(std::move(names)), taps_(names_.size()) {}
-
-  void take(int frames) {
-    for (std::size_t t = 0; t < taps_.size(); ++t)
-      taps_[t].insert(taps_[t].end(), engine_.tap(static_cast<int>(t)),
-                      engine_.tap(static_cast<int>(t)) + frames);
-  }
-  Json events(Hertz sample_rate) const { return events_json(names_, taps_, sample_rate); }
-
- private:
-  const Engine& engine_;
-  std::vector<std::string> names_;
-  std::vector<std::vector<double>> taps_;
 };
 
 Result<Samples> read_input(const RenderOptions& options) {
@@ -91,27 +72,10 @@ Result<Samples> read_input(const RenderOptions& options) {
 /// A recording must not be lost to its own rendering.
 Status check_files(const RenderOptions& options) {
   std::error_code none;
-  for (const auto& written : {options.out, options.sound, options.events})
+  for (const auto& written : {options.files.out, options.files.sound, options.events})
     if (!written.empty() && !options.in.empty() && std::filesystem::equivalent(written, options.in, none))
       return fail(Errc::BadArgument, written, "would overwrite what it is made from", "choose another name");
   return {};
-}
-
-/// All outputs, and what is to be listened to alone, into the files that were asked for.
-Status write_outputs(const RenderOptions& options, const Samples& outputs,
-                     const std::vector<std::string>& names, const std::vector<std::string>& sounds) {
-  const auto encoding = options.format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32;
-  if (!options.out.empty())
-    if (auto status = write_wav(options.out, outputs, encoding); !status) return status;
-  if (options.sound.empty()) return {};
-  if (sounds.empty())
-    return fail(Errc::BadArgument, "--sound", "this instrument gives nothing to the ears",
-                "leave it out, or give an output the kind \"audio\"");
-  Samples heard{outputs.sample_rate, {}};
-  for (const auto& sound : sounds)
-    heard.channels.push_back(outputs.channels[static_cast<std::size_t>(
-        std::find(names.begin(), names.end(), sound) - names.begin())]);
-  return write_wav(options.sound, heard, encoding);
 }
 
 int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
@@ -142,7 +106,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   EventRecorder recorder{engine, compile_options.taps};
 
   const auto frames = input->frames();
-  const auto outputs = output_names(engine.schedule());
+  const auto outputs = output_names(engine.schedule()), sounds = sound_names(engine.schedule());
   Samples output;
   output.sample_rate = input->sample_rate;
   output.channels.resize(outputs.size());
@@ -166,7 +130,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   if (!health) return report(health.error());
 
   const auto events = recorder.events(input->sample_rate);
-  if (auto status = write_outputs(options, output, outputs, sound_names(engine.schedule())); !status)
+  if (auto status = write_outputs(options.files, output, outputs, sounds); !status)
     return report(status.error());
   if (!options.events.empty())
     if (auto status = write_json(options.events, events); !status) return report(status.error());
@@ -194,7 +158,8 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
                engine.in_channels(),
                static_cast<int>(input->channels.size()) > engine.in_channels() ? "the first ones were used"
                                                                                : "the others heard silence");
-  if (!options.out.empty()) fmt::print("{}: {}\n", options.out, fmt::join(outputs, ", "));
+  if (!options.files.out.empty()) fmt::print("{}: {}\n", options.files.out, fmt::join(outputs, ", "));
+  if (!options.files.sound.empty()) fmt::print("{}: {}\n", options.files.sound, fmt::join(sounds, ", "));
   if (!options.events.empty()) fmt::print("{}: the events\n", options.events);
   if (engine.bad_input_samples() > 0)
     fmt::print("{} samples of the input were no numbers and count as silence\n", engine.bad_input_samples());
@@ -216,8 +181,8 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   const auto played = play_file(run);
   if (!played) return report(played.error());
   const auto& recording = played->recording;
-  if (auto status =
-          write_outputs(options, outputs_of(*played, recording.outputs), recording.outputs, recording.sounds);
+  if (auto status = write_outputs(options.files, outputs_of(*played, recording.outputs), recording.outputs,
+                                  recording.sounds);
       !status)
     return report(status.error());
   const auto events = events_of(*played);
@@ -242,15 +207,15 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
 
 int replay(const RenderOptions& options) {
   for (const auto& [text, name] : {std::pair{&options.in, "--in"},
-                                   {&options.sound, "--sound"},
+                                   {&options.files.sound, "--sound"},
                                    {&options.events, "--events"},
                                    {&options.rate, "--rate"},
                                    {&options.duration, "--duration"}})
     if (!text->empty())
       return report(Error{Errc::BadArgument, name, "does not go with --replay", "leave one of them out"}),
              kUsage;
-  return render_take({options.replay, options.target, options.out, options.format, options.block, options.set,
-                      options.delay, options.guard, options.json});
+  return render_take({options.replay, options.target, options.files.out, options.files.format, options.block,
+                      options.set, options.delay, options.guard, options.json});
 }
 
 int run(const RenderOptions& options) {
@@ -286,9 +251,11 @@ void add_render(CLI::App& app, int& exit_code) {
       "take.wav of --record: plays it again and tells whether the drives are the same bit for "
       "bit; with FILE, plays its sensors on that instrument");
   command->add_option("--in", options->in, "WAV file: channel k goes to the k-th input");
-  command->add_option("--out", options->out, "WAV file for all outputs, in the order of the file")
+  command->add_option("--out", options->files.out, "WAV file for all outputs, in the order of the file")
       ->check(writable_file());
-  command->add_option("--sound", options->sound, "WAV file for what is to be listened to, without the drives")
+  command
+      ->add_option("--sound", options->files.sound,
+                   "WAV file for what is to be listened to, without the drives")
       ->check(writable_file());
   command
       ->add_option(
@@ -301,7 +268,7 @@ void add_render(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--delay", options->delay, "system delay, such as \"20 ms\"");
   command->add_option("--duration", options->duration, "cut off or continue with silence, such as \"10 s\"");
-  command->add_option("--format", options->format, "of the WAV files")
+  command->add_option("--format", options->files.format, "of the WAV files")
       ->check(CLI::IsMember({"float", "24"}))
       ->capture_default_str();
   command->add_option("--set", options->set,
