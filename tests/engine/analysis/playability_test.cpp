@@ -202,6 +202,25 @@ TEST_CASE("playability: the shipped instruments are playable over all the delays
   }
 }
 
+TEST_CASE("playability: the drum keeps to its tested delays with other woofers and plants",
+          "[analysis][instruments]") {
+  auto scene = scene_of("haptic_drum/scene.toml");
+  scene.duration = Seconds{4};
+  const auto tested = tested_delays(*scene.part("instrument")->graph);
+  REQUIRE(tested);
+  PlayabilityOptions options;
+  // Both ends, and both sides of the delay from which it waits for the third bounce.
+  options.delays_s = {tested->low, 0.022, 0.023, tested->high};
+  options.gains = {0.5, 2};
+  options.draws = 18;
+  const auto study = study_playability(scene, standard_nodes(), options);
+  REQUIRE(study);
+  for (const auto& verdict : study->verdicts()) {
+    INFO("at " << 1e3 * verdict.delay_s << " ms: " << verdict.robust() << " of the others");
+    CHECK(verdict.playable);
+  }
+}
+
 TEST_CASE("playability: without the throw the drum is dead at every delay", "[analysis][instruments]") {
   PlayabilityOptions options;
   options.delays_s = {0, 0.02, 0.04};
