@@ -52,7 +52,10 @@ Result<SweptValue> swept_of(const std::string& text, const SceneSpec& scene) {
   auto values = parse_spread(text.substr(equals + 1), "--over");
   if (!values) return tl::unexpected(values.error());
   const auto name = text.substr(0, equals);
-  return SweptValue{name, std::move(*values), scene.gesture(name) != nullptr};
+  const auto what = scene.gesture(name) == nullptr          ? SweptValue::What::Control
+                    : values->front().dimension.has_value() ? SweptValue::What::Held
+                                                            : SweptValue::What::Scaled;
+  return SweptValue{name, std::move(*values), what};
 }
 
 /// "2/4": the second of four shares.
@@ -194,7 +197,8 @@ void add_study_playability(CLI::App& study, int& exit_code) {
   command
       ->add_option(
           "--over", options->over,
-          "NAME=FROM:TO:COUNT: sweeps a control (strength, plant.grip), or scales a gesture; at most two")
+          "NAME=FROM:TO:COUNT, or COUNT:log for equal factors: sweeps a control (strength, plant.grip), or a "
+          "gesture: scales it, or with a unit holds it there; at most two")
       ->expected(1, 2)
       ->take_all();
   command->add_option("--set", options->set, "NAME=VALUE: a control of the instrument, or plant.NAME=VALUE");
@@ -220,6 +224,8 @@ void add_study_playability(CLI::App& study, int& exit_code) {
       "Examples:\n  tactus study playability instruments/haptic_drum\n"
       "  tactus study playability instruments/haptic_drum --over strength=0.2:1:5 --svg drum.svg\n"
       "  tactus study playability instruments/haptic_drum --delay \"20 ms\" --gain \"6 dB\" --draws 50\n"
+      "  tactus study playability instruments/cellomobo/open_string.toml --delay \"0:40:5 ms\" --over "
+      "\"tuned=55:880:5:log Hz\"\n"
       "What is judged stands under [playability] in the scene; docs/playability.md says how.\n"
       "Exit code 1: there is a delay at which it is not playable. 5: interrupted.");
   command->callback([options, &exit_code] { exit_code = run(*options); });

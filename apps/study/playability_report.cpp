@@ -141,12 +141,36 @@ std::string lacking(const PlayabilityStudy& study, const DelayVerdict& verdict) 
   const auto& run = study.runs[verdict.worst];
   auto text = fmt::format("{}, score {:.2f}", run.judged->kind, run.judged->score);
   if (study.over.empty() && verdict.varied == 0) return text;
-  if (!study.over.empty())
-    text += fmt::format(" at {}; {} of {} settings are playable", place_of(study, run), verdict.good,
-                        verdict.runs);
+  if (!study.over.empty()) text += " at " + place_of(study, run);
   if (verdict.varied > 0)
     text += fmt::format("; {} of {} other actuators and plants", verdict.varied_good, verdict.varied);
   return text;
+}
+
+/// Of what is swept: the runs as written at the first delay whose like is not playable at some delay.
+std::vector<const PlayedRun*> failing_settings(const PlayabilityStudy& study) {
+  std::vector<const PlayedRun*> failing;
+  for (std::size_t i = 0; i < study.runs_a_delay(); i += study.variants.size()) {
+    bool playable = true;
+    for (std::size_t d = 0; d < study.delays_s.size(); ++d)
+      playable &= study.runs[d * study.runs_a_delay() + i].judged->playable;
+    if (!playable) failing.push_back(&study.runs[i]);
+  }
+  return failing;
+}
+
+/// "48 of 49 settings are playable at every delay; not weight x 3.2, stroke x 0.2; all 49 at no delay"
+std::string settings_in_words(const PlayabilityStudy& study, const std::string& all_playable) {
+  constexpr std::size_t kMostNamed = 3;
+  const auto failing = failing_settings(study);
+  const auto count = study.runs_a_delay() / study.variants.size();
+  if (failing.empty()) return fmt::format("all {} settings are playable {}", count, all_playable);
+  auto text =
+      fmt::format("{} of {} settings are playable at every delay; not ", count - failing.size(), count);
+  for (std::size_t i = 0; i < std::min(failing.size(), kMostNamed); ++i)
+    text += (i == 0 ? "" : " / ") + place_of(study, *failing[i]);
+  if (failing.size() > kMostNamed) text += fmt::format(" and {} more", failing.size() - kMostNamed);
+  return text + fmt::format("; all {} {}", count, all_playable);
 }
 
 }  // namespace
@@ -159,8 +183,9 @@ std::string verdict_in_words(const PlayabilityStudy& study) {
   };
   const auto weakest = std::min_element(verdicts.begin(), verdicts.end(), weaker);
   const bool some = std::any_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.playable; });
-  auto text = some ? "playable " + ranges(verdicts, true) : std::string{"playable at no delay"};
-  if (some && !weakest->playable) text += "; not " + ranges(verdicts, false);
+  const auto where = some ? ranges(verdicts, true) : std::string{"at no delay"};
+  auto text = study.over.empty() ? "playable " + where : settings_in_words(study, where);
+  if (study.over.empty() && some && !weakest->playable) text += "; not " + ranges(verdicts, false);
   return text + fmt::format("; weakest at {} ms: {}", ms(weakest->delay_s), lacking(study, *weakest));
 }
 

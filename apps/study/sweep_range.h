@@ -13,7 +13,8 @@ namespace tactus::app {
 ///
 /// "FROM:TO:STEP"; TO is in it when steps lead there. Errors, at `option`: Syntax, OutOfRange.
 Result<std::vector<ControlValue>> parse_steps(const std::string& text, const std::string& option);
-/// "FROM:TO:COUNT"; a single value is "FROM".
+/// "FROM:TO:COUNT"; a single value is "FROM". "FROM:TO:COUNT:log" goes up by equal factors, as bow force and
+/// speed do in Schelleng's diagram and notes on a scale; both ends have one sign, and are not 0.
 Result<std::vector<ControlValue>> parse_spread(const std::string& text, const std::string& option);
 
 }  // namespace tactus::app

@@ -137,6 +137,13 @@ std::vector<NoteHeard> notes_heard(const std::vector<PitchPoint>& track, std::sp
   return notes;
 }
 
+Hertz lowest_tracked(Hertz lowest) { return Hertz{std::max(20.0, 0.45 * lowest.value)}; }
+
+std::vector<PitchPoint> track_notes(std::span<const double> sound, Hertz rate, Hertz lowest, Hertz highest) {
+  const double top = std::max(3.3 * highest.value, 6.5 * lowest.value);
+  return track_pitch(sound, rate, lowest_tracked(lowest), Hertz{std::min(0.1 * rate.value, top)});
+}
+
 std::optional<Melody> melody_of(const SceneRecording& recording) {
   static const auto kHertz = parse_unit("Hz")->dimension;
   const auto* sound = recording.find("instrument.sound");
@@ -151,12 +158,9 @@ std::optional<Melody> melody_of(const SceneRecording& recording) {
     highest = std::max(highest, hertz);
   }
   if (!(highest > 0)) return std::nullopt;
-  // From an octave below the lowest note to the third partial of the highest, or the sixth of the lowest.
-  const double rate = recording.sample_rate.value;
-  const Hertz lo{std::max(20.0, 0.45 * lowest)};
-  const Hertz hi{std::min(0.1 * rate, std::max(3.3 * highest, 6.5 * lowest))};
-  Melody melody{&*wanted, track_pitch(sound->samples, recording.sample_rate, lo, hi), {}};
-  melody.notes = notes_heard(melody.heard, wanted->samples, recording.sample_rate);
+  const auto rate = recording.sample_rate;
+  Melody melody{&*wanted, track_notes(sound->samples, rate, Hertz{lowest}, Hertz{highest}), {}};
+  melody.notes = notes_heard(melody.heard, wanted->samples, rate);
   return melody;
 }
 

@@ -34,6 +34,12 @@ struct NoteHeard {
 std::vector<NoteHeard> notes_heard(const std::vector<PitchPoint>& track, std::span<const double> wanted_hz,
                                    Hertz rate);
 
+/// [control] Pitch of a sound in which notes between two pitches are wanted: from an octave below the lowest
+/// to the third partial of the highest, or the sixth of the lowest.
+std::vector<PitchPoint> track_notes(std::span<const double> sound, Hertz rate, Hertz lowest, Hertz highest);
+/// [any] The lowest pitch that `track_notes` looks for.
+Hertz lowest_tracked(Hertz lowest);
+
 /// What a scene was to play and what was heard of it: the notes of a signal in Hz, which a part other than
 /// the instrument gives out, in the output `sound` of the instrument.
 struct Melody {

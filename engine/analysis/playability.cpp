@@ -10,6 +10,7 @@
 #include "engine/analysis/kept_runs.h"
 #include "engine/analysis/scene_fingerprint.h"
 #include "engine/analysis/scene_variants.h"
+#include "engine/graph/entry_fields.h"
 
 namespace tactus {
 namespace {
@@ -19,7 +20,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kBlock = 256;
 constexpr auto kAsWritten = "as written";
 // Kept runs of another definition of what is judged are played again.
-constexpr std::uint64_t kEdition = 1;
+constexpr std::uint64_t kEdition = 2;
 
 Json json_of(const JudgedRun& run) {
   return {{"kind", run.kind}, {"score", run.score}, {"playable", run.playable}, {"readings", run.readings}};
@@ -111,16 +112,22 @@ class Study {
     setup.options.set = options_.set;
     for (std::size_t i = 0; i < run.at.size(); ++i) {
       const auto& swept = options_.over[i];
-      if (swept.scales)
-        setup.scene = with_gesture_scaled(std::move(setup.scene), swept.name, run.at[i]);
-      else
-        set_swept(setup, swept, run.at[i]);
+      apply(setup, swept, run.at[i]);
     }
     if (variant.gain != 1) setup.scene = with_actuator_gain(std::move(setup.scene), variant.gain);
     if (variant.draw > 0)
       setup.scene = with_plant_drawn(std::move(setup.scene), options_.within,
                                      options_.seed * 0x9e3779b97f4a7c15u + std::uint64_t(variant.draw));
     return setup;
+  }
+
+  static void apply(Setup& setup, const SweptValue& swept, double si) {
+    if (swept.what == SweptValue::What::Scaled)
+      setup.scene = with_gesture_scaled(std::move(setup.scene), swept.name, si);
+    else if (swept.what == SweptValue::What::Held)
+      setup.scene = with_gesture_held(std::move(setup.scene), swept.name, si);
+    else
+      set_swept(setup, swept, si);
   }
 
   static void set_swept(Setup& setup, const SweptValue& swept, double si) {
@@ -189,18 +196,33 @@ class Study {
   std::vector<Error> errors_;
 };
 
+/// A gesture that is to be held must be like the value.
+std::optional<Error> what_is_unlike(const SceneSpec& scene, const SweptValue& swept) {
+  const auto* gesture = scene.gesture(swept.name);
+  const auto& value = swept.values.front();
+  if (swept.what != SweptValue::What::Held || gesture == nullptr || gesture->bare ||
+      value.dimension == gesture->unit.dimension)
+    return std::nullopt;
+  return Error{Errc::UnitMismatch, "--over",
+               "gesture '" + swept.name + "' is like " +
+                   in_unit(gesture->points.front().value, gesture->unit) + ", not like " +
+                   short_quantity(value.si, *value.dimension),
+               "give it the unit of the gesture, or none to scale the gesture"};
+}
+
 std::optional<Error> what_lacks(const SceneSpec& scene, const PlayabilityOptions& options) {
   if (!scene.playability)
     return Error{Errc::Missing, scene.file.text(), "the scene does not say what playing it well means",
                  "add [playability] with kind = \"roll\" or kind = \"tone\""};
   for (const auto& swept : options.over) {
+    if (auto unlike = what_is_unlike(scene, swept)) return unlike;
     const auto* instrument = scene.part("instrument");
     const auto* wire = instrument != nullptr ? find(instrument->wires, swept.name) : nullptr;
     const auto* text = wire != nullptr ? wire->text() : nullptr;
     if (scene.gesture(swept.name) == nullptr && text != nullptr && scene.gesture(*text) != nullptr)
-      return Error{Errc::BadArgument, "--over",
-                   "control '" + swept.name + "' is moved by gesture '" + *text + "'",
-                   "sweep the gesture: --over " + *text + "=0.5:2:4 scales it"};
+      return Error{
+          Errc::BadArgument, "--over", "control '" + swept.name + "' is moved by gesture '" + *text + "'",
+          "sweep the gesture: --over " + *text + "=0.5:2:4 scales it, values with a unit hold it there"};
   }
   return std::nullopt;
 }

@@ -16,11 +16,16 @@
 namespace tactus {
 
 /// Something that is swept: a control of the instrument ("strength"), of another part ("plant.grip"), or a
-/// gesture, whose values are all scaled.
+/// gesture, whose values are all scaled, or which stays at one value.
 struct SweptValue {
+  enum class What {
+    Control,
+    Scaled,  ///< a gesture; the values are factors
+    Held,    ///< a gesture; they have its unit
+  };
   std::string name;
-  std::vector<ControlValue> values;  ///< SI; of a gesture: factors
-  bool scales = false;               ///< it is a gesture
+  std::vector<ControlValue> values;  ///< SI, or factors
+  What what = What::Control;
 };
 
 struct PlayabilityOptions {

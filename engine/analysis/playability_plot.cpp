@@ -197,7 +197,7 @@ CellPage maps_by_delay(const PlayabilityStudy& study) {
 
 std::string value_in_words(const SweptValue& swept, std::size_t index) {
   const auto& value = swept.values[index];
-  if (swept.scales) return fmt::format("x {:.3g}", value.si);
+  if (swept.what == SweptValue::What::Scaled) return fmt::format("x {:.3g}", value.si);
   return value.dimension ? short_quantity(value.si, *value.dimension) : fmt::format("{:.3g}", value.si);
 }
 

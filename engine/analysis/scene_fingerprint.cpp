@@ -74,7 +74,8 @@ void add(Fingerprint& print, const DriveLimits& limits) {
 void add(Fingerprint& print, const Playability& judged) {
   print.add(std::uint64_t{static_cast<unsigned>(judged.kind)}).add(judged.from_s).add(judged.fewest);
   print.add(judged.to_s.value_or(-1));
-  for (const auto* signal : {&judged.hits, &judged.contact, &judged.sound}) print.add(signal->name);
+  for (const auto* signal : {&judged.hits, &judged.contact, &judged.sound, &judged.pitch})
+    print.add(signal->name);
   for (const double number : {judged.pitch_hz, judged.begin_s, judged.quiet}) print.add(number);
 }
 

@@ -89,4 +89,10 @@ SceneSpec with_gesture_scaled(SceneSpec scene, const std::string& gesture, doubl
   return scene;
 }
 
+SceneSpec with_gesture_held(SceneSpec scene, const std::string& gesture, double value) {
+  for (auto& candidate : scene.gestures)
+    if (candidate.name == gesture) candidate.points = {{0, value}};
+  return scene;
+}
+
 }  // namespace tactus

@@ -20,4 +20,7 @@ SceneSpec with_plant_drawn(SceneSpec scene, double within, std::uint64_t seed);
 /// [control] The scene with all values of a gesture times `factor`. The gesture must be there.
 SceneSpec with_gesture_scaled(SceneSpec scene, const std::string& gesture, double factor);
 
+/// [control] The scene with a gesture that stays at one value [SI] from start to end. It must be there.
+SceneSpec with_gesture_held(SceneSpec scene, const std::string& gesture, double value);
+
 }  // namespace tactus

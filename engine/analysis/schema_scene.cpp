@@ -60,7 +60,7 @@ Json playability() {
                  {"contact", text("the force of what strikes; plant.contact if left out")},
                  {"fewest", whole_number("strikes in its worst second; 10 if left out", 1, 100)},
                  {"sound", text("of a tone: what is heard; instrument.sound if left out")},
-                 {"pitch", quantity("the note wanted, in Hz", 1, 20e3)},
+                 {"pitch", quantity("the note wanted, in Hz, or what a part gives out: wanted.pitch", 1, 20e3)},
                  {"begin", quantity("when the bow is on; 0 s if left out", 0, 86400)},
                  {"quiet", quantity("softer is silent; -60 dB if left out", 1e-9, 1)},
                  {"about", text("for people")}},

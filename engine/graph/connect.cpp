@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <set>
 #include <unordered_map>
 
 #include "engine/graph/bind.h"
@@ -10,6 +11,11 @@ namespace {
 
 std::filesystem::path folder_of(const GraphSpec& spec) {
   return spec.file.file ? std::filesystem::path{*spec.file.file}.parent_path() : std::filesystem::path{};
+}
+
+/// A resonator: near its pitch its phase turns all the way around, and is no delay.
+bool rings(const FlatNode& node) {
+  return node.type->group == "delays" && node.type->input_index("pitch") >= 0;
 }
 
 }  // namespace
@@ -66,13 +72,22 @@ void Instance::connect_ports(const EntrySpec& entry, FlatNode& node, const std::
 
 void Instance::connect_compensation(const EntrySpec& entry, FlatNode& node) {
   const auto* value = find(entry.fields, "compensate");
+  std::set<std::string> named;
   for (const auto& name : node.settings.back().names) {
+    if (!named.insert(name).second) {
+      mistakes_.add(Errc::BadArgument, value->at, "'" + name + "' is compensated twice", "name it once");
+      continue;
+    }
     const auto known = nodes_by_name_.find(name);
-    if (known != nodes_by_name_.end())
+    if (known != nodes_by_name_.end()) {
+      if (name == entry.name || rings(flat_.nodes[static_cast<std::size_t>(known->second)]))
+        mistakes_.add(Errc::BadArgument, value->at, "'" + name + "' cannot be compensated: it is no filter",
+                      "leave it out; name what only turns the phase");
       node.compensate.push_back(known->second);
-    else if (scope_.find(name, value->at) != FlatGraph::kMissing)
+    } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {
       mistakes_.add(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
                     "name nodes of this file that have a type");
+    }
   }
 }
 

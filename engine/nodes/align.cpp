@@ -32,6 +32,9 @@ class Align final : public Node {
 
   static Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
     const double longest = std::min(setup.input("period").range.high, kLongestPeriod_s);
+    if (longest * setup.sample_rate.value < 2)
+      return fail(Errc::OutOfRange, {}, "its period is never as long as two frames",
+                  "give the period of the note, as in period = \"1 / pitch\"");
     const double frames = 1.5 * longest * setup.sample_rate.value;
     if (const auto fits = setup.take_memory(static_cast<std::size_t>(frames)); !fits)
       return tl::unexpected(fits.error());

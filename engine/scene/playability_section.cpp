@@ -65,14 +65,23 @@ void read_roll(const Value::Table& fields, Playability& judged, Mistakes& mistak
   judged.fewest = read_whole(fields, "fewest", 1, 100, mistakes).value_or(judged.fewest);
 }
 
+/// "110 Hz", or "wanted.pitch": what a part gives out.
+void read_pitch(const Value::Table& fields, Playability& judged, Mistakes& mistakes) {
+  const auto* value = find(fields, "pitch");
+  if (value == nullptr)
+    return mistakes.add(Errc::Missing, judged.at, "a tone needs the 'pitch' that is wanted",
+                        "give it as in pitch = \"110 Hz\", or as what a part gives out: \"wanted.pitch\"");
+  const auto* text = value->text();
+  if (text != nullptr && !text->empty() && text->front() >= 'a' && text->front() <= 'z')
+    return read_signal(fields, "pitch", judged.pitch, mistakes);
+  judged.pitch_hz = read_bounded(fields, "pitch", "Hz", 1, 20e3, mistakes).value_or(judged.pitch_hz);
+}
+
 void read_tone(const Value::Table& fields, double end_s, Playability& judged, Mistakes& mistakes) {
   read_signal(fields, "sound", judged.sound, mistakes);
   judged.begin_s = read_bounded(fields, "begin", "s", 0, end_s, mistakes).value_or(judged.begin_s);
   judged.quiet = read_bounded(fields, "quiet", "", 1e-9, 1, mistakes).value_or(judged.quiet);
-  judged.pitch_hz = read_bounded(fields, "pitch", "Hz", 1, 20e3, mistakes).value_or(judged.pitch_hz);
-  if (find(fields, "pitch") == nullptr)
-    mistakes.add(Errc::Missing, judged.at, "a tone needs the 'pitch' that is wanted",
-                 "give it as in pitch = \"110 Hz\"");
+  read_pitch(fields, judged, mistakes);
   if (judged.begin_s > judged.from_s)
     mistakes.add(Errc::OutOfRange, find(fields, "begin")->at,
                  "the tone begins after 'from', where it should be steady",

@@ -159,8 +159,22 @@ void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes&
   const auto recorded = recorded_names(scene, table);
   const auto& judged = *scene.playability;
   const bool roll = judged.kind == Playability::Kind::Roll;
-  for (const auto* signal : roll ? std::vector{&judged.hits, &judged.contact} : std::vector{&judged.sound})
-    check_recorded(signal->name, signal->at, scene, recorded, mistakes);
+  auto signals = roll ? std::vector{&judged.hits, &judged.contact} : std::vector{&judged.sound};
+  if (!roll && !judged.pitch.name.empty()) signals.push_back(&judged.pitch);
+  for (const auto* signal : signals) check_recorded(signal->name, signal->at, scene, recorded, mistakes);
+}
+
+void check_wanted_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes) {
+  if (!scene.playability) return;
+  const auto& pitch = scene.playability->pitch;
+  static const auto kHertz = parse_unit("Hz")->dimension;
+  for (const auto& tap : taps)
+    if (tap.name == pitch.name && !(tap.dimension == kHertz))
+      mistakes.add(Errc::UnitMismatch, pitch.at,
+                   "'" + pitch.name + "' is " +
+                       (tap.dimension.plain() ? "a plain number" : "in " + to_string(tap.dimension)) +
+                       ", but 'pitch' is in Hz",
+                   "name an output in Hz, or give it a unit in its part");
 }
 
 void check_comparison(const SceneSpec& scene, Mistakes& mistakes) {

@@ -5,6 +5,7 @@
 
 #include "engine/graph/mistakes.h"
 #include "engine/graph/node_table.h"
+#include "engine/scene/build_scene.h"
 #include "engine/scene/scene_spec.h"
 
 namespace tactus {
@@ -21,6 +22,8 @@ void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
 
 /// [playability]: will what it listens to be recorded?
 void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes);
+/// Is the pitch that it wants one? `taps`: what the world gives out.
+void check_wanted_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes);
 
 /// [compare]: is there what it sets?
 void check_comparison(const SceneSpec& scene, Mistakes& mistakes);

@@ -90,7 +90,7 @@ struct Accuracy {
 struct Playability {
   enum class Kind {
     Roll,  ///< strikes that keep coming
-    Tone,  ///< one note that is held
+    Tone,  ///< a note that is held, or several
   };
   struct Signal {
     std::string name;  ///< "part.port"
@@ -105,7 +105,8 @@ struct Playability {
   Signal contact{"plant.contact", {}};   ///< the force of what struck it
   double fewest = 10;                    ///< strikes in its worst second
   Signal sound{"instrument.sound", {}};  ///< of a tone
-  double pitch_hz = 0;                   ///< the note wanted
+  double pitch_hz = 0;                   ///< the note wanted; 0: that of `pitch`
+  Signal pitch{};                        ///< the notes wanted, one after the other; "": the one of `pitch_hz`
   double begin_s = 0;                    ///< when the bow is on the string
   double quiet = 1e-3;                   ///< softer than this it is silent: root mean square
 };

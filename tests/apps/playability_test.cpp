@@ -59,6 +59,12 @@ TEST_CASE("sweep range: steps are even in the unit that was written", "[apps]") 
   CHECK(gains[0] == Approx(0.1));
   CHECK(gains[1] == Approx(1));
   CHECK(gains[2] == Approx(10));
+  const auto factors = si(parse_spread("0.2:3.2:5:log", "--over"));
+  CHECK(factors == std::vector{0.2, 0.4, 0.8, 1.6, 3.2});
+  const auto octaves = parse_spread("55:880:5:log Hz", "--over");
+  REQUIRE(octaves);
+  CHECK(si(octaves) == std::vector{55.0, 110.0, 220.0, 440.0, 880.0});
+  CHECK(*octaves->front().dimension == Dimension{.second = -1});
 }
 
 TEST_CASE("sweep range: what is none is refused in words", "[apps]") {
@@ -72,6 +78,15 @@ TEST_CASE("sweep range: what is none is refused in words", "[apps]") {
   CHECK(said("0:40:1 mx") == "--delay: 'mx' is not a unit");
   CHECK(said("0:40:0.0001 ms") == "--delay: 400001 values cannot be swept; choose 1 to 10000");
   CHECK_FALSE(parse_spread("0:1:2.5", "--over").has_value());
+  const auto spread = [](const std::string& text) {
+    const auto values = parse_spread(text, "--over");
+    return values ? "" : to_string(values.error());
+  };
+  CHECK(spread("0:1:5:log") ==
+        "--over: '0:1:5:log' cannot go up by equal factors; choose both ends above 0, or leave ':log' out");
+  CHECK(spread("1:2:5:logs") ==
+        "--over: '1:2:5:logs' is no range; write FROM:TO:COUNT, as in \"0.2:1:5\", or FROM:TO:COUNT:log");
+  CHECK_FALSE(parse_spread("3:log", "--over").has_value());
 }
 
 TEST_CASE("playability report: the verdict names the delays and the weakest of them", "[apps]") {
@@ -94,8 +109,28 @@ TEST_CASE("playability report: a map of letters where something is swept", "[app
   }
   const auto text = text_of(study);
   CHECK(text.find("strength  delay 0 to 1 ms\n       1  RR\n     0.5  Ri\n") != std::string::npos);
-  CHECK(text.find("not at 1 ms; weakest at 1 ms: irregular, score 0.30 at strength 0.5; 1 of 2 settings are "
-                  "playable") != std::string::npos);
+  CHECK(text.ends_with(
+      "1 of 2 settings are playable at every delay; not strength 0.5; all 2 at 0 ms; weakest at "
+      "1 ms: irregular, score 0.30 at strength 0.5\n"));
+}
+
+TEST_CASE("playability report: the verdict of a map counts settings that are playable at every delay",
+          "[apps]") {
+  auto study = rolls({1, 0.3, 0.2, 0.1, 0.4, 0.9, 1, 0.9, 0.8, 1, 1, 1});
+  study.delays_s = {0.0, 1e-3};
+  study.over = {{"weight", {0.5, 1.0, 2.0}, SweptValue::What::Scaled}, {"strength", {0.2, 0.4}}};
+  for (std::size_t i = 0; i < 12; ++i) {
+    study.runs[i].delay_s = study.delays_s[i / 6];
+    study.runs[i].at = {study.over[0].values[i % 6 / 2].si, study.over[1].values[i % 2].si};
+  }
+  CHECK(verdict_in_words(study) ==
+        "2 of 6 settings are playable at every delay; not weight x 0.5, strength 0.4 / weight x 1, strength "
+        "0.2 "
+        "/ weight x 1, strength 0.4 and 1 more; all 6 at 1 ms; weakest at 0 ms: irregular, score 0.10 at "
+        "weight "
+        "x 1, strength 0.4");
+  for (auto& run : study.runs) run.judged->playable = true;
+  CHECK(verdict_in_words(study).starts_with("all 6 settings are playable from 0 to 1 ms; weakest"));
 }
 
 TEST_CASE("playability report: the JSON has every run with what was read of it", "[apps]") {

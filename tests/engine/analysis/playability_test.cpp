@@ -182,6 +182,30 @@ TEST_CASE("playability: a control that a gesture moves is swept by the gesture",
   CHECK(mistake(scene, options) == "control 'strength' is moved by gesture 'weight'");
 }
 
+TEST_CASE("playability: a gesture can be held at values of its own unit", "[analysis]") {
+  PlayabilityOptions options;
+  options.delays_s = {0.02};
+  const auto unit = short_drum().gesture("weight")->unit.dimension;
+  options.over = {{"weight", {{0.3, unit}, {0.35, unit}}, SweptValue::What::Held}};
+  const auto study = study_playability(short_drum(), standard_nodes(), options);
+  REQUIRE(study);
+  CHECK(study->runs[0].judged != study->runs[1].judged);
+  options.over[0].values = {{0.001, Dimension{.second = 1}}};
+  CHECK(mistake(short_drum(), options).find("gesture 'weight' is like") == 0);
+}
+
+TEST_CASE("playability: the folder of the Cellomobo means its phrase, of which each note is judged",
+          "[analysis][instruments]") {
+  PlayabilityOptions options;
+  options.delays_s = {0.02};
+  const auto study = study_playability(scene_of("cellomobo/scene.toml"), standard_nodes(), options);
+  REQUIRE(study);
+  const auto& run = *study->runs[0].judged;
+  CHECK(run.reading(Playability::Kind::Tone, "notes") == 10);
+  CHECK(run.reading(Playability::Kind::Tone, "good") == 10);
+  CHECK(run.playable);
+}
+
 // What [delay] tested of the shipped instruments says, on a short run.
 TEST_CASE("playability: the shipped instruments are playable over all the delays that they call tested",
           "[analysis][instruments]") {

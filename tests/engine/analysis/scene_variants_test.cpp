@@ -106,6 +106,12 @@ TEST_CASE("scene variants: a gesture is scaled at all its points", "[analysis]")
   CHECK(scaled.gesture("weight")->points.front().value == Approx(0.7));
 }
 
+TEST_CASE("scene variants: a gesture that is held stays at one value", "[analysis]") {
+  const auto held = with_gesture_held(drum(), "weight", 0.5);
+  REQUIRE(held.gesture("weight")->points.size() == 1);
+  CHECK(held.gesture("weight")->points.front().value == 0.5);
+}
+
 TEST_CASE("scene fingerprint: what is played counts, texts for people do not", "[analysis]") {
   const auto scene = drum();
   auto named = scene;

@@ -238,6 +238,32 @@ test.toml:6:61: there is no node 's' to compensate; name nodes of this file that
 test.toml:7:62: 'compensate' of delay 'c' must hold names of nodes; write ["node", "node"])");
 }
 
+TEST_CASE("mistakes: what is compensated for is a filter, and named once", "[graph]") {
+  CHECK(told(R"([inputs]
+x = {}
+[nodes]
+tone   = { type = "low_pass", in = "x", cutoff = "200 Hz" }
+string = { type = "string", in = "tone", pitch = "110 Hz" }
+a = { type = "align", in = "tone", period = "9 ms", delay = "9 ms", compensate = ["tone", "tone"] }
+b = { type = "align", in = "tone", period = "9 ms", delay = "9 ms", compensate = ["tone", "string"] }
+c = { type = "align", in = "tone", period = "9 ms", delay = "9 ms", compensate = ["c"] }
+[outputs]
+y = { from = "a + b + c + string" }
+)") ==
+        R"(test.toml:7:82: 'tone' is compensated twice; name it once
+test.toml:8:82: 'string' cannot be compensated: it is no filter; leave it out; name what only turns the phase
+test.toml:9:82: 'c' cannot be compensated: it is no filter; leave it out; name what only turns the phase)");
+  CHECK(told(R"([inputs]
+x = {}
+[nodes]
+pad = { type = "align", in = "x", period = "0 s", delay = "9 ms" }
+[outputs]
+y = { from = "pad" }
+)") == "test.toml:5:1: align 'pad': its period is never as long as two frames; give the period of the note, "
+       "as in "
+       "period = \"1 / pitch\"");
+}
+
 TEST_CASE("mistakes: what is in a part that is used twice is told once, and a loop through it by its path",
           "[graph]") {
   const TemporaryFolder folder;

@@ -54,6 +54,32 @@ TEST_CASE("playability section: a tone has a pitch, a beginning and an end", "[s
   CHECK(loaded.scene->playability->quiet == Approx(0.01));
 }
 
+TEST_CASE("playability section: the pitch may follow what a part gives out", "[scene]") {
+  const Folder folder;
+  folder.write("plant.toml", R"(format = 1
+[inputs]
+drive = { unit = "full scale" }
+lift = { unit = "m" }
+[outputs]
+mic = { from = "drive" }
+stick = { from = "lift", unit = "m" }
+note = { from = "110 Hz", unit = "Hz" }
+)");
+  const std::string tone = "kind = \"tone\"\nsound = \"plant.mic\"\n";
+  const auto loaded = folder.load(tone + "pitch = \"plant.note\"\n");
+  REQUIRE(loaded.scene->playability);
+  CHECK(loaded.scene->playability->pitch.name == "plant.note");
+  CHECK(folder.mistakes(tone + "pitch = \"plant.note\"\n") == "");
+  CHECK(folder.mistakes(tone + "pitch = \"plant.not\"\n") ==
+        "scene.toml:10:9: nothing called 'plant.not' is recorded; did you mean 'plant.note'?");
+  CHECK(folder.mistakes(tone + "pitch = \"plant.stick\"\n") ==
+        "scene.toml:10:9: 'plant.stick' is in m, but 'pitch' is in Hz; name an output in Hz, or give it a "
+        "unit in "
+        "its part");
+  CHECK(folder.mistakes(tone + "pitch = \"plant.mic\"\n")
+            .starts_with("scene.toml:10:9: 'plant.mic' is a plain number, but 'pitch' is in Hz"));
+}
+
 TEST_CASE("playability section: its mistakes come with line and column", "[scene]") {
   const Folder folder;
   CHECK(folder.mistakes("from = \"1 s\"\n") ==
@@ -67,7 +93,8 @@ TEST_CASE("playability section: its mistakes come with line and column", "[scene
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stik\"\n") ==
         "scene.toml:9:11: nothing called 'plant.stik' is recorded; did you mean 'plant.stick'?");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\n") ==
-        "scene.toml:7:1: a tone needs the 'pitch' that is wanted; give it as in pitch = \"110 Hz\"");
+        "scene.toml:7:1: a tone needs the 'pitch' that is wanted; give it as in pitch = \"110 Hz\", or as "
+        "what a part gives out: \"wanted.pitch\"");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"1 s\"\n")
             .starts_with("scene.toml:10:9: '1 s' is in s, but 'pitch' is in Hz"));
   CHECK(
