@@ -181,7 +181,8 @@ TEST_CASE("cellomobo: on a flat plant the fundamental wins at every note and del
     const auto& note = melody.value().notes.at(0);
     CHECK(note.partial == 1);
     CHECK(std::abs(note.cents) < 0.5);
-    CHECK(note.speaks_after_s.value() < 0.5);
+    // The lower the note, the slower a string of this gain builds up.
+    CHECK(note.speaks_after_s.value() < (hertz < 100 ? 0.6 : 0.5));
   }
 }
 
