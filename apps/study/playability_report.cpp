@@ -159,18 +159,24 @@ std::vector<const PlayedRun*> failing_settings(const PlayabilityStudy& study) {
   return failing;
 }
 
-/// "48 of 49 settings are playable at every delay; not weight x 3.2, stroke x 0.2; all 49 at no delay"
-std::string settings_in_words(const PlayabilityStudy& study, const std::string& all_playable) {
+/// "48 of 49 settings are playable at every delay, not weight x 3.2, stroke x 0.2; 146 of 147 runs; all 49
+/// from 0 to 20 ms"; `where`: the delays at which all are, or nothing.
+std::string settings_in_words(const PlayabilityStudy& study, const std::string& where) {
   constexpr std::size_t kMostNamed = 3;
   const auto failing = failing_settings(study);
   const auto count = study.runs_a_delay() / study.variants.size();
-  if (failing.empty()) return fmt::format("all {} settings are playable {}", count, all_playable);
-  auto text =
-      fmt::format("{} of {} settings are playable at every delay; not ", count - failing.size(), count);
-  for (std::size_t i = 0; i < std::min(failing.size(), kMostNamed); ++i)
+  if (failing.empty()) return fmt::format("all {} settings are playable {}", count, where);
+  auto text = failing.size() == count ? fmt::format("none of {} settings is playable at every delay", count)
+                                      : fmt::format("{} of {} settings are playable at every delay, not ",
+                                                    count - failing.size(), count);
+  for (std::size_t i = 0; failing.size() < count && i < std::min(failing.size(), kMostNamed); ++i)
     text += (i == 0 ? "" : " / ") + place_of(study, *failing[i]);
-  if (failing.size() > kMostNamed) text += fmt::format(" and {} more", failing.size() - kMostNamed);
-  return text + fmt::format("; all {} {}", count, all_playable);
+  if (failing.size() < count && failing.size() > kMostNamed)
+    text += fmt::format(" and {} more", failing.size() - kMostNamed);
+  const auto good = std::count_if(study.runs.begin(), study.runs.end(),
+                                  [](const auto& run) { return run.as_written() && run.judged->playable; });
+  text += fmt::format("; {} of {} runs", good, count * study.delays_s.size());
+  return where.empty() ? text : text + fmt::format("; all {} {}", count, where);
 }
 
 }  // namespace
@@ -183,8 +189,9 @@ std::string verdict_in_words(const PlayabilityStudy& study) {
   };
   const auto weakest = std::min_element(verdicts.begin(), verdicts.end(), weaker);
   const bool some = std::any_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.playable; });
-  const auto where = some ? ranges(verdicts, true) : std::string{"at no delay"};
-  auto text = study.over.empty() ? "playable " + where : settings_in_words(study, where);
+  const auto where = some ? ranges(verdicts, true) : std::string{};
+  auto text = !study.over.empty() ? settings_in_words(study, where)
+                                  : "playable " + (some ? where : std::string{"at no delay"});
   if (study.over.empty() && some && !weakest->playable) text += "; not " + ranges(verdicts, false);
   return text + fmt::format("; weakest at {} ms: {}", ms(weakest->delay_s), lacking(study, *weakest));
 }

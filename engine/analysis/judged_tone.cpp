@@ -154,8 +154,7 @@ std::vector<Wanted> notes_of(const SceneRecording& recording, const Playability&
     const double from = std::max(judged.begin_s, note.from_s), to = std::min(end, note.to_s);
     if (to - from < kShortest_s) continue;
     const double settles = std::min(judged.from_s - judged.begin_s, 0.5 * (to - from));
-    notes.push_back(
-        {from, to, from + settles, to, note.hertz, wanted->samples, recording.sample_rate.value});
+    notes.push_back({from, to, from + settles, to, note.hertz, wanted->samples, recording.sample_rate.value});
     lowest = std::min(lowest, note.hertz);
   }
   // No moment counts whose window reaches into the next note, or beyond the end.

@@ -197,8 +197,9 @@ CellPage maps_by_delay(const PlayabilityStudy& study) {
 
 std::string value_in_words(const SweptValue& swept, std::size_t index) {
   const auto& value = swept.values[index];
-  if (swept.what == SweptValue::What::Scaled) return fmt::format("x {:.3g}", value.si);
-  return value.dimension ? short_quantity(value.si, *value.dimension) : fmt::format("{:.3g}", value.si);
+  const auto digits = fmt::format("{:.3g}", value.si);
+  if (swept.what == SweptValue::What::Scaled) return "x " + digits;
+  return value.dimension ? short_quantity(std::stod(digits), *value.dimension) : digits;
 }
 
 Status write_picture(const std::filesystem::path& path, const PlayabilityStudy& study) {

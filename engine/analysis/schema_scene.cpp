@@ -52,19 +52,20 @@ Json accuracy() {
 }
 
 Json playability() {
-  return object("what playing well means, for tactus study playability",
-                {{"kind", choice("what is played", playability_kinds())},
-                 {"from", quantity("what is judged begins here; 1 s if left out", 0, 86400)},
-                 {"to", quantity("and ends here; with the scene if left out", 0, 86400)},
-                 {"hits", text("of a roll: a trigger; instrument.hit if left out")},
-                 {"contact", text("the force of what strikes; plant.contact if left out")},
-                 {"fewest", whole_number("strikes in its worst second; 10 if left out", 1, 100)},
-                 {"sound", text("of a tone: what is heard; instrument.sound if left out")},
-                 {"pitch", quantity("the note wanted, in Hz, or what a part gives out: wanted.pitch", 1, 20e3)},
-                 {"begin", quantity("when the bow is on; 0 s if left out", 0, 86400)},
-                 {"quiet", quantity("softer is silent; -60 dB if left out", 1e-9, 1)},
-                 {"about", text("for people")}},
-                {"kind"});
+  return object(
+      "what playing well means, for tactus study playability",
+      {{"kind", choice("what is played", playability_kinds())},
+       {"from", quantity("what is judged begins here; 1 s if left out", 0, 86400)},
+       {"to", quantity("and ends here; with the scene if left out", 0, 86400)},
+       {"hits", text("of a roll: a trigger; instrument.hit if left out")},
+       {"contact", text("the force of what strikes; plant.contact if left out")},
+       {"fewest", whole_number("strikes in its worst second; 10 if left out", 1, 100)},
+       {"sound", text("of a tone: what is heard; instrument.sound if left out")},
+       {"pitch", quantity("the note wanted, in Hz, or what a part gives out: wanted.pitch", 1, 20e3)},
+       {"begin", quantity("when the bow is on; 0 s if left out", 0, 86400)},
+       {"quiet", quantity("softer is silent; -60 dB if left out", 1e-9, 1)},
+       {"about", text("for people")}},
+      {"kind"});
 }
 
 Json comparison() {

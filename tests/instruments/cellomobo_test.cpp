@@ -176,7 +176,8 @@ TEST_CASE("cellomobo: on a flat plant the fundamental wins at every note and del
     SceneOptions options;
     options.delay = Seconds{delay_ms * 1e-3};
     options.set["g"] = g;
-    const auto played = play(with_gesture_held(shipped_scene("cellomobo/flat.toml"), "tuned", hertz), options);
+    const auto played =
+        play(with_gesture_held(shipped_scene("cellomobo/flat.toml"), "tuned", hertz), options);
     const auto melody = melody_of(played);
     const auto& note = melody.value().notes.at(0);
     CHECK(note.partial == 1);
