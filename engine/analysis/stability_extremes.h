@@ -53,7 +53,8 @@ struct ExtremePlan {
 /// [control] All that is worth trying: rates, delays, controls at both ends, disturbances.
 std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& instrument);
 /// [control] A fiftieth below and above the border of the loop at rest that one drive closes, long enough to
-/// see the root grow or die; none where no such loop can grow, or where a law bends.
+/// see the root grow or die; none where no such loop can grow, where a law bends, or where an event stands on
+/// it.
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict);
 /// [control] Errors: of the graph at that rate, with those controls.
 Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePlan& plan);

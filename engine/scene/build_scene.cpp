@@ -38,6 +38,8 @@ class SceneBuilder {
 
   Checked<CompiledScene> run() {
     built_.delay_frames = static_cast<int>(std::lround(frames_in(delay_, rate_)));
+    // The ring holds whole frames, and so much is what the instrument is told.
+    delay_ = Seconds{built_.delay_frames / rate_.value};
     route_set();
     make_world();
     if (instrument_known()) wire_instrument();

@@ -345,6 +345,25 @@ push = { from = "2 N * pulse", unit = "N" }
   CHECK(in_words(verdict)[1].find("50 events a second") != std::string::npos);
 }
 
+TEST_CASE("stability: the border of a loop that an event may open or close is not run", "[analysis]") {
+  const auto with = [](const char* gate) {
+    return judged(fmt::format(R"(
+format = 1
+[inputs]
+place = {{ unit = "m" }}
+[nodes]
+pull = {{ type = "spring", in = "place", stiffness = "50 N/m" }}
+gate = {}
+[outputs]
+push = {{ from = "pull + 0.001 N * gate", unit = "N" }}
+)",
+                              gate),
+                  {});
+  };
+  CHECK(border_runs({}, with("\"place / 1 m\"")).size() == 2);
+  CHECK(border_runs({}, with(R"x({ type = "threshold", in = "place", level = "1 mm" })x")).empty());
+}
+
 TEST_CASE("stability: what is foreseen at both sides of the border is what the engine does", "[analysis]") {
   const auto graph = parse_graph_leniently(spring_text(50), "test.toml");
   const auto& table = standard_nodes();
