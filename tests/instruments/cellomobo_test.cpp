@@ -242,6 +242,16 @@ TEST_CASE("cellomobo: without alignment the bow's direction decides what sounds"
   CHECK(std::abs(cents(heard[0], heard[1])) > 20);
 }
 
+TEST_CASE("carrier_sensor: told its reading at full, it is right whatever the card's gain", "[instruments]") {
+  // 3 % less would be 345 mm read as 334.65 mm: 52 cents flat.
+  SceneOptions options;
+  options.set["ribbon.gain"] = 0.97;
+  const auto flat = play("cellomobo/fingered.toml", options);
+  CHECK(melody_of(flat.recording).value().notes.at(3).cents < -45);
+  options.set["full"] = 0.97;
+  check_expectations_hold(play("cellomobo/fingered.toml", options));
+}
+
 TEST_CASE("carrier_sensor: resolution and delay through a card without direct current", "[instruments]") {
   const double delay_ms = GENERATE(0.0, 20.0, 40.0);
   SceneOptions options;
