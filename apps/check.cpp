@@ -166,6 +166,7 @@ Checked<std::vector<ExtremeRun>> run_all(const CheckJob& job, const StabilityVer
     if (!*run) return tl::unexpected(run->error());
     runs.push_back(std::move(**run));
   }
+  leave_out_play(runs);
   return runs;
 }
 

@@ -58,5 +58,8 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& 
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict);
 /// [control] Errors: of the graph at that rate, with those controls.
 Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePlan& plan);
+/// [any] What a player builds up is no growth: a run did not grow if it ends with no more than four times
+/// what the undisturbed one ends with, as long as that did not grow.
+void leave_out_play(std::vector<ExtremeRun>& runs);
 
 }  // namespace tactus

@@ -64,6 +64,18 @@ TEST_CASE("check: the haptic drum holds in its scene", "[check]") {
   CHECK(looped);
 }
 
+TEST_CASE("check: the Cellomobo holds while it is played", "[check]") {
+  const test::TemporaryFolder folder;
+  const auto answer =
+      check(folder, std::string{TACTUS_SOURCE_DIR} + "/instruments/cellomobo/open_string.toml");
+  CHECK(answer.exit == 0);
+  REQUIRE(answer.json.is_object());
+  for (const auto& run : answer.json["runs"]) {
+    INFO(run["what"]);
+    CHECK(run["as_expected"] == true);
+  }
+}
+
 TEST_CASE("check: bad files and bad options have their own exit codes", "[check]") {
   const test::TemporaryFolder folder;
   const auto file = (folder.path() / "spring.toml").string();

@@ -364,6 +364,24 @@ push = {{ from = "pull + 0.001 N * gate", unit = "N" }}
   CHECK(border_runs({}, with(R"x({ type = "threshold", in = "place", level = "1 mm" })x")).empty());
 }
 
+TEST_CASE("stability: what a player builds up is no growth, what grows beyond that is", "[analysis]") {
+  const auto ended = [](const char* what, double joules, bool grew) {
+    ExtremeRun run;
+    run.what = what;
+    run.energy_after = joules;
+    run.grew = grew;
+    return run;
+  };
+  std::vector<ExtremeRun> runs{ended("silence", 1e-3, false), ended("late", 3.9e-3, true),
+                               ended("away", 4.1e-3, true)};
+  leave_out_play(runs);
+  CHECK_FALSE(runs[1].grew);
+  CHECK(runs[2].grew);
+  std::vector<ExtremeRun> wild{ended("silence", 1e-3, true), ended("late", 3.9e-3, true)};
+  leave_out_play(wild);
+  CHECK(wild[1].grew);
+}
+
 TEST_CASE("stability: what is foreseen at both sides of the border is what the engine does", "[analysis]") {
   const auto graph = parse_graph_leniently(spring_text(50), "test.toml");
   const auto& table = standard_nodes();
