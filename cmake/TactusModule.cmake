@@ -38,6 +38,7 @@ function(tactus_module name)
   if(sources)
     add_library(tactus_${name} STATIC ${sources})
     target_link_libraries(tactus_${name} PUBLIC tactus_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE})
+    set_target_properties(tactus_${name} PROPERTIES UNITY_BUILD ${TACTUS_UNITY} UNITY_BUILD_BATCH_SIZE 12)
     # g++ 12 takes the AVX-512 intrinsics that Eigen uses for uninitialised (GCC bug 105593); which of the two
     # warnings it gives depends on the machine.
     if("Eigen3::Eigen" IN_LIST ARG_DEPENDS)

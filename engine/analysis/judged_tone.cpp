@@ -13,7 +13,7 @@ namespace tactus {
 namespace {
 
 constexpr double kRightShare = 0.9;  // of a right note
-constexpr double kShortest_s = 0.2;  // of a note that can be judged
+constexpr double kShortestTone_s = 0.2;  // of a note that can be judged
 
 /// A note that is wanted, and what is known of it.
 struct Wanted {
@@ -152,7 +152,7 @@ std::vector<Wanted> notes_of(const SceneRecording& recording, const Playability&
   double lowest = kUnlimited;
   for (const auto& note : wanted_notes(wanted->samples, recording.sample_rate)) {
     const double from = std::max(judged.begin_s, note.from_s), to = std::min(end, note.to_s);
-    if (to - from < kShortest_s) continue;
+    if (to - from < kShortestTone_s) continue;
     const double settles = std::min(judged.from_s - judged.begin_s, 0.5 * (to - from));
     notes.push_back({from, to, from + settles, to, note.hertz, wanted->samples, recording.sample_rate.value});
     lowest = std::min(lowest, note.hertz);

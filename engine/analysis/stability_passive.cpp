@@ -3,13 +3,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "engine/core/units.h"
 
 namespace tactus {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kPi = std::numbers::pi;
 
 /// What comes back to `drive` alone, with what goes through `cut` times `factor`.
 Complex alone(Eigen::MatrixXcd returned, int drive, int cut, double factor) {

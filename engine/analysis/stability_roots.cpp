@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "engine/core/units.h"
 
 namespace tactus {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kPi = std::numbers::pi;
 
 // No more than so many points, whatever the graph does: what turns faster than that is rounding.
 constexpr std::size_t kMostPoints = 400'000;

@@ -14,7 +14,7 @@ constexpr double kStep_cents = 5;      // a gesture that slides takes less than 
 constexpr double kStill_cents = 0.05;  // from one moment to the next
 constexpr double kGlide_cents = 50;
 constexpr double kSwing_cents = 300, kSwing_s = 0.25;
-constexpr double kShortest_s = 0.05, kShortestGlide_s = 0.1;
+constexpr double kShortestNote_s = 0.05, kShortestGlide_s = 0.1;
 
 bool jumps(double before, double now) {
   return !(before > 0 && now > 0) || std::abs(cents(now, before)) > kStep_cents;
@@ -56,7 +56,7 @@ bool is_glide(const std::vector<Run>& runs, std::size_t i) {
     // A swing may rest for a moment where it turns around.
     for (auto n = static_cast<std::ptrdiff_t>(i) + step; n >= 0 && n < std::ssize(runs); n += step) {
       const auto& run = runs[static_cast<std::size_t>(n)];
-      if (run.change != 0 || run.seconds() > kShortest_s) return &run;
+      if (run.change != 0 || run.seconds() > kShortestNote_s) return &run;
     }
     return nullptr;
   };
@@ -86,7 +86,7 @@ void add_notes(std::vector<WantedNote>& notes, std::span<const double> wanted, H
   for (auto i = from; i < to; i += hop) pitch.push_back(wanted[i]);
   const auto runs = runs_of(pitch);
   const auto add = [&](std::size_t first, std::size_t last, bool glides) {
-    if (static_cast<double>(last - first) >= (glides ? kShortestGlide_s : kShortest_s) * rate.value)
+    if (static_cast<double>(last - first) >= (glides ? kShortestGlide_s : kShortestNote_s) * rate.value)
       notes.push_back(note_of(wanted, rate, first, last, glides));
   };
   auto begun = from;

@@ -7,9 +7,9 @@ namespace tactus {
 namespace {
 
 constexpr int kBlock = 64;
-constexpr double kLongest_s = 0.3;
+constexpr double kLongestTiming_s = 0.3;
 // The processor's clock counts microseconds.
-constexpr double kShortest_s = 3e-3;
+constexpr double kShortestTiming_s = 3e-3;
 
 double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -45,7 +45,7 @@ PlantTimer::PlantTimer(BuiltScene built, const SceneSpec& scene, const SceneReco
       frames_(static_cast<int>(frames_in(scene.duration, rate_))) {
   loop_ = std::make_unique<ClosedLoop>(*replay_, *built_->plant, replay_->outputs(), built_->delay_frames,
                                        Converters{.on = false});
-  const double share = kLongest_s / std::max(kLongest_s, recording.run_seconds);
+  const double share = kLongestTiming_s / std::max(kLongestTiming_s, recording.run_seconds);
   frames_ = std::max(std::min(frames_, kBlock), static_cast<int>(frames_ * share));
 }
 
@@ -54,7 +54,7 @@ PlantTimer::PlantTimer(PlantTimer&&) noexcept = default;
 
 void PlantTimer::run() {
   double taken_s = 0, frames = 0;
-  while (taken_s < kShortest_s && frames < 1e9) {
+  while (taken_s < kShortestTiming_s && frames < 1e9) {
     if (!loop_->prepare(rate_, kBlock)) return;
     const double started_s = processor_s();
     loop_->run(frames_);

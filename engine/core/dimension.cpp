@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/decibels.h"
+#include "engine/core/units.h"
 
 namespace tactus {
 namespace {

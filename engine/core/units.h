@@ -1,8 +1,11 @@
 #pragma once
 
 #include <compare>
+#include <numbers>
 
 namespace tactus {
+
+inline constexpr double kPi = std::numbers::pi;
 
 /// A number that knows what it measures, so that `OnePole{48_kHz, 80_Hz}` and friends cannot be mixed up with
 /// bare numbers. Explicit in both directions; `value` is in the SI unit.

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "engine/core/units.h"
 
 namespace tactus {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Where cos b = sign / cosh b, for k = 1, 2, …: next to the zeros of the cosine, whence Newton's method
 /// needs a few steps.

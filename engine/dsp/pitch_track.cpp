@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <optional>
+
+#include "engine/core/units.h"
 
 namespace tactus {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 constexpr double kLeastClarity = 0.8, kNearHighest = 0.9;
 constexpr double kSilence = 1e-6, kFarBelow = 1e-3;
 constexpr int kPartials = 12;
-constexpr double kPi = std::numbers::pi;
 
 double rms(std::span<const double> x) {
   double squares = 0;

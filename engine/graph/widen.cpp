@@ -13,7 +13,6 @@ namespace tactus {
 namespace {
 
 using Group = LaneGroup;
-using Row = LaneRow;
 
 constexpr int kNone = Group::kNone;
 
@@ -93,7 +92,7 @@ class Widening {
     at(group.vertex).in = std::move(in);
   }
 
-  Wire wide_input(const Row& row, const Vertex& reader) {
+  Wire wide_input(const LaneRow& row, const Vertex& reader) {
     if (const int g = groups_.lined_up(row); g != kNone) return all_lanes(g, row);
     if (all_of(row, [&](const Wire& wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; }))
       return constants(row);
@@ -102,11 +101,11 @@ class Widening {
     return packed(row, reader.path, reader.every);
   }
 
-  Wire all_lanes(int group, const Row& row) const {
+  Wire all_lanes(int group, const LaneRow& row) const {
     return {groups_[group].vertex, first_of(row).port, Wire::kAllLanes};
   }
 
-  Wire constants(const Row& row) {
+  Wire constants(const LaneRow& row) {
     Vertex vertex;
     vertex.width = kWide;
     for (const auto& wire : row)
@@ -114,8 +113,8 @@ class Widening {
     return {add(std::move(vertex)), 0, Wire::kAllLanes};
   }
 
-  Wire packed(const Row& row, std::string path, int every) {
-    Row wires;
+  Wire packed(const LaneRow& row, std::string path, int every) {
+    LaneRow wires;
     for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == kNone ? first_of(row) : wire));
     wires.resize(kWide, wires[0]);
     Vertex vertex;
@@ -130,7 +129,7 @@ class Widening {
     return packs_[key] = {add(std::move(vertex), std::make_unique<Pack>()), 0, Wire::kAllLanes};
   }
 
-  static std::vector<int> wires_of(const Row& wires) {
+  static std::vector<int> wires_of(const LaneRow& wires) {
     std::vector<int> key;
     for (const auto& wire : wires) key.insert(key.end(), {wire.vertex, wire.port, wire.lane});
     return key;
@@ -174,15 +173,15 @@ class Widening {
   /// False if none of its lanes are wide.
   bool sum_wide(int v) {
     const auto lanes = at(v).in;
-    std::vector<Row> rows;
+    std::vector<LaneRow> rows;
     for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
       if (lane % kWide == 0) rows.emplace_back();
       rows.back().push_back(lanes[lane]);
     }
     if (std::none_of(rows.begin(), rows.end(),
-                     [this](const Row& row) { return groups_.lined_up(row) != kNone; }))
+                     [this](const LaneRow& row) { return groups_.lined_up(row) != kNone; }))
       return false;
-    Row in;
+    LaneRow in;
     for (const auto& row : rows) {
       const int g = groups_.lined_up(row);
       in.push_back(g == kNone ? packed(row, at(v).path, at(v).every) : all_lanes(g, row));

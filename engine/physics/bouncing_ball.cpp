@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
+#include "engine/core/units.h"
 #include "engine/physics/find_zero.h"
 
 namespace tactus {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 constexpr double kInstant = 1e-14;
 // Of g/w: the bounces that remain take less than 1e-12 of a period.
 constexpr double kSticks = 1e-12;

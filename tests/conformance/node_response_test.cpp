@@ -3,6 +3,7 @@
 #include <complex>
 #include <numeric>
 
+#include "engine/core/units.h"
 #include "engine/nodes/table.h"
 #include "tests/conformance/node_cases.h"
 

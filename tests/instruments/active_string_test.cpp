@@ -3,16 +3,14 @@
 #include <cmath>
 #include <complex>
 #include <filesystem>
-#include <numbers>
 
+#include "engine/core/units.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/play_scene.h"
 
 using namespace tactus;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 const std::filesystem::path kInstruments = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
 
 using Settings = std::map<std::string, ControlValue>;

@@ -3,10 +3,10 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <vector>
 
+#include "engine/core/units.h"
 #include "engine/dsp/counter_noise.h"
 #include "tests/support/wait_until.h"
 
@@ -15,7 +15,6 @@ using namespace tactus;
 namespace {
 
 constexpr auto kFast = LoopBackend::Pace::AsFastAsPossible;
-constexpr double kPi = std::numbers::pi;
 
 /// Plays a list of samples on every output, keeps what comes in.
 class Witness final : public BlockProcessor {

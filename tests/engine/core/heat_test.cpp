@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/drive_guard.h"
+#include "engine/core/units.h"
 
 using namespace tactus;
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/guarded.h"
+#include "engine/core/units.h"
 
 using namespace tactus;
 

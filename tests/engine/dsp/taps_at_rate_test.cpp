@@ -2,16 +2,14 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
+#include "engine/core/units.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;
 using namespace tactus::test;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Samples one_tap(std::size_t at) {
   Samples taps(at + 1);

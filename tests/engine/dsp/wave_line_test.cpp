@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
+#include "engine/core/units.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;
@@ -12,7 +12,6 @@ using namespace tactus::test;
 namespace {
 
 constexpr double kRate = 48000;
-constexpr double kPi = std::numbers::pi;
 
 WaveLine line_of(LossFilter filter, FarEnd end, double pitch) {
   return {filter, end, Hertz{kRate}, {pitch, pitch}};

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/core/units.h"
 #include "engine/dsp/pitch_track.h"
 #include "engine/dsp/string_loop.h"
 #include "tests/support/measured_response.h"
@@ -12,7 +13,6 @@ using namespace tactus::test;
 namespace {
 
 constexpr double kRate = 48000;
-constexpr double kPi = std::numbers::pi;
 
 StringDesign designed(double pitch, double gain, double loss, LossFilter filter = LossFilter::OneZero) {
   return {{.pitch_hz = pitch, .gain = gain, .loss = loss}, filter, Hertz{kRate}};

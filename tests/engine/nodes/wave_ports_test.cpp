@@ -6,6 +6,7 @@
 #include <complex>
 #include <numbers>
 
+#include "engine/core/units.h"
 #include "engine/dsp/wave_line.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/node_runner.h"
@@ -14,8 +15,6 @@ using namespace tactus;
 using namespace tactus::test;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 constexpr double kMass = 0.02, kImpedance = 20;
 
 /// A mass [kg] behind a port of kImpedance [N s/m], on which a node hangs. An impulse of 1 at `kick` gives it

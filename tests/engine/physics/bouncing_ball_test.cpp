@@ -2,15 +2,13 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
+#include "engine/core/units.h"
 #include "engine/physics/bouncing_cascade.h"
 
 using namespace tactus;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 }  // namespace
 

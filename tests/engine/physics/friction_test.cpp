@@ -1,15 +1,13 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
+#include "engine/core/units.h"
 #include "engine/physics/network.h"
 
 using namespace tactus;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Point mass(double kilogram, double position = 0.0, double velocity = 0.0) {
   return {Point::Kind::Mass, kilogram, position, velocity, {}};

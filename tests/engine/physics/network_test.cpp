@@ -4,13 +4,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
-#include <numbers>
+
+#include "engine/core/units.h"
 
 using namespace tactus;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Point mass(double kilogram, double position = 0.0, double velocity = 0.0) {
   return {Point::Kind::Mass, kilogram, position, velocity, {}};
