@@ -1,9 +1,9 @@
 #include <cstdio>
 #include <exception>
 
-#include "apps/commands.h"
-#include "apps/live/keyboard.h"
-#include "apps/version.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/version.h"
+#include "apps/play/live/controls/keyboard.h"
 
 int main(int argc, char** argv) {
   using namespace tactus::app;

@@ -10,8 +10,8 @@
 #include "backends/health.h"
 #include "engine/core/block_io.h"
 #include "engine/core/error.h"
-#include "engine/core/guarded.h"
 #include "engine/core/units.h"
+#include "engine/guard/guarded.h"
 
 namespace tactus {
 

@@ -8,6 +8,8 @@ target_compile_options(tactus_flags INTERFACE
     -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion -ffp-contract=off -fno-math-errno>
   # g++ 12 takes every short string assigned from a literal for an overlap (GCC bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  # Files compiled as one look to g++ like headers that use another file's anonymous namespace.
+  $<$<AND:$<BOOL:${TACTUS_UNITY}>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>
   # clang 20 and newer blame the caller of std::stable_sort for a function that libstdc++ 12 uses inside, and the user
   # of Catch2 for its __COUNTER__.
   $<$<AND:$<CXX_COMPILER_ID:Clang>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,20>>:-Wno-deprecated-declarations
@@ -30,11 +32,15 @@ if(TACTUS_SANITIZE)
   endif()
 endif()
 
-# tactus_module(core engine/core DEPENDS ...): one target for one folder, from every .cpp in it,
-# so that a new file is built without naming it anywhere.
+# tactus_module(core engine/core DEPENDS ...): one target for one folder, from every .cpp in and below it,
+# so that a new file is built without naming it anywhere. FLAT: subfolders have targets of their own.
 function(tactus_module name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  cmake_parse_arguments(ARG "FLAT" "" "DEPENDS;PRIVATE" ${ARGN})
+  if(ARG_FLAT)
+    file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  else()
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  endif()
   if(sources)
     add_library(tactus_${name} STATIC ${sources})
     target_link_libraries(tactus_${name} PUBLIC tactus_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE})

@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "engine/core/decibels.h"
-#include "latency/bursts.h"
-#include "latency/noise_floor.h"
-#include "latency/response.h"
-#include "latency/sweep_windows.h"
-#include "latency/toeplitz.h"
+#include "latency/estimation/sweep_windows.h"
+#include "latency/estimation/toeplitz.h"
+#include "latency/path/noise_floor.h"
+#include "latency/path/response.h"
+#include "latency/probe/bursts.h"
 
 namespace tactus {
 namespace {

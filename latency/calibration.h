@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "latency/analysis.h"
-#include "latency/loop_recording.h"
+#include "latency/estimation/analysis.h"
+#include "latency/estimation/loop_recording.h"
 #include "latency/path_profile.h"
 #include "latency/verdict.h"
 

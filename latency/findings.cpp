@@ -19,9 +19,9 @@ constexpr double kGainRises = 1.0;        // dB
 constexpr double kCancelled = 3.0;        // dB
 constexpr double kUneven = 0.1;           // misfit
 constexpr double kEchoShare = 0.6, kLeastEcho = -30.0;
-constexpr double kMisfit = 0.005;   // of the power: the phase is then wrong by 4 degrees somewhere
-constexpr double kGainRange = 6.0;  // dB; what is between converters has less
-constexpr double kCertain = 5.0;    // standard errors
+constexpr double kMisfit = 0.005;         // of the power: the phase is then wrong by 4 degrees somewhere
+constexpr double kGainRange = 6.0;        // dB; what is between converters has less
+constexpr double kFindingsCertain = 5.0;  // standard errors
 
 constexpr const char* kAgainstOverload =
     "turn the input's gain or the output's level down, or measure with a lower --level";
@@ -68,7 +68,7 @@ std::optional<Finding> lost_frames(const Analysis& analysis) {
 
 std::optional<Finding> clocks_differ(const Analysis& analysis) {
   if (std::abs(analysis.drift_ppm) < kLeastDrift ||
-      std::abs(analysis.drift_ppm) < kCertain * analysis.drift_standard_error_ppm)
+      std::abs(analysis.drift_ppm) < kFindingsCertain * analysis.drift_standard_error_ppm)
     return std::nullopt;
   return Finding{
       Verdict::ClocksDiffer,
@@ -108,7 +108,7 @@ struct Gains {
     const double difference = mean(soft) - mean(loud);
     const double error = std::hypot(deviation(loud) / std::sqrt(static_cast<double>(loud.size())),
                                     deviation(soft) / std::sqrt(static_cast<double>(soft.size())));
-    return std::abs(difference) > kCertain * error ? difference : 0.0;
+    return std::abs(difference) > kFindingsCertain * error ? difference : 0.0;
   }
   /// By how much it rises from the first loud sweep to the last, along a straight line, when that is certain.
   double rise() const {
@@ -124,7 +124,7 @@ struct Gains {
     }
     const double slope = common / times;
     const double error = std::sqrt(std::max(0.0, squares - slope * common) / (count - 2.0) / times);
-    return slope > kCertain * error ? slope * (count - 1.0) : 0.0;
+    return slope > kFindingsCertain * error ? slope * (count - 1.0) : 0.0;
   }
   double fall() const { return loud.empty() ? 0.0 : loud.front() - loud.back(); }
 };

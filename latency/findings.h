@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "latency/analysis.h"
-#include "latency/coarse.h"
-#include "latency/response.h"
-#include "latency/second_path.h"
+#include "latency/estimation/analysis.h"
+#include "latency/estimation/coarse.h"
+#include "latency/path/response.h"
+#include "latency/path/second_path.h"
 
 namespace tactus {
 

@@ -12,16 +12,16 @@
 
 #include "backends/find_device.h"
 #include "engine/core/decibels.h"
-#include "latency/probe.h"
-#include "latency/probe_player.h"
+#include "latency/probe/probe.h"
+#include "latency/probe/probe_player.h"
 #include "latency/session.h"
 
 namespace tactus {
 namespace {
 
 constexpr std::chrono::milliseconds kTick{10};
-constexpr std::chrono::seconds kPatience{3};  // with a stream that brings no block
-constexpr int kMostInputs = 16;               // that are listened to: memory
+constexpr std::chrono::seconds kMeasurementPatience{3};  // with a stream that brings no block
+constexpr int kMostInputs = 16;                          // that are listened to: memory
 
 /// As loud as the sweep may be before the guard changes its shape.
 double loudest(const MeasureSettings& settings, Hertz rate) {
@@ -117,7 +117,7 @@ class Session {
       std::this_thread::sleep_for(kTick);
       tell_progress();
       if (stream.state() == StreamState::Running) last_alive = Clock::now();
-      if (player_.done() || Clock::now() - last_alive <= kPatience) continue;
+      if (player_.done() || Clock::now() - last_alive <= kMeasurementPatience) continue;
       (void)stream.stop();
       return fail(Errc::Device, stream.granted().device, "the device went away, or brings no more blocks",
                   "plug it in, start its sound server, and measure again");

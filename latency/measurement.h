@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "backends/backend.h"
-#include "latency/analysis.h"
-#include "latency/loop_recording.h"
+#include "latency/estimation/analysis.h"
+#include "latency/estimation/loop_recording.h"
 #include "latency/verdict.h"
 
 namespace tactus {

@@ -12,9 +12,9 @@ namespace tactus {
 namespace {
 
 constexpr double kRateError = 0.005;
-constexpr double kBlocksOfRate = 2.0;  // blocks that a clock cannot tell apart
-constexpr double kSameDelay = 0.5;     // frames
-constexpr double kCertain = 5.0;       // standard errors
+constexpr double kBlocksOfRate = 2.0;    // blocks that a clock cannot tell apart
+constexpr double kSameDelay = 0.5;       // frames
+constexpr double kSessionCertain = 5.0;  // standard errors
 constexpr std::size_t kEnoughGood = 3;
 
 using Findings = std::vector<Finding>;
@@ -135,7 +135,7 @@ std::optional<Finding> unstable(const std::vector<const Opening*>& openings) {
     most = std::max(most, opening->analysis.delay_frames);
     error = std::max(error, opening->analysis.standard_error_frames);
   }
-  if (most - least <= std::max(kSameDelay, kCertain * error)) return std::nullopt;
+  if (most - least <= std::max(kSameDelay, kSessionCertain * error)) return std::nullopt;
   return Finding{
       Verdict::UnstableStart,
       fmt::format("the delay is another each time that the stream is opened: {} frames", delays_of(openings)),

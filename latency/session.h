@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/guarded.h"
+#include "engine/guard/guarded.h"
 #include "latency/measurement.h"
-#include "latency/probe_player.h"
+#include "latency/probe/probe_player.h"
 
 namespace tactus {
 

@@ -4,7 +4,7 @@
 #include <regex>
 #include <sstream>
 
-#include "engine/analysis/schema.h"
+#include "apps/nodes/schema.h"
 #include "engine/nodes/reference.h"
 #include "engine/nodes/table.h"
 

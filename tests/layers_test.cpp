@@ -9,28 +9,49 @@
 #include <string>
 #include <vector>
 
-// The arrows of docs/design.md: a layer includes itself and what its arrows reach, nothing else.
+// The layers are read from the table of docs/design.md.
 
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::map<std::string, std::vector<std::string>> kArrows = {
-    {"engine/core", {}},
-    {"engine/dsp", {"engine/core"}},
-    {"engine/physics", {"engine/dsp"}},
-    {"engine/graph", {"engine/core"}},
-    {"engine/nodes", {"engine/graph", "engine/physics", "engine/dsp"}},
-    {"engine/runtime", {"engine/nodes"}},
-    {"engine/scene", {"engine/runtime"}},
-    {"engine/analysis", {"engine/scene"}},
-    {"backends", {"engine/core"}},
-    {"backends/loop", {"backends", "engine/dsp"}},
-    {"backends/simulated", {"backends", "engine/scene"}},
-    {"backends/take", {"backends"}},
-    {"latency", {"backends"}},
-    {"apps", {"latency", "engine/analysis", "backends/loop", "backends/simulated", "backends/take"}},
-};
+/// folder -> folders that it may include, besides itself.
+using Layers = std::map<std::string, std::vector<std::string>>;
+
+/// The names between backticks in `text`.
+std::vector<std::string> quoted_names(const std::string& text) {
+  std::vector<std::string> names;
+  for (auto at = text.find('`'); at != std::string::npos;) {
+    const auto end = text.find('`', at + 1);
+    if (end == std::string::npos) break;
+    names.push_back(text.substr(at + 1, end - at - 1));
+    at = text.find('`', end + 1);
+  }
+  return names;
+}
+
+/// The rows of the table under the heading "Layers": | `folder` | `folder`, `folder` | …
+Layers read_layers(std::istream& text) {
+  Layers layers;
+  bool here = false;
+  for (std::string line; std::getline(text, line);) {
+    if (line.starts_with("## ")) here = line == "## Layers";
+    if (!here || !line.starts_with("| `")) continue;
+    const auto second = line.find('|', 1);
+    const auto third = line.find('|', second + 1);
+    const auto may_include = quoted_names(line.substr(second, third - second));
+    for (const auto& folder : quoted_names(line.substr(0, second))) layers[folder] = may_include;
+  }
+  return layers;
+}
+
+const Layers& layers() {
+  static const Layers read = [] {
+    std::ifstream text{fs::path{TACTUS_SOURCE_DIR} / "docs/design.md"};
+    return read_layers(text);
+  }();
+  return read;
+}
 
 /// Where the headers that begin like this may be included, as beginnings of paths.
 struct ThirdParty {
@@ -39,21 +60,21 @@ struct ThirdParty {
 };
 const std::vector<ThirdParty> kThirdParty = {
     {"tl/expected.hpp", {"engine/core/"}},
-    {"Eigen/", {"engine/physics/", "engine/analysis/", "latency/"}},
-    {"unsupported/Eigen/", {"engine/physics/", "engine/analysis/", "latency/"}},
-    {"toml++/", {"engine/graph/", "engine/scene/"}},
+    {"Eigen/", {"engine/physics/", "engine/study/", "latency/"}},
+    {"unsupported/Eigen/", {"engine/physics/", "engine/study/", "latency/"}},
+    {"toml++/", {"engine/graph/file/", "engine/rig/"}},
     {"sndfile.h", {"engine/nodes/", "backends/offline/", "backends/wav_file.cpp"}},
     {"fmt/",
-     {"engine/graph/", "engine/nodes/", "engine/runtime/", "engine/scene/", "engine/analysis/", "backends/",
-      "latency/", "apps/"}},
-    {"nlohmann/", {"engine/analysis/", "backends/take/", "latency/", "apps/"}},
+     {"engine/graph/", "engine/nodes/", "engine/runtime/", "engine/rig/", "engine/scene/", "engine/plot/",
+      "engine/study/", "backends/", "latency/", "apps/"}},
+    {"nlohmann/", {"engine/study/", "backends/take/", "latency/", "apps/"}},
     {"CLI/", {"apps/"}},
-    {"jack/", {"backends/jack/", "backends/quiet_libraries.cpp"}},
+    {"jack/", {"backends/jack/", "backends/silence_library_logs.cpp"}},
     {"RtAudio.h", {"backends/rtaudio/"}},
     {"rtaudio/", {"backends/rtaudio/"}},
     {"portaudio.h", {"backends/portaudio/"}},
     {"pa_", {"backends/portaudio/"}},
-    {"alsa/", {"backends/quiet_libraries.cpp"}},
+    {"alsa/", {"backends/silence_library_logs.cpp"}},
     {"RtMidi.h", {"backends/rtmidi/"}},
     {"rtmidi/", {"backends/rtmidi/"}},
 };
@@ -76,10 +97,11 @@ struct Include {
 
 bool begins(const std::string& text, const std::string& beginning) { return text.starts_with(beginning); }
 
-/// "engine/graph/load.h" -> "engine/graph"; "backends/jack/stream.cpp" -> "backends"; "" if it is no layer.
+/// "engine/graph/file/load.h" -> "engine/graph"; "backends/jack/stream.cpp" -> "backends"; "" if it is no
+/// layer.
 std::string layer_of(const std::string& path) {
   std::string longest;  // "backends/simulated" and not "backends"
-  for (const auto& [layer, arrows] : kArrows)
+  for (const auto& [layer, may_include] : layers())
     if (begins(path, layer + "/") && layer.size() > longest.size()) longest = layer;
   return longest;
 }
@@ -93,8 +115,8 @@ std::string backend_of(const std::string& path) {
 
 bool reaches(const std::string& from, const std::string& to) {
   if (from == to) return true;
-  const auto& arrows = kArrows.at(from);
-  return std::any_of(arrows.begin(), arrows.end(), [&](const auto& next) { return reaches(next, to); });
+  const auto& next = layers().at(from);
+  return std::any_of(next.begin(), next.end(), [&](const auto& layer) { return reaches(layer, to); });
 }
 
 std::string judge_own(const std::string& file, const std::string& include) {
@@ -168,7 +190,7 @@ std::vector<Include> includes_of(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("layers: no file includes against the arrows", "[layers]") {
+TEST_CASE("layers: no file includes against the table", "[layers]") {
   const auto files = source_files();
   REQUIRE(files.size() > 10);
   std::size_t includes = 0;
@@ -210,24 +232,24 @@ TEST_CASE("layers: headers say #pragma once first", "[layers]") {
   CHECK(wrong.empty());
 }
 
-TEST_CASE("layers: an include against an arrow is refused, with the reason", "[layers]") {
+TEST_CASE("layers: an include against the table is refused, with the reason", "[layers]") {
   CHECK(judge("engine/core/a.h", {"engine/graph/node.h", true}) ==
         "engine/core must not include engine/graph");
   CHECK(judge("engine/dsp/a.h", {"engine/physics/b.h", true}) ==
         "engine/dsp must not include engine/physics");
-  CHECK(judge("engine/graph/a.h", {"engine/dsp/b.h", true}) == "engine/graph must not include engine/dsp");
+  CHECK(judge("engine/graph/a.h", {"engine/physics/b.h", true}) ==
+        "engine/graph must not include engine/physics");
   CHECK(judge("engine/runtime/a.h", {"engine/scene/b.h", true}) ==
         "engine/runtime must not include engine/scene");
   CHECK(judge("engine/nodes/a.h", {"backends/backend.h", true}) == "engine/nodes must not include backends");
   CHECK(judge("backends/jack/a.cpp", {"engine/runtime/engine.h", true}) ==
         "backends must not include engine/runtime");
-  CHECK(judge("latency/a.cpp", {"engine/analysis/svg.h", true}) ==
-        "latency must not include engine/analysis");
+  CHECK(judge("latency/a.cpp", {"engine/study/a.h", true}) == "latency must not include engine/study");
   CHECK(judge("backends/jack/a.cpp", {"backends/rtaudio/b.h", true}) == "a backend must not include another");
   CHECK(judge("backends/simulated/a.cpp", {"backends/offline/b.h", true}) ==
         "a backend must not include another");
-  CHECK(judge("backends/simulated/a.cpp", {"engine/analysis/svg.h", true}) ==
-        "backends/simulated must not include engine/analysis");
+  CHECK(judge("backends/simulated/a.cpp", {"engine/plot/svg.h", true}) ==
+        "backends/simulated must not include engine/plot");
   CHECK(judge("latency/a.cpp", {"backends/simulated/b.h", true}) ==
         "latency must not include backends/simulated");
   CHECK(judge("engine/core/a.cpp", {"error.h", true}) == "not a path from the repository's root");
@@ -245,14 +267,14 @@ TEST_CASE("layers: a library outside its place is refused, with the reason", "[l
         "an unknown library: name it in tests/layers_test.cpp and say where it may be used");
 }
 
-TEST_CASE("layers: an include along the arrows is allowed", "[layers]") {
+TEST_CASE("layers: an include along the table is allowed", "[layers]") {
   CHECK(judge("engine/nodes/a.cpp", {"engine/dsp/b.h", true}).empty());
   CHECK(judge("apps/main.cpp", {"engine/physics/b.h", true}).empty());
   CHECK(judge("apps/main.cpp", {"backends/offline/b.h", true}).empty());
   CHECK(judge("backends/jack/a.cpp", {"backends/jack/a.h", true}).empty());
   CHECK(judge("backends/simulated/a.cpp", {"engine/scene/closed_loop.h", true}).empty());
   CHECK(judge("backends/simulated/a.cpp", {"backends/backend.h", true}).empty());
-  CHECK(judge("apps/play.cpp", {"backends/simulated/a.h", true}).empty());
+  CHECK(judge("apps/play/play.cpp", {"backends/simulated/a.h", true}).empty());
   CHECK(judge("backends/jack/a.cpp", {"backends/backend.h", true}).empty());
   CHECK(judge("backends/jack/a.cpp", {"jack/jack.h", false}).empty());
   CHECK(judge("engine/physics/a.h", {"Eigen/Dense", false}).empty());

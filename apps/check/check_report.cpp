@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "engine/graph/entry_fields.h"
-#include "engine/nodes/solver_words.h"
+#include "engine/graph/file/entry_fields.h"
+#include "engine/nodes/networks/solver_words.h"
 
 namespace tactus::app {
 namespace {

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/analysis/stability.h"
-#include "engine/analysis/stability_extremes.h"
+#include "engine/study/stability/stability.h"
+#include "engine/study/stability/stability_extremes.h"
 
 namespace tactus::app {
 

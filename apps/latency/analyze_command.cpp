@@ -2,13 +2,13 @@
 
 #include <memory>
 
-#include "apps/commands.h"
-#include "apps/console.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/loop_options.h"
 #include "apps/latency/profile_file.h"
 #include "apps/latency/recording_files.h"
-#include "latency/analysis.h"
+#include "latency/estimation/analysis.h"
 
 namespace tactus::app {
 namespace {

@@ -4,17 +4,17 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "apps/commands.h"
-#include "apps/console.h"
-#include "apps/interrupts.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/interrupts.h"
+#include "apps/cli/writable.h"
 #include "apps/latency/keep_delay.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/latency_report.h"
 #include "apps/latency/measure_now.h"
 #include "apps/latency/profile_file.h"
 #include "apps/latency/recording_files.h"
-#include "apps/play_report.h"
-#include "apps/writable.h"
+#include "apps/play/play_report.h"
 #include "latency/calibration.h"
 
 namespace tactus::app {

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "apps/save_rig.h"
+#include "apps/play/save_rig.h"
 
 namespace tactus::app {
 namespace {

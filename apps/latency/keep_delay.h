@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "engine/core/error.h"
-#include "engine/scene/rig.h"
+#include "engine/rig/rig.h"
 #include "latency/measured.h"
 #include "latency/measurement.h"
 

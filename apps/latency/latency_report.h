@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/analysis/svg.h"
+#include "engine/plot/svg.h"
 #include "latency/calibration.h"
 #include "latency/measurement.h"
 

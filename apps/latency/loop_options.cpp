@@ -6,10 +6,10 @@
 #include <cmath>
 #include <filesystem>
 
-#include "apps/commands.h"
+#include "apps/cli/commands.h"
 #include "apps/latency/profile_file.h"
 #include "engine/core/decibels.h"
-#include "engine/graph/quantity.h"
+#include "engine/graph/file/quantity.h"
 
 namespace tactus::app {
 namespace {

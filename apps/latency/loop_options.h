@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "apps/backends.h"
-#include "apps/console.h"
-#include "engine/scene/rig.h"
+#include "apps/cli/backends.h"
+#include "apps/cli/console.h"
+#include "engine/rig/rig.h"
 #include "latency/measurement.h"
 
 namespace tactus::app {

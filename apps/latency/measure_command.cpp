@@ -2,13 +2,13 @@
 
 #include <memory>
 
-#include "apps/commands.h"
-#include "apps/console.h"
-#include "apps/interrupts.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/interrupts.h"
+#include "apps/cli/writable.h"
 #include "apps/latency/keep_delay.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/measure_now.h"
-#include "apps/writable.h"
 
 namespace tactus::app {
 namespace {

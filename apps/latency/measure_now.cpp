@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "apps/console.h"
-#include "apps/interrupts.h"
+#include "apps/cli/console.h"
+#include "apps/cli/interrupts.h"
 
 namespace tactus::app {
 namespace {

@@ -4,13 +4,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "apps/commands.h"
-#include "apps/console.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/loop_options.h"
 #include "backends/wav_file.h"
 #include "engine/core/decibels.h"
-#include "latency/probe.h"
+#include "latency/probe/probe.h"
 
 namespace tactus::app {
 namespace {

@@ -6,8 +6,8 @@
 #include <chrono>
 #include <fstream>
 
-#include "engine/dsp/taps_at_rate.h"
-#include "engine/scene/path_file.h"
+#include "engine/dsp/delays/taps_at_rate.h"
+#include "engine/scene/file/path_file.h"
 
 namespace tactus::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "engine/core/error.h"
-#include "latency/loop_recording.h"
+#include "latency/estimation/loop_recording.h"
 
 namespace tactus::app {
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "apps/commands.h"
-#include "apps/console.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/writable.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/recording_files.h"
-#include "apps/play_report.h"
-#include "apps/writable.h"
+#include "apps/play/play_report.h"
 
 namespace tactus::app {
 namespace {

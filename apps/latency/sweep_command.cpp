@@ -4,14 +4,14 @@
 #include <cmath>
 #include <memory>
 
-#include "apps/commands.h"
-#include "apps/console.h"
-#include "apps/interrupts.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/interrupts.h"
+#include "apps/cli/writable.h"
 #include "apps/latency/latency_commands.h"
 #include "apps/latency/measure_now.h"
 #include "apps/latency/sweep_report.h"
-#include "apps/play_report.h"
-#include "apps/writable.h"
+#include "apps/play/play_report.h"
 
 namespace tactus::app {
 namespace {

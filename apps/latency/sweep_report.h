@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/analysis/svg.h"
-#include "latency/analysis.h"
+#include "engine/plot/svg.h"
 #include "latency/block_law.h"
+#include "latency/estimation/analysis.h"
 
 namespace tactus::app {
 

@@ -3,11 +3,11 @@
 #include <memory>
 #include <optional>
 
-#include "apps/commands.h"
-#include "apps/console.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/writable.h"
 #include "apps/study/bifurcation_report.h"
 #include "apps/study/study_commands.h"
-#include "apps/writable.h"
 #include "engine/nodes/table.h"
 
 namespace tactus::app {

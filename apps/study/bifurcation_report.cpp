@@ -7,7 +7,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const std::vector<BifurcationColumn>& columns) {
+Json part_json(const std::vector<BifurcationColumn>& columns) {
   auto list = Json::array();
   for (const auto& column : columns)
     list.push_back({{"value", column.value},
@@ -83,8 +83,8 @@ Json json_of(const Bifurcation& study) {
                                  {"exact", doubling.exact},
                                  {"simulated", number(doubling.simulated)},
                                  {"exact_map_swept", number(doubling.swept)}});
-  json["simulated"] = json_of(study.simulated);
-  json["exact"] = json_of(study.exact);
+  json["simulated"] = part_json(study.simulated);
+  json["exact"] = part_json(study.exact);
   return json;
 }
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/analysis/bifurcation.h"
-#include "engine/analysis/log_plot.h"
+#include "engine/plot/log_plot.h"
+#include "engine/study/orbits/bifurcation.h"
 
 namespace tactus::app {
 

@@ -6,16 +6,16 @@
 #include <memory>
 #include <optional>
 
-#include "apps/commands.h"
-#include "apps/console.h"
-#include "apps/interrupts.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/interrupts.h"
+#include "apps/cli/writable.h"
 #include "apps/study/playability_report.h"
 #include "apps/study/study_commands.h"
 #include "apps/study/sweep_range.h"
-#include "apps/writable.h"
-#include "engine/analysis/playability_plot.h"
-#include "engine/graph/quantity.h"
+#include "engine/graph/file/quantity.h"
 #include "engine/nodes/table.h"
+#include "engine/study/playability/playability_plot.h"
 
 namespace tactus::app {
 namespace {

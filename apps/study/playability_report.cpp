@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/analysis/playability_plot.h"
+#include "engine/study/playability/playability_plot.h"
 
 namespace tactus::app {
 namespace {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/analysis/playability.h"
+#include "engine/study/playability/playability.h"
 
 namespace tactus::app {
 

@@ -4,12 +4,12 @@
 #include <memory>
 #include <optional>
 
-#include "apps/commands.h"
-#include "apps/console.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/writable.h"
 #include "apps/study/study_commands.h"
 #include "apps/study/wall_report.h"
-#include "apps/writable.h"
-#include "engine/analysis/wall_device.h"
+#include "engine/study/walls/wall_device.h"
 
 namespace tactus::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "engine/graph/compile.h"
+#include "engine/graph/plan/compile.h"
 
 namespace tactus::app {
 

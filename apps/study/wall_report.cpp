@@ -91,23 +91,23 @@ const char* name_of(LoopTrend trend) {
   return trend == LoopTrend::Decays ? "decays" : trend == LoopTrend::Grows ? "grows" : "undecided";
 }
 
-Json json_of(const WallLimit& limit) {
+Json part_json(const WallLimit& limit) {
   return {{"rate_hz", limit.loop.rate.value},   {"delay_s", limit.loop.delay.value},
           {"stiffest_n_per_m", limit.stiffest}, {"by_formula_n_per_m", limit.formula},
           {"passive_n_per_m", limit.passive},   {"cycle_hz", limit.cycle.value},
           {"at_0.98", name_of(limit.below)},    {"at_1.02", name_of(limit.above)}};
 }
 
-Json json_of(const std::vector<WallLimit>& limits) {
+Json part_json(const std::vector<WallLimit>& limits) {
   auto json = Json::array();
-  for (const auto& limit : limits) json.push_back(json_of(limit));
+  for (const auto& limit : limits) json.push_back(part_json(limit));
   return json;
 }
 
-Json json_of(const MappedController& mapped, const std::vector<MappedDevice>& devices) {
+Json part_json(const MappedController& mapped, const std::vector<MappedDevice>& devices) {
   Json json{{"name", mapped.controller.name}, {"limits", Json::object()}};
   for (std::size_t d = 0; d < devices.size(); ++d)
-    json["limits"][devices[d].name] = json_of(mapped.limits[d]);
+    json["limits"][devices[d].name] = part_json(mapped.limits[d]);
   if (const auto& fixed = mapped.fixed_point)
     json["fixed_point"] = {{"bits", mapped.controller.bits},
                            {"force_step_n", fixed->force_step},
@@ -192,11 +192,11 @@ Json json_of(const WallMap& map) {
                                {"friction_n", device.friction},
                                {"step_m", device.quantum},
                                {"force_limit_n", number(device.force_limit)}});
-    json["by_delay"][name] = json_of(map.by_delay[d]);
-    json["by_rate"][name] = json_of(map.by_rate[d]);
+    json["by_delay"][name] = part_json(map.by_delay[d]);
+    json["by_rate"][name] = part_json(map.by_rate[d]);
   }
   for (const auto& controller : map.controllers)
-    json["controllers"].push_back(json_of(controller, map.devices));
+    json["controllers"].push_back(part_json(controller, map.devices));
   json["friction_limit_n_per_m"] = number(map.friction_limit);
   json["borders"] = map.borders();
   json["confirmed"] = map.confirmed();

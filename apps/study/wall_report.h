@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/analysis/log_plot.h"
-#include "engine/analysis/wall_map.h"
+#include "engine/plot/log_plot.h"
+#include "engine/study/walls/wall_map.h"
 
 namespace tactus::app {
 

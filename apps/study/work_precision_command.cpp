@@ -6,15 +6,15 @@
 #include <memory>
 #include <optional>
 
-#include "apps/commands.h"
-#include "apps/console.h"
-#include "apps/play_report.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/writable.h"
+#include "apps/play/play_report.h"
 #include "apps/study/study_commands.h"
 #include "apps/study/work_precision_report.h"
-#include "apps/writable.h"
-#include "engine/analysis/work_precision_plot.h"
-#include "engine/graph/mistakes.h"
+#include "engine/graph/file/mistakes.h"
 #include "engine/nodes/table.h"
+#include "engine/study/work_precision/work_precision_plot.h"
 
 namespace tactus::app {
 namespace {

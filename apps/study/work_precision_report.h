@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/analysis/work_precision.h"
+#include "engine/study/work_precision/work_precision.h"
 
 namespace tactus::app {
 

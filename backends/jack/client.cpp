@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "backends/quiet_libraries.h"
+#include "backends/silence_library_logs.h"
 
 namespace tactus::jack {
 namespace {

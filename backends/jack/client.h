@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "backends/call_with_timeout.h"
 #include "backends/card_callback.h"
-#include "backends/patient_call.h"
 
 struct _jack_client;  // as JACK calls them
 struct _jack_port;

@@ -12,9 +12,9 @@
 #include "backends/find_device.h"
 #include "backends/loop/lateness.h"
 #include "backends/loop/loop_path.h"
-#include "backends/planes.h"
+#include "engine/core/channels.h"
 #include "engine/core/realtime.h"
-#include "engine/dsp/counter_noise.h"
+#include "engine/dsp/generators/counter_noise.h"
 
 namespace tactus {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/dsp/one_pole_design.h"
-#include "engine/dsp/quantise.h"
-#include "engine/dsp/time_constant.h"
+#include "engine/dsp/curves/quantise.h"
+#include "engine/dsp/envelopes/time_constant.h"
+#include "engine/dsp/filters/one_pole_design.h"
 
 namespace tactus {
 namespace {

@@ -6,9 +6,9 @@
 #include "backends/loop/echo_canceller.h"
 #include "backends/loop/loop_card.h"
 #include "backends/loop/sinc_line.h"
-#include "engine/dsp/counter_noise.h"
-#include "engine/dsp/envelope_follower.h"
-#include "engine/dsp/linear_filter.h"
+#include "engine/dsp/envelopes/envelope_follower.h"
+#include "engine/dsp/filters/linear_filter.h"
+#include "engine/dsp/generators/counter_noise.h"
 
 namespace tactus {
 

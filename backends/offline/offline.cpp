@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>
 
-#include "backends/planes.h"
+#include "engine/core/channels.h"
 
 namespace tactus {
 namespace {

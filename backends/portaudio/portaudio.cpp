@@ -14,8 +14,8 @@
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/portaudio/portaudio_session.h"
-#include "backends/quiet_libraries.h"
 #include "backends/realtime_thread.h"
+#include "backends/silence_library_logs.h"
 
 namespace tactus {
 namespace {

@@ -7,7 +7,7 @@
 #include <pa_jack.h>
 #endif
 
-#include "backends/patient_call.h"
+#include "backends/call_with_timeout.h"
 
 namespace tactus {
 namespace {

@@ -8,12 +8,12 @@
 #include <thread>
 #include <utility>
 
+#include "backends/call_with_timeout.h"
 #include "backends/card_callback.h"
 #include "backends/find_device.h"
-#include "backends/patient_call.h"
-#include "backends/quiet_libraries.h"
 #include "backends/realtime_thread.h"
 #include "backends/rtaudio/rtaudio_devices.h"
+#include "backends/silence_library_logs.h"
 
 namespace tactus {
 namespace {

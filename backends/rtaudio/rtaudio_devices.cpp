@@ -6,7 +6,7 @@
 #include <exception>
 #include <memory>
 
-#include "backends/patient_call.h"
+#include "backends/call_with_timeout.h"
 
 namespace tactus {
 namespace {

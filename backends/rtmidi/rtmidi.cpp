@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "backends/quiet_libraries.h"
+#include "backends/silence_library_logs.h"
 #include "engine/core/spsc_queue.h"
 
 namespace tactus {

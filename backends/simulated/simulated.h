@@ -6,7 +6,7 @@
 #include "backends/backend.h"
 #include "engine/runtime/engine.h"
 #include "engine/scene/closed_loop.h"
-#include "engine/scene/scene_spec.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 

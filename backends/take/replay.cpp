@@ -6,7 +6,7 @@
 #include <bit>
 #include <utility>
 
-#include "backends/planes.h"
+#include "engine/core/channels.h"
 
 namespace tactus {
 namespace {

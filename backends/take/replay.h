@@ -7,7 +7,7 @@
 
 #include "backends/take/take.h"
 #include "backends/wav_file.h"
-#include "engine/core/guarded.h"
+#include "engine/guard/guarded.h"
 
 namespace tactus {
 

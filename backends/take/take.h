@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/core/block_io.h"
-#include "engine/core/guarded.h"
 #include "engine/core/journal.h"
+#include "engine/guard/guarded.h"
 
 namespace tactus {
 

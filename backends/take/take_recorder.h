@@ -30,7 +30,7 @@ struct TakeStatus {
 /// every 20 ms and writes. What the sound does never depends on the disk.
 ///
 ///   auto stream = backend.open(request, guarded);              // prepares `guarded`
-///   TakeHeader header = …;                                     // apps/take_files.h: take_header
+///   TakeHeader header = …;                                     // apps/cli/take_files.h: take_header
 ///   auto recorder = TakeRecorder::start("take.wav", header);   // before the stream starts
 ///   guarded.set_tap(&(*recorder)->tap());
 ///   engine.set_tap(&(*recorder)->tap());

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/graph/file/spec.h"
 #include "engine/graph/node_type.h"
-#include "engine/graph/spec.h"
 
 namespace tactus {
 

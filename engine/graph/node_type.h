@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "engine/graph/interval.h"
+#include "engine/graph/file/value.h"
 #include "engine/graph/node.h"
-#include "engine/graph/value.h"
+#include "engine/graph/semantics/interval.h"
 
 namespace tactus {
 

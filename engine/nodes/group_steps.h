@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "engine/dsp/recurrence.h"
+#include "engine/dsp/filters/recurrence.h"
 #include "engine/graph/node.h"
 
 namespace tactus {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/graph/quantity.h"
-#include "engine/nodes/network_elements.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/nodes/networks/network_elements.h"
 
 namespace tactus {
 namespace {

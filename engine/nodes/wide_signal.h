@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/dsp/lanes.h"
+#include "engine/dsp/simd/lanes.h"
 #include "engine/graph/node.h"
 
 namespace tactus {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/physics/friction_law.h"
+#include "engine/physics/couplings/friction_law.h"
 
 namespace tactus {
 

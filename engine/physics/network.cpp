@@ -4,11 +4,11 @@
 #include <cassert>
 #include <cmath>
 
-#include "engine/dsp/lanes.h"
-#include "engine/physics/centred_scheme.h"
-#include "engine/physics/exact_scheme.h"
-#include "engine/physics/flow_scheme.h"
+#include "engine/dsp/simd/lanes.h"
 #include "engine/physics/index.h"
+#include "engine/physics/solvers/centred_scheme.h"
+#include "engine/physics/solvers/exact_scheme.h"
+#include "engine/physics/solvers/flow_scheme.h"
 
 namespace tactus {
 namespace {

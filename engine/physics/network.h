@@ -7,9 +7,9 @@
 #include "engine/core/units.h"
 #include "engine/physics/elements.h"
 #include "engine/physics/network_state.h"
-#include "engine/physics/scheme.h"
-#include "engine/physics/solver.h"
-#include "engine/physics/solver_choice.h"
+#include "engine/physics/solvers/scheme.h"
+#include "engine/physics/solvers/solver.h"
+#include "engine/physics/solvers/solver_choice.h"
 
 namespace tactus {
 

@@ -3,10 +3,10 @@
 #include <optional>
 #include <vector>
 
-#include "engine/physics/contact_law.h"
-#include "engine/physics/critical_low_pass.h"
+#include "engine/physics/couplings/contact_law.h"
 #include "engine/physics/elements.h"
-#include "engine/physics/link_operator.h"
+#include "engine/physics/solvers/critical_low_pass.h"
+#include "engine/physics/solvers/link_operator.h"
 
 namespace tactus {
 

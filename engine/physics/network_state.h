@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "engine/physics/critical_low_pass.h"
 #include "engine/physics/numbers.h"
+#include "engine/physics/solvers/critical_low_pass.h"
 
 namespace tactus {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/graph/schedule.h"
+#include "engine/graph/plan/schedule.h"
 
 namespace tactus {
 

@@ -10,7 +10,7 @@
 #include "engine/core/block_io.h"
 #include "engine/core/journal.h"
 #include "engine/core/spsc_queue.h"
-#include "engine/graph/schedule.h"
+#include "engine/graph/plan/schedule.h"
 #include "engine/runtime/output_fade.h"
 #include "engine/runtime/running.h"
 

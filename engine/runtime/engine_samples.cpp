@@ -3,7 +3,7 @@
 #include <array>
 
 #include "engine/core/transpose.h"
-#include "engine/dsp/lanes.h"
+#include "engine/dsp/simd/lanes.h"
 #include "engine/runtime/engine.h"
 #include "engine/runtime/operations.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "engine/graph/schedule.h"
+#include "engine/graph/plan/schedule.h"
 
 namespace tactus {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/graph/schedule.h"
+#include "engine/graph/plan/schedule.h"
 #include "engine/runtime/moving_value.h"
 #include "engine/runtime/pace.h"
 

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/graph/compile.h"
-#include "engine/graph/mistakes.h"
-#include "engine/graph/nearest.h"
-#include "engine/graph/quantity.h"
+#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/graph/plan/compile.h"
+#include "engine/scene/file/scene_checks.h"
+#include "engine/scene/file/scene_drives.h"
+#include "engine/scene/file/scene_ports.h"
+#include "engine/scene/file/world_entries.h"
 #include "engine/scene/guard_report.h"
 #include "engine/scene/moved_controls.h"
-#include "engine/scene/scene_checks.h"
-#include "engine/scene/scene_drives.h"
-#include "engine/scene/scene_ports.h"
-#include "engine/scene/world_entries.h"
 
 namespace tactus {
 namespace {

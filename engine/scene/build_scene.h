@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "engine/graph/compile.h"
 #include "engine/graph/node_table.h"
+#include "engine/graph/plan/compile.h"
 #include "engine/runtime/engine.h"
-#include "engine/scene/scene_spec.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 

@@ -5,7 +5,7 @@
 
 #include "engine/core/block_io.h"
 #include "engine/runtime/engine.h"
-#include "engine/scene/scene_spec.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 

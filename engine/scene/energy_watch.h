@@ -6,7 +6,7 @@
 
 #include "engine/core/units.h"
 #include "engine/scene/build_scene.h"
-#include "engine/scene/scene_spec.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 

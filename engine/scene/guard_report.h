@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/guarded.h"
-#include "engine/graph/schedule.h"
-#include "engine/scene/profile.h"
+#include "engine/graph/plan/schedule.h"
+#include "engine/guard/guarded.h"
+#include "engine/rig/profile.h"
 
 namespace tactus {
 

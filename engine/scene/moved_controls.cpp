@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/graph/entry_fields.h"
+#include "engine/graph/file/entry_fields.h"
 
 namespace tactus {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "engine/core/journal.h"
-#include "engine/graph/mistakes.h"
-#include "engine/graph/schedule.h"
-#include "engine/scene/scene_spec.h"
+#include "engine/graph/file/mistakes.h"
+#include "engine/graph/plan/schedule.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 

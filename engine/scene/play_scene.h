@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/guarded.h"
+#include "engine/guard/guarded.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/energy_watch.h"
+#include "engine/scene/file/scene_spec.h"
 #include "engine/scene/guard_report.h"
-#include "engine/scene/scene_spec.h"
 
 namespace tactus {
 

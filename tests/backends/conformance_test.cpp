@@ -4,7 +4,7 @@
 #include <limits>
 #include <memory>
 
-#include "engine/core/guarded.h"
+#include "engine/guard/guarded.h"
 #include "tests/backends/every_backend.h"
 #include "tests/support/wait_until.h"
 

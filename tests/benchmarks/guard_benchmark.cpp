@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/core/drive_guard.h"
+#include "engine/guard/drive_guard.h"
 
 namespace {
 

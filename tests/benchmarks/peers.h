@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "engine/core/guarded.h"
-#include "engine/graph/compile.h"
-#include "engine/graph/load.h"
+#include "engine/graph/file/load.h"
+#include "engine/graph/plan/compile.h"
+#include "engine/guard/guarded.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/engine.h"
 #include "tests/benchmarks/faust_build.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/dsp/string_loop.h"
+#include "engine/dsp/strings/string_loop.h"
 #include "tests/benchmarks/hand_written.h"
 
 namespace tactus::bench {

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "backends/kept_stream.h"
+#include "backends/reconnecting_stream.h"
 #include "tests/cards/ways.h"
 #include "tests/support/child_process.h"
 #include "tests/support/noise_probe.h"

@@ -8,7 +8,7 @@
 
 #include "engine/nodes/table.h"
 #include "tests/conformance/node_cases.h"
-#include "tests/engine/graph/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 // Graphs that nobody would write, made from the declarations of all node types. What is wired back, in a
 // loop, is limited to ±0.5 first: so every loop is bounded.

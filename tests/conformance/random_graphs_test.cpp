@@ -2,12 +2,12 @@
 #include <cmath>
 #include <random>
 
-#include "engine/core/guarded.h"
+#include "engine/guard/guarded.h"
 #include "engine/nodes/table.h"
 #include "tests/conformance/node_cases.h"
 #include "tests/conformance/random_graph.h"
-#include "tests/engine/graph/temporary_folder.h"
 #include "tests/support/graph_runner.h"
+#include "tests/support/temporary_folder.h"
 
 // Every loop of a random graph is bounded, and not one fault may be counted.
 

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "engine/core/guarded.h"
-#include "engine/graph/compile.h"
+#include "engine/graph/plan/compile.h"
+#include "engine/guard/guarded.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/engine.h"
 #include "engine/scene/build_scene.h"

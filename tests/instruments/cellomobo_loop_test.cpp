@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/analysis/pitch_track.h"
-#include "engine/analysis/stability.h"
 #include "engine/nodes/table.h"
+#include "engine/study/notes/pitch_track.h"
+#include "engine/study/stability/stability.h"
 #include "tests/support/graph_runner.h"
 
 using namespace tactus;

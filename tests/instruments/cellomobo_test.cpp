@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <numbers>
 
-#include "engine/analysis/pitch_track.h"
-#include "engine/analysis/scene_variants.h"
-#include "engine/scene/measure.h"
+#include "engine/scene/measures/measure.h"
+#include "engine/study/notes/pitch_track.h"
+#include "engine/study/playability/scene_variants.h"
 #include "tests/support/shipped_scene.h"
 
 using namespace tactus;

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "engine/graph/load.h"
-#include "engine/scene/measure.h"
+#include "engine/graph/file/load.h"
+#include "engine/scene/measures/measure.h"
 #include "tests/support/shipped_scene.h"
 
 using namespace tactus;

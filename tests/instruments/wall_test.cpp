@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/analysis/wall_border.h"
-#include "engine/analysis/wall_device.h"
+#include "engine/study/walls/wall_border.h"
+#include "engine/study/walls/wall_device.h"
 #include "tests/support/shipped_scene.h"
 
 using namespace tactus;

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/dsp/counter_noise.h"
+#include "engine/dsp/generators/counter_noise.h"
 
 using namespace tactus;
 

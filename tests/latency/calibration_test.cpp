@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "latency/probe.h"
-#include "latency/toeplitz.h"
+#include "latency/estimation/toeplitz.h"
+#include "latency/probe/probe.h"
 #include "tests/support/plants.h"
 
 namespace {

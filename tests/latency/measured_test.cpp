@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "tests/engine/graph/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 

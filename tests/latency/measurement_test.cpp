@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "latency/probe_player.h"
+#include "latency/probe/probe_player.h"
 #include "tests/latency/simulated_cards.h"
 #include "tests/support/allocation_count.h"
 

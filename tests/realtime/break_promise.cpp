@@ -6,8 +6,8 @@
 #include <mutex>
 #include <thread>
 
-#include "engine/core/guarded.h"
 #include "engine/graph/node.h"
+#include "engine/guard/guarded.h"
 
 namespace {
 

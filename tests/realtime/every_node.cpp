@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/graph/compile.h"
-#include "engine/graph/quantity.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/graph/plan/compile.h"
 
 namespace tactus::realtime {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "engine/core/error.h"
 #include "engine/graph/node_table.h"
-#include "engine/graph/schedule.h"
+#include "engine/graph/plan/schedule.h"
 
 namespace tactus::realtime {
 

@@ -8,12 +8,12 @@
 
 #include "backends/take/take_ring.h"
 #include "backends/wav_file.h"
-#include "engine/graph/load.h"
+#include "engine/graph/file/load.h"
 #include "engine/nodes/table.h"
+#include "engine/rig/profile.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/guard_report.h"
-#include "engine/scene/profile.h"
 #include "tests/realtime/every_node.h"
 
 namespace tactus::realtime {

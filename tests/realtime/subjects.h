@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/guarded.h"
+#include "engine/guard/guarded.h"
 #include "engine/runtime/engine.h"
 
 namespace tactus::realtime {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "engine/core/guarded.h"
+#include "engine/guard/guarded.h"
 #include "tests/support/graph_runner.h"
 
 using namespace tactus;

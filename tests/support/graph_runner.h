@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/graph/compile.h"
-#include "engine/graph/load.h"
+#include "engine/graph/file/load.h"
+#include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
 #include "engine/runtime/engine.h"
 

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/core/guarded.h"
+#include "engine/guard/guarded.h"
 
 namespace tactus::test {
 

@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
-#include "tests/engine/graph/temporary_folder.h"
 #include "tests/support/graph_runner.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tactus::test {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "latency/loop_recording.h"
+#include "latency/estimation/loop_recording.h"
 #include "tests/support/graph_runner.h"
 
 namespace tactus::test {

@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "latency/fourier.h"
-#include "latency/loop_recording.h"
+#include "latency/estimation/fourier.h"
+#include "latency/estimation/loop_recording.h"
 
 namespace tactus::test {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/dsp/counter_noise.h"
+#include "engine/dsp/generators/counter_noise.h"
 #include "tests/support/wait_until.h"
 
 using namespace tactus;

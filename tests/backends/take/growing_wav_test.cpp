@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "backends/wav_file.h"
-#include "tests/engine/graph/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using namespace tactus::test;

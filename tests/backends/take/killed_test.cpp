@@ -9,7 +9,7 @@
 
 #include "backends/take/take.h"
 #include "backends/wav_file.h"
-#include "tests/engine/graph/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using namespace tactus::test;

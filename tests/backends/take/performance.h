@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/replay.h"
-#include "apps/take_files.h"
+#include "apps/cli/take_files.h"
+#include "apps/render/replay.h"
 #include "backends/take/take_recorder.h"
-#include "engine/graph/compile.h"
+#include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
 
 namespace tactus::test {

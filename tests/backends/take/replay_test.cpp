@@ -4,11 +4,11 @@
 #include <thread>
 
 #include "backends/take/take_lines.h"
-#include "engine/scene/profile.h"
+#include "engine/rig/profile.h"
 #include "tests/backends/take/performance.h"
 #include "tests/conformance/random_graph.h"
-#include "tests/engine/graph/temporary_folder.h"
 #include "tests/support/busy_graph.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using namespace tactus::test;

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "backends/take/take_lines.h"
-#include "tests/engine/graph/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using namespace tactus::test;

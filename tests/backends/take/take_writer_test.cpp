@@ -8,8 +8,8 @@
 
 #include "backends/take/take_recorder.h"
 #include "backends/wav_file.h"
-#include "tests/engine/graph/temporary_folder.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using namespace tactus::test;

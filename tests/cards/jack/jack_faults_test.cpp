@@ -10,7 +10,7 @@
 #include <map>
 
 #include "backends/jack/jack.h"
-#include "backends/kept_stream.h"
+#include "backends/reconnecting_stream.h"
 #include "tests/support/noise_probe.h"
 #include "tests/support/sound_server.h"
 #include "tests/support/wait_until.h"

@@ -3,8 +3,8 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
-#include "tests/engine/graph/temporary_folder.h"
 #include "tests/support/sound_server.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/wait_until.h"
 
 using namespace tactus;

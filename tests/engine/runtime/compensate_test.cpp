@@ -2,7 +2,7 @@
 #include <complex>
 #include <numbers>
 
-#include "engine/dsp/pitch_track.h"
+#include "engine/dsp/pitch/pitch_detector.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/node_runner.h"
 

@@ -2,9 +2,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/engine/graph/temporary_folder.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/node_runner.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using test::engine_of;

@@ -7,13 +7,13 @@
 #include <random>
 #include <vector>
 
-#include "engine/analysis/wall_border.h"
 #include "engine/nodes/table.h"
-#include "engine/scene/measure.h"
+#include "engine/scene/measures/measure.h"
 #include "engine/scene/play_scene.h"
-#include "tests/engine/graph/temporary_folder.h"
+#include "engine/study/walls/wall_border.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 

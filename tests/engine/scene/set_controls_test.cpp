@@ -2,7 +2,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
-#include "tests/engine/scene/scene_folder.h"
+#include "tests/support/scene_folder.h"
 
 using namespace tactus;
 

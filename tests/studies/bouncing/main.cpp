@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "engine/analysis/log_plot.h"
-#include "engine/physics/bouncing_cascade.h"
+#include "engine/plot/log_plot.h"
+#include "engine/study/orbits/bouncing_cascade.h"
 
 // The ball on a driven table, exactly: `bouncing_study PICTURE.svg` draws where it lands against how hard the
 // table is driven, and prints where its period doubles.

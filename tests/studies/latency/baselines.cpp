@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-#include "latency/fourier.h"
+#include "latency/estimation/fourier.h"
 
 namespace tactus::study {
 namespace {

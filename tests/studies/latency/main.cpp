@@ -15,10 +15,10 @@
 #include <thread>
 #include <vector>
 
-#include "latency/analysis.h"
 #include "latency/calibration.h"
-#include "latency/delay_trend.h"
-#include "latency/probe.h"
+#include "latency/estimation/analysis.h"
+#include "latency/estimation/delay_trend.h"
+#include "latency/probe/probe.h"
 #include "tests/studies/latency/baselines.h"
 #include "tests/support/plants.h"
 #include "tests/support/simulated_loop.h"

@@ -8,7 +8,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "engine/dsp/onset.h"
+#include "engine/dsp/envelopes/onset.h"
 #include "tests/studies/onset/tables.h"
 
 namespace tactus::study {

@@ -1,0 +1,121 @@
+#include "apps/cli/console.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "apps/cli/commands.h"
+#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/quantity.h"
+
+#if defined(_WIN32)
+#include <io.h>
+#else
+#include <unistd.h>
+#endif
+
+namespace tactus::app {
+namespace {
+
+bool stderr_is_terminal() {
+#if defined(_WIN32)
+  return _isatty(2) != 0;
+#else
+  return isatty(2) != 0;
+#endif
+}
+
+}  // namespace
+
+int report(const std::vector<Error>& errors) {
+  fmt::print(stderr, "{}\n", to_string(errors));
+  const bool usage = std::all_of(errors.begin(), errors.end(), [](const Error& error) {
+    return error.where.empty() || error.where.starts_with("--");
+  });
+  return usage ? kUsage : kBadFile;
+}
+
+int report(const Error& error) { return report(std::vector{error}); }
+
+int exit_of(const Error& error) {
+  return error.code == Errc::BadArgument || error.code == Errc::OutOfRange ? kUsage : kDevice;
+}
+
+Progress::Progress(std::string what) : what_(std::move(what)), terminal_(stderr_is_terminal()) {}
+
+Progress::~Progress() {
+  if (shown_) fmt::print(stderr, "\r{:70}\r", "");
+}
+
+void Progress::operator()(double share) {
+  const int percent = static_cast<int>(share * 100);
+  if (!terminal_ || percent == percent_) return;
+  percent_ = percent;
+  shown_ = true;
+  const int full = percent * 30 / 100;
+  fmt::print(stderr, "\r{} [{:=<{}}{: <{}}] {:3} %", what_, "", full, "", 30 - full, percent);
+  std::fflush(stderr);
+}
+
+void Progress::operator()(double share, const std::string& what) {
+  if (what != what_) {
+    percent_ = -1;
+    if (shown_) fmt::print(stderr, "\r{:70}", "");  // the former words may be longer
+  }
+  what_ = what;
+  (*this)(share);
+}
+
+void announce_delay(const GraphSpec& instrument, double delay_s) {
+  const auto tested = tested_delays(instrument);
+  if (!tested || tested->contains(delay_s)) return;
+  const auto text = [](double si) { return short_quantity(si, Dimension{.second = 1}); };
+  fmt::print(stderr, "warning: {} was tried with delays from {} to {}; with {} it may not be playable\n",
+             instrument.name, text(tested->low), text(tested->high), text(delay_s));
+}
+
+std::filesystem::path resolve_target(const std::string& target, const char* name) {
+  const std::filesystem::path path{target};
+  return std::filesystem::is_directory(path) ? path / name : path;
+}
+
+std::filesystem::path root_of(const std::filesystem::path& file) {
+  const auto absolute = std::filesystem::absolute(file).lexically_normal();
+  for (auto folder = absolute.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
+    if (folder.filename() == "instruments") return folder;
+  return file.has_parent_path() ? file.parent_path() : std::filesystem::path{"."};
+}
+
+Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std::string>& texts) {
+  std::map<std::string, ControlValue> settings;
+  for (const auto& text : texts) {
+    const auto equals = text.find('=');
+    const auto value = equals == std::string::npos ? std::nullopt : parse_quantity(text.substr(equals + 1));
+    if (!value || equals == 0)
+      return fail(Errc::Syntax, "--set " + text, "is not NAME=VALUE",
+                  "write for instance --set strength=0.5 or --set \"sensitivity=-40 dB\"");
+    const bool bare = text.find_first_not_of("+-0123456789.eE ", equals + 1) == std::string::npos;
+    settings[text.substr(0, equals)] =
+        bare ? ControlValue{value->si} : ControlValue{value->si, value->unit.dimension};
+  }
+  return settings;
+}
+
+Result<double> parse_option(const std::string& text, const char* unit, const char* option) {
+  const auto value = read_quantity(Value{text, {}}, *parse_unit(unit), option);
+  if (value) return *value;
+  auto error = value.error();
+  error.where = std::string{"--"} + option;
+  return tl::unexpected(error);
+}
+
+Result<Hertz> parse_rate(const std::string& text) {
+  const auto rate = parse_option(text, "Hz", "rate");
+  if (!rate) return tl::unexpected(rate.error());
+  if (!(*rate >= 1e3 && *rate <= 768e3))
+    return fail(Errc::OutOfRange, "--rate", "must be between 1 kHz and 768 kHz", "");
+  return Hertz{*rate};
+}
+
+}  // namespace tactus::app

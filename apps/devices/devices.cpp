@@ -1,0 +1,110 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/backends.h"
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "latency/measured.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Device& device, const MeasuredDelays& delays) {
+  Json rates = Json::array();
+  for (const auto& rate : device.sample_rates) rates.push_back(rate.value);
+  Json json{{"id", device.id},
+            {"name", device.name},
+            {"inputs", device.in_channels},
+            {"outputs", device.out_channels},
+            {"default_rate_hz", device.default_rate.value},
+            {"rates_hz", rates},
+            {"default", device.is_default}};
+  if (device.block_frames) json["block_frames"] = *device.block_frames;
+  if (device.input_latency_frames) json["driver_input_latency_frames"] = *device.input_latency_frames;
+  if (device.output_latency_frames) json["driver_output_latency_frames"] = *device.output_latency_frames;
+  if (const auto* measured = delays.newest(device.id, device.id)) {
+    json["measured_delay_s"] = measured->delay.value;
+    json["measured_at"] = measured->when;
+  }
+  return json;
+}
+
+std::string latency_text(const Device& device) {
+  if (!device.input_latency_frames && !device.output_latency_frames) return "";
+  const auto ms = [&](const std::optional<double>& frames) {
+    return frames ? fmt::format("{:.2f}", 1e3 * *frames / device.default_rate.value) : std::string{"?"};
+  };
+  return fmt::format(", driver says {} ms in, {} ms out", ms(device.input_latency_frames),
+                     ms(device.output_latency_frames));
+}
+
+std::string measured_text(const Device& device, const MeasuredDelays& delays) {
+  const auto* measured = delays.newest(device.id, device.id);
+  if (measured == nullptr) return "";
+  return fmt::format("\n      measured here: {:.3f} ms with {} frames a block at {:g} kHz, {}",
+                     1e3 * measured->delay.value, measured->key.block_frames,
+                     measured->key.sample_rate.value / 1e3, measured->when);
+}
+
+void print(const Device& device, const MeasuredDelays& delays) {
+  fmt::print("  {}{}\n", device.id, device.is_default ? "  (default)" : "");
+  std::string rates;
+  for (const auto& rate : device.sample_rates)
+    rates += fmt::format("{}{:g}", rates.empty() ? "" : ", ", rate.value / 1e3);
+  fmt::print(
+      "      {}: {} in, {} out, {}{}{}{}\n", device.name, device.in_channels, device.out_channels,
+      rates.empty() ? fmt::format("{:g} kHz, others too", device.default_rate.value / 1e3) : rates + " kHz",
+      device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
+      latency_text(device), measured_text(device, delays));
+}
+
+int run(const std::string& backend, bool as_json) {
+  if (!backend.empty())
+    if (const auto known = make_card_backend(backend); !known) return report(known.error()), kUsage;
+  const auto all = list_devices(backend);
+  const auto delays = MeasuredDelays::load();
+  if (delays.complaint()) fmt::print(stderr, "{}\n", to_string(*delays.complaint()));
+  bool any = false;
+  Json json{{"devices", Json::array()}, {"unavailable", Json::array()}};
+  for (const auto& [name, devices] : all) {
+    if (!as_json) fmt::print("{}\n", name);
+    if (!devices) {
+      json["unavailable"].push_back(
+          {{"backend", name}, {"reason", devices.error().what}, {"remedy", devices.error().remedy}});
+      if (!as_json) fmt::print("  not now: {}\n", to_string(devices.error()));
+      continue;
+    }
+    if (!as_json && devices->empty()) fmt::print("  sees no device\n");
+    for (const auto& device : *devices) {
+      any = true;
+      json["devices"].push_back(json_of(device, delays));
+      if (!as_json) print(device, delays);
+    }
+  }
+  if (as_json) fmt::print("{}\n", json.dump(2));
+  if (all.empty()) fmt::print(stderr, "{}\n", no_card_backend());
+  return any ? kDone : kDevice;
+}
+
+}  // namespace
+
+void add_devices(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("devices", "List the sound devices that instruments can play on");
+  auto backend = std::make_shared<std::string>();
+  auto as_json = std::make_shared<bool>(false);
+  command->add_option("--backend", *backend,
+                      "only those of one: jack, rtaudio or portaudio; loop: simulated cards");
+  command->add_flag("--json", *as_json, "for machines");
+  command->footer(
+      "Examples:\n  tactus devices\n  tactus devices --backend jack --json\n"
+      "An id, or a part of a name that only one device has, goes into:\n"
+      "  tactus play instruments/haptic_drum --device jack:system\n"
+      "Exit code 4: there is none.");
+  command->callback([=, &exit_code] { exit_code = run(*backend, *as_json); });
+}
+
+}  // namespace tactus::app

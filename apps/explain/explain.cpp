@@ -1,0 +1,232 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "engine/graph/file/load.h"
+#include "engine/graph/plan/compile.h"
+#include "engine/nodes/table.h"
+#include "engine/runtime/engine.h"
+#include "engine/scene/build_scene.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ExplainOptions {
+  std::string target;
+  std::string rate = "48 kHz";
+  int block = 64;
+  bool json = false;
+};
+
+/// What each step costs: the least of several runs on silence, for other programs only ever make it longer.
+/// What is slow is run for a moment only.
+std::vector<double> measure_steps(Engine& engine, int block) {
+  constexpr int kRounds = 7;
+  constexpr int kBlocks = 400;
+  constexpr std::chrono::milliseconds kRound{50};
+  const int ins = engine.in_channels();
+  const int outs = engine.out_channels();
+  std::vector<std::vector<double>> in(static_cast<std::size_t>(ins),
+                                      std::vector<double>(static_cast<std::size_t>(block), 1e-3));
+  std::vector<std::vector<double>> out(static_cast<std::size_t>(outs),
+                                       std::vector<double>(static_cast<std::size_t>(block)));
+  std::vector<const double*> in_ptr;
+  std::vector<double*> out_ptr;
+  for (auto& channel : in) in_ptr.push_back(channel.data());
+  for (auto& channel : out) out_ptr.push_back(channel.data());
+  std::vector<double> least(engine.schedule().steps.size(), 1e300);
+  std::vector<double> before = engine.step_nanoseconds();
+  for (int round = 0; round < kRounds; ++round) {
+    const auto end = std::chrono::steady_clock::now() + kRound;
+    int blocks = 0;
+    do engine.process_timed({in_ptr.data(), out_ptr.data(), block});
+    while (++blocks < kBlocks && std::chrono::steady_clock::now() < end);
+    for (std::size_t s = 0; s < least.size(); ++s)
+      least[s] = std::min(least[s], (engine.step_nanoseconds()[s] - before[s]) / (blocks * block));
+    before = engine.step_nanoseconds();
+  }
+  return least;
+}
+
+const char* kind_of(const Step& step) {
+  static constexpr const char* kKinds[] = {"process", "emit", "absorb", "operations", "outside"};
+  return kKinds[static_cast<int>(step.kind)];
+}
+
+std::string what_runs(const Schedule& schedule, const Step& step) {
+  if (step.kind == Step::Kind::Operations)
+    return fmt::format("{} operation{}", step.operations, step.operations == 1 ? "" : "s");
+  if (step.node < 0) return "the instrument answers";
+  return schedule.whats[static_cast<std::size_t>(step.node)];
+}
+
+std::size_t memory_of(const Schedule& schedule) {
+  return schedule.arena.size() * sizeof(double) + schedule.steps.size() * sizeof(Step) +
+         schedule.inputs.size() * sizeof(Signal) + schedule.outputs.size() * sizeof(double*) +
+         schedule.operations.size() * sizeof(MicroOperation) + schedule.constants.size() * sizeof(double) +
+         schedule.wide_constants.size() * kWide * sizeof(double);
+}
+
+/// What a node tells about itself; of one that runs in two halves, once.
+std::string about_step(const Schedule& schedule, const Step& step) {
+  return step.node < 0 || step.kind == Step::Kind::Absorb
+             ? std::string{}
+             : schedule.nodes[static_cast<std::size_t>(step.node)]->about();
+}
+
+void add_left_out(Json& json, const std::vector<LeftOut>& left_out) {
+  for (const auto& left : left_out) json["left_out"].push_back({{"name", left.path}, {"why", left.reason}});
+}
+
+Json explain_engine(Engine& engine, const std::string& title, int block) {
+  const auto& schedule = engine.schedule();
+  const auto costs = measure_steps(engine, block);
+  Json json{{"graph", title},
+            {"sample_rate_hz", schedule.sample_rate.value},
+            {"signal_memory_bytes", memory_of(schedule)},
+            {"about", Json::array()}};
+  json["sections"] = Json::array();
+  for (const auto& section : schedule.sections) {
+    Json part{{"loop", section.loop}, {"sub_block_frames", section.sub_block}, {"steps", Json::array()}};
+    for (int s = section.first_step; s < section.end_step; ++s) {
+      const auto& step = schedule.steps[static_cast<std::size_t>(s)];
+      if (const auto about = about_step(schedule, step); !about.empty())
+        json["about"].push_back(
+            {{"name", schedule.paths[static_cast<std::size_t>(step.path)]}, {"what", about}});
+      part["steps"].push_back({{"name", schedule.paths[static_cast<std::size_t>(step.path)]},
+                               {"what", what_runs(schedule, step)},
+                               {"how", kind_of(step)},
+                               {"ns_per_frame", costs[static_cast<std::size_t>(s)]}});
+    }
+    json["sections"].push_back(part);
+  }
+  json["loops"] = Json::array();
+  for (const auto& loop : schedule.loops)
+    json["loops"].push_back(
+        {{"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}});
+  json["left_out"] = Json::array();
+  add_left_out(json, schedule.left_out);
+  return json;
+}
+
+void print(const Json& json) {
+  fmt::print("{} at {:g} Hz, {} bytes of signals and steps\n\n", json["graph"].get<std::string>(),
+             json["sample_rate_hz"].get<double>(), json["signal_memory_bytes"].get<std::size_t>());
+  fmt::print("  {:28} {:18} {:11} {:>12}\n", "step", "what", "how", "ns a frame");
+  double total = 0;
+  for (const auto& section : json["sections"]) {
+    if (section["loop"].get<bool>())
+      fmt::print("  loop, {} frames at a time:\n", section["sub_block_frames"].get<int>());
+    for (const auto& step : section["steps"]) {
+      total += step["ns_per_frame"].get<double>();
+      fmt::print("  {}{:28} {:18} {:11} {:12.2f}\n", section["loop"].get<bool>() ? "  " : "",
+                 step["name"].get<std::string>(), step["what"].get<std::string>(),
+                 step["how"].get<std::string>(), step["ns_per_frame"].get<double>());
+    }
+  }
+  fmt::print("  {:59} {:12.2f}   (the clock's own time included)\n\n", "all", total);
+  for (const auto& loop : json["loops"]) {
+    std::string through;
+    for (const auto& name : loop["through"])
+      through += (through.empty() ? "" : " -> ") + name.get<std::string>();
+    fmt::print("loop {}: at least {} frames of delay, runs {} at a time\n", through,
+               loop["delay_frames"].get<int>(), loop["sub_block_frames"].get<int>());
+  }
+  for (const auto& about : json["about"])
+    fmt::print("{}: {}\n", about["name"].get<std::string>(), about["what"].get<std::string>());
+  for (const auto& left : json["left_out"])
+    fmt::print("left out: {} {}\n", left["name"].get<std::string>(), left["why"].get<std::string>());
+  if (json["left_out"].empty()) fmt::print("left out: nothing\n");
+}
+
+/// What lies around the engines and is not there: nothing is opened or started here.
+std::vector<LeftOut> around_everything() {
+  return {{"sound card", "is not opened: all of it runs in the simulated world or offline"},
+          {"threads", "are not started: everything runs on the thread that calls"}};
+}
+
+std::vector<LeftOut> around(const GraphSpec& graph) {
+  std::vector<LeftOut> left = around_everything();
+  for (const auto& tap : event_taps(graph, standard_nodes()))
+    left.push_back({"tap " + tap, "is read by nobody: scenes and `tactus render --events` do"});
+  return left;
+}
+
+std::vector<LeftOut> around(const SceneSpec& scene, const BuiltScene& built) {
+  std::vector<LeftOut> left = around_everything();
+  if (!scene.converters.on) left.push_back({"converters", "are off in this scene"});
+  if (built.delay_frames == 0) left.push_back({"delay line", "the system delay is 0 frames"});
+  return left;
+}
+
+int finish(const ExplainOptions& options, const std::vector<LeftOut>& around,
+           std::vector<std::pair<std::string, Engine*>> engines) {
+  Json all = Json::array();
+  for (const auto& [title, engine] : engines) {
+    if (auto status = engine->prepare(
+            {engine->schedule().sample_rate, engine->in_channels(), engine->out_channels(), options.block});
+        !status)
+      return report(status.error());
+    all.push_back(explain_engine(*engine, title, options.block));
+  }
+  add_left_out(all[0], around);
+  if (options.json)
+    fmt::print("{}\n", all.size() == 1 ? all[0].dump(2) : Json{{"graphs", all}}.dump(2));
+  else
+    for (const auto& json : all) print(json);
+  return kDone;
+}
+
+bool is_scene(const std::filesystem::path& file) {
+  const auto table = load_toml(file);
+  return table && find(*table, "parts") != nullptr;
+}
+
+int run(const ExplainOptions& options) {
+  auto file = resolve_target(options.target, "instrument.toml");
+  const auto rate = parse_rate(options.rate);
+  if (!rate) return report(rate.error()), kUsage;
+  if (is_scene(file)) {
+    const auto loaded = load_scene_leniently(file, root_of(file));
+    SceneOptions with;
+    with.rate = *rate;
+    auto built = build_scene(loaded, standard_nodes(), with);
+    if (!built) return report(built.error());
+    return finish(options, around(*loaded.scene, *built),
+                  {{"instrument of " + loaded.scene->name, built->instrument.get()},
+                   {"world of " + loaded.scene->name, built->plant.get()}});
+  }
+  const auto loaded = load_graph_leniently(file, root_of(file));
+  CompileOptions compile_options;
+  compile_options.sample_rate = *rate;
+  auto schedule = compile(loaded, standard_nodes(), compile_options);
+  if (!schedule) return report(schedule.error());
+  Engine engine{std::move(*schedule)};
+  return finish(options, around(*loaded.spec), {{loaded.spec->name, &engine}});
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("explain", "What of a graph runs, in which order, and what it costs");
+  auto options = std::make_shared<ExplainOptions>();
+  command
+      ->add_option("FILE", options->target, "instrument, plant or scene; a folder means its instrument.toml")
+      ->required();
+  command->add_option("--rate", options->rate, "sample rate")->capture_default_str();
+  command->add_option("--block", options->block, "frames a block while measuring")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "for machines");
+  command->footer(
+      "Examples:\n  tactus explain instruments/haptic_drum\n  tactus explain "
+      "instruments/haptic_drum/scene.toml --json");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,94 @@
+#include "apps/play/live/controls/status_line.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "apps/play/live/controls/keyboard.h"
+
+namespace tactus::app {
+namespace {
+
+const char* state_text(const SessionView& view) {
+  if (view.state == StreamState::Lost) return "DEVICE LOST";
+  if (view.state == StreamState::Stalled) return "NO BLOCKS COME";
+  if (view.muted) return "muted";
+  if (!view.drives) return "playing";
+  return view.armed ? "armed" : "not armed";
+}
+
+std::string levels_text(const std::vector<SessionView::Level>& levels) {
+  std::string text;
+  for (const auto& level : levels)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", level.name, level_text(level.peak));
+  return text;
+}
+
+/// Lengths count characters, not bytes.
+std::string cut(const std::string& text, int columns) {
+  int shown = 0;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if ((static_cast<unsigned char>(text[i]) & 0xc0) != 0x80 && ++shown > columns) return text.substr(0, i);
+  return text;
+}
+
+}  // namespace
+
+std::string level_text(double peak) {
+  const double db = 20 * std::log10(std::max(peak, 1e-9));
+  return db < -99 ? "silent" : fmt::format("{:.0f} dB", db);
+}
+
+std::string xrun_text(const Health& health) {
+  if (health.xruns == 0) return "no xruns";
+  std::string causes;
+  for (std::size_t g = 0; g < kGaps; ++g)
+    if (health.gaps[g] > 0)
+      causes +=
+          fmt::format("{}{} {}", causes.empty() ? "" : ", ", health.gaps[g], name_of(static_cast<Gap>(g)));
+  return fmt::format("{} xrun{} ({}){}", health.xruns, health.xruns == 1 ? "" : "s", causes,
+                     health.lost_frames > 0 ? fmt::format(", {} frames lost", health.lost_frames) : "");
+}
+
+std::string load_text(const Health& health) {
+  return fmt::format("{:.2g} % of a block (p99.9 {:.2g} %, worst {:.2g} %)", 100 * health.median_load,
+                     100 * health.high_load, 100 * health.peak_load);
+}
+
+std::string status_line(const SessionView& view, const std::string& knob, int columns) {
+  std::string first =
+      fmt::format("{} | load {:.2g}, {:.2g}, {:.2g} % | {}", state_text(view), 100 * view.health.median_load,
+                  100 * view.health.high_load, 100 * view.health.peak_load, xrun_text(view.health));
+  for (std::size_t g = 0; g < view.guard.size(); ++g) first += (g == 0 ? " | guard: " : ", ") + view.guard[g];
+  if (view.faults > 0) first += fmt::format(" | {} faults", view.faults);
+  auto second = levels_text(view.inputs) + (view.inputs.empty() ? "" : " > ") + levels_text(view.outputs);
+  if (!knob.empty()) second += " | " + knob;
+  if (view.recorded_s) second += fmt::format(" | recorded {:.0f} s", *view.recorded_s);
+  return cut(first, columns) + "\n" + cut(second, columns);
+}
+
+StatusLine::StatusLine() : columns_(terminal_columns()) {}
+
+StatusLine::~StatusLine() { clear(); }
+
+void StatusLine::clear() {
+  if (drawn_) fmt::print(stderr, "\r\x1b[J");
+  drawn_ = false;
+}
+
+void StatusLine::draw(const SessionView& view, const std::string& knob) {
+  if (columns_ == 0) return;
+  columns_ = terminal_columns();
+  fmt::print(stderr, "\r\x1b[J{}\x1b[A\r", status_line(view, knob, columns_ - 1));
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+void StatusLine::say(const std::string& words) {
+  clear();
+  fmt::print(stderr, "{}\n", words);
+}
+
+}  // namespace tactus::app

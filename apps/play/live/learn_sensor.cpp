@@ -1,0 +1,98 @@
+#include "apps/play/live/learn_sensor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "engine/core/decibels.h"
+#include "engine/core/spsc_queue.h"
+#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/rig/learn_sensor.h"
+
+namespace tactus::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Hands the first input to the control thread; it has no outputs, so nothing moves.
+class Listener final : public BlockProcessor {
+ public:
+  Status prepare(const StreamFormat&) override { return {}; }
+  void process(const BlockIo& io) noexcept override {
+    for (int n = 0; n < io.frames; ++n) (void)samples_.push(io.in[0][n]);
+  }
+  std::vector<double> take() {
+    std::vector<double> taken;
+    for (double sample = 0; samples_.pop(sample);) taken.push_back(sample);
+    return taken;
+  }
+
+ private:
+  SpscQueue<double> samples_{1 << 17};
+};
+
+Result<const RigInput*> find_input(const Rig& rig, const std::string& name) {
+  const auto found = std::find_if(rig.inputs.begin(), rig.inputs.end(), [&](const RigInput& input) {
+    return name == "*" ? !input.channels.empty() : input.name == name;
+  });
+  if (found != rig.inputs.end() && !found->channels.empty()) return &*found;
+  std::vector<std::string> names;
+  for (const auto& input : rig.inputs)
+    if (!input.channels.empty()) names.push_back(input.name);
+  return fail(Errc::UnknownName, "--learn",
+              name == "*" ? "the rig joins no input to a channel"
+                          : "the rig joins no input '" + name + "' to a channel",
+              names.empty() ? "" : fmt::format("there is {}", fmt::join(names, ", ")));
+}
+
+Dimension unit_of(const GraphSpec& instrument, const std::string& input) {
+  for (const auto& entry : instrument.inputs)
+    if (const auto* unit = find(entry.fields, "unit");
+        entry.name == input && unit != nullptr && unit->text() != nullptr)
+      if (const auto parsed = parse_unit(*unit->text())) return parsed->dimension;
+  return {};
+}
+
+}  // namespace
+
+Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string& name, Backend& backend,
+                         StreamRequest request) {
+  const auto input = find_input(rig, name);
+  if (!input) return tl::unexpected(input.error());
+  request.in_channels = 1;
+  request.in_map = {(*input)->channels.front() - 1};
+  request.out_channels = 0;
+  request.out_map.clear();
+  Listener listener;
+  Guarded guarded{listener, {}};
+  guarded.trust_sensors();
+  auto stream = backend.open(request, guarded);
+  if (!stream) return tl::unexpected(stream.error());
+  if (auto started = (*stream)->start(); !started) return started;
+  fmt::print(stderr, "hit softly five times, at {}\n", (*input)->name);
+  SensorLearner learner{(*stream)->granted().format.sample_rate};
+  const auto deadline = std::chrono::steady_clock::now() + 60s;
+  for (int told = 0; !learner.done() && std::chrono::steady_clock::now() < deadline;) {
+    std::this_thread::sleep_for(20ms);
+    learner.hear(listener.take());
+    if ((*stream)->state() == StreamState::Lost)
+      return fail(Errc::Device, "", "the device went away while it was listened to", "try again");
+    for (; told < learner.hits(); ++told) fmt::print(stderr, "{} ", told + 1);
+    std::fflush(stderr);
+  }
+  fmt::print(stderr, "\n");
+  (void)(*stream)->stop();
+  const auto learnt = learner.result();
+  if (!learnt) return tl::unexpected(learnt.error());
+  fmt::print(stderr,
+             "a soft hit reaches {:.1f} dB of the card, {:.0f} dB above the noise; it counts as -20 dB from "
+             "now on\n",
+             amplitude_to_db(learnt->soft), amplitude_to_db(learnt->soft / std::max(learnt->noise, 1e-9)));
+  return use_learnt(rig, (*input)->name, *learnt, unit_of(instrument, (*input)->name));
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,225 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <csignal>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/play/live/controls/keyboard.h"
+#include "apps/play/live/controls/midi_controls.h"
+#include "apps/play/live/controls/status_line.h"
+#include "apps/play/live/live_options.h"
+#include "apps/play/live/plan.h"
+#include "apps/play/live/session.h"
+#include "apps/play/live/session_report.h"
+#include "apps/play/save_rig.h"
+#include "backends/realtime_thread.h"
+
+namespace tactus::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+volatile std::sig_atomic_t interrupted = 0;
+extern "C" void interrupt(int) { interrupted = 1; }
+
+constexpr const char* kHelp =
+    "keys: a arm or disarm | m mute | space strike | up, down choose a control | left, right turn it | "
+    "l learn MIDI for it | s save the rig | q quit";
+
+/// What the keys do, and what they have chosen.
+class Player {
+ public:
+  Player(Session& session, Plan& plan, const LiveOptions& options, StatusLine& line)
+      : session_(session),
+        plan_(plan),
+        line_(line),
+        midi_(options.midi, plan.rig ? plan.rig->midi : std::vector<RigMidi>{}, session.knobs()) {}
+
+  /// Everything that moves by itself.
+  void tick() {
+    for (const auto& words : session_.tick()) line_.say(words);
+    for (const auto& words : midi_.tick()) line_.say(words);
+  }
+
+  /// False: the user wants to end it.
+  bool press(const Key& key) {
+    switch (key.kind) {
+      case Key::Kind::Up:
+        choose(-1);
+        break;
+      case Key::Kind::Down:
+        choose(1);
+        break;
+      case Key::Kind::Left:
+        turn(-0.05);
+        break;
+      case Key::Kind::Right:
+        turn(0.05);
+        break;
+      case Key::Kind::Character:
+        return press(key.character);
+      default:
+        break;
+    }
+    return true;
+  }
+
+  std::string knob() const {
+    return chosen_ < session_.knobs().all().size() ? session_.knobs().text(chosen_) : "";
+  }
+
+ private:
+  bool press(char key) {
+    switch (key) {
+      case 'q':
+        return false;
+      case 'a':
+        if (!session_.has_drives()) {
+          line_.say("nothing here needs to be armed");
+          break;
+        }
+        session_.arm(!session_.armed());
+        line_.say(session_.armed() ? "the drives are armed" : "the drives are not armed");
+        break;
+      case 'm':
+        session_.mute(!session_.muted());
+        line_.say(session_.muted() ? "muted" : "no longer muted");
+        break;
+      case ' ':
+        if (!plan_.performer->strike()) line_.say("there is nothing to strike here; m mutes, a arms");
+        break;
+      case 'l':
+        learn();
+        break;
+      case 's':
+        save();
+        break;
+      case '?':
+      case 'h':
+        line_.say(kHelp);
+        break;
+      default:
+        break;
+    }
+    return true;
+  }
+  void choose(int step) {
+    const auto knobs = static_cast<int>(session_.knobs().all().size());
+    if (knobs > 0) chosen_ = static_cast<std::size_t>((static_cast<int>(chosen_) + step + knobs) % knobs);
+  }
+  void turn(double share) {
+    if (chosen_ >= session_.knobs().all().size()) return;
+    if (!session_.knobs().nudge(chosen_, share))
+      line_.say(session_.knobs().all()[chosen_].control.name + " cannot be turned while it plays");
+  }
+
+  void learn() {
+    if (chosen_ >= session_.knobs().all().size()) return;
+    const auto& name = session_.knobs().all()[chosen_].control.name;
+    line_.say(midi_.learn(name) ? "move the controller that is to turn " + name
+                                : "this program was built without MIDI");
+  }
+  void save() {
+    if (!plan_.rig) return line_.say("there is no rig to save in: start with --save-rig FILE");
+    plan_.rig->midi = midi_.bindings();
+    plan_.rig->controls.clear();
+    for (const auto& control : session_.knobs().controls())
+      plan_.rig->controls.push_back({control.name, {}, {control.value, control.unit, false}});
+    const auto saved = replace_rig(*plan_.rig, plan_.rig_file);
+    line_.say(saved ? plan_.rig_file + " has the knobs and MIDI as they are; what it was is " +
+                          plan_.rig_file + "~"
+                    : to_string(saved.error()));
+  }
+
+  Session& session_;
+  Plan& plan_;
+  StatusLine& line_;
+  MidiControls midi_;
+  std::size_t chosen_ = 0;
+};
+
+Result<double> seconds_of(const std::string& text, const char* option) {
+  if (text.empty()) return 0.0;
+  const auto seconds = parse_option(text, "s", option);
+  if (seconds && !(*seconds > 0))
+    return fail(Errc::OutOfRange, std::string{"--"} + option, "must be above 0 s", "");
+  return seconds;
+}
+
+/// Everything but the sound: keys, edits, the status line. Returns why it ended.
+int run(Session& session, Plan& plan, const LiveOptions& options, double seconds) {
+  using namespace std::chrono_literals;
+  StatusLine line;
+  Keyboard keyboard;
+  Player player{session, plan, options, line};
+  if (keyboard.is_terminal()) line.say(kHelp);
+  const auto begin = Clock::now();
+  auto drawn = begin - 1s;
+  while (true) {
+    if (interrupted != 0) return kInterrupted;
+    if (session.over()) return kDevice;
+    if (seconds > 0 && std::chrono::duration<double>(Clock::now() - begin).count() >= seconds) return kDone;
+    if (const auto key = keyboard.wait(20ms); key && !player.press(*key)) return kDone;
+    player.tick();
+    if (Clock::now() - drawn < 100ms) continue;
+    drawn = Clock::now();
+    line.draw(session.look(), player.knob());
+  }
+}
+
+/// Whatever is to end the program ends it with a fade.
+void catch_signals() {
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+#if defined(SIGHUP)
+  std::signal(SIGHUP, interrupt);  // the terminal was closed
+  std::signal(SIGQUIT, interrupt);
+  std::signal(SIGPIPE, SIG_IGN);  // nobody reads what is printed: no reason to stop without a fade
+#endif
+}
+
+/// What plays where, and what the user should know before touching anything.
+void announce(const Session& session, const Plan& plan, const LiveOptions& options) {
+  fmt::print(stderr, "{}\n{}\n", plan.performer->name(), granted_in_words(plan, session.granted()));
+  if (options.listen)
+    fmt::print(stderr, "sound goes to the first channels of {}: there should be speakers and nothing else\n",
+               session.granted().device);
+  else
+    fmt::print(stderr, "{}\n", delay_in_words(plan));
+  if (!options.arm && session.has_drives())
+    fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
+}
+
+}  // namespace
+
+int play_live(const LiveOptions& options) {
+  const auto seconds = seconds_of(options.duration, "duration");
+  if (!seconds) return report(seconds.error()), kUsage;
+  auto plan = make_plan(options);
+  if (!plan) return report(plan.error().errors), plan.error().exit;
+
+  if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
+  Session session{*plan->performer, *plan->devices.backend, plan->request, options.arm};
+  if (!options.record.empty()) session.record(options.record);
+  catch_signals();
+  if (const auto opened = session.open(); !opened) return report(opened.error()), exit_of(opened.error());
+  if (const auto known = check_delay(*plan, session.granted()); !known) return report(known.error()), kUsage;
+  if (plan->delay_s)
+    session.know_delay();
+  else
+    session.forget_delay();
+  if (const auto started = session.start(); !started) return report(started.error()), kDevice;
+  announce(session, *plan, options);
+
+  const int ended = run(session, *plan, options, *seconds);
+  const auto view = session.look();
+  std::vector<std::string> words;
+  const auto stopped = session.stop(words);
+  for (const auto& line : words) fmt::print(stderr, "{}\n", line);
+  print_report(session, view, *plan->performer, options.json);
+  if (!stopped) return report(stopped.error()), kDevice;
+  return ended;
+}
+
+}  // namespace tactus::app

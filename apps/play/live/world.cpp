@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "apps/play/live/performer.h"
+#include "engine/nodes/table.h"
+#include "engine/scene/build_scene.h"
+#include "engine/scene/closed_loop.h"
+#include "engine/scene/guard_report.h"
+
+namespace tactus::app {
+namespace {
+
+/// How long the key that strikes is down.
+constexpr double kStrikeSeconds = 0.01;
+
+/// A scene of its files, compiled.
+struct Read {
+  SceneSpec scene;
+  CompiledScene compiled;
+};
+
+Checked<Read> read_scene(const WorldSetup& setup) {
+  auto loaded = load_scene_leniently(setup.file, setup.root);
+  if (!loaded.scene) return tl::unexpected(std::move(loaded.mistakes));
+  auto drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
+  if (!drives) return tl::unexpected(drives.error());
+  loaded.scene->drives = std::move(*drives);
+  SceneOptions options;
+  options.rate = setup.rate;
+  options.delay = setup.delay;
+  options.set = setup.set;
+  options.by_hand = true;
+  auto compiled = compile_scene(loaded, standard_nodes(), options);
+  if (!compiled) return tl::unexpected(compiled.error());
+  return Read{std::move(*loaded.scene), std::move(*compiled)};
+}
+
+std::vector<std::filesystem::path> files_of(const SceneSpec& scene, const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> files{file};
+  for (const auto& part : scene.parts)
+    if (part.graph != nullptr)
+      for (auto& path : app::files_of(*part.graph)) files.push_back(std::move(path));
+  return files;
+}
+
+bool same_names(const std::vector<SceneTap>& a, const std::vector<SceneTap>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x.name == y.name; });
+}
+
+/// What of the loop goes to the speakers, as indices: of the instrument's outputs, or of its inputs.
+struct Heard {
+  bool sensors = false;
+  std::vector<std::size_t> channels;
+};
+
+Heard heard_of(const Engine& instrument, int speakers) {
+  Heard heard;
+  std::size_t output = 0;
+  for (const auto& channel : instrument.schedule().channels) {
+    if (channel.use == OutputUse::Audio) heard.channels.push_back(output);
+    if (channel.use != OutputUse::Tap) ++output;
+  }
+  heard.sensors = heard.channels.empty();
+  if (heard.sensors)
+    for (int c = 0; c < instrument.in_channels(); ++c) heard.channels.push_back(static_cast<std::size_t>(c));
+  const auto there = heard.channels.size();  // one sound comes from every speaker
+  for (std::size_t c = there; there > 0 && c < static_cast<std::size_t>(speakers); ++c)
+    heard.channels.push_back(heard.channels[c % there]);
+  heard.channels.resize(std::min(heard.channels.size(), static_cast<std::size_t>(speakers)));
+  return heard;
+}
+
+class LiveWorld final : public Performer, private BlockProcessor {
+ public:
+  LiveWorld(WorldSetup setup, Read read)
+      : setup_(std::move(setup)),
+        scene_(std::move(read.scene)),
+        files_(files_of(scene_, setup_.file)),
+        built_(std::move(read.compiled)),
+        ports_(scene_, built_.plant_taps),
+        guarded_(*built_.instrument, guarded_channels(built_.instrument->schedule(), scene_.drives)),
+        loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
+              scene_.converters),
+        heard_(heard_of(*built_.instrument, setup_.speakers)),
+        listener_([this](const ClosedLoop::Piece& piece) { hear(piece); }) {}
+
+  const std::string& name() const override { return scene_.name; }
+  BlockProcessor& processor() override { return *this; }
+  Engine& instrument() override { return *built_.instrument; }
+  const Engine& instrument() const override { return *built_.instrument; }
+  std::vector<std::string> inputs() const override { return {}; }
+  std::vector<std::string> outputs() const override {
+    const auto& schedule = built_.instrument->schedule();
+    const auto all = heard_.sensors ? schedule.input_names : output_names(schedule);
+    std::vector<std::string> names;
+    for (const auto index : heard_.channels) names.push_back(all[index]);
+    return names;
+  }
+  std::vector<GuardedChannel> guards() const override {
+    return std::vector<GuardedChannel>(heard_.channels.size(), GuardedChannel{DriveGuard::Kind::Audio, {}});
+  }
+  std::vector<std::filesystem::path> files() const override { return files_; }
+
+  Checked<void> edit() override {
+    auto read = read_scene(setup_);
+    if (!read) return tl::unexpected(read.error());
+    if (read->compiled.delay_frames != built_.delay_frames)
+      return tl::unexpected(
+          std::vector{Error{Errc::BadArgument, setup_.file.string(),
+                            "another delay cannot take over while it plays", "start again"}});
+    files_ = files_of(read->scene, setup_.file);
+    if (!same_names(read->compiled.plant_taps, built_.plant_taps)) watching_ = false;
+    for (auto [engine, schedule] : {std::pair{built_.instrument.get(), &read->compiled.instrument},
+                                    std::pair{built_.plant.get(), &read->compiled.plant}})
+      if (auto status = engine->replace(std::move(*schedule)); !status)
+        return tl::unexpected(std::vector{status.error()});
+    return {};
+  }
+
+  std::vector<PortEnergy> ports() const override { return ports_.energies(setup_.rate); }
+
+  bool strike() override {
+    auto& plant = *built_.plant;
+    const int control = plant.control_index("strike");
+    if (control < 0) return false;
+    const auto down = std::llround(frames_in(Seconds{kStrikeSeconds}, setup_.rate));
+    const std::int64_t up = plant.frame() + max_frames_ + down;
+    using Kind = JournalEntry::Kind;
+    return plant.post({JournalEntry::kNow, Kind::ControlChange, control, 1.0}) &&
+           plant.post({up, Kind::ControlChange, control, 0.0});
+  }
+
+ private:
+  Status prepare(const StreamFormat& format) override {
+    max_frames_ = format.max_frames;
+    if (auto status = loop_.prepare(format.sample_rate, format.max_frames); !status) return status;
+    // The simulated card is on from the first frame, as when the scene is rendered; the real one starts
+    // softly.
+    guarded_.skip_soft_start();
+    return {};
+  }
+
+  void process(const BlockIo& io) noexcept override {
+    io_ = &io;
+    done_ = 0;
+    loop_.run(io.frames, listener_);
+  }
+
+  void hear(const ClosedLoop::Piece& piece) noexcept {
+    const auto& from = heard_.sensors ? piece.sensors : piece.drives;
+    for (std::size_t c = 0; c < heard_.channels.size(); ++c)
+      std::copy_n(from[heard_.channels[c]], piece.frames, io_->out[c] + done_);
+    done_ += piece.frames;
+    if (watching_.load(std::memory_order_relaxed)) ports_.take(*built_.plant, piece.frames);
+  }
+
+  WorldSetup setup_;
+  SceneSpec scene_;  ///< as it was at first
+  std::vector<std::filesystem::path> files_;
+  BuiltScene built_;
+  PortWatches ports_;
+  std::atomic<bool> watching_ = true;  ///< its signals stand where they stood
+  Guarded guarded_;
+  ClosedLoop loop_;
+  Heard heard_;
+  ClosedLoop::Listener listener_;
+  int max_frames_ = 0;
+  const BlockIo* io_ = nullptr;
+  int done_ = 0;
+};
+
+}  // namespace
+
+Checked<std::unique_ptr<Performer>> make_world(WorldSetup setup) {
+  auto read = read_scene(setup);
+  if (!read) return tl::unexpected(read.error());
+  return std::make_unique<LiveWorld>(std::move(setup), std::move(*read));
+}
+
+}  // namespace tactus::app

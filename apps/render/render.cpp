@@ -1,0 +1,292 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/cli/writable.h"
+#include "apps/play/event_recorder.h"
+#include "apps/play/play_report.h"
+#include "apps/render/render_error.h"
+#include "apps/render/render_take.h"
+#include "apps/render/rendered_files.h"
+#include "apps/render/resample.h"
+#include "backends/offline/offline.h"
+#include "engine/graph/file/load.h"
+#include "engine/graph/plan/compile.h"
+#include "engine/nodes/table.h"
+#include "engine/runtime/engine.h"
+#include "engine/scene/build_scene.h"
+#include "engine/scene/guard_report.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RenderOptions {
+  std::string target, replay, in, events, rate, delay, duration;
+  RenderedFiles files;
+  int block = 256;
+  std::vector<std::string> set;
+  GuardOptions guard;
+  bool error = false;
+  bool json = false;
+};
+
+Result<Samples> read_input(const RenderOptions& options) {
+  Samples samples;
+  if (!options.in.empty()) {
+    auto read = read_wav(options.in);
+    if (!read) return read;
+    samples = std::move(*read);
+    if (!options.rate.empty()) {
+      const auto rate = parse_option(options.rate, "Hz", "rate");
+      if (!rate) return tl::unexpected(rate.error());
+      samples = resample(samples, Hertz{*rate});
+    }
+  } else {
+    const auto rate =
+        options.rate.empty() ? Result<double>{48000.0} : parse_option(options.rate, "Hz", "rate");
+    if (!rate) return tl::unexpected(rate.error());
+    samples.sample_rate = Hertz{*rate};
+  }
+  if (!(samples.sample_rate.value >= 1e3 && samples.sample_rate.value <= 768e3))
+    return fail(Errc::OutOfRange, options.rate.empty() ? options.in : "--rate",
+                fmt::format("cannot run at {} Hz", samples.sample_rate.value), "choose 1 kHz to 768 kHz");
+  if (!options.duration.empty() || options.in.empty()) {
+    const auto duration =
+        options.duration.empty() ? Result<double>{10.0} : parse_option(options.duration, "s", "duration");
+    if (!duration) return tl::unexpected(duration.error());
+    if (!(*duration > 0) || *duration > 86400)
+      return fail(Errc::OutOfRange, "--duration", "must be above 0 s and at most a day", "");
+    if (samples.channels.empty()) samples.channels.emplace_back();
+    for (auto& channel : samples.channels)
+      channel.resize(static_cast<std::size_t>(frames_in(Seconds{*duration}, samples.sample_rate)), 0.0);
+  }
+  return samples;
+}
+
+/// A recording must not be lost to its own rendering.
+Status check_files(const RenderOptions& options) {
+  std::error_code none;
+  for (const auto& written : {options.files.out, options.files.sound, options.events})
+    if (!written.empty() && !options.in.empty() && std::filesystem::equivalent(written, options.in, none))
+      return fail(Errc::BadArgument, written, "would overwrite what it is made from", "choose another name");
+  return {};
+}
+
+int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
+  if (const auto status = check_files(options); !status) return report(status.error()), kUsage;
+  const auto loaded = load_graph_leniently(file, root_of(file));
+  if (loaded.spec == nullptr) return report(loaded.mistakes);
+  auto input = read_input(options);
+  if (!input) return report(input.error());
+  const auto settings = parse_settings(options.set);
+  if (!settings) return report(settings.error()), kUsage;
+  const auto delay = options.delay.empty() ? Result<double>{0.0} : parse_option(options.delay, "s", "delay");
+  if (!delay) return report(delay.error()), kUsage;
+  if (*delay < 0 || *delay > 10)
+    return report(Error{Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", ""});
+
+  CompileOptions compile_options;
+  compile_options.sample_rate = input->sample_rate;
+  compile_options.controls = *settings;
+  compile_options.system_delay = Seconds{*delay};
+  compile_options.taps = event_taps(*loaded.spec, standard_nodes());
+  auto schedule = compile(loaded, standard_nodes(), compile_options);
+  if (!schedule) return report(schedule.error());
+  if (!options.delay.empty()) announce_delay(*loaded.spec, *delay);
+  Engine engine{std::move(*schedule)};
+  const auto drives = apply(options.guard, {}, root_of(file));
+  if (!drives) return report(drives.error());
+  Guarded guarded{engine, guarded_channels(engine.schedule(), *drives)};
+  EventRecorder recorder{engine, compile_options.taps};
+
+  const auto frames = input->frames();
+  const auto outputs = output_names(engine.schedule()), sounds = sound_names(engine.schedule());
+  Samples output;
+  output.sample_rate = input->sample_rate;
+  output.channels.resize(outputs.size());
+  auto keep = sink_into(output);
+  Progress progress{"rendering"};
+  std::int64_t done = 0;
+  OfflineJob job;
+  job.sample_rate = input->sample_rate;
+  job.in_channels = static_cast<int>(input->channels.size());
+  job.out_channels = static_cast<int>(outputs.size());
+  job.frames = frames;
+  job.block_frames = {options.block};
+  job.source = source_of(*input);
+  job.sink = {job.out_channels, [&](const double* const* channels, int count) {
+                recorder.take(count);
+                done += count;
+                progress(static_cast<double>(done) / static_cast<double>(std::max<std::int64_t>(1, frames)));
+                return keep.write(channels, count);
+              }};
+  const auto health = run_offline(guarded, job);
+  if (!health) return report(health.error());
+
+  const auto events = recorder.events(input->sample_rate);
+  if (auto status = write_outputs(options.files, output, outputs, sounds); !status)
+    return report(status.error());
+  if (!options.events.empty())
+    if (auto status = write_json(options.events, events); !status) return report(status.error());
+
+  Json summary{{"instrument", loaded.spec->name},
+               {"sample_rate_hz", input->sample_rate.value},
+               {"frames", frames},
+               {"outputs", outputs},
+               {"events", events["events"].size()},
+               {"bad_input_samples", engine.bad_input_samples()},
+               {"faults", Json::array()}};
+  for (const auto& fault : engine.faults())
+    summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
+  const auto guard = report_of(guarded, engine.schedule(), *drives);
+  summary["guard"] = guard_json(guard, input->sample_rate);
+  if (options.json) {
+    fmt::print("{}\n", summary.dump(2));
+    return kDone;
+  }
+  fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", loaded.spec->name,
+             static_cast<double>(frames) / input->sample_rate.value, input->sample_rate.value,
+             events["events"].size());
+  if (static_cast<int>(input->channels.size()) != engine.in_channels() && !options.in.empty())
+    fmt::print("the file has {} channels and the instrument {} inputs: {}\n", input->channels.size(),
+               engine.in_channels(),
+               static_cast<int>(input->channels.size()) > engine.in_channels() ? "the first ones were used"
+                                                                               : "the others heard silence");
+  if (!options.files.out.empty()) fmt::print("{}: {}\n", options.files.out, fmt::join(outputs, ", "));
+  if (!options.files.sound.empty()) fmt::print("{}: {}\n", options.files.sound, fmt::join(sounds, ", "));
+  if (!options.events.empty()) fmt::print("{}: the events\n", options.events);
+  if (engine.bad_input_samples() > 0)
+    fmt::print("{} samples of the input were no numbers and count as silence\n", engine.bad_input_samples());
+  for (const auto& fault : engine.faults())
+    fmt::print("fault: {} gave something that is not a number, {} times\n", fault.path, fault.count);
+  if (!guard.idle()) print_guard(guard, input->sample_rate);
+  return kDone;
+}
+
+int render_scene(const RenderOptions& options, const std::filesystem::path& file) {
+  SceneRun run;
+  run.file = file;
+  run.block = options.block;
+  run.set = options.set;
+  run.delay = options.delay;
+  run.rate = options.rate;
+  run.duration = options.duration;
+  run.guard = options.guard;
+  const auto played = play_file(run);
+  if (!played) return report(played.error());
+  const auto& recording = played->recording;
+  if (auto status = write_outputs(options.files, outputs_of(*played, recording.outputs), recording.outputs,
+                                  recording.sounds);
+      !status)
+    return report(status.error());
+  const auto events = events_of(*played);
+  if (!options.events.empty())
+    if (auto status = write_json(options.events, events); !status) return report(status.error());
+  if (options.json)
+    fmt::print("{}\n", Json{{"scene", played->scene.name},
+                            {"events", events["events"].size()},
+                            {"run_seconds", played->recording.run_seconds},
+                            {"guard", guard_json(played->recording.guard, played->recording.sample_rate)},
+                            {"ports", ports_json(played->recording.ports)}}
+                           .dump(2));
+  else {
+    fmt::print("{}: {:.3f} s, {} events, {:.0f} times real time\n", played->scene.name,
+               played->recording.seconds(), events["events"].size(),
+               played->recording.seconds() / played->recording.run_seconds);
+    print_guard(played->recording.guard, played->recording.sample_rate);
+    print_ports(played->recording.ports);
+  }
+  return kDone;
+}
+
+int replay(const RenderOptions& options) {
+  for (const auto& [text, name] : {std::pair{&options.in, "--in"},
+                                   {&options.files.sound, "--sound"},
+                                   {&options.events, "--events"},
+                                   {&options.rate, "--rate"},
+                                   {&options.duration, "--duration"}})
+    if (!text->empty())
+      return report(Error{Errc::BadArgument, name, "does not go with --replay", "leave one of them out"}),
+             kUsage;
+  return render_take({options.replay, options.target, options.files.out, options.files.format, options.block,
+                      options.set, options.delay, options.guard, options.json});
+}
+
+int run(const RenderOptions& options) {
+  if (!options.replay.empty()) return replay(options);
+  if (options.target.empty())
+    return report(Error{Errc::Missing, "", "there is nothing to render",
+                        "name an instrument, a scene or a take"}),
+           kUsage;
+  const auto folder = std::filesystem::is_directory(options.target);
+  const auto scene_file = resolve_target(options.target, "scene.toml");
+  const auto table = load_toml(scene_file);
+  const bool scene = options.in.empty() && table && find(*table, "parts") != nullptr;
+  if (options.error)
+    return render_error({scene_file, options.rate, options.delay, options.duration, options.json});
+  if (scene) return render_scene(options, scene_file);
+  if (!folder && table && find(*table, "parts") != nullptr)
+    return report(Error{Errc::BadArgument, options.target, "is a scene, which makes its own sensor signals",
+                        "leave --in out, or name the instrument"}),
+           kUsage;
+  return render_instrument(options, resolve_target(options.target, "instrument.toml"));
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, int& exit_code) {
+  auto* command =
+      app.add_subcommand("render", "Run an instrument on a WAV file, or a scene, without hardware");
+  auto options = std::make_shared<RenderOptions>();
+  command->add_option("FILE", options->target,
+                      "instrument or scene; a folder means its scene.toml, with --in its instrument.toml");
+  command->add_option(
+      "--replay", options->replay,
+      "take.wav of --record: plays it again and tells whether the drives are the same bit for "
+      "bit; with FILE, plays its sensors on that instrument");
+  command->add_option("--in", options->in, "WAV file: channel k goes to the k-th input");
+  command->add_option("--out", options->files.out, "WAV file for all outputs, in the order of the file")
+      ->check(writable_file());
+  command
+      ->add_option("--sound", options->files.sound,
+                   "WAV file for what is to be listened to, without the drives")
+      ->check(writable_file());
+  command
+      ->add_option(
+          "--events", options->events,
+          "JSON file for what was heard: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}")
+      ->check(writable_file());
+  command->add_option("--rate", options->rate, "sample rate; a WAV file is resampled to it");
+  command->add_option("--block", options->block, "frames a block (the result does not depend on it)")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  command->add_option("--delay", options->delay, "system delay, such as \"20 ms\"");
+  command->add_option("--duration", options->duration, "cut off or continue with silence, such as \"10 s\"");
+  command->add_option("--format", options->files.format, "of the WAV files")
+      ->check(CLI::IsMember({"float", "24"}))
+      ->capture_default_str();
+  command->add_option("--set", options->set,
+                      "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"");
+  add_guard_options(*command, options->guard);
+  command
+      ->add_flag("--error", options->error,
+                 "of a scene with [accuracy]: tells how wrong it is, and what a frame costs")
+      ->excludes("--in", "--out", "--sound", "--events", "--replay", "--set");
+  command->add_flag("--json", options->json, "for machines");
+  command->footer(
+      "Examples:\n  tactus render instruments/haptic_drum --in hits.wav --out drive.wav --events "
+      "events.json\n"
+      "  tactus render --replay take.wav --out drives.wav\n"
+      "  tactus render instruments/cellomobo --sound phrase.wav\n"
+      "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav\n"
+      "  tactus render instruments/numerics/woofer --error");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace tactus::app

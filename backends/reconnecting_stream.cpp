@@ -1,0 +1,106 @@
+#include "backends/reconnecting_stream.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace tactus {
+namespace {
+
+double seconds(KeptStream::Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+
+}  // namespace
+
+Result<std::unique_ptr<KeptStream>> KeptStream::open(Backend& backend, const StreamRequest& request,
+                                                     Guarded& processor) {
+  std::unique_ptr<KeptStream> kept{new KeptStream{backend, request, processor}};
+  if (auto status = kept->reopen(); !status) return tl::unexpected(status.error());
+  // From now on it is this device, whichever becomes the default.
+  kept->request_.device = kept->granted_.device;
+  kept->request_.input_device = kept->granted_.input_device;
+  kept->request_.sample_rate = kept->granted_.format.sample_rate;
+  return kept;
+}
+
+Status KeptStream::start() {
+  wanted_ = true;
+  return stream_ ? stream_->start() : Status{};
+}
+
+Status KeptStream::stop() {
+  wanted_ = false;
+  return stream_ ? stream_->stop() : Status{};
+}
+
+Status KeptStream::reopen() {
+  auto stream = backend_.open(request_, processor_);
+  if (!stream) return tl::unexpected(stream.error());
+  granted_ = (*stream)->granted();
+  stream_ = std::move(*stream);
+  return {};
+}
+
+void KeptStream::tick(Clock::time_point now) {
+  if (!stream_) return try_again(now);
+  for (auto note = stream_->take_note(); !note.empty(); note = stream_->take_note()) tell(note);
+  if (stream_->state() == StreamState::Lost) return lose(now);
+  watch_stall(now);
+}
+
+void KeptStream::lose(Clock::time_point now) {
+  if (!wanted_) return;
+  stalled_at_.reset();
+  lost_at_ = now;
+  wanted_ = granted_.comes_back;
+  if (!wanted_) return tell("has gone away; it can only come back to a new start of this program");
+  before_ = health();
+  stream_.reset();
+  tell("has gone away; until it is back there is silence");
+  last_refusal_.clear();
+  next_try_ = now;
+}
+
+void KeptStream::try_again(Clock::time_point now) {
+  if (!wanted_ || now < next_try_) return;
+  next_try_ = now + kRetry;
+  const int block = granted_.block_frames;
+  auto status = reopen();
+  if (status && reopened_) reopened_();
+  if (status) status = stream_->start();
+  if (status) {
+    ++returns_;
+    tell(fmt::format("is back after {:.1f} s", seconds(now - lost_at_)));
+    if (granted_.block_frames != block)
+      tell(fmt::format("its blocks have {} frames now and had {}: the delay has changed",
+                       granted_.block_frames, block));
+    return;
+  }
+  stream_.reset();
+  if (auto why = to_string(status.error()); why != last_refusal_) {
+    tell("is awaited: " + why);
+    last_refusal_ = std::move(why);
+  }
+}
+
+void KeptStream::watch_stall(Clock::time_point now) {
+  const bool stalled = stream_->state() == StreamState::Stalled;
+  if (stalled == stalled_at_.has_value()) return;
+  if (stalled)
+    tell("does not answer");
+  else
+    tell(fmt::format("answers again after {:.1f} s", seconds(now - *stalled_at_)));
+  stalled_at_ = stalled ? std::optional{now} : std::nullopt;
+}
+
+void KeptStream::tell(const std::string& what) { events_.push_back("'" + granted_.device + "': " + what); }
+
+std::optional<std::string> KeptStream::take_event() {
+  if (events_.empty()) return std::nullopt;
+  auto event = std::move(events_.front());
+  events_.pop_front();
+  return event;
+}
+
+Health KeptStream::health() const { return stream_ ? together(before_, stream_->health()) : before_; }
+
+}  // namespace tactus

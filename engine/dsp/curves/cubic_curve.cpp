@@ -1,0 +1,81 @@
+#include "engine/dsp/curves/cubic_curve.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace tactus {
+
+CubicCurve::CubicCurve(const Points& points) : slope_(points.size(), 0.0) {
+  for (const auto& [x, y] : points) {
+    x_.push_back(x);
+    value_.push_back(y);
+  }
+}
+
+CubicCurve CubicCurve::monotone(const Points& points) {
+  CubicCurve curve(points);
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    const double left_width = curve.x_[i] - curve.x_[i - 1];
+    const double right_width = curve.x_[i + 1] - curve.x_[i];
+    const double left = (curve.value_[i] - curve.value_[i - 1]) / left_width;
+    const double right = (curve.value_[i + 1] - curve.value_[i]) / right_width;
+    if (!(left * right > 0)) continue;  // a peak or a valley: level
+    const double a = 2 * right_width + left_width;
+    const double b = right_width + 2 * left_width;
+    curve.slope_[i] = (a + b) / (a / left + b / right);
+  }
+  return curve;
+}
+
+CubicCurve CubicCurve::spline(const Points& points) {
+  CubicCurve curve(points);
+  const std::size_t count = points.size();
+  if (count < 3) return curve;
+  // Equal second derivatives at each inner point: a tridiagonal system for the slopes, solved by elimination.
+  std::vector<double> factor(count, 0.0);
+  for (std::size_t i = 1; i + 1 < count; ++i) {
+    const double left = 1.0 / (curve.x_[i] - curve.x_[i - 1]);
+    const double right = 1.0 / (curve.x_[i + 1] - curve.x_[i]);
+    const double bend = 3.0 * ((curve.value_[i] - curve.value_[i - 1]) * left * left +
+                               (curve.value_[i + 1] - curve.value_[i]) * right * right);
+    const double pivot = 2.0 * (left + right) - left * factor[i - 1];
+    factor[i] = right / pivot;
+    curve.slope_[i] = (bend - left * curve.slope_[i - 1]) / pivot;
+  }
+  for (std::size_t i = count - 2; i > 0; --i) curve.slope_[i] -= factor[i] * curve.slope_[i + 1];
+  return curve;
+}
+
+CubicCurve::Interval CubicCurve::interval(double x) const {
+  const auto next = std::upper_bound(x_.begin(), x_.end(), x);
+  const auto right = std::clamp<std::ptrdiff_t>(next - x_.begin(), 1, std::ssize(x_) - 1);
+  const auto i = static_cast<std::size_t>(right - 1);
+  const double width = x_[i + 1] - x_[i];
+  return {width, (x - x_[i]) / width, value_[i], value_[i + 1], slope_[i], slope_[i + 1]};
+}
+
+double CubicCurve::value(double x) const {
+  if (outside(x)) return x > x_.front() ? value_.back() : value_.front();
+  const auto [h, t, y0, y1, m0, m1] = interval(x);
+  const double cubic = h * (m0 + m1) - 2 * (y1 - y0);
+  const double square = (y1 - y0) - h * m0 - cubic;
+  return ((cubic * t + square) * t + h * m0) * t + y0;
+}
+
+double CubicCurve::slope(double x) const {
+  if (outside(x)) return 0;
+  const auto [h, t, y0, y1, m0, m1] = interval(x);
+  const double cubic = m0 + m1 - 2 * (y1 - y0) / h;
+  const double square = (y1 - y0) / h - m0 - cubic;
+  return (3 * cubic * t + 2 * square) * t + m0;
+}
+
+double CubicCurve::curvature(double x) const {
+  if (outside(x)) return 0;
+  const auto [h, t, y0, y1, m0, m1] = interval(x);
+  const double cubic = m0 + m1 - 2 * (y1 - y0) / h;
+  const double square = (y1 - y0) / h - m0 - cubic;
+  return (6 * cubic * t + 2 * square) / h;
+}
+
+}  // namespace tactus

@@ -1,0 +1,137 @@
+#include "engine/dsp/delays/resample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+namespace tactus {
+namespace {
+
+// A Kaiser window with side lobes at -100 dB needs (100 - 8) / (2.285 pi) / 128 = 0.1 of the Nyquist
+// frequency for its way down: from 0.9 to 1.0 of it, with half of the way at the rolloff.
+constexpr int kZeros = 64;  // zero crossings of the sinc on each side
+constexpr double kBeta = 10.06;
+constexpr double kRolloff = 0.95;
+constexpr std::int64_t kMostPhases = 1000;  // 44.1 and 48 kHz meet in 160, 44.1 and 96 in 147
+constexpr int kTableSteps = 1024;           // per zero crossing, interpolated linearly
+
+double bessel_i0(double x) {
+  double sum = 1;
+  double term = 1;
+  for (int k = 1; term > 1e-17 * sum; ++k) {
+    term *= (x / (2 * k)) * (x / (2 * k));
+    sum += term;
+  }
+  return sum;
+}
+
+/// sinc(kRolloff u) · Kaiser(u / kZeros) for u = 0 … kZeros zero crossings.
+std::vector<double> kernel() {
+  std::vector<double> table;
+  for (int i = 0; i <= kZeros * kTableSteps + 1; ++i) {
+    const double u = static_cast<double>(i) / kTableSteps;
+    const double x = std::numbers::pi * kRolloff * u;
+    const double inside = 1 - (u / kZeros) * (u / kZeros);
+    const double window = inside > 0 ? bessel_i0(kBeta * std::sqrt(inside)) / bessel_i0(kBeta) : 0;
+    table.push_back(kRolloff * (i == 0 ? 1 : std::sin(x) / x) * window);
+  }
+  return table;
+}
+
+double at(const std::vector<double>& table, double u) {
+  const double position = u * kTableSteps;
+  const auto i = static_cast<std::size_t>(position);
+  if (i + 1 >= table.size()) return 0;
+  return table[i] + (table[i + 1] - table[i]) * (position - static_cast<double>(i));
+}
+
+/// Where an output frame lies among the input's, and how wide the kernel is.
+struct Grid {
+  double step;   ///< input frames an output frame
+  double scale;  ///< below 1 the kernel is wider: the rate falls
+  std::int64_t reach;
+
+  Grid(Hertz from, Hertz to)
+      : step(from / to),
+        scale(std::min(1.0, to / from)),
+        reach(static_cast<std::int64_t>(std::ceil(kZeros / scale))) {}
+
+  /// Weights of the input frames middle - reach … middle + reach for an output `fraction` behind the middle.
+  void weigh(double fraction, double* weights) const {
+    static const auto table = kernel();
+    for (std::int64_t k = -reach; k <= reach; ++k)
+      *weights++ = scale * at(table, std::abs(static_cast<double>(k) - fraction) * scale);
+  }
+  std::size_t taps() const { return static_cast<std::size_t>(2 * reach + 1); }
+};
+
+/// After how many output frames the fractions repeat; 0: never, or too late to be of use.
+std::int64_t phases(Hertz from, Hertz to) {
+  if (from.value != std::floor(from.value) || to.value != std::floor(to.value)) return 0;
+  if (std::max(from.value, to.value) > 1e9) return 0;
+  const auto out = static_cast<std::int64_t>(to.value);
+  const auto count = out / std::gcd(out, static_cast<std::int64_t>(from.value));
+  return count <= kMostPhases ? count : 0;
+}
+
+/// Weights for each output frame: of all phases beforehand if they are few, else anew.
+class Weights {
+ public:
+  Weights(const Grid& grid, Hertz from, Hertz to)
+      : grid_(grid), phases_(phases(from, to)), from_(from), to_(to) {
+    const auto kept = std::max<std::int64_t>(1, phases_);
+    weights_.resize(static_cast<std::size_t>(kept) * grid.taps());
+    for (std::int64_t p = 0; p < phases_; ++p) grid_.weigh(position(p).second, row(p));
+  }
+
+  /// The input frame before output frame `n`, and how far behind it that lies.
+  std::pair<std::int64_t, double> position(std::int64_t n) const {
+    if (phases_ > 0) {  // exact: whole numbers
+      const auto times = n * static_cast<std::int64_t>(from_.value);
+      const auto rate = static_cast<std::int64_t>(to_.value);
+      const auto behind = (times % rate + rate) % rate;
+      return {(times - behind) / rate, static_cast<double>(behind) / to_.value};
+    }
+    const double centre = static_cast<double>(n) * grid_.step;
+    return {static_cast<std::int64_t>(std::floor(centre)), centre - std::floor(centre)};
+  }
+  const double* of(std::int64_t n, double fraction) {
+    if (phases_ > 0) return row((n % phases_ + phases_) % phases_);
+    grid_.weigh(fraction, row(0));
+    return row(0);
+  }
+
+ private:
+  double* row(std::int64_t phase) { return weights_.data() + static_cast<std::size_t>(phase) * grid_.taps(); }
+
+  const Grid& grid_;
+  std::int64_t phases_;
+  Hertz from_, to_;
+  std::vector<double> weights_;
+};
+
+}  // namespace
+
+std::vector<double> resample(std::span<const double> input, Hertz from, Hertz to, std::int64_t first,
+                             std::int64_t count) {
+  const Grid grid{from, to};
+  Weights weights{grid, from, to};
+  std::vector<double> output(static_cast<std::size_t>(count));
+  for (std::int64_t n = 0; n < count; ++n) {
+    const auto [middle, fraction] = weights.position(first + n);
+    const double* const weight = weights.of(first + n, fraction);
+    const auto begin = std::max<std::int64_t>(0, middle - grid.reach);
+    const auto end = std::min(static_cast<std::int64_t>(input.size()), middle + grid.reach + 1);
+    double sum = 0;
+    for (auto k = begin; k < end; ++k)
+      sum += input[static_cast<std::size_t>(k)] * weight[k - middle + grid.reach];
+    output[static_cast<std::size_t>(n)] = sum;
+  }
+  return output;
+}
+
+std::int64_t resampling_reach(Hertz from, Hertz to) { return Grid{from, to}.reach; }
+
+}  // namespace tactus

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <complex>
+
+#include "engine/core/units.h"
+#include "engine/dsp/filters/recurrence.h"
+
+namespace tactus {
+
+/// y[n] = b0 x[n] + b1 x[n-1] (+ b2 x[n-2]) + a1 y[n-1] (+ a2 y[n-2]).   Mind the sign of a.
+template <int Order>
+struct FilterCoefficients {
+  std::array<double, Order + 1> b{1.0};
+  std::array<double, Order> a{};
+
+  /// H, where `delay` is z^-1.
+  std::complex<double> response(std::complex<double> delay) const {
+    std::complex<double> above = b[Order], below = 0;
+    for (std::size_t i = Order; i-- > 0;) {
+      above = above * delay + b[i];
+      below = (below + a[i]) * delay;
+    }
+    return above / (1.0 - below);
+  }
+};
+
+/// A cutoff that any filter can be designed for: (0, 0.49] of the rate, NaN included. As radians per frame.
+inline double clamped_radians(double hertz, Hertz sample_rate) {
+  constexpr double kLowest = 1e-6, kHighest = 0.49, kTurn = 6.283185307179586;
+  const double turns = hertz / sample_rate.value;
+  return kTurn * (turns > kLowest ? std::min(turns, kHighest) : kLowest);
+}
+
+/// A filter of order 1 or 2 in direct form I, vectorised in time. The state is the last inputs and outputs,
+/// so that a change of coefficients never jumps.
+template <int Order>
+class LinearFilter {
+ public:
+  /// [realtime] At the start of a group only (see Recurrence).
+  void design(const FilterCoefficients<Order>& c) noexcept {
+    b_ = c.b;
+    recurrence_.design(c.a);
+  }
+  void reset() noexcept {
+    last_.fill(0.0);
+    recurrence_.reset();
+  }
+  /// [realtime] At least one frame. `position` is the group_position of the first; `x` and `y` do not
+  /// overlap.
+  void run(const double* x, double* y, int frames, int position) noexcept {
+    feed_forward(x, y, frames);
+    recurrence_.run(y, y, frames, position);
+  }
+  /// [realtime] `run` for one frame.
+  double run_single(double x, int position) noexcept {
+    const double v = weighted(x, last_[0], last_[Order - 1], {b_[0], b_[1], Order == 2 ? b_[Order] : 0.0});
+    if constexpr (Order == 2) last_[1] = last_[0];
+    last_[0] = x;
+    return recurrence_.run_single(v, position);
+  }
+
+ private:
+  /// Rounded product by product, not fused: equal inputs under b = (1, -1) or (1, -2, 1) then cancel exactly,
+  /// which a high-pass with a low cutoff would otherwise amplify a million times.
+  template <class Number>
+  static Number weighted(Number now, Number before, Number oldest, const std::array<Number, 3>& b) noexcept {
+    if constexpr (Order == 2)
+      return (b[0] * now + b[2] * oldest) + b[1] * before;
+    else
+      return b[0] * now + b[1] * before;
+  }
+
+  void feed_forward(const double* x, double* v, int frames) noexcept {
+    const std::array<double, 3> b{b_[0], b_[1], Order == 2 ? b_[Order] : 0.0};
+    double before = last_[0], oldest = last_[Order - 1];
+    int i = 0;
+    for (; i < std::min(frames, Lanes::kCount); ++i) {
+      v[i] = weighted(x[i], before, oldest, b);
+      oldest = Order == 2 ? before : x[i];
+      before = x[i];
+    }
+    const std::array<Lanes, 3> wide{Lanes::same(b[0]), Lanes::same(b[1]), Lanes::same(b[2])};
+    for (; i + Lanes::kCount <= frames; i += Lanes::kCount)
+      weighted(Lanes::load(x + i), Lanes::load(x + i - 1), Lanes::load(x + i - Order), wide).store(v + i);
+    for (; i < frames; ++i) v[i] = weighted(x[i], x[i - 1], x[i - Order], b);
+    last_[Order - 1] = frames >= Order ? x[frames - Order] : oldest;
+    last_[0] = x[frames - 1];
+  }
+
+  std::array<double, Order + 1> b_{1.0};
+  std::array<double, Order> last_{};  ///< inputs, newest first
+  Recurrence<Order> recurrence_;
+};
+
+}  // namespace tactus

@@ -1,0 +1,121 @@
+#include "engine/dsp/strings/string_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/dsp/delays/lagrange.h"
+#include "engine/dsp/delays/taps.h"
+
+namespace tactus {
+namespace {
+
+/// Into [low, high]; NaN becomes `low`.
+double clamped(double x, double low, double high) { return x > low ? std::min(x, high) : low; }
+
+std::complex<double> polynomial(const double* coefficients, int count, std::complex<double> x) {
+  std::complex<double> sum = 0;
+  while (count-- > 0) sum = sum * x + coefficients[count];
+  return sum;
+}
+
+}  // namespace
+
+StringDesign::StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain,
+                           double frames_outside) {
+  const bool zero = filter == LossFilter::OneZero;
+  const double frequency = clamped(p.pitch_hz, StringLoop::kLowestPitch, 0.3 * sample_rate.value);
+  const double gain = clamped(p.gain, 0, most_gain);
+  const double loss = clamped(p.loss, 0, zero ? 1 : 0.99);
+  const double radians = 2 * std::numbers::pi * frequency / sample_rate.value;
+  const auto delay = std::polar(1.0, -radians);
+
+  const std::array<double, 2> zeros = zero ? std::array{1 - loss / 2, loss / 2} : std::array{1 - loss, 0.0};
+  pole = zero ? 0 : loss;
+  const auto filter_response = polynomial(zeros.data(), 2, delay) / (1.0 - pole * delay);
+
+  // The middle interval of six taps starts two frames behind the newest, which itself must be in the past.
+  const double frames =
+      std::max(3.0, sample_rate.value / frequency + std::arg(filter_response) / radians - frames_outside);
+  newest = static_cast<int>(frames) - 2;
+  const double wanted = frames - newest;
+  auto weights = lagrange_weights<5>(wanted);
+  const double ahead =
+      std::arg(polynomial(weights.data(), 6, delay) * std::polar(1.0, radians * wanted)) / radians;
+  weights = lagrange_weights<5>(wanted + ahead);
+
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    taps[k] += gain * zeros[0] * weights[k];
+    taps[k + 1] += gain * zeros[1] * weights[k];
+  }
+}
+
+std::complex<double> StringDesign::loop(std::complex<double> delay) const {
+  return std::pow(delay, newest) * polynomial(taps.data(), kTaps, delay) / (1.0 - pole * delay);
+}
+
+int StringLoop::longest_delay(Hertz sample_rate, double lowest_pitch) {
+  return static_cast<int>(sample_rate.value / std::max(kLowestPitch, lowest_pitch)) + StringDesign::kTaps;
+}
+
+StringLoop::StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)
+    : filter_(filter),
+      sample_rate_(sample_rate),
+      design_(parameters_, filter, sample_rate),
+      line_(longest_delay(sample_rate, lowest_pitch), kLongest + StringDesign::kTaps) {
+  losses_.design({design_.pole});
+}
+
+void StringLoop::tune(const StringParameters& parameters) noexcept {
+  if (parameters == parameters_) return;
+  parameters_ = parameters;
+  design_ = StringDesign{parameters, filter_, sample_rate_};
+  losses_.design({design_.pole});
+}
+
+/// As long as the newest tap lies before it, and ending with a group where that is possible: a cut group
+/// costs nearly as much as a whole one.
+int StringLoop::sub_block(int frames, int position) const noexcept {
+  const int most = std::min(kLongest, design_.newest);
+  if (frames <= most) return frames;
+  const int whole = most - (position + most) % kGroup;
+  return whole > 0 ? whole : most;
+}
+
+const double* StringLoop::newest_tap() const noexcept {
+  return line_.behind(design_.newest + StringDesign::kTaps - 1) + StringDesign::kTaps - 1;
+}
+
+double StringLoop::run_single(double x, int position) noexcept {
+  const double* newest = newest_tap();
+  const double y = filter_ == LossFilter::OneZero
+                       ? tap_sum(newest, design_.taps, x)
+                       : x + losses_.run_single(tap_sum(newest, design_.taps, 0), position);
+  line_.write(&y, 1);
+  return y;
+}
+
+void StringLoop::run(const double* x, double* y, int frames, int position) noexcept {
+  while (frames > 0) {
+    const int count = sub_block(frames, position);
+    const double* newest = newest_tap();
+    if (filter_ == LossFilter::OneZero) {
+      tap_sums(newest, design_.taps, x, y, count);
+    } else {
+      std::array<double, kLongest> around;
+      tap_sums(newest, design_.taps, nullptr, around.data(), count);
+      losses_.run(around.data(), around.data(), count, position);
+      for (int n = 0; n < count; ++n) y[n] = x[n] + around[static_cast<std::size_t>(n)];
+    }
+    line_.write(y, count);
+    x += count, y += count, frames -= count;
+    position = (position + count) % kGroup;
+  }
+}
+
+void StringLoop::reset() noexcept {
+  line_.reset();
+  losses_.reset();
+}
+
+}  // namespace tactus

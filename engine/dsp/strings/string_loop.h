@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <complex>
+
+#include "engine/core/units.h"
+#include "engine/dsp/delays/delay_line.h"
+#include "engine/dsp/filters/recurrence.h"
+
+namespace tactus {
+
+enum class LossFilter { OneZero, OnePole };
+
+/// What a string is asked for. Out of range is clamped: pitch to [10 Hz, 0.3 fs], gain to [0, 0.9999] (on a
+/// loop), loss to [0, 1] (one zero) or [0, 0.99] (one pole).
+struct StringParameters {
+  double pitch_hz = 220;
+  double gain = 0.99;
+  double loss = 0.5;
+  bool operator==(const StringParameters&) const = default;
+};
+
+/// A waveguide string, one loop of delay N and losses:
+///
+///   y[n] = x[n] + g (h_LP * y)[n - N]
+///   H_LP(z) = (1 - loss/2) + loss/2 z^-1        one zero
+///   H_LP(z) = (1 - loss) / (1 - loss z^-1)      one pole
+///
+/// N is read between samples by Lagrange interpolation of order 5, and is chosen so that the phase once
+/// around the loop is exactly a whole turn at the pitch f0 (w = 2 pi f0 / fs):
+///
+///   N = fs/f0 + arg H_LP(w) / w - the interpolator's own phase error at w
+///
+/// So a sustained tone sits at f0. A free decay differs by what its damping does to the phase of H_LP: at 4
+/// kHz and 48 kHz 0.3 cents for g = 0.9 and a zero with loss 0.5, 1.1 cents for a pole with loss 0.3 (they
+/// die within 30 ms), less below and for what dies more slowly. The interpolator's gain is below 1 at high
+/// frequencies, a loss that grows with the pitch. Stable for all parameters: g |H_LP| |interpolator| < 1.
+/// Partial at w: T60 = 3 ln(10) / (-ln(g |H_LP(w)|)) * N / fs. Source: Jaffe & Smith, "Extensions of the
+/// Karplus-Strong plucked-string algorithm", CMJ 7(2), 1983.
+struct StringDesign {
+  static constexpr int kTaps = 7;  ///< six of the interpolator; the one-zero filter is folded in and adds one
+
+  /// `most_gain` is 1 where the string is not itself a loop, `frames_outside` what the rest of its loop
+  /// takes.
+  StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain = 0.9999,
+               double frames_outside = 0);
+  /// Once around the loop, at any z^-1: the string rings where this is 1.
+  std::complex<double> loop(std::complex<double> delay) const;
+  /// From x to y, at any z^-1.
+  std::complex<double> response(std::complex<double> delay) const { return 1.0 / (1.0 - loop(delay)); }
+
+  int newest = 0;                    ///< frames back of the first tap
+  std::array<double, kTaps> taps{};  ///< with the loss filter's zeros, and the gain
+  double pole = 0;
+};
+
+class StringLoop {
+ public:
+  /// [control] Allocates for `lowest_pitch`, below which it is never tuned.
+  StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch = kLowestPitch);
+
+  /// [realtime] At the start of a group only (see Recurrence). Does nothing when nothing changed.
+  void tune(const StringParameters& parameters) noexcept;
+  /// [realtime] `position` is the group_position of the first frame; `x` and `y` do not overlap.
+  void run(const double* x, double* y, int frames, int position) noexcept;
+  /// [realtime] `run` for one frame.
+  double run_single(double x, int position) noexcept;
+  void reset() noexcept;
+  /// [realtime] Goes on sounding as `other` did.
+  void adopt(StringLoop& other) noexcept {
+    line_.adopt(other.line_);
+    if (filter_ == other.filter_) losses_.adopt(other.losses_);
+  }
+
+  static constexpr double kLowestPitch = 10;
+  /// Frames that a string of this pitch remembers.
+  static int longest_delay(Hertz sample_rate, double lowest_pitch);
+
+ private:
+  int sub_block(int frames, int position) const noexcept;
+  const double* newest_tap() const noexcept;
+
+  static constexpr int kLongest = 64;  ///< frames worked on at once
+
+  LossFilter filter_;
+  Hertz sample_rate_;
+  StringParameters parameters_;
+  StringDesign design_;
+  DelayLine line_;
+  Recurrence<1> losses_;
+};
+
+}  // namespace tactus

@@ -1,0 +1,121 @@
+#include "engine/graph/file/load.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/read_graph.h"
+#include "engine/graph/semantics/part_path.h"
+
+namespace tactus {
+namespace {
+
+using Spec = std::shared_ptr<const GraphSpec>;
+
+// Nobody nests parts so deep; each level costs stack.
+constexpr std::size_t kLoadMaxDepth = 32;
+
+/// Reads a file and all that it uses, each file once.
+class Loader {
+ public:
+  Loader(const std::filesystem::path& file, const std::filesystem::path& root)
+      : root_(root.empty() ? file.parent_path() : root),
+        mistakes_(Source{std::make_shared<const std::string>(file.string()), 0, 0}) {}
+
+  Spec build(const PartPath& path, const Result<std::string>& text) {
+    if (mistakes_.keep(text) == nullptr) return nullptr;
+    texts_[path.name] = *text;
+    const auto table = parse_toml(*text, path.name);
+    if (mistakes_.keep(table) == nullptr) return nullptr;
+    const Source file{std::make_shared<const std::string>(path.name), 0, 0};
+    auto spec = std::make_shared<GraphSpec>(read_graph(*table, file, mistakes_));
+    open_.push_back(path);
+    for (const auto& node : spec->nodes)
+      if (!node.use.empty())
+        if (auto part = use(node)) spec->parts[node.use] = std::move(part);
+    open_.pop_back();
+    return spec;
+  }
+
+  std::vector<Error> take_mistakes() { return mistakes_.take(); }
+  std::map<std::string, std::string> take_texts() { return std::move(texts_); }
+
+ private:
+  Spec use(const NodeSpec& node) {
+    const auto folder = std::filesystem::path{open_.back().name}.parent_path();
+    const auto found = find_part(node.use, folder, root_, node.type_at);
+    const auto* path = mistakes_.keep(found);
+    if (path == nullptr || runs_in_circle(*path, node) || too_deep(node)) return nullptr;
+    const auto known = done_.find(path->canonical);
+    if (known != done_.end()) {
+      texts_[path->name] = texts_[known->second.name];
+      return known->second.spec;
+    }
+    // A file with mistakes is remembered too, so that it reports them once.
+    return (done_[path->canonical] = {build(*path, read_graph_text(path->name)), path->name}).spec;
+  }
+
+  bool runs_in_circle(const PartPath& path, const NodeSpec& node) {
+    const auto first = std::find_if(open_.begin(), open_.end(),
+                                    [&](const PartPath& open) { return open.canonical == path.canonical; });
+    if (first == open_.end()) return false;
+    std::string chain;
+    for (auto file = first; file != open_.end(); ++file) chain += file->name + " -> ";
+    mistakes_.add(Errc::Cycle, node.type_at, "a file uses itself: " + chain + first->name,
+                  "take one of these parts out of its file");
+    return true;
+  }
+
+  bool too_deep(const NodeSpec& node) {
+    if (open_.size() < kLoadMaxDepth) return false;
+    mistakes_.add(Errc::OutOfRange, node.type_at, "parts lie more than 32 files deep", "use fewer levels");
+    return true;
+  }
+
+  struct Done {
+    Spec spec;
+    std::string name;  ///< under which it was opened first
+  };
+
+  std::filesystem::path root_;
+  Mistakes mistakes_;
+  std::vector<PartPath> open_;  ///< from the first file to the one that is being read
+  std::map<std::filesystem::path, Done> done_;
+  std::map<std::string, std::string> texts_;  ///< by name
+};
+
+LoadedGraph read(const std::filesystem::path& file, const std::filesystem::path& root,
+                 const Result<std::string>& text) {
+  Loader loader{file, root};
+  auto spec = loader.build({file.string(), canonical_path(file)}, text);
+  return {std::move(spec), loader.take_mistakes(), loader.take_texts()};
+}
+
+Checked<Spec> without_mistakes(LoadedGraph loaded) {
+  if (!loaded.mistakes.empty()) return tl::unexpected(std::move(loaded.mistakes));
+  return std::move(loaded.spec);
+}
+
+}  // namespace
+
+LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::filesystem::path& root) {
+  return read(file, root, read_graph_text(file));
+}
+
+LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name,
+                                  const std::filesystem::path& root) {
+  return read(file_name, root, std::string{text});
+}
+
+Checked<Spec> load_graph(const std::filesystem::path& file, const std::filesystem::path& root) {
+  return without_mistakes(load_graph_leniently(file, root));
+}
+
+Checked<Spec> parse_graph(std::string_view text, const std::string& file_name,
+                          const std::filesystem::path& root) {
+  return without_mistakes(parse_graph_leniently(text, file_name, root));
+}
+
+}  // namespace tactus

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/graph/file/spec.h"
+#include "engine/graph/file/value.h"
+
+namespace tactus {
+
+/// A TOML file as plain data. Errors: BadFile, Syntax (one: the parser stops at the first).
+Result<Value::Table> load_toml(const std::filesystem::path& file);
+Result<Value::Table> parse_toml(std::string_view text, const std::string& file_name);
+/// The text of such a file, at most as long as one may be. Errors: BadFile.
+Result<std::string> read_graph_text(const std::filesystem::path& file);
+
+/// A graph together with what is wrong with its text. What else is wrong with it (names, units, ranges) can
+/// be looked up in spite of that: `compile` then tells all mistakes in one go.
+struct LoadedGraph {
+  std::shared_ptr<const GraphSpec> spec;  ///< nullptr if the file cannot be read or is no TOML
+  std::vector<Error> mistakes;            ///< by place
+  /// What was read, by the path as it was opened: together they are the whole graph, whatever becomes of the
+  /// files.
+  std::map<std::string, std::string> texts = {};
+};
+
+/// Reads an instrument, plant or part, and every file that it uses. `root` is the folder that `use` and other
+/// paths may not leave (empty: the file's own folder). Every mistake of the text comes back, in file order:
+/// unknown sections and keys, wrong types, names that are not names or given twice, files that use
+/// themselves.
+LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::filesystem::path& root = {});
+/// The same from text; `file_name` stands in messages, and relative paths start at its folder.
+LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name,
+                                  const std::filesystem::path& root = {});
+
+/// The same for those who only want a graph whose text is right.
+Checked<std::shared_ptr<const GraphSpec>> load_graph(const std::filesystem::path& file,
+                                                     const std::filesystem::path& root = {});
+Checked<std::shared_ptr<const GraphSpec>> parse_graph(std::string_view text, const std::string& file_name,
+                                                      const std::filesystem::path& root = {});
+
+}  // namespace tactus

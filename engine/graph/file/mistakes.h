@@ -1,0 +1,53 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/graph/file/value.h"
+
+namespace tactus {
+
+/// By file, line and column of `where`, those of the file `first` before all others; mistakes of one place
+/// stay in order.
+void sort_by_place(std::vector<Error>& errors, std::string_view first = {});
+
+/// "'a', 'b' and 'c'"
+std::string listed(std::span<const std::string> names);
+
+/// Gathers the mistakes of a file, so that all of them come back in one go.
+class Mistakes {
+ public:
+  Mistakes() = default;
+  /// Those of `first`, the file that the user named, come before those of the files that it uses.
+  explicit Mistakes(const Source& first) : first_(first.file ? *first.file : std::string{}) {}
+
+  void add(Errc code, const Source& at, std::string what, std::string remedy);
+  void add(Error error) { list_.push_back(std::move(error)); }
+  void add(std::vector<Error> errors);
+
+  /// "unknown key 'xyz'; did you mean 'inputs'?" for each key that is not in `known`.
+  void unknown_keys(const Value::Table& table, std::span<const std::string> known);
+
+  /// The string called `key`; "" if there is none, and a mistake if it is something else.
+  std::string text(const Value::Table& table, std::string_view key);
+
+  /// The value, or nothing and a mistake.
+  template <class T>
+  const T* keep(const Result<T>& result) {
+    if (!result) add(result.error());
+    return result ? &*result : nullptr;
+  }
+
+  bool any() const { return !list_.empty(); }
+  /// All of them, by place, each once.
+  std::vector<Error> take();
+
+ private:
+  std::string first_;
+  std::vector<Error> list_;
+};
+
+}  // namespace tactus

@@ -1,0 +1,87 @@
+#include "engine/graph/file/quantity.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace tactus {
+namespace {
+
+/// An example of a quantity of this dimension, to show what was wanted.
+std::string example_of(const Dimension& dimension) {
+  static constexpr std::array kExamples = {"15 ms",    "440 Hz",    "12 mm", "0.5 m/s", "1.5 N",
+                                           "1000 N/m", "0.1 N s/m", "12 g",  "6 ohm",   "0.8 mH",
+                                           "10 V",     "6 T m",     "0.2 A"};
+  for (const auto* text : kExamples)
+    if (parse_quantity(text)->unit.dimension == dimension) return std::string{"\""} + text + "\"";
+  return dimension.plain() ? "a plain number, such as 0.5" : "a quantity in " + to_string(dimension);
+}
+
+/// It has the form of a quantity, whatever the size of its number.
+bool has_number_and_unit(std::string_view text) {
+  const auto start = std::min(text.find_first_not_of(" +"), text.size());
+  double value = 0;
+  const auto number = std::from_chars(text.data() + start, text.data() + text.size(), value);
+  if (number.ec == std::errc::invalid_argument) return false;
+  return parse_unit(text.substr(static_cast<std::size_t>(number.ptr - text.data()))).has_value();
+}
+
+}  // namespace
+
+std::string short_number(double number) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", number);
+  return text.data();
+}
+
+std::string short_quantity(double si, const Dimension& dimension) {
+  // From small to large; the first of a dimension serves whatever is smaller.
+  static constexpr std::array kUnits = {"us",  "ms",   "s",    "um", "mm", "m",  "mg", "g",  "kg", "mN", "N",
+                                        "kN",  "Hz",   "kHz",  "mJ", "J",  "mW", "W",  "mA", "A",  "mV", "V",
+                                        "ohm", "kohm", "Mohm", "uH", "mH", "H",  "nF", "uF", "F"};
+  std::string text;
+  for (const auto* name : kUnits) {
+    const auto unit = *parse_unit(name);
+    if (!(unit.dimension == dimension)) continue;
+    const bool zero = si == 0 && unit.factor == 1;
+    if (text.empty() || zero || (si != 0 && std::abs(unit.from_si(si)) >= 0.9999995))
+      text = short_number(unit.from_si(si)) + " " + name;
+  }
+  if (!text.empty()) return text;
+  const auto name = to_string(dimension);
+  return short_number(si) + (name.empty() ? "" : " " + name);
+}
+
+Result<QuantityValue> read_quantity(const Value& value) {
+  if (const auto* number = value.number()) return QuantityValue{*number, {}, true};
+  const auto* text = value.text();
+  if (text == nullptr)
+    return fail(Errc::WrongType, value.at.text(), "a quantity cannot be " + value.kind(),
+                "give a number, or a number with its unit in quotes, such as \"15 ms\"");
+  const auto quantity = parse_quantity(*text);
+  if (!quantity && has_number_and_unit(*text))
+    return fail(Errc::OutOfRange, value.at.text(), "'" + *text + "' is not finite",
+                "give a number that is, in SI units, below 1e300");
+  if (!quantity)
+    return fail(Errc::Syntax, value.at.text(), "'" + *text + "' is not a quantity",
+                "write a number and its unit, such as \"15 ms\"");
+  const bool bare = text->find_first_not_of("+-0123456789.eE ") == std::string::npos;
+  return QuantityValue{quantity->si, quantity->unit, bare};
+}
+
+Result<double> read_quantity(const Value& value, const Unit& expected, const std::string& what) {
+  const auto quantity = read_quantity(value);
+  if (!quantity) return tl::unexpected(quantity.error());
+  if (quantity->bare || quantity->unit.dimension == expected.dimension) return quantity->si;
+  const auto in = [](const Dimension& d) {
+    return d.plain() ? std::string{"a plain number"} : "in " + to_string(d);
+  };
+  return fail(Errc::UnitMismatch, value.at.text(),
+              "'" + *value.text() + "' is " + in(quantity->unit.dimension) + ", but '" + what + "' is " +
+                  in(expected.dimension),
+              "give " + example_of(expected.dimension));
+}
+
+}  // namespace tactus

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "engine/core/dimension.h"
+#include "engine/core/error.h"
+#include "engine/graph/file/value.h"
+
+namespace tactus {
+
+/// A number (bare) or a quantity in a string, as written in a graph file.
+struct QuantityValue {
+  double si = 0;
+  Unit unit;
+  bool bare = false;  ///< no unit given: counts in SI
+};
+
+Result<QuantityValue> read_quantity(const Value& value);
+/// The same in SI, checked against what is `expected`: "'12 mm' is in m, but 'time' is in s; give a time …".
+Result<double> read_quantity(const Value& value, const Unit& expected, const std::string& what);
+
+/// "1234.5", "1e-09": the shortest text that reads well in a message.
+std::string short_number(double number);
+/// "15 ms" for 0.015 s: in the unit that people would choose for it; a plain number without one.
+std::string short_quantity(double si, const Dimension& dimension);
+
+}  // namespace tactus

@@ -1,0 +1,294 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "engine/graph/plan/phase_delay.h"
+#include "engine/graph/plan/vertex_graph.h"
+#include "engine/graph/semantics/facts.h"
+
+namespace tactus {
+namespace {
+
+class Lowering {
+ public:
+  explicit Lowering(const FlatGraph& flat) : flat_(flat) {}
+
+  VertexGraph run() {
+    make_inputs();
+    for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
+      const auto& signal = flat_.signals[i];
+      wires_.emplace_back(static_cast<std::size_t>(signal.lanes));
+      if (signal.kind == FlatSignal::Kind::NodeOutput) continue;
+      for (int lane = 0; lane < signal.lanes; ++lane)
+        wires_[i][static_cast<std::size_t>(lane)] =
+            signal.kind == FlatSignal::Kind::SystemDelay ? system_delay(signal) : make_source(signal, lane);
+    }
+    make_nodes();
+    // All names have their vertices now; loops can be closed.
+    for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
+      const auto& signal = flat_.signals[i];
+      if (signal.kind != FlatSignal::Kind::Expression) continue;
+      every_ = signal.crossing ? signal.crossing->from : signal.every;
+      for (int lane = 0; lane < signal.lanes; ++lane) {
+        const auto wire = lower(signal.term, lane, signal.lanes, signal.path);
+        graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {
+            wire};
+      }
+    }
+    connect_nodes();
+    make_outputs();
+    return std::move(graph_);
+  }
+
+ private:
+  static std::string lane_path(const std::string& path, int lane, int lanes) {
+    return lanes > 1 ? path + "[" + std::to_string(lane) + "]" : path;
+  }
+
+  Wire add(Vertex vertex) {
+    graph_.vertices.push_back(std::move(vertex));
+    return {static_cast<int>(graph_.vertices.size()) - 1, 0};
+  }
+
+  Wire constant(double value, const Source& at = {}) {
+    Vertex vertex;
+    vertex.value = value;
+    vertex.at = at;
+    return add(std::move(vertex));
+  }
+
+  /// What is made of the same thing lane after lane belongs together; the second time round is another thing.
+  void set_lane(Vertex& vertex, const void* of, int lane, int lanes) {
+    vertex.lane = lane;
+    vertex.lanes = lanes;
+    if (lanes > 1) vertex.origin = {of, made_of_[{of, lane}]++};
+  }
+
+  void make_inputs() {
+    for (const auto& input : flat_.inputs) {
+      first_channel_.push_back(static_cast<int>(graph_.inputs.size()));
+      for (int lane = 0; lane < input.lanes; ++lane)
+        graph_.inputs.push_back(lane_path(input.name, lane, input.lanes));
+    }
+  }
+
+  Wire make_source(const FlatSignal& signal, int lane) {
+    Vertex vertex;
+    vertex.path = lane_path(signal.path, lane, signal.lanes);
+    vertex.at = signal.at;
+    vertex.every = signal.every;
+    set_lane(vertex, &signal, lane, signal.lanes);
+    switch (signal.kind) {
+      case FlatSignal::Kind::Input:
+        vertex.kind = Vertex::Kind::Input;
+        vertex.index = first_channel_[static_cast<std::size_t>(signal.index)] + lane;
+        break;
+      case FlatSignal::Kind::Control:
+        vertex.kind = Vertex::Kind::Control;
+        vertex.index = signal.index;
+        break;
+      case FlatSignal::Kind::SystemDelay:
+        vertex.kind = Vertex::Kind::SystemDelay;
+        break;
+      case FlatSignal::Kind::Missing:
+        break;  // a constant that nobody reads
+      case FlatSignal::Kind::Expression:
+      case FlatSignal::Kind::NodeOutput:
+        vertex.kind = Vertex::Kind::Operation;
+        vertex.op = Term::Op::Signal;
+        break;
+    }
+    if (signal.crossing) make_crossing(vertex, signal);
+    return add(std::move(vertex));
+  }
+
+  /// One for all files: whoever plays tells it once.
+  Wire system_delay(const FlatSignal& signal) {
+    if (system_delay_.vertex < 0) system_delay_ = make_source(signal, 0);
+    return system_delay_;
+  }
+
+  void make_crossing(Vertex& vertex, const FlatSignal& signal) const {
+    vertex.kind = Vertex::Kind::Crossing;
+    vertex.crossing = *signal.crossing;
+    vertex.origin = {};
+    if (is_trigger(signal.term, 0)) vertex.crossing.how = SignalCrossing::How::Trigger;
+  }
+
+  /// A name for what a node fires, through as many files as there may be.
+  bool is_trigger(const Term& term, int depth) const {
+    if (term.op != Term::Op::Signal || depth > 64) return false;
+    const auto& signal = flat_.signals[static_cast<std::size_t>(term.signal)];
+    if (signal.kind == FlatSignal::Kind::Expression) return is_trigger(signal.term, depth + 1);
+    if (signal.kind != FlatSignal::Kind::NodeOutput) return false;
+    const auto& type = *flat_.nodes[static_cast<std::size_t>(signal.index)].type;
+    return type.outputs[static_cast<std::size_t>(signal.port)].kind == OutputKind::Trigger;
+  }
+
+  void make_nodes() {
+    for (std::size_t n = 0; n < flat_.nodes.size(); ++n) {
+      const auto& node = flat_.nodes[n];
+      first_vertex_.push_back(static_cast<int>(graph_.vertices.size()));
+      if (node.type->name == "mix") {  // a sum of lanes: plain additions
+        const int output = node.outputs.front();
+        wires_[static_cast<std::size_t>(output)][0] =
+            make_source(flat_.signals[static_cast<std::size_t>(output)], 0);
+        continue;
+      }
+      for (int lane = 0; lane < node.lanes; ++lane) {
+        Vertex vertex;
+        vertex.kind = Vertex::Kind::Node;
+        vertex.index = static_cast<int>(n);
+        set_lane(vertex, &node, lane, node.lanes);
+        vertex.outputs = static_cast<int>(node.outputs.size());
+        vertex.path = lane_path(node.path, lane, node.lanes);
+        vertex.at = node.at;
+        vertex.every = node.every;
+        const auto wire = add(std::move(vertex));
+        for (std::size_t port = 0; port < node.outputs.size(); ++port)
+          wires_[static_cast<std::size_t>(node.outputs[port])][static_cast<std::size_t>(lane)] = {
+              wire.vertex, static_cast<int>(port)};
+      }
+    }
+  }
+
+  void connect_nodes() {
+    for (std::size_t n = 0; n < flat_.nodes.size(); ++n) {
+      const auto& node = flat_.nodes[n];
+      every_ = node.every;
+      if (node.type->name == "mix") {
+        connect_mix(node);
+        continue;
+      }
+      for (int lane = 0; lane < node.lanes; ++lane) {
+        std::vector<Wire> in;
+        for (std::size_t i = 0; i < node.inputs.size(); ++i)
+          in.push_back(node.inputs[i] ? lower(*node.inputs[i], lane, node.lanes, node.path)
+                                      : constant(node.type->inputs[i].fallback.value_or(0)));
+        const auto v = first_vertex_[n] + lane;
+        if (!node.compensate.empty()) compensate(node, lane, in);
+        graph_.vertices[static_cast<std::size_t>(v)].in = std::move(in);
+      }
+    }
+  }
+
+  /// A time less the phase delays of other nodes, or with them: a vertex for each, that reads all inputs of
+  /// that node, since those decide what the delay is.
+  void compensate(const FlatNode& node, int lane, std::vector<Wire>& in) {
+    const auto where = compensation_of(*node.type);
+    const auto time = static_cast<std::size_t>(where.port), period = static_cast<std::size_t>(where.period);
+    for (const int other_index : node.compensate) {
+      const auto& other = flat_.nodes[static_cast<std::size_t>(other_index)];
+      Vertex vertex;
+      vertex.kind = Vertex::Kind::PhaseDelay;
+      vertex.index = first_vertex_[static_cast<std::size_t>(other_index)] + std::min(lane, other.lanes - 1);
+      vertex.value = where.sign;
+      vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
+      vertex.at = node.at;
+      vertex.every = node.every;
+      // What the compensations before this one left, then the period, then the parameters.
+      vertex.in = {in[time], lower(*node.inputs[period], lane, node.lanes, node.path)};
+      for (std::size_t i = 0; i < other.inputs.size(); ++i)
+        vertex.in.push_back(other.type->inputs[i].late || i == 0 || !other.inputs[i]
+                                ? constant(other.type->inputs[i].fallback.value_or(0))
+                                : lower(*other.inputs[i], lane, node.lanes, node.path));
+      in[time] = add(std::move(vertex));
+    }
+  }
+
+  void connect_mix(const FlatNode& node) {
+    Vertex sum;
+    sum.kind = Vertex::Kind::Sum;
+    sum.path = node.path;
+    sum.at = node.at;
+    sum.every = node.every;
+    for (int lane = 0; lane < node.lanes; ++lane)
+      sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
+    const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
+    const auto out = wires_[static_cast<std::size_t>(node.outputs.front())][0];
+    graph_.vertices[static_cast<std::size_t>(out.vertex)].in = {wire};
+  }
+
+  Wire lower(const Term& term, int lane, int lanes, const std::string& path) {
+    if (lanes == 1 || lanes_of(flat_, term) != 1) return lower_lane(term, lane, lanes, path);
+    const auto [known, fresh] = shared_.try_emplace(&term);
+    if (fresh) known->second = lower_lane(term, 0, 1, path);
+    return known->second;
+  }
+
+  Wire lower_lane(const Term& term, int lane, int lanes, const std::string& path) {
+    switch (term.op) {
+      case Term::Op::Number:
+        return constant(term.number, term.at);
+      case Term::Op::Signal: {
+        const auto& wires = wires_[static_cast<std::size_t>(term.signal)];
+        return wires[wires.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+      }
+      case Term::Op::Lanes: {
+        const auto& own = term.arguments[term.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+        return own.op == Term::Op::Number ? own_number(own.number, term, lane, lanes)
+                                          : lower(own, 0, 1, path);
+      }
+      case Term::Op::Spread:
+        return own_number(spread(term, lane, lanes), term, lane, lanes);
+      default:
+        break;
+    }
+    Vertex vertex;
+    vertex.kind = Vertex::Kind::Operation;
+    vertex.op = term.op;
+    vertex.path = path;
+    vertex.at = term.at;
+    vertex.every = every_;
+    set_lane(vertex, &term, lane, lanes);
+    for (const auto& argument : term.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
+    return add(std::move(vertex));
+  }
+
+  /// Of a list or a spread: its lanes stay together even where one of them is 0 or 1.
+  Wire own_number(double value, const Term& term, int lane, int lanes) {
+    const auto wire = constant(value, term.at);
+    set_lane(graph_.vertices.back(), &term, lane, lanes);
+    return wire;
+  }
+
+  static double spread(const Term& term, int lane, int lanes) {
+    const double from = term.arguments[0].number;
+    const double to = term.arguments[1].number;
+    const double position = lanes > 1 ? static_cast<double>(lane) / (lanes - 1) : 0;
+    return term.bare ? from + (to - from) * position : from * std::pow(to / from, position);
+  }
+
+  void make_outputs() {
+    every_ = 1;
+    for (const auto& output : flat_.outputs) {
+      for (int lane = 0; lane < output.lanes; ++lane) {
+        Vertex vertex;
+        vertex.kind = Vertex::Kind::Output;
+        vertex.index = static_cast<int>(graph_.outputs.size());
+        vertex.path = lane_path(output.name, lane, output.lanes);
+        vertex.at = output.at;
+        vertex.outputs = 0;
+        vertex.in = {lower(output.term, lane, output.lanes, output.name)};
+        graph_.outputs.push_back({vertex.path, output.use, output.dimension});
+        add(std::move(vertex));
+      }
+    }
+  }
+
+  const FlatGraph& flat_;
+  VertexGraph graph_;
+  int every_ = 1;                         ///< of the expression that is being lowered
+  std::vector<std::vector<Wire>> wires_;  ///< [signal][lane]
+  Wire system_delay_;
+  std::vector<int> first_channel_;                      ///< [input]
+  std::vector<int> first_vertex_;                       ///< [node]
+  std::map<const Term*, Wire> shared_;                  ///< what all lanes have in common
+  std::map<std::pair<const void*, int>, int> made_of_;  ///< [origin, lane]: how many vertices
+};
+
+}  // namespace
+
+VertexGraph lower(const FlatGraph& flat) { return Lowering{flat}.run(); }
+
+}  // namespace tactus

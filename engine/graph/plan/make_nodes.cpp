@@ -1,0 +1,216 @@
+#include "engine/graph/plan/make_nodes.h"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+
+#include "engine/graph/plan/crossing.h"
+#include "engine/graph/plan/fingerprint.h"
+#include "engine/graph/plan/lane_sum.h"
+#include "engine/graph/plan/phase_delay.h"
+#include "engine/graph/semantics/operators.h"
+
+namespace tactus {
+namespace {
+
+class Maker {
+ public:
+  Maker(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
+      : graph_(graph), flat_(flat), options_(options), memory_(options.most_bytes) {
+    made_.nodes.resize(graph.vertices.size());
+    made_.fingerprints.resize(graph.vertices.size());
+    made_.frozen_controls.assign(flat.controls.size(), false);
+  }
+
+  MadeNodes run() {
+    // Nodes that others are compensated for come first: their response bounds the delay of those.
+    for (const bool compensated : {false, true}) {
+      if (compensated) fold_phase_delays();
+      for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+        const auto& vertex = graph_.vertices[v];
+        if (vertex.alive && vertex.kind == Vertex::Kind::Node &&
+            flat_node(vertex).compensate.empty() != compensated)
+          make(v, vertex);
+      }
+    }
+    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+      const auto& vertex = graph_.vertices[v];
+      if (vertex.alive && vertex.kind == Vertex::Kind::Crossing) make_crossing(v, vertex);
+      if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
+      const auto other = static_cast<std::size_t>(vertex.index);
+      made_.fingerprints[v] = made_.fingerprints[other];
+      if (made_.nodes[other] != nullptr)
+        made_.nodes[v] = std::make_shared<PhaseDelay>(
+            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, rate_of(vertex.every), vertex.value);
+      else if (made_.mistakes.empty())
+        complain_phase(vertex);
+    }
+    return std::move(made_);
+  }
+
+ private:
+  const FlatNode& flat_node(const Vertex& vertex) const {
+    return flat_.nodes[static_cast<std::size_t>(vertex.index)];
+  }
+  const Vertex& at(Wire wire) const { return graph_.vertices[static_cast<std::size_t>(wire.vertex)]; }
+
+  Hertz rate_of(int every) const { return Hertz{options_.sample_rate.value / every}; }
+
+  void make_crossing(std::size_t v, const Vertex& vertex) {
+    const auto& how = vertex.crossing;
+    made_.nodes[v] = std::make_shared<Crossing>(how, vertex.every, rate_of(std::min(how.from, vertex.every)));
+    Fingerprint print;
+    for (const int number : {how.from, vertex.every, static_cast<int>(how.how)})
+      print.add(static_cast<std::uint64_t>(number));
+    made_.fingerprints[v] = print.value();
+  }
+
+  void make(std::size_t v, const Vertex& vertex) {
+    const auto& node = flat_node(vertex);
+    auto setup = setup_of(node, vertex);
+    if (!setup || (!node.compensate.empty() && !shorten_time(node, vertex, *setup))) return;
+    auto made = make_within(*setup);
+    if (made) {
+      made_.nodes[v] = std::move(*made);
+      made_.fingerprints[v] = fingerprint(*setup);
+      return;
+    }
+    auto error = made.error();
+    if (error.where.empty()) error.where = node.at.text();
+    // As the file at that place calls it, so that a part used twice tells its mistake once.
+    const auto name = node.path.substr(node.path.rfind('.') + 1);
+    error.what = node.type->name + " '" + name + "': " + error.what;
+    made_.mistakes.push_back(std::move(error));
+  }
+
+  /// What stands in the settings is kept by each lane of each node, whatever else it keeps.
+  Result<std::unique_ptr<Node>> make_within(NodeSetup& setup) {
+    setup.memory = &memory_;
+    std::size_t numbers = 0;
+    for (const auto& setting : setup.settings) numbers += setting.numbers.size() + 2 * setting.points.size();
+    if (const auto fits = setup.take_memory(numbers); !fits) return tl::unexpected(fits.error());
+    return setup.type->make(setup);
+  }
+
+  /// A phase delay that never changes leaves a delay time that rests.
+  void fold_phase_delays() {
+    for (auto& vertex : graph_.vertices) {
+      if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
+      const auto& other = made_.nodes[static_cast<std::size_t>(vertex.index)];
+      std::vector<double> in;
+      for (const auto& wire : vertex.in)
+        if (at(wire).kind == Vertex::Kind::Constant) in.push_back(at(wire).value);
+      if (other == nullptr || in.size() != vertex.in.size()) continue;
+      const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()}, rate_of(vertex.every));
+      if (!taken) continue;
+      vertex.kind = Vertex::Kind::Constant;
+      vertex.value = in[0] + vertex.value * *taken;
+      vertex.in.clear();
+    }
+  }
+
+  /// Nothing after a mistake.
+  std::optional<NodeSetup> setup_of(const FlatNode& node, const Vertex& vertex) {
+    NodeSetup setup;
+    bool right = true;
+    setup.sample_rate = rate_of(node.every);
+    setup.type = node.type.get();
+    setup.settings = node.settings;
+    setup.lane = vertex.lane;
+    setup.lanes = node.lanes;
+    for (std::size_t i = 0; i < vertex.in.size(); ++i) {
+      InputInfo info{node.ranges[i], std::nullopt, node.inputs[i].has_value()};
+      const auto& source = at(vertex.in[i]);
+      if (source.kind == Vertex::Kind::Constant) info.constant = source.value;
+      if (node.type->inputs[i].fixed) {
+        info.constant = starting_value(vertex.in[i], 0);
+        right = right && info.constant.has_value();
+        if (!info.constant)
+          made_.mistakes.push_back({Errc::WrongType, node.inputs[i]->at.text(),
+                                    "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" +
+                                        node.path + "' must not change while it runs",
+                                    "give a number, a quantity, or an expression of controls"});
+      }
+      if (info.constant) info.range = Interval::exactly(*info.constant);
+      setup.inputs.push_back(info);
+    }
+    return right ? std::optional{std::move(setup)} : std::nullopt;
+  }
+
+  /// What a signal is when the graph starts, if only constants and controls decide it. Such controls freeze.
+  std::optional<double> starting_value(Wire wire, int depth) {
+    const auto& vertex = at(wire);
+    if (vertex.kind == Vertex::Kind::Constant) return vertex.value;
+    if (vertex.kind == Vertex::Kind::SystemDelay) return options_.system_delay.value;
+    if (vertex.kind == Vertex::Kind::Control) {
+      made_.frozen_controls[static_cast<std::size_t>(vertex.index)] = true;
+      return flat_.controls[static_cast<std::size_t>(vertex.index)].value;
+    }
+    if (vertex.kind == Vertex::Kind::Sum) return starting_sum(vertex, depth);
+    if (vertex.kind == Vertex::Kind::Crossing) return starting_value(vertex.in[0], depth + 1);
+    if (vertex.kind != Vertex::Kind::Operation || depth > 1000) return std::nullopt;
+    const auto a = starting_value(vertex.in[0], depth + 1);
+    const auto b = vertex.in.size() > 1 ? starting_value(vertex.in[1], depth + 1) : std::optional{0.0};
+    if (!a || !b) return std::nullopt;
+    return apply(vertex.op, *a, *b);
+  }
+
+  std::optional<double> starting_sum(const Vertex& sum, int depth) {
+    std::vector<double> values;
+    for (const auto& wire : sum.in) {
+      const auto value = depth > 1000 ? std::nullopt : starting_value(wire, depth + 1);
+      if (!value) return std::nullopt;
+      values.push_back(*value);
+    }
+    return add_lanes(values, std::plus<>{});
+  }
+
+  /// False if a node that is compensated for could not be made: nothing is known of its delay.
+  bool shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
+    const auto where = compensation_of(*node.type);
+    const auto time = static_cast<std::size_t>(where.port);
+    auto tuned = node.ranges[static_cast<std::size_t>(where.period)];
+    if (!tuned.bounded()) return true;  // the node itself asks for bounds
+    // No period is shorter than two frames.
+    const double shortest = 2 / rate_of(node.every).value;
+    tuned = {std::max(tuned.low, shortest), std::max(tuned.high, shortest)};
+    Wire wire = vertex.in[time];
+    Interval left{0, 0};
+    for (; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
+      const auto other = static_cast<std::size_t>(at(wire).index);
+      if (made_.nodes[other] == nullptr) return false;
+      const auto taken = PhaseDelay::range(made_.nodes[other], tuned,
+                                           flat_node(graph_.vertices[other]).ranges, rate_of(node.every));
+      if (!taken) return complain_phase(at(wire)), false;
+      left = left + (where.sign < 0 ? Interval{-taken->high, -taken->low} : *taken);
+    }
+    left = left +
+           (at(wire).kind == Vertex::Kind::Constant ? Interval::exactly(at(wire).value) : node.ranges[time]);
+    if (wire == vertex.in[time] && left.single()) return true;
+    setup.inputs[time].constant.reset();
+    setup.inputs[time].range = {std::max(0.0, left.low), std::max(0.0, left.high)};
+    return true;
+  }
+
+  void complain_phase(const Vertex& phase_delay) {
+    made_.mistakes.push_back({Errc::BadArgument, phase_delay.at.text(),
+                              "the phase delay of '" +
+                                  graph_.vertices[static_cast<std::size_t>(phase_delay.index)].path +
+                                  "' cannot be compensated: it is not known",
+                              "name filters that lie in the same loop"});
+  }
+
+  VertexGraph& graph_;
+  const FlatGraph& flat_;
+  const CompileOptions& options_;
+  MemoryBudget memory_;
+  MadeNodes made_;
+};
+
+}  // namespace
+
+MadeNodes make_nodes(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options) {
+  return Maker{graph, flat, options}.run();
+}
+
+}  // namespace tactus

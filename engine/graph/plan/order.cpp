@@ -1,0 +1,272 @@
+#include "engine/graph/plan/order.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "engine/graph/file/mistakes.h"
+
+namespace tactus {
+namespace {
+
+struct Edge {
+  int to;
+  bool late;
+};
+
+class Ordering {
+ public:
+  Ordering(const VertexGraph& graph, const std::vector<std::vector<bool>>& late,
+           const std::vector<int>& least, bool closed_outside)
+      : graph_(graph),
+        least_(least),
+        size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
+    readers_.resize(static_cast<std::size_t>(size_));
+    least_.resize(static_cast<std::size_t>(size_), 0);
+    const int outside = closed_outside ? size_ - 1 : -1;
+    for (int v = 0; v < static_cast<int>(graph.vertices.size()); ++v) {
+      const auto& vertex = vertex_at(v);
+      if (!vertex.alive) continue;
+      for (std::size_t i = 0; i < vertex.in.size(); ++i)
+        readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back(
+            {v, late[static_cast<std::size_t>(v)][i]});
+      if (outside < 0) continue;
+      // A tap only listens: nothing outside answers it.
+      if (vertex.kind == Vertex::Kind::Output &&
+          graph.outputs[static_cast<std::size_t>(vertex.index)].use != OutputUse::Tap)
+        readers_[static_cast<std::size_t>(v)].push_back({outside, false});
+      if (vertex.kind == Vertex::Kind::Input)
+        readers_[static_cast<std::size_t>(outside)].push_back({v, false});
+    }
+  }
+
+  Checked<std::vector<OrderedSection>> run() {
+    if (auto errors = cycle_errors(); !errors.empty()) return tl::unexpected(std::move(errors));
+    auto components = find_components(every_edge);
+    std::vector<OrderedSection> sections;
+    // Tarjan finds components in reverse order: what is read comes last.
+    for (auto it = components.rbegin(); it != components.rend(); ++it) {
+      auto& component = *it;
+      if (component.size() == 1 && !reads_itself(component.front(), every_edge)) {
+        if (sections.empty() || sections.back().loop) sections.emplace_back();
+        sections.back().vertices.push_back({half_of_whole(component.front()), component.front()});
+        continue;
+      }
+      sections.push_back(order_loop(component));
+    }
+    return sections;
+  }
+
+ private:
+  const Vertex& vertex_at(int v) const { return graph_.vertices[static_cast<std::size_t>(v)]; }
+  bool is_outside(int v) const { return v >= static_cast<int>(graph_.vertices.size()); }
+  bool alive(int v) const { return is_outside(v) || vertex_at(v).alive; }
+  OrderedVertex::Half half_of_whole(int v) const {
+    return is_outside(v) ? OrderedVertex::Half::Outside : OrderedVertex::Half::Whole;
+  }
+  const std::vector<Edge>& readers(int v) const { return readers_[static_cast<std::size_t>(v)]; }
+
+  template <class Follows>
+  bool reads_itself(int v, Follows follows) const {
+    return std::any_of(readers(v).begin(), readers(v).end(),
+                       [&](const Edge& e) { return e.to == v && follows(e); });
+  }
+
+  static bool every_edge(const Edge&) { return true; }
+
+  /// Tarjan's strongly connected components over the edges that `follows` takes, with a stack of our own:
+  /// graphs may be chains of 100,000 nodes.
+  template <class Follows>
+  std::vector<std::vector<int>> find_components(Follows follows) const {
+    struct Frame {
+      int v;
+      std::size_t next;
+    };
+    const auto n = static_cast<std::size_t>(size_);
+    std::vector<std::vector<int>> components;
+    std::vector<int> index(n, -1), low(n, 0);
+    std::vector<bool> on_stack(n, false);
+    std::vector<int> stack;
+    int counter = 0;
+    for (int start = size_ - 1; start >= 0; --start) {
+      if (index[static_cast<std::size_t>(start)] >= 0 || !alive(start)) continue;
+      std::vector<Frame> frames{{start, 0}};
+      while (!frames.empty()) {
+        const int v = frames.back().v;
+        const auto vi = static_cast<std::size_t>(v);
+        if (frames.back().next == 0 && index[vi] < 0) {
+          index[vi] = low[vi] = counter++;
+          stack.push_back(v);
+          on_stack[vi] = true;
+        }
+        if (frames.back().next < readers(v).size()) {
+          const auto& edge = readers(v)[frames.back().next++];
+          const auto wi = static_cast<std::size_t>(edge.to);
+          if (!follows(edge)) continue;
+          if (index[wi] < 0)
+            frames.push_back({edge.to, 0});
+          else if (on_stack[wi])
+            low[vi] = std::min(low[vi], index[wi]);
+          continue;
+        }
+        if (low[vi] == index[vi]) {
+          std::vector<int> component;
+          int w = -1;
+          do {
+            w = stack.back();
+            stack.pop_back();
+            on_stack[static_cast<std::size_t>(w)] = false;
+            component.push_back(w);
+          } while (w != v);
+          components.push_back(std::move(component));
+        }
+        frames.pop_back();
+        if (!frames.empty()) {
+          const auto parent = static_cast<std::size_t>(frames.back().v);
+          low[parent] = std::min(low[parent], low[vi]);
+        }
+      }
+    }
+    return components;
+  }
+
+  // ---- loops
+  // -----------------------------------------------------------------------------------------------
+
+  /// Every cycle in `component` is cut by a delay of a frame or more.
+  OrderedSection order_loop(std::vector<int>& component) const {
+    std::sort(component.begin(), component.end());
+    const std::set<int> inside(component.begin(), component.end());
+    std::set<int, std::greater<>> delays;  // a longer sub-block first
+    for (const int v : component)
+      for (const auto& edge : readers(v))
+        if (edge.late && inside.contains(edge.to))
+          delays.insert(std::min(kMaxPiece, least_[static_cast<std::size_t>(edge.to)]));
+    OrderedSection section;
+    for (const int sub_block : delays) {
+      std::vector<int> left;
+      section = try_order(component, inside, sub_block, left);
+      if (left.empty()) break;
+    }
+    return section;
+  }
+
+  bool cuts(const Edge& edge, int sub_block) const {
+    return edge.late && least_[static_cast<std::size_t>(edge.to)] >= sub_block;
+  }
+
+  /// Kahn's algorithm without the edges that `sub_block` cuts; what lies on a remaining cycle ends up in
+  /// `left`.
+  OrderedSection try_order(const std::vector<int>& component, const std::set<int>& inside, int sub_block,
+                           std::vector<int>& left) const {
+    OrderedSection section;
+    section.loop = true;
+    section.sub_block = sub_block;
+    section.delay_frames = std::numeric_limits<int>::max();
+    std::map<int, int> waiting;
+    std::set<int> split;
+    for (const int v : component)
+      for (const auto& edge : readers(v)) {
+        if (!inside.contains(edge.to)) continue;
+        if (cuts(edge, sub_block)) {
+          split.insert(edge.to);
+          section.delay_frames = std::min(section.delay_frames, least_[static_cast<std::size_t>(edge.to)]);
+        } else
+          ++waiting[edge.to];
+      }
+    std::vector<int> ready;
+    for (auto it = component.rbegin(); it != component.rend(); ++it)
+      if (waiting[*it] == 0) ready.push_back(*it);
+    std::set<int> done;
+    while (!ready.empty()) {
+      const int v = ready.back();
+      ready.pop_back();
+      done.insert(v);
+      section.vertices.push_back({split.contains(v) ? OrderedVertex::Half::Emit : half_of_whole(v), v});
+      for (const auto& edge : readers(v))
+        if (inside.contains(edge.to) && !cuts(edge, sub_block) && --waiting[edge.to] == 0)
+          ready.push_back(edge.to);
+    }
+    for (const int v : component)
+      if (!done.contains(v)) left.push_back(v);
+    for (const int v : split) section.vertices.push_back({OrderedVertex::Half::Absorb, v});
+    return section;
+  }
+
+  // ---- loops without delay
+  // ---------------------------------------------------------------------------------
+
+  /// One for each part of the graph in which signals go round within a frame.
+  std::vector<Error> cycle_errors() const {
+    const auto at_once = [this](const Edge& edge) { return !cuts(edge, 1); };
+    std::vector<Error> errors;
+    for (const auto& component : find_components(at_once))
+      if (component.size() > 1 || reads_itself(component.front(), at_once))
+        errors.push_back(cycle_error({component.begin(), component.end()}));
+    sort_by_place(errors);
+    return errors;
+  }
+
+  Error cycle_error(const std::set<int>& stuck) const {
+    const auto cycle = walk_cycle(stuck);
+    std::vector<std::string> names;
+    Source at;
+    for (const int v : cycle) {
+      if (is_outside(v)) continue;
+      const auto& vertex = vertex_at(v);
+      if (at.line == 0) at = vertex.at;
+      if (names.empty() || names.back() != vertex.path)
+        names.push_back(vertex.path);  // operators of one expression
+    }
+    while (names.size() > 1 && names.back() == names.front()) names.pop_back();
+    std::string loop;
+    for (const auto& name : names) loop += name + " -> ";
+    return {Errc::Cycle, at.text(), loop + names.front() + " has no delay in it", remedy(cycle)};
+  }
+
+  std::string remedy(const std::vector<int>& cycle) const {
+    if (std::any_of(cycle.begin(), cycle.end(), [this](int v) { return is_outside(v); }))
+      return "a sensor answers its drive in the same frame: give the scene at least a frame of delay";
+    for (std::size_t i = 0; i < cycle.size(); ++i) {
+      const int next = cycle[(i + 1) % cycle.size()];
+      for (const auto& edge : readers(cycle[i]))
+        if (edge.to == next && edge.late)
+          return "'" + vertex_at(next).path +
+                 "' can be shorter than a frame: keep its time at one or more, with 'min' if need be";
+    }
+    return "put a 'delay' node on one of these edges";
+  }
+
+  /// A cycle in `stuck`, from its first vertex on. Everything stuck waits for something stuck, so that
+  /// walking backwards always goes on, until a vertex comes up again.
+  std::vector<int> walk_cycle(const std::set<int>& stuck) const {
+    std::map<int, int> waits_for;
+    for (const int v : stuck)
+      for (const auto& edge : readers(v))
+        if (stuck.contains(edge.to) && !cuts(edge, 1)) waits_for.emplace(edge.to, v);
+    std::vector<int> path;
+    std::set<int> seen;
+    int v = *stuck.begin();
+    for (; seen.insert(v).second; v = waits_for.at(v)) path.push_back(v);
+    path.erase(path.begin(), std::find(path.begin(), path.end(), v));
+    std::reverse(path.begin(), path.end());
+    std::rotate(path.begin(), std::min_element(path.begin(), path.end()), path.end());
+    return path;
+  }
+
+  const VertexGraph& graph_;
+  std::vector<int> least_;
+  int size_;
+  std::vector<std::vector<Edge>> readers_;
+};
+
+}  // namespace
+
+Checked<std::vector<OrderedSection>> order(const VertexGraph& graph,
+                                           const std::vector<std::vector<bool>>& late,
+                                           const std::vector<int>& least, bool closed_outside) {
+  return Ordering{graph, late, least, closed_outside}.run();
+}
+
+}  // namespace tactus

@@ -1,0 +1,270 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "engine/graph/file/quantity.h"
+#include "engine/graph/plan/lane_sum.h"
+#include "engine/graph/plan/vertex_graph.h"
+#include "engine/graph/semantics/operators.h"
+
+namespace tactus {
+namespace {
+
+class Simplifier {
+ public:
+  Simplifier(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate)
+      : graph_(graph), flat_(flat), sample_rate_(sample_rate) {}
+
+  void run() {
+    const std::size_t written = graph_.vertices.size();  // constants added later are not of the file
+    mark_named(written);
+    skip_copies();
+    fold();
+    sweep(written, "reaches no output");
+    zeros_ = true;
+    fold();
+    sweep(written, "reaches only what is multiplied by zero");
+    reasons_to_report(written);
+  }
+
+ private:
+  Vertex& at(int v) { return graph_.vertices[static_cast<std::size_t>(v)]; }
+  std::optional<double> constant(Wire wire) {
+    const auto& vertex = at(wire.vertex);
+    if (vertex.kind == Vertex::Kind::Constant) return vertex.value;
+    return std::nullopt;
+  }
+
+  /// A constant that all lanes have in common: where one lane skips what the others do, they no longer match.
+  std::optional<double> same_in_all(Wire wire) {
+    return at(wire.vertex).origin ? std::nullopt : constant(wire);
+  }
+
+  // ---- copies
+  // ----------------------------------------------------------------------------------------------
+
+  bool is_copy(const Vertex& v) const {
+    return v.kind == Vertex::Kind::Operation && v.op == Term::Op::Signal;
+  }
+
+  Wire behind_copies(Wire wire) {
+    const Wire first = wire;
+    for (auto left = graph_.vertices.size(); is_copy(at(wire.vertex)); --left) {
+      if (left == 0) return first;  // names that only name each other: the scheduler reports the loop
+      wire = at(wire.vertex).in.front();
+    }
+    return wire;
+  }
+
+  void skip_copies() {
+    for (auto& vertex : graph_.vertices)
+      for (auto& wire : vertex.in) wire = behind_copies(wire);
+  }
+
+  // ---- folding
+  // ---------------------------------------------------------------------------------------------
+
+  void fold() {
+    consumers_.assign(graph_.vertices.size(), {});
+    for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
+      for (const auto& wire : graph_.vertices[v].in)
+        consumers_[static_cast<std::size_t>(wire.vertex)].push_back(static_cast<int>(v));
+    std::vector<int> work;
+    for (int v = static_cast<int>(graph_.vertices.size()) - 1; v >= 0; --v) work.push_back(v);
+    while (!work.empty()) {
+      const int v = work.back();
+      work.pop_back();
+      if (!at(v).alive || !try_fold(v)) continue;
+      for (const int consumer : consumers_[static_cast<std::size_t>(v)]) work.push_back(consumer);
+    }
+  }
+
+  /// True if consumers of `v` now see something simpler.
+  bool try_fold(int v) {
+    if (at(v).kind == Vertex::Kind::Operation && !is_copy(at(v))) return fold_operation(v);
+    if (at(v).kind == Vertex::Kind::Node) return fold_node(v);
+    if (at(v).kind == Vertex::Kind::Sum) return fold_sum(v);
+    if (at(v).kind == Vertex::Kind::Crossing) return fold_crossing(v);
+    return false;
+  }
+
+  /// What never changes is the same at every rate.
+  bool fold_crossing(int v) {
+    const auto value = constant(at(v).in.front());
+    if (value) make_constant(v, *value);
+    return value.has_value();
+  }
+
+  bool fold_sum(int v) {
+    std::vector<double> values;
+    for (const auto& wire : at(v).in)
+      if (const auto value = constant(wire)) values.push_back(*value);
+    if (values.size() != at(v).in.size()) return false;
+    make_constant(v, add_lanes(values, std::plus<>{}));
+    return true;
+  }
+
+  bool fold_operation(int v) {
+    auto& vertex = at(v);
+    std::vector<double> values;
+    for (const auto& wire : vertex.in)
+      if (const auto value = constant(wire)) values.push_back(*value);
+    if (values.size() == vertex.in.size()) {
+      make_constant(v, apply(vertex.op, values[0], values.size() > 1 ? values[1] : 0));
+      return true;
+    }
+    if (vertex.op == Term::Op::Multiply) {
+      for (std::size_t i = 0; i < 2; ++i) {
+        if (same_in_all(vertex.in[i]) == 1.0) return replace(v, vertex.in[1 - i]);
+        if (zeros_ && constant(vertex.in[i]) == 0.0) {
+          make_constant(v, 0);
+          return true;
+        }
+      }
+    }
+    if (vertex.op == Term::Op::Divide && same_in_all(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
+    // Of all numbers this changes -0 only, which no operation tells from 0.
+    if ((vertex.op == Term::Op::Add || vertex.op == Term::Op::Subtract) && same_in_all(vertex.in[1]) == 0.0)
+      return replace(v, vertex.in[0]);
+    if (vertex.op == Term::Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
+    return false;
+  }
+
+  void make_constant(int v, double value) {
+    at(v).kind = Vertex::Kind::Constant;
+    at(v).value = value;
+    at(v).in.clear();
+  }
+
+  bool replace(int v, Wire with) {
+    if (with.vertex == v) return false;  // it reads itself: the scheduler reports the loop
+    for (const int consumer : consumers_[static_cast<std::size_t>(v)])
+      for (auto& wire : at(consumer).in)
+        if (wire.vertex == v) {
+          wire = with;
+          consumers_[static_cast<std::size_t>(with.vertex)].push_back(consumer);
+        }
+    return true;
+  }
+
+  bool fold_node(int v) {
+    const auto& node = flat_.nodes[static_cast<std::size_t>(at(v).index)];
+    if (!node.type->stateless) return false;
+    NodeSetup setup;
+    setup.sample_rate = Hertz{sample_rate_.value / node.every};
+    setup.type = node.type.get();
+    setup.settings = node.settings;
+    std::vector<double> values;
+    for (std::size_t i = 0; i < at(v).in.size(); ++i) {
+      const auto value = constant(at(v).in[i]);
+      if (!value) return false;
+      values.push_back(*value);
+      setup.inputs.push_back({Interval::exactly(*value), value, node.inputs[i].has_value()});
+    }
+    const auto made = node.type->make(setup);
+    if (!made) return false;  // reported when it is made for good
+    std::vector<Signal> in;
+    for (const auto& value : values) in.push_back({&value, 0});
+    std::vector<double> results(static_cast<std::size_t>(at(v).outputs));
+    std::vector<double*> out;
+    for (auto& result : results) out.push_back(&result);
+    (*made)->process({in.data(), out.data(), 1, 0});
+    if (results.size() == 1) {
+      make_constant(v, results[0]);
+      return true;
+    }
+    return fold_outputs(v, results);
+  }
+
+  bool fold_outputs(int v, const std::vector<double>& results) {
+    const auto users = consumers_[static_cast<std::size_t>(v)];
+    for (std::size_t port = 0; port < results.size(); ++port) {
+      Vertex value;
+      value.value = results[port];
+      graph_.vertices.push_back(std::move(value));
+      consumers_.push_back(users);
+      const int made = static_cast<int>(graph_.vertices.size()) - 1;
+      for (const int user : users)
+        for (auto& wire : at(user).in)
+          if (wire == Wire{v, static_cast<int>(port)}) wire = {made, 0};
+    }
+    return true;
+  }
+
+  // ---- pruning
+  // ---------------------------------------------------------------------------------------------
+
+  void sweep(std::size_t written, const char* reason) {
+    std::vector<bool> reached(graph_.vertices.size(), false);
+    std::vector<int> work;
+    for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
+      if (graph_.vertices[v].kind == Vertex::Kind::Output) work.push_back(static_cast<int>(v));
+    while (!work.empty()) {
+      const int v = work.back();
+      work.pop_back();
+      if (reached[static_cast<std::size_t>(v)]) continue;
+      reached[static_cast<std::size_t>(v)] = true;
+      for (const auto& wire : at(v).in) work.push_back(wire.vertex);
+      if (at(v).kind == Vertex::Kind::PhaseDelay)
+        work.push_back(at(v).index);  // it asks that node for its phase
+    }
+    reason_.resize(written);
+    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+      auto& vertex = graph_.vertices[v];
+      const bool folded = v < written && vertex.kind == Vertex::Kind::Constant && named_[v];
+      if (v < written && reason_[v].empty()) {
+        if (folded)
+          reason_[v] = "is always " + short_number(vertex.value);
+        else if (!reached[v])
+          reason_[v] = reason;
+      }
+      if (!reached[v]) vertex.alive = false;
+    }
+  }
+
+  /// Only what has a name of its own in the file is worth a line.
+  void mark_named(std::size_t written) {
+    named_.assign(written, false);
+    for (std::size_t v = 0; v < written; ++v) {
+      const auto& vertex = graph_.vertices[v];
+      named_[v] = vertex.kind == Vertex::Kind::Node || vertex.kind == Vertex::Kind::Control ||
+                  vertex.kind == Vertex::Kind::Input || vertex.kind == Vertex::Kind::Crossing ||
+                  (is_copy(vertex) && vertex.path != "system.rate");
+    }
+  }
+
+  void reasons_to_report(std::size_t written) {
+    for (std::size_t v = 0; v < written; ++v) {
+      if (!named_[v] || reason_[v].empty()) continue;
+      const auto& vertex = graph_.vertices[v];
+      if (v < named_.size() && is_copy(vertex)) {
+        // A name for something else: gone without loss when what it names lives on.
+        const auto behind = at(behind_copies({static_cast<int>(v), 0}).vertex);
+        if (behind.kind == Vertex::Kind::Constant)
+          reason_[v] = "is always " + short_number(behind.value);
+        else if (behind.alive || behind.kind == Vertex::Kind::Node)
+          continue;
+      }
+      if (vertex.path.find("system.") != std::string::npos) continue;
+      graph_.left_out.push_back(
+          {vertex.path, vertex.kind == Vertex::Kind::Control ? "nobody reads it" : reason_[v]});
+    }
+  }
+
+  VertexGraph& graph_;
+  const FlatGraph& flat_;
+  Hertz sample_rate_;
+  bool zeros_ = false;
+  std::vector<std::vector<int>> consumers_;
+  std::vector<std::string> reason_;
+  std::vector<bool> named_;
+};
+
+}  // namespace
+
+void simplify(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate) {
+  Simplifier{graph, flat, sample_rate}.run();
+}
+
+}  // namespace tactus

@@ -1,0 +1,166 @@
+#include "engine/graph/semantics/check_facts.h"
+
+#include <cmath>
+
+#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/graph/semantics/facts.h"
+
+namespace tactus {
+namespace {
+
+std::string spoken(const Dimension& dimension) {
+  return dimension.plain() ? "a plain number" : "in " + to_string(dimension);
+}
+
+/// As the file at the error's place calls it: "bridge.loss" is the `loss` of a part.
+std::string local_name(const std::string& path) { return path.substr(path.rfind('.') + 1); }
+
+bool adds_or_compares(Term::Op op) {
+  using Op = Term::Op;
+  return op == Op::Add || op == Op::Subtract || op == Op::Min || op == Op::Max || op == Op::Lanes ||
+         op == Op::Spread;
+}
+
+class Checks {
+ public:
+  explicit Checks(const FlatGraph& graph) : graph_(graph) {}
+
+  std::vector<Error> run() {
+    for (const auto& node : graph_.nodes)
+      for (std::size_t i = 0; i < node.inputs.size(); ++i)
+        if (node.inputs[i]) check_input(node, i, *node.inputs[i]);
+    for (const auto& signal : graph_.signals)
+      if (signal.kind == FlatSignal::Kind::Expression) check_expression(signal);
+    for (const auto& output : graph_.outputs) check_output(output);
+    return mistakes_.take();
+  }
+
+ private:
+  UnitFact unit(const Term& term) const { return unit_of(graph_, term); }
+
+  void check_input(const FlatNode& node, std::size_t i, const Term& term) {
+    const auto& port = node.type->inputs[i];
+    check_units(term);
+    check_lanes(term, node.lanes);
+    const auto rule = port_unit(node, port.unit);
+    const auto owner = "'" + port.name + "' of " + node.type->name + " '" + local_name(node.path) + "'";
+    if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(term, rule.dimension, owner);
+    if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 &&
+        node.inputs[static_cast<std::size_t>(rule.follows)]) {
+      const auto followed = unit(*node.inputs[static_cast<std::size_t>(rule.follows)]);
+      if (followed.kind == UnitFact::Kind::Known)
+        check_unit_is(term, followed.dimension * rule.dimension, owner);
+    }
+    check_range(term, port, rule, owner);
+  }
+
+  void check_expression(const FlatSignal& signal) {
+    check_units(signal.term);
+    check_lanes(signal.term, signal.lanes);
+    if (signal.declared) check_unit_is(signal.term, *signal.declared, "'" + local_name(signal.path) + "'");
+  }
+
+  void check_output(const FlatOutput& output) {
+    check_units(output.term);
+    check_lanes(output.term, output.lanes);
+    if (!output.declared) return;
+    const auto fact = unit(output.term);
+    if (fact.kind != UnitFact::Kind::Known || fact.dimension == *output.declared) return;
+    mistakes_.add(Errc::UnitMismatch, output.at,
+                  "output '" + output.name + "' is " + spoken(*output.declared) +
+                      ", but it is given what is " + spoken(fact.dimension),
+                  output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) +
+                                                 "\", or scale it to full scale"
+                                           : "mend 'from' or 'unit'");
+  }
+
+  void check_lanes(const Term& term, int wanted) {
+    const int found = lanes_of(graph_, term);
+    if (found > 1 && wanted > 1 && found != wanted)
+      return mistakes_.add(Errc::OutOfRange, term.at,
+                           std::to_string(found) + " lanes meet " + std::to_string(wanted),
+                           "give both the same number of lanes, or put a 'mix' between them");
+    if (term.op == Term::Op::Signal) return;
+    if (term.op == Term::Op::Lanes) return check_lanes_of_list(term);
+    for (const auto& argument : term.arguments) check_lanes(argument, wanted);
+  }
+
+  void check_lanes_of_list(const Term& list) {
+    for (const auto& lane : list.arguments)
+      if (const int found = lanes_of(graph_, lane); found > 1)
+        mistakes_.add(Errc::OutOfRange, lane.at,
+                      "this is one lane of a list, but has " + std::to_string(found) + " lanes itself",
+                      "put a 'mix' of it here, or take it out of the list");
+  }
+
+  void check_units(const Term& term) {
+    if (adds_or_compares(term.op)) {
+      const Term* first = nullptr;
+      for (const auto& argument : term.arguments) {
+        if (unit(argument).kind != UnitFact::Kind::Known) continue;
+        if (first == nullptr) first = &argument;
+        check_agrees(argument, *first, term.op);
+      }
+    }
+    if (term.op == Term::Op::Divide) check_divisor(term.arguments[1]);
+    for (const auto& argument : term.arguments) check_units(argument);
+  }
+
+  /// A signal may pass through 0, which then counts as 0; what is nothing else was not meant.
+  void check_divisor(const Term& term) {
+    const auto range = range_of(graph_, term);
+    if (range.low == 0 && range.high == 0)
+      mistakes_.add(Errc::OutOfRange, term.at, "this divides by what is always 0",
+                    "divide by another number");
+  }
+
+  void check_agrees(const Term& term, const Term& first, Term::Op op) {
+    const auto a = unit(first).dimension;
+    const auto b = unit(term).dimension;
+    if (a == b) return;
+    const char* meets = op == Term::Op::Add        ? "is added to"
+                        : op == Term::Op::Subtract ? "is taken from"
+                        : op == Term::Op::Lanes    ? "is a lane beside"
+                        : op == Term::Op::Spread   ? "ends a spread from"
+                                                   : "is compared with";
+    mistakes_.add(Errc::UnitMismatch, term.at,
+                  "this is " + spoken(b) + ", but it " + meets + " what is " + spoken(a),
+                  op == Term::Op::Lanes || op == Term::Op::Spread
+                      ? "give both the same unit"
+                      : "multiply one of them by a quantity that turns its unit into the other's");
+  }
+
+  void check_unit_is(const Term& term, const Dimension& wanted, const std::string& owner) {
+    const auto fact = unit(term);
+    if (fact.kind != UnitFact::Kind::Known || fact.dimension == wanted) return;
+    mistakes_.add(Errc::UnitMismatch, term.at,
+                  owner + " is " + spoken(wanted) + ", but this is " + spoken(fact.dimension),
+                  wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
+                                 : "give a quantity in " + to_string(wanted));
+  }
+
+  void check_range(const Term& term, const InputPort& port, const PortUnit& rule, const std::string& owner) {
+    const auto found = range_of(graph_, term);
+    // Only what the file fixes can be wrong before it runs: numbers, and controls with a range.
+    if (!found.bounded()) return;
+    if (found.low >= port.low && found.high <= port.high) return;
+    if (!found.single() && found.low <= port.high && found.high >= port.low) return;  // clamped while it runs
+    const auto dimension = rule.kind == PortUnit::Kind::Fixed ? rule.dimension : Dimension{};
+    const auto number = [&](double x) { return short_quantity(x, dimension); };
+    mistakes_.add(Errc::OutOfRange, term.at, owner + " cannot be " + number(found.low),
+                  std::isinf(port.high) ? "it must be at least " + number(port.low)
+                  : std::isinf(port.low)
+                      ? "it must be at most " + number(port.high)
+                      : "it must be between " + number(port.low) + " and " + number(port.high));
+  }
+
+  const FlatGraph& graph_;
+  Mistakes mistakes_;
+};
+
+}  // namespace
+
+std::vector<Error> check_facts(const FlatGraph& graph) { return Checks{graph}.run(); }
+
+}  // namespace tactus

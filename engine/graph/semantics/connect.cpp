@@ -1,0 +1,165 @@
+#include <filesystem>
+#include <set>
+#include <unordered_map>
+
+#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/semantics/bind.h"
+#include "engine/graph/semantics/instance.h"
+
+namespace tactus {
+namespace {
+
+std::filesystem::path folder_of(const GraphSpec& spec) {
+  return spec.file.file ? std::filesystem::path{*spec.file.file}.parent_path() : std::filesystem::path{};
+}
+
+/// A resonator: near its pitch its phase turns all the way around, and is no delay.
+bool rings(const FlatNode& node) {
+  return node.type->group == "delays" && node.type->input_index("pitch") >= 0;
+}
+
+}  // namespace
+
+void Instance::connect_top(const std::vector<std::string>& taps) {
+  connect_inside();
+  for (const auto& output : spec_.outputs)
+    if (!output.broken) connect_output(output);
+  for (const auto& tap : taps) connect_tap(tap);
+}
+
+void Instance::connect_inside() {
+  for (const auto& node : spec_.nodes) {
+    if (!node.value) continue;
+    auto term = bind_signal(*node.value, scope_, mistakes_);
+    if (const auto id = scope_.find(node.name, node.at); id && *id != FlatGraph::kMissing)
+      signal(*id).term = std::move(term);
+  }
+  for (const auto& pending : pending_nodes_) connect_node(*pending.spec, flat_.nodes[pending.flat]);
+  for (const auto& pending : pending_parts_) connect_part(pending);
+}
+
+void Instance::connect_node(const EntrySpec& entry, FlatNode& node) {
+  const auto& type = *node.type;
+  const auto owner = type.name + " '" + entry.name + "'";
+  std::vector<std::string> known = {"type", "voices", "about"};
+  for (const auto& port : type.inputs) known.push_back(port.name);
+  for (const auto& setting : type.settings) known.push_back(setting.name);
+  check_fields(entry, known, owner, mistakes_);
+  if (const auto* value = find(entry.fields, "voices"))
+    node.voices = read_whole_number(*value, "voices", 1, 1024, mistakes_);
+  connect_ports(entry, node, owner);
+  for (const auto& setting : type.settings) {
+    node.settings.push_back(
+        bind_setting(setting, entry.fields, folder_of(spec_), owner, entry.at, mistakes_));
+    if (setting.name == "compensate") connect_compensation(entry, node);
+  }
+}
+
+void Instance::connect_ports(const EntrySpec& entry, FlatNode& node, const std::string& owner) {
+  std::unordered_map<std::string_view, const Value*> given;  // networks have thousands
+  for (const auto& field : entry.fields) given.emplace(field.key, &field.value);
+  for (const auto& port : node.type->inputs) {
+    if (const auto value = given.find(port.name); value != given.end()) {
+      node.inputs.push_back(bind_signal(*value->second, scope_, mistakes_));
+      continue;
+    }
+    node.inputs.emplace_back();
+    if (!port.fallback)
+      mistakes_.add(Errc::Missing, entry.at, owner + " lacks '" + port.name + "'",
+                    "write " + port.name + " = … (" + port.doc + ")");
+  }
+}
+
+void Instance::connect_compensation(const EntrySpec& entry, FlatNode& node) {
+  const auto* value = find(entry.fields, "compensate");
+  std::set<std::string> named;
+  for (const auto& name : node.settings.back().names) {
+    if (!named.insert(name).second) {
+      mistakes_.add(Errc::BadArgument, value->at, "'" + name + "' is compensated twice", "name it once");
+      continue;
+    }
+    const auto known = nodes_by_name_.find(name);
+    if (known != nodes_by_name_.end()) {
+      if (name == entry.name || rings(flat_.nodes[static_cast<std::size_t>(known->second)]))
+        mistakes_.add(Errc::BadArgument, value->at, "'" + name + "' cannot be compensated: it is no filter",
+                      "leave it out; name what only turns the phase");
+      node.compensate.push_back(known->second);
+    } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {
+      mistakes_.add(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
+                    "name nodes of this file that have a type");
+    }
+  }
+}
+
+void Instance::check_part_fields(const NodeSpec& node, const Instance& part) {
+  const auto owner = "part '" + node.name + "'";
+  auto known = part_words(part.spec_);
+  for (const auto& [name, id] : part.bindings_) known.push_back(name);
+  if (!part.spec_.incomplete) check_fields(node, known, owner, mistakes_);
+  for (const auto& input : part.spec_.inputs) {
+    if (find(node.fields, input.name) != nullptr) continue;
+    const auto* about = find(input.fields, "about");
+    mistakes_.add(Errc::Missing, node.at, owner + " lacks '" + input.name + "'",
+                  about != nullptr && about->text() != nullptr
+                      ? *about->text()
+                      : "it is an input of " + *part.spec_.file.file);
+  }
+}
+
+void Instance::connect_part(const PendingPart& pending) {
+  auto& part = *pending.instance;
+  check_part_fields(*pending.spec, part);
+  for (const auto& field : pending.spec->fields) {
+    const auto binding = part.bindings_.find(field.key);
+    if (binding == part.bindings_.end()) continue;
+    auto& bound = signal(binding->second);
+    bound.term = bind_signal(field.value, scope_, mistakes_);
+    // Nothing else says over how many lanes it is spread.
+    if (bound.term.op == Term::Op::Spread) bound.lanes = part.voices_;
+  }
+  part.connect_inside();
+  int id = pending.first_output;
+  for (const auto& output : part.spec_.outputs) {
+    if (!output.broken) part.bind_output(output, signal(id));
+    ++id;
+  }
+}
+
+void Instance::bind_output(const EntrySpec& entry, FlatSignal& given) {
+  check_fields(entry, {"from", "kind", "unit", "about"}, "output '" + entry.name + "'", mistakes_);
+  mistakes_.text(entry.fields, "about");
+  const auto* from = find(entry.fields, "from");
+  if (from == nullptr)
+    mistakes_.add(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",
+                  "say what it gives out, as in from = \"node\"");
+  given.term = from != nullptr ? bind_signal(*from, scope_, mistakes_) : missing_term(entry.at);
+  const auto unit = read_unit(entry, mistakes_);
+  if (unit && find(entry.fields, "unit") != nullptr) given.declared = unit->dimension;
+}
+
+void Instance::connect_output(const EntrySpec& entry) {
+  FlatSignal given;
+  bind_output(entry, given);
+  FlatOutput output;
+  output.name = entry.name;
+  output.at = entry.at;
+  output.term = std::move(given.term);
+  output.declared = given.declared;
+  // A drive is a plain number unless the file says otherwise; what it wrongly says is not known.
+  if (find(entry.fields, "unit") == nullptr) output.declared = Dimension{};
+  output.use = read_use(entry, mistakes_);
+  flat_.outputs.push_back(std::move(output));
+}
+
+void Instance::connect_tap(const std::string& name) {
+  FlatOutput output;
+  output.name = name;
+  output.use = OutputUse::Tap;
+  const auto found = scope_.find(name, spec_.file);
+  if (mistakes_.keep(found) == nullptr) return;
+  output.term.op = Term::Op::Signal;
+  output.term.signal = *found;
+  flat_.outputs.push_back(std::move(output));
+}
+
+}  // namespace tactus

@@ -1,0 +1,261 @@
+#include "engine/graph/semantics/expression.h"
+
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "engine/graph/file/unit_prefix.h"
+
+namespace tactus {
+namespace {
+
+// Both bound the depth of the tree, and with it every recursion over it.
+constexpr int kExpressionMaxDepth = 64;
+constexpr int kMaxValues = 1000;
+
+bool digit(char c) { return c >= '0' && c <= '9'; }
+bool letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+/// [a-z][a-z0-9_]* { "." [a-z][a-z0-9_]* }
+bool dotted_name(std::string_view word) {
+  bool start = true;
+  for (const char c : word) {
+    if (c == '.' ? start
+        : start  ? !(c >= 'a' && c <= 'z')
+                 : !(digit(c) || c == '_' || (c >= 'a' && c <= 'z')))
+      return false;
+    start = c == '.';
+  }
+  return !start;
+}
+
+class Parser {
+ public:
+  Parser(std::string_view text, const Source& at) : text_(text), at_(at) {}
+
+  Result<Expression> whole() {
+    auto value = sum();
+    if (!value) return value;
+    skip_space();
+    if (here_ == text_.size()) return value;
+    if (peek() == ')') return syntax(here_, "')' has no '(' before it", "remove it");
+    if (peek() == ',')
+      return syntax(here_, "',' stands outside of min( , ) and max( , )", "write decimals with a point");
+    if (peek() == '^') return syntax(here_, "'^' is not an operator", "multiply instead");
+    return syntax(here_, found() + " stands where an operator should", "put + - * or / before it");
+  }
+
+ private:
+  Result<Expression> sum() {
+    return chain('+', Expression::Op::Add, '-', Expression::Op::Subtract, &Parser::product);
+  }
+  Result<Expression> product() {
+    return chain('*', Expression::Op::Multiply, '/', Expression::Op::Divide, &Parser::factor);
+  }
+
+  /// operand { sign operand }, grouped from the left.
+  Result<Expression> chain(char a, Expression::Op op_a, char b, Expression::Op op_b,
+                           Result<Expression> (Parser::*operand)()) {
+    auto left = (this->*operand)();
+    while (left) {
+      skip_space();
+      if (peek() != a && peek() != b) break;
+      auto whole = make(peek() == a ? op_a : op_b, here_);
+      ++here_;
+      auto right = (this->*operand)();
+      if (!right) return right;
+      whole.arguments.push_back(std::move(*left));
+      whole.arguments.push_back(std::move(*right));
+      left = std::move(whole);
+    }
+    return left;
+  }
+
+  Result<Expression> factor() {
+    skip_space();
+    if (depth_ == kExpressionMaxDepth)
+      return syntax(here_, "more than 64 signs and brackets inside one another", "use nodes");
+    ++depth_;
+    auto value = unnested_factor();
+    --depth_;
+    return value;
+  }
+
+  Result<Expression> unnested_factor() {
+    const char c = peek();
+    if (digit(c) || (c == '.' && digit(peek(1)))) return number(here_, 1);
+    if (letter(c)) return word();
+    if (c == '-') return negative();
+    if (c == '(') return bracket();
+    if (here_ == text_.size())
+      return syntax(here_,
+                    text_.find_first_not_of(" \t\r\n") == text_.npos ? "the expression is empty"
+                                                                     : "the expression ends too early",
+                    "a number, a name or '(' belongs here");
+    return syntax(here_, found() + " stands where a value should", "a number, a name or '(' belongs here");
+  }
+
+  Result<Expression> negative() {
+    const auto start = here_++;
+    skip_space();
+    // "-34 dB" is a small gain, not a gain of 34 dB turned upside down.
+    if (digit(peek()) || (peek() == '.' && digit(peek(1)))) return number(start, -1);
+    auto value = factor();
+    if (!value) return value;
+    auto whole = make(Expression::Op::Negate, start);
+    whole.arguments.push_back(std::move(*value));
+    return whole;
+  }
+
+  Result<Expression> bracket() {
+    const auto start = here_++;
+    auto value = sum();
+    if (value && !take(')')) return unclosed(start);
+    return value;
+  }
+
+  Result<Expression> number(std::size_t start, double sign) {
+    if (++values_ > kMaxValues) return too_long(start);
+    double value = 0;
+    const auto parsed = std::from_chars(text_.data() + here_, text_.data() + text_.size(), value);
+    const auto digits = text_.substr(here_, static_cast<std::size_t>(parsed.ptr - text_.data()) - here_);
+    if (parsed.ec != std::errc{})
+      return syntax(start, "the number " + std::string{digits} + " is too large or too small",
+                    "write one between 1e-300 and 1e300");
+    here_ += digits.size();
+    auto whole = make(Expression::Op::Number, start);
+    whole.bare = true;
+    whole.number = sign * value;
+    skip_space();
+    const auto unit_start = here_;
+    const auto unit_text = unit_prefix(text_.substr(here_));
+    if (unit_text.empty() && letter(peek())) return not_a_unit(digits);
+    if (unit_text.empty()) return whole;
+    here_ += unit_text.size();
+    const auto unit = parse_unit(unit_text);
+    if (!unit)
+      return syntax(unit_start, "'" + std::string{unit_text} + "' is not a unit",
+                    "units look like ms, mm/s, N/m^1.5 or dB");
+    whole.number = unit->to_si(sign * value);
+    if (!std::isfinite(whole.number))
+      return syntax(start, "the number " + std::string{digits} + " is too large", "write one below 1e300");
+    whole.dimension = unit->dimension;
+    whole.bare = false;
+    return whole;
+  }
+
+  Result<Expression> word() {
+    const auto start = here_;
+    while (here_ < text_.size() && (letter(peek()) || digit(peek()) || peek() == '.')) ++here_;
+    const auto word = std::string{text_.substr(start, here_ - start)};
+    skip_space();
+    if (word == "min" || word == "max" || word == "abs") return function(start, word);
+    if (peek() == '(')
+      return syntax(start, "there is no function '" + word + "'", "there are min, max and abs");
+    if (!dotted_name(word))
+      return syntax(start, "'" + word + "' is not a name",
+                    "names are small letters, digits and _, ports follow a dot");
+    if (++values_ > kMaxValues) return too_long(start);
+    auto whole = make(Expression::Op::Name, start);
+    whole.name = word;
+    return whole;
+  }
+
+  Result<Expression> function(std::size_t start, const std::string& word) {
+    const std::string use = word == "abs" ? "abs(x)" : word + "(a, b)";
+    auto whole = make(word == "abs"   ? Expression::Op::Abs
+                      : word == "min" ? Expression::Op::Min
+                                      : Expression::Op::Max,
+                      start);
+    const auto open = here_;
+    if (!take('(')) return syntax(here_, "'(' is missing behind '" + word + "'", "write " + use);
+    const std::size_t count = word == "abs" ? 1 : 2;
+    while (true) {
+      auto argument = sum();
+      if (!argument) return argument;
+      whole.arguments.push_back(std::move(*argument));
+      skip_space();
+      if (whole.arguments.size() == count) break;
+      if (peek() == ')') return syntax(here_, "'min' and 'max' take two values", "write " + use);
+      if (!take(',')) return unclosed(open);
+    }
+    if (peek() == ',') return syntax(here_, "too many values for '" + word + "'", "write " + use);
+    if (!take(')')) return unclosed(open);
+    return whole;
+  }
+
+  tl::unexpected<Error> syntax(std::size_t offset, std::string what, std::string remedy) const {
+    return fail(Errc::Syntax, place(offset).text(), std::move(what), std::move(remedy));
+  }
+  tl::unexpected<Error> too_long(std::size_t offset) const {
+    return syntax(offset, "the expression has more than 1000 values", "split it into nodes");
+  }
+  Result<Expression> unclosed(std::size_t open) const {
+    if (here_ == text_.size()) return syntax(open, "'(' is not closed", "put ')' where it ends");
+    return syntax(here_, found() + " stands where an operator or ')' should",
+                  "put + - * or / before it, or ')'");
+  }
+  Result<Expression> not_a_unit(std::string_view digits) {
+    skip_space();
+    auto end = here_;
+    while (end < text_.size() && (letter(text_[end]) || digit(text_[end]) || text_[end] == '.')) ++end;
+    const std::string word{text_.substr(here_, end - here_)};
+    return syntax(here_, "'" + word + "' is not a unit",
+                  "to multiply, write " + std::string{digits} + " * " + word);
+  }
+
+  /// What stands at this place, for messages.
+  std::string found() const {
+    auto end = here_;
+    while (end < text_.size() && (letter(text_[end]) || digit(text_[end]) || text_[end] == '.')) ++end;
+    if (end > here_) return "'" + std::string{text_.substr(here_, end - here_)} + "'";
+    // Not half of a letter that takes several bytes in UTF-8.
+    for (++end; end < text_.size() && (static_cast<unsigned char>(text_[end]) & 0xC0u) == 0x80u;) ++end;
+    return "'" + std::string{text_.substr(here_, end - here_)} + "'";
+  }
+
+  Source place(std::size_t offset) const {
+    Source place = at_;
+    place.column += static_cast<int>(offset);
+    return place;
+  }
+  Expression make(Expression::Op op, std::size_t offset) const {
+    Expression whole;
+    whole.op = op;
+    whole.at = place(offset);
+    return whole;
+  }
+  char peek(std::size_t ahead = 0) const {
+    return here_ + ahead < text_.size() ? text_[here_ + ahead] : '\0';
+  }
+  void skip_space() {
+    while (space(peek())) ++here_;
+  }
+  bool take(char c) {
+    skip_space();
+    if (peek() != c) return false;
+    ++here_;
+    return true;
+  }
+
+  std::string_view text_;
+  Source at_;
+  std::size_t here_ = 0;
+  int depth_ = 0;
+  int values_ = 0;
+};
+
+}  // namespace
+
+Result<Expression> parse_expression(std::string_view text, const Source& at) {
+  return Parser{text, at}.whole();
+}
+
+Source text_start(const Value& value) {
+  Source start = value.at;
+  if (start.line > 0) ++start.column;
+  return start;
+}
+
+}  // namespace tactus

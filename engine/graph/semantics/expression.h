@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/dimension.h"
+#include "engine/core/error.h"
+#include "engine/graph/file/source.h"
+#include "engine/graph/file/value.h"
+
+namespace tactus {
+
+/// A parsed expression: what a string in a signal port means. Names are not looked up yet.
+///
+///   sum     = product { ("+" | "-") product }
+///   product = factor { ("*" | "/") factor }
+///   factor  = "-" factor | number [unit] | name | ("min" | "max") "(" sum "," sum ")" | "abs" "(" sum ")"
+///           | "(" sum ")"
+///
+/// A unit stands directly behind its number ("15 ms", "2 N/m"); there it wins over a name of the same
+/// letters. Its factors are joined by spaces ("N s/m") or a '/' without spaces: in "2 N / s" and "2 N * s"
+/// the s is a name. A sign belongs to the number behind it, so "-34 dB" is a small gain. Names have dots:
+/// "filter.low", "drum.stick.position", "system.rate".
+struct Expression {
+  enum class Op { Number, Name, Negate, Add, Subtract, Multiply, Divide, Min, Max, Abs };
+
+  Op op = Op::Number;
+  double number = 0;    ///< SI
+  Dimension dimension;  ///< of a number with a unit
+  bool bare = false;    ///< a number without a unit: takes the dimension that its place asks for
+  std::string name;
+  std::vector<Expression> arguments;
+  Source at;  ///< of this part of the text; of an operator, its sign
+};
+
+/// `at` is where the first character of `text` stands in the file. Errors: Syntax, with the column of what
+/// could not be read and what was expected there.
+Result<Expression> parse_expression(std::string_view text, const Source& at);
+
+/// Where the first letter of a string stands: behind its quote.
+Source text_start(const Value& value);
+
+}  // namespace tactus

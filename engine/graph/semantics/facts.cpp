@@ -1,0 +1,110 @@
+#include "engine/graph/semantics/facts.h"
+
+#include <algorithm>
+
+namespace tactus {
+namespace {
+
+const FlatSignal& signal_of(const FlatGraph& graph, const Term& term) {
+  return graph.signals[static_cast<std::size_t>(term.signal)];
+}
+
+Dimension dimension_of(const std::string& unit) { return parse_unit(unit).value_or(Unit{}).dimension; }
+
+}  // namespace
+
+int lanes_of(const FlatGraph& graph, const Term& term) {
+  if (term.op == Term::Op::Number) return 1;
+  if (term.op == Term::Op::Spread) return 0;
+  if (term.op == Term::Op::Signal) return signal_of(graph, term).lanes;
+  if (term.op == Term::Op::Lanes) return static_cast<int>(term.arguments.size());
+  int most = 0;
+  for (const auto& argument : term.arguments) most = std::max(most, lanes_of(graph, argument));
+  return most;
+}
+
+UnitFact product(UnitFact a, UnitFact b, bool divide) {
+  if (a.kind == UnitFact::Kind::Unknown || b.kind == UnitFact::Kind::Unknown) return {};
+  if (a.kind == UnitFact::Kind::Bare && b.kind == UnitFact::Kind::Bare) return a;
+  return UnitFact::known(divide ? a.dimension / b.dimension : a.dimension * b.dimension);
+}
+
+UnitFact unit_of(const FlatGraph& graph, const Term& term) {
+  using Op = Term::Op;
+  const auto of = [&](std::size_t i) { return unit_of(graph, term.arguments[i]); };
+  switch (term.op) {
+    case Op::Number:
+      return term.bare ? UnitFact::bare() : UnitFact::known(term.dimension);
+    case Op::Signal:
+      return signal_of(graph, term).unit;
+    case Op::Negate:
+    case Op::Abs:
+      return of(0);
+    case Op::Multiply:
+    case Op::Divide:
+      return product(of(0), of(1), term.op == Op::Divide);
+    default:
+      break;
+  }
+  UnitFact fact = UnitFact::bare();
+  for (const auto& argument : term.arguments) {
+    const auto other = unit_of(graph, argument);
+    if (fact.kind != UnitFact::Kind::Known && other.kind != UnitFact::Kind::Bare) fact = other;
+  }
+  return fact;
+}
+
+Interval range_of(const FlatGraph& graph, const Term& term) {
+  using Op = Term::Op;
+  const auto of = [&](std::size_t i) { return range_of(graph, term.arguments[i]); };
+  switch (term.op) {
+    case Op::Number:
+      return Interval::exactly(term.number);
+    case Op::Signal:
+      return signal_of(graph, term).range;
+    case Op::Negate:
+      return -of(0);
+    case Op::Add:
+      return of(0) + of(1);
+    case Op::Subtract:
+      return of(0) - of(1);
+    case Op::Multiply:
+      return of(0) * of(1);
+    case Op::Divide:
+      return of(0) / of(1);
+    case Op::Min:
+      return min(of(0), of(1));
+    case Op::Max:
+      return max(of(0), of(1));
+    case Op::Abs:
+      return abs(of(0));
+    case Op::Lanes:
+    case Op::Spread:
+      break;
+  }
+  Interval all = of(0);
+  for (std::size_t i = 1; i < term.arguments.size(); ++i) all = all.joined(of(i));
+  return all;
+}
+
+Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t input) {
+  if (node.inputs[input]) return range_of(graph, *node.inputs[input]);
+  return Interval::exactly(node.type->inputs[input].fallback.value_or(0));
+}
+
+PortUnit port_unit(const FlatNode& node, const std::string& declared) {
+  if (declared == "any") return {PortUnit::Kind::Any, {}, -1};
+  if (declared.empty() || declared.front() != '=') return {PortUnit::Kind::Fixed, dimension_of(declared), -1};
+  const auto end = declared.find_first_of(" /");
+  const auto name = declared.substr(1, end == std::string::npos ? end : end - 1);
+  const auto factor = end == std::string::npos ? Dimension{} : dimension_of("1" + declared.substr(end));
+  for (std::size_t i = 0; i < node.type->settings.size(); ++i) {
+    if (node.type->settings[i].name != name) continue;  // a word of the file says it: unit = "m/s"
+    // If the file does not say it, the numbers are bare and count in the SI unit of wherever they go.
+    if (node.settings[i].text.empty() && !node.settings[i].given) return {PortUnit::Kind::Any, {}, -1};
+    return {PortUnit::Kind::Fixed, dimension_of(node.settings[i].text) * factor, -1};
+  }
+  return {PortUnit::Kind::Follows, factor, node.type->input_index(name)};
+}
+
+}  // namespace tactus

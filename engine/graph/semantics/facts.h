@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "engine/graph/semantics/flat_graph.h"
+
+namespace tactus {
+
+// What is known of a term once the facts about its signals are: asked again and again while they are
+// inferred.
+
+/// Lanes of a term; 0 if any number of them fits (a spread).
+int lanes_of(const FlatGraph& graph, const Term& term);
+
+/// Unit of a term. Only known units can contradict each other.
+UnitFact unit_of(const FlatGraph& graph, const Term& term);
+UnitFact product(UnitFact a, UnitFact b, bool divide);
+
+/// All values that a term can take.
+Interval range_of(const FlatGraph& graph, const Term& term);
+/// Of an input of a node, its fallback included.
+Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t input);
+
+/// The unit of a port: fixed, unchecked, or that of another port times something ("=in/s").
+struct PortUnit {
+  enum class Kind { Any, Fixed, Follows } kind = Kind::Fixed;
+  Dimension dimension;
+  int follows = -1;  ///< input port
+};
+PortUnit port_unit(const FlatNode& node, const std::string& declared);
+
+}  // namespace tactus

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/dimension.h"
+#include "engine/graph/file/source.h"
+#include "engine/graph/node_table.h"
+#include "engine/graph/semantics/expression.h"
+#include "engine/graph/semantics/interval.h"
+
+namespace tactus {
+
+/// An expression with its names looked up: they have become numbers of signals.
+struct Term {
+  enum class Op { Number, Signal, Negate, Add, Subtract, Multiply, Divide, Min, Max, Abs, Lanes, Spread };
+
+  Op op = Op::Number;
+  double number = 0;
+  Dimension dimension;
+  bool bare =
+      true;  ///< Number without a unit; Spread: from one end to the other along a geometric curve if false
+  int signal = -1;
+  std::vector<Term> arguments;
+  Source at;
+};
+
+/// What is known about the unit of a signal: nothing yet (a loop), a bare number that fits anywhere, or a
+/// unit.
+struct UnitFact {
+  enum class Kind { Unknown, Bare, Known } kind = Kind::Unknown;
+  Dimension dimension;
+
+  static UnitFact known(Dimension d) { return {Kind::Known, d}; }
+  static UnitFact bare() { return {Kind::Bare, {}}; }
+  bool operator==(const UnitFact& o) const {
+    return kind == o.kind && (kind != Kind::Known || dimension == o.dimension);
+  }
+};
+
+/// How a signal comes into a part with a rate of its own, or out of it: see Crossing.
+struct SignalCrossing {
+  enum class How { Last, Smooth, Trigger };
+  int from = 1;  ///< engine frames between two samples of what it is made of
+  How how = How::Last;
+};
+
+struct FlatSignal {
+  /// Missing stands for whatever a mistake of the file left out, so that it raises no second error.
+  enum class Kind { Missing, Input, Control, SystemDelay, Expression, NodeOutput };
+
+  Kind kind = Kind::Expression;
+  std::string path;  ///< "bridge.loss.low"
+  Source at;
+  int index = -1;                          ///< of the input, control or node
+  int port = 0;                            ///< of the node's output
+  Term term;                               ///< Expression
+  std::optional<Dimension> declared;       ///< what the file says the unit is
+  int every = 1;                           ///< engine frames between two samples
+  std::optional<SignalCrossing> crossing;  ///< Expression at the border of a part
+  // Inferred:
+  UnitFact unit;
+  int lanes = 1;
+  Interval range;
+};
+
+struct FlatNode {
+  std::string path;
+  Source at;
+  std::shared_ptr<const NodeType> type;
+  std::vector<std::optional<Term>> inputs;  ///< declaration order; nullopt: left out
+  std::vector<SettingValue> settings;       ///< declaration order
+  std::vector<int> outputs;                 ///< signals, declaration order
+  std::vector<int> compensate;              ///< nodes whose phase delay is taken off `time`
+  int voices = 1;                           ///< lanes asked for with `voices`
+  int every = 1;                            ///< engine frames between two of its own
+  int lanes = 1;                            ///< inferred
+  std::vector<Interval> ranges;             ///< inferred, of the inputs
+};
+
+struct FlatInput {
+  std::string name;
+  std::string about;
+  int lanes = 1;
+  Dimension dimension;
+};
+
+struct FlatControl {
+  std::string name;
+  std::string about;
+  double value = 0;  ///< SI
+  Unit unit;         ///< how people read it
+  Interval range;
+  double smooth_s = 0.010;
+  bool decibel = false;  ///< ramps and knobs move in decibels
+};
+
+enum class OutputUse { Drive, Audio, Tap };
+
+struct FlatOutput {
+  std::string name;
+  OutputUse use = OutputUse::Drive;
+  Term term;
+  Source at;
+  std::optional<Dimension> declared;
+  Dimension dimension;  ///< inferred
+  int lanes = 1;
+};
+
+/// A graph with all its parts unfolded and every name looked up; still with lanes.
+struct FlatGraph {
+  static constexpr int kMissing = 0;  ///< signal 0 is of kind Missing
+  std::vector<FlatSignal> signals;
+  std::vector<FlatNode> nodes;
+  std::vector<FlatInput> inputs;
+  std::vector<FlatControl> controls;
+  std::vector<FlatOutput> outputs;
+};
+
+}  // namespace tactus

@@ -1,0 +1,202 @@
+#include "engine/graph/semantics/infer.h"
+
+#include <utility>
+#include <vector>
+
+#include "engine/graph/semantics/check_facts.h"
+#include "engine/graph/semantics/facts.h"
+
+namespace tactus {
+namespace {
+
+void add_signals(const Term& term, std::vector<int>& signals) {
+  if (term.op == Term::Op::Signal) signals.push_back(term.signal);
+  for (const auto& argument : term.arguments) add_signals(argument, signals);
+}
+
+/// All signals, each behind those that it is made of, loops aside: so that facts run along the longest chain
+/// in one pass, whatever order a file is written in. The first output of a node stands for all that it reads.
+class DependencyOrder {
+ public:
+  explicit DependencyOrder(const FlatGraph& graph) : graph_(graph), seen_(graph.signals.size()) {
+    for (int id = 0; id < static_cast<int>(graph.signals.size()); ++id) visit(id);
+  }
+  std::vector<int> take() { return std::move(order_); }
+
+ private:
+  struct Open {
+    int id;
+    std::vector<int> needs;
+  };
+
+  /// Depth first, with a stack of its own: chains may be 100,000 long.
+  void visit(int start) {
+    std::vector<Open> stack;
+    const auto open = [&](int id) {
+      if (seen_[static_cast<std::size_t>(id)]) return;
+      seen_[static_cast<std::size_t>(id)] = true;
+      stack.push_back({id, needs(id)});
+    };
+    open(start);
+    while (!stack.empty()) {
+      auto& top = stack.back();
+      if (top.needs.empty()) {
+        order_.push_back(top.id);
+        stack.pop_back();
+        continue;
+      }
+      const int next = top.needs.back();
+      top.needs.pop_back();
+      open(next);
+    }
+  }
+
+  std::vector<int> needs(int id) const {
+    const auto& signal = graph_.signals[static_cast<std::size_t>(id)];
+    std::vector<int> signals;
+    if (signal.kind == FlatSignal::Kind::Expression) add_signals(signal.term, signals);
+    if (signal.kind != FlatSignal::Kind::NodeOutput) return signals;
+    const auto& node = graph_.nodes[static_cast<std::size_t>(signal.index)];
+    if (id != node.outputs.front()) return {node.outputs.front()};
+    for (const auto& input : node.inputs)
+      if (input) add_signals(*input, signals);
+    return signals;
+  }
+
+  const FlatGraph& graph_;
+  std::vector<bool> seen_;
+  std::vector<int> order_;
+};
+
+class Inference {
+ public:
+  explicit Inference(FlatGraph& graph) : graph_(graph), order_(DependencyOrder{graph}.take()) {}
+
+  void run() {
+    infer_lanes();
+    infer_units();
+    infer_ranges();
+    for (auto& output : graph_.outputs)
+      output.dimension = output.declared.value_or(unit_of(graph_, output.term).dimension);
+    for (auto& node : graph_.nodes)
+      for (std::size_t i = 0; i < node.inputs.size(); ++i)
+        node.ranges.push_back(input_range(graph_, node, i));
+  }
+
+ private:
+  FlatSignal& signal(int id) { return graph_.signals[static_cast<std::size_t>(id)]; }
+  const FlatNode& node_of(const FlatSignal& output) const {
+    return graph_.nodes[static_cast<std::size_t>(output.index)];
+  }
+
+  // ---- lanes: they only grow, and by no more than the widest list, so this ends
+
+  void infer_lanes() {
+    while (widen_all()) {
+    }
+    for (auto& output : graph_.outputs) output.lanes = std::max(1, lanes_of(graph_, output.term));
+  }
+
+  bool widen_all() {
+    bool changed = false;
+    for (const int id : order_) {
+      auto& s = signal(id);
+      if (s.kind == FlatSignal::Kind::Expression) changed |= widen(s.lanes, lanes_of(graph_, s.term));
+      if (s.kind == FlatSignal::Kind::NodeOutput) changed |= widen_node(s, id);
+    }
+    return changed;
+  }
+
+  bool widen_node(const FlatSignal& output, int id) {
+    auto& node = graph_.nodes[static_cast<std::size_t>(output.index)];
+    if (id != node.outputs.front()) return false;
+    bool changed = widen(node.lanes, node.voices);
+    for (const auto& input : node.inputs)
+      if (input) changed |= widen(node.lanes, lanes_of(graph_, *input));
+    for (const int other : node.outputs)
+      changed |= widen(signal(other).lanes, node.type->name == "mix" ? 1 : node.lanes);
+    return changed;
+  }
+
+  static bool widen(int& lanes, int wanted) {
+    if (wanted <= lanes) return false;
+    lanes = wanted;
+    return true;
+  }
+
+  // ---- units
+
+  void infer_units() {
+    for (auto& s : graph_.signals)
+      if (s.declared) s.unit = UnitFact::known(*s.declared);
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const int id : order_) {
+        auto& s = signal(id);
+        if (s.unit.kind == UnitFact::Kind::Known) continue;
+        UnitFact fact = s.unit;
+        if (s.kind == FlatSignal::Kind::Expression) fact = unit_of(graph_, s.term);
+        if (s.kind == FlatSignal::Kind::NodeOutput) fact = output_unit(node_of(s), s.port);
+        if (fact == s.unit || fact.kind == UnitFact::Kind::Unknown) continue;
+        s.unit = fact;
+        changed = true;
+      }
+    }
+  }
+
+  UnitFact output_unit(const FlatNode& node, int port) const {
+    const auto rule = port_unit(node, node.type->outputs[static_cast<std::size_t>(port)].unit);
+    if (rule.kind == PortUnit::Kind::Any) return UnitFact::bare();
+    if (rule.kind == PortUnit::Kind::Fixed) return UnitFact::known(rule.dimension);
+    if (rule.follows < 0) return UnitFact::bare();
+    const auto& input = node.inputs[static_cast<std::size_t>(rule.follows)];
+    const auto followed = input ? unit_of(graph_, *input) : UnitFact::bare();
+    return rule.dimension.plain() ? followed : product(followed, UnitFact::known(rule.dimension), false);
+  }
+
+  // ---- ranges: each pass narrows further along chains; loops that would go on for ever are cut off, which
+  // is safe
+
+  void infer_ranges() {
+    constexpr int kPasses = 16;
+    for (int pass = 0; pass < kPasses; ++pass)
+      if (!narrow_all()) return;
+  }
+
+  bool narrow_all() {
+    bool changed = false;
+    for (const int id : order_) {
+      auto& s = signal(id);
+      Interval found = s.range;
+      if (s.kind == FlatSignal::Kind::Expression) found = range_of(graph_, s.term);
+      if (s.kind == FlatSignal::Kind::NodeOutput) found = output_range(node_of(s), s.port);
+      if (found.low == s.range.low && found.high == s.range.high) continue;
+      s.range = found;
+      changed = true;
+    }
+    return changed;
+  }
+
+  Interval output_range(const FlatNode& node, int port) const {
+    const auto& type = *node.type;
+    if (!type.range) return type.outputs[static_cast<std::size_t>(port)].range;
+    NodeSetup setup;
+    setup.type = &type;
+    setup.settings = node.settings;
+    for (std::size_t i = 0; i < node.inputs.size(); ++i)
+      setup.inputs.push_back({input_range(graph_, node, i), std::nullopt, node.inputs[i].has_value()});
+    return type.range(port, setup);
+  }
+
+  FlatGraph& graph_;
+  std::vector<int> order_;
+};
+
+}  // namespace
+
+std::vector<Error> infer(FlatGraph& graph) {
+  Inference{graph}.run();
+  return check_facts(graph);
+}
+
+}  // namespace tactus

@@ -1,0 +1,57 @@
+#include "engine/graph/semantics/part_path.h"
+
+#include <system_error>
+#include <vector>
+
+#include "engine/graph/file/nearest.h"
+
+namespace tactus {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool inside(const fs::path& path, const fs::path& root) {
+  const auto relative = path.lexically_relative(root);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+std::string nearest_file(const fs::path& missing) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry{missing.parent_path(), error}, end; !error && entry != end;
+       entry.increment(error))
+    names.push_back(entry->path().filename().string());
+  return nearest_name(missing.filename().string(), names);
+}
+
+}  // namespace
+
+fs::path canonical_path(const fs::path& path) {
+  std::error_code error;
+  const auto absolute = fs::absolute(path.empty() ? fs::path{"."} : path, error);
+  const auto resolved = fs::weakly_canonical(absolute, error);
+  return error ? absolute.lexically_normal() : resolved;
+}
+
+Result<PartPath> find_part(const std::string& use, const fs::path& folder, const fs::path& root,
+                           const Source& at) {
+  const fs::path given{use};
+  if (given.has_root_path())
+    return fail(Errc::OutOfRange, at.text(), "'" + use + "' is an absolute path",
+                "give it relative to this file");
+  // The shortened path is the one that is checked and opened: behind a link, '..' would lead elsewhere.
+  const auto path = (folder / given).lexically_normal();
+  const PartPath part{path.string(), canonical_path(path)};
+  const auto top = canonical_path(root);
+  if (!inside(part.canonical, top))
+    return fail(Errc::OutOfRange, at.text(),
+                "'" + use + "' leads out of the folder '" + top.filename().string() + "'",
+                "keep the files of an instrument inside it");
+  std::error_code error;
+  if (fs::exists(part.canonical, error)) return part;
+  const auto nearest = nearest_file(part.canonical);
+  return fail(Errc::BadFile, at.text(), "there is no file '" + part.name + "'",
+              nearest.empty() ? "paths are relative to this file" : "did you mean '" + nearest + "'?");
+}
+
+}  // namespace tactus

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/graph/semantics/flat_graph.h"
+
+namespace tactus {
+
+/// What the names of one file mean: signals by their full dotted name ("hit", "hit.level",
+/// "drum.lens.force"). Parts show only their outputs.
+class Scope {
+ public:
+  /// A name given twice was reported already and means neither.
+  void add(const std::string& name, int signal) {
+    if (!signals_.emplace(name, signal).second) hide(name);
+  }
+  /// A name that exists but is no signal by itself; `why` says what to write instead.
+  void explain(const std::string& name, std::string why) { not_signals_[name] = std::move(why); }
+
+  /// A name whose own mistake was reported already: it and all below it are FlatGraph::kMissing.
+  void hide(const std::string& name) { hidden_.insert(first_word(name)); }
+  /// What is not found below `name` ("": at all) may stand in what could not be read: FlatGraph::kMissing.
+  void tolerate(const std::string& name) { tolerated_.insert(name); }
+
+  /// The signal, or an error with the nearest right name.
+  Result<int> find(const std::string& name, const Source& at) const;
+
+ private:
+  static std::string first_word(const std::string& name) { return name.substr(0, name.find('.')); }
+  bool tolerates(const std::string& name) const {
+    return tolerated_.contains("") || tolerated_.contains(first_word(name));
+  }
+
+  /// The name that may have been meant; "" if none is near.
+  std::string suggestion(const std::string& name) const;
+
+  std::map<std::string, int> signals_;
+  std::map<std::string, std::string> not_signals_;
+  std::set<std::string> hidden_, tolerated_;
+  mutable int suggestions_ = 0;
+};
+
+}  // namespace tactus

@@ -1,0 +1,161 @@
+#include "engine/guard/drive_guard.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tactus {
+namespace {
+
+std::int64_t whole_frames(Seconds time, Hertz sample_rate) {
+  return std::llround(frames_in(time, sample_rate));
+}
+
+/// A sample beyond the ceiling counts, and so does a NaN, which lies within nothing.
+double beyond(double sample, double ceiling) noexcept { return std::abs(sample) <= ceiling ? 0.0 : 1.0; }
+
+/// Rounded as `within` rounds, so that both agree on what passes.
+double too_steep(double last, double sample, double step) noexcept {
+  return sample >= last - step && sample <= last + step ? 0.0 : 1.0;
+}
+
+double sum_of_absolutes(const double* samples, int frames) noexcept {
+  GroupSum sum;
+  sum.add(0, frames, [=](int n) { return std::abs(samples[n]); });
+  return sum.take();
+}
+
+}  // namespace
+
+DriveGuard::DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate)
+    : kind_(kind),
+      ceiling_(limits.ceiling),
+      largest_step_(kind == Kind::Drive ? limits.slew_per_second / sample_rate.value
+                                        : std::numeric_limits<double>::infinity()),
+      rise_frames_(whole_frames(limits.soft_start, sample_rate)),
+      fall_frames_(whole_frames(limits.fade_out, sample_rate)),
+      crest_frames_(whole_frames(kCrest, sample_rate)),
+      swing_frames_(1 + static_cast<std::int64_t>(
+                            std::min(static_cast<double>(crest_frames_), 4.0 * ceiling_ / largest_step_))),
+      direct_(kind == Kind::Drive ? limits.direct : DirectLimits{}, sample_rate),
+      howl_(sample_rate) {
+  if (kind != Kind::Drive) return;
+  if (limits.heat) heat_.emplace(*limits.heat, ceiling_, limits.slew_per_second, sample_rate);
+  if (limits.travel) travel_.emplace(*limits.travel, largest_step_, sample_rate);
+}
+
+void DriveGuard::set_open(bool open, std::int64_t frame) noexcept {
+  if (open == is_open()) return;
+  if (open) howl_.forget();
+  gain_.begin(frame, open ? rise_frames_ : fall_frames_, open ? 1.0 : 0.0);
+}
+
+void DriveGuard::stop() noexcept {
+  gain_ = GainRamp{0.0};
+  last_ = 0.0;
+}
+
+std::optional<std::int64_t> DriveGuard::take_howl() noexcept {
+  const auto frame = howled_;
+  howled_.reset();
+  return frame;
+}
+
+void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) noexcept {
+  while (frames > 0) {
+    const int position = guard_position(first_frame);
+    const int piece = std::min(frames, kGuardGroup - position);
+    const double sum = travel_ ? sum_of_absolutes(samples, piece) : 0.0;
+    if (passes(samples, piece, first_frame, sum)) {
+      direct_.hear(samples, piece, position);
+      last_ = samples[piece - 1];
+      if (travel_) travel_->hear(samples, piece, position, sum);
+    } else {
+      std::array<double, kGuardGroup> wanted;
+      for (int n = 0; n < piece; ++n)
+        samples[n] = shape(samples[n], wanted[static_cast<std::size_t>(n)], first_frame + n, position + n);
+      direct_.hear(wanted.data(), piece, position);
+      if (travel_) travel_->hear(samples, piece, position, sum_of_absolutes(samples, piece));
+    }
+    if (heat_) heat_->hear(samples, piece, position);
+    samples += piece;
+    frames -= piece;
+    first_frame += piece;
+    if (position + piece == kGuardGroup) end_group(first_frame);
+  }
+}
+
+/// True if no stage can have anything to do in this piece: one look at all of it.
+bool DriveGuard::passes(const double* samples, int frames, std::int64_t first_frame,
+                        double sum_of_absolutes) const noexcept {
+  if (!gain_.at_rest(first_frame) || gain_.target() != 1.0) return false;
+  if (!direct_.gain().idle() || (heat_ && !heat_->gain().idle())) return false;
+  GroupSum bad;
+  bad.add(0, frames, [=, this](int n) { return beyond(samples[n], ceiling_); });
+  if (bad.take() != 0.0) return false;
+  if (largest_step_ < 2.0 * ceiling_) {
+    if (too_steep(last_, samples[0], largest_step_) != 0.0) return false;
+    bad.add(0, frames - 1, [=, this](int n) { return too_steep(samples[n], samples[n + 1], largest_step_); });
+    if (bad.take() != 0.0) return false;
+  }
+  return !travel_ || travel_->cannot_reach(sum_of_absolutes, ceiling_);
+}
+
+/// One frame through all stages; `wanted`: what it is before the gain of direct current.
+double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int position) noexcept {
+  double y = sample;
+  if (!std::isfinite(y)) {
+    // Zero and not the last value: a fault that lasts must not hold a coil under direct current.
+    y = held_back(ceiling_, 0.0, GuardStage::NonFinite, frame, crest_frames_);
+  }
+  const double bounded = std::clamp(y, -ceiling_, ceiling_);
+  if (bounded != y) y = held_back(y, bounded, GuardStage::Ceiling, frame, crest_frames_);
+  if (heat_) y = scaled(y, heat_->gain().at(position), GuardStage::Heat);
+  wanted = y *= gain_.at(frame);
+  y = scaled(y, direct_.gain().at(position), GuardStage::Direct);
+  const double steep = within(y);
+  if (steep != y) y = held_back(y, steep, GuardStage::Slew, frame, swing_frames_);
+  if (travel_) {
+    const double allowed = within(travel_->allow(y, last_, position));
+    if (allowed != y) y = held_back(y, allowed, GuardStage::Travel, frame, crest_frames_);
+    travel_->went_out(y, position);
+  }
+  return last_ = y;
+}
+
+double DriveGuard::held_back(double from, double to, GuardStage stage, std::int64_t frame,
+                             std::int64_t hold) noexcept {
+  count(std::abs(from - to), stage);
+  if (kind_ == Kind::Drive) howl_.limited(frame, hold);
+  return to;
+}
+
+double DriveGuard::scaled(double x, double gain, GuardStage stage) noexcept {
+  if (gain == 1.0 || x == 0.0) return x;
+  count(std::abs(x) * (1.0 - gain), stage);
+  return x * gain;
+}
+
+void DriveGuard::count(double less, GuardStage stage) noexcept {
+  auto& count = counts_[stage];
+  ++count.frames;
+  count.most = std::max(count.most, less);
+  ++interventions_;
+}
+
+/// Ceiling and slew.
+double DriveGuard::within(double x) const noexcept {
+  return std::clamp(std::clamp(x, last_ - largest_step_, last_ + largest_step_), -ceiling_, ceiling_);
+}
+
+void DriveGuard::end_group(std::int64_t frame) noexcept {
+  if (kind_ != Kind::Drive) return;
+  if (heat_) heat_->end_group();
+  if (travel_) travel_->end_group();
+  direct_.end_group();
+  if (!howl_.end_group(frame) || !is_open()) return;
+  gain_.begin(frame, fall_frames_, 0.0);
+  howled_ = frame;
+}
+
+}  // namespace tactus

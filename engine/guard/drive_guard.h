@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "engine/core/ramp.h"
+#include "engine/core/realtime.h"
+#include "engine/guard/dc_limiter.h"
+#include "engine/guard/drive_limits.h"
+#include "engine/guard/excursion_limiter.h"
+#include "engine/guard/feedback_detector.h"
+#include "engine/guard/guard_counts.h"
+#include "engine/guard/heat_limiter.h"
+
+namespace tactus {
+
+/// The fixed last stage of one output channel:
+///   finite    a NaN or infinity becomes 0
+///   ceiling   y = clamp(x, -ceiling, ceiling)
+///   gains     heat (heat.h), soft start, arm, mute, direct current (direct.h): all at most 1
+///   slew      y[n] = clamp(x[n], y[n-1] - s, y[n-1] + s),  s = slew_per_second / sample_rate,  y[-1] = 0
+///   travel    travel.h
+/// The gains stand behind the ceiling: a gain on what is a thousand times too loud holds nothing back. Travel
+/// is worked out behind the others, because what it lets through depends on what they leave; whatever it
+/// gives lies within ceiling and slew again. Slew stays below the ceiling since it lies between two values
+/// that do. Within its limits, and with the ramps at 1, the output is the input bit for bit; there is no
+/// delay. How frames are cut into pieces does not matter.
+///
+/// A drive that is held back by the ceiling, the slew limit, the travel limit or for not being finite through
+/// more than half of 200 ms (howl.h) fades out and stays silent until it is opened again.
+class DriveGuard {
+ public:
+  enum class Kind {
+    Drive,  ///< moves something: all stages
+    Audio,  ///< is only heard: finite, ramps, ceiling
+  };
+  /// A frame counts as held back by ceiling or travel for this long after: crests of a loop above 10 Hz.
+  static constexpr Seconds kCrest{0.015};
+
+  /// [control] `limits` must have passed `check`.
+  DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate);
+
+  /// [realtime] Lets sound through from `frame` on (soft start), or fades it out. Asking twice changes
+  /// nothing.
+  void set_open(bool open, std::int64_t frame) noexcept;
+  bool is_open() const noexcept { return gain_.target() > 0.0; }
+  /// [realtime] As if it had been asked to open long ago.
+  void skip_soft_start() noexcept {
+    if (is_open()) gain_ = GainRamp{1.0};
+  }
+  /// [realtime] The last sample was followed by zeros outside of `process`: closed, at once.
+  void stop() noexcept;
+
+  /// [realtime] In place. `first_frame`: number of samples[0] since the start; frames come one after another.
+  void process(double* samples, int frames, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING;
+
+  /// [realtime] The frame at which a howl made it fade, once.
+  std::optional<std::int64_t> take_howl() noexcept;
+  /// [realtime] Cold if there is no heat limit.
+  ThermalState thermal_state() const noexcept { return heat_ ? heat_->state() : ThermalState{}; }
+  /// [realtime] Only ever warmer.
+  void warm_to(const ThermalState& state) noexcept {
+    if (heat_) heat_->warm_to(state);
+  }
+
+  Kind kind() const noexcept { return kind_; }
+  const GuardCounts& counts() const noexcept { return counts_; }
+  /// [realtime] Changes whenever `counts` does.
+  std::int64_t interventions() const noexcept { return interventions_; }
+
+ private:
+  bool passes(const double* samples, int frames, std::int64_t first_frame,
+              double sum_of_absolutes) const noexcept;
+  double shape(double sample, double& wanted, std::int64_t frame, int position) noexcept;
+  double held_back(double from, double to, GuardStage stage, std::int64_t frame, std::int64_t hold) noexcept;
+  double scaled(double x, double gain, GuardStage stage) noexcept;
+  void count(double less, GuardStage stage) noexcept;
+  double within(double x) const noexcept;
+  void end_group(std::int64_t frame) noexcept;
+
+  Kind kind_;
+  double ceiling_;
+  double largest_step_;
+  std::int64_t rise_frames_, fall_frames_;
+  std::int64_t crest_frames_, swing_frames_;  ///< that a limited frame counts for; slew: two full swings
+  GainRamp gain_{0.0};
+  std::optional<Heat> heat_;
+  std::optional<Travel> travel_;
+  Direct direct_;
+  Howl howl_;
+  std::optional<std::int64_t> howled_;
+  double last_ = 0.0;
+  GuardCounts counts_;
+  std::int64_t interventions_ = 0;
+};
+
+}  // namespace tactus

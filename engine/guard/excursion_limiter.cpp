@@ -1,0 +1,83 @@
+#include "engine/guard/excursion_limiter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tactus {
+namespace {
+
+double length(Vector2 v) noexcept { return std::sqrt(v.x * v.x + v.y * v.y); }
+
+/// Towards 0 by at most `step`.
+double returned(double y, double step) noexcept {
+  return y > 0.0 ? std::max(0.0, y - step) : std::min(0.0, y + step);
+}
+
+}  // namespace
+
+Travel::Travel(const TravelLimits& limits, double largest_step, Hertz sample_rate)
+    : static_(limits.metres_at_full_scale / limits.metres), largest_step_(largest_step) {
+  const double turn = 2.0 * std::numbers::pi * limits.resonance.value / sample_rate.value;
+  free_ = exponential({0.0, 1.0, -1.0, -1.0 / limits.q}, turn);
+  const Vector2 rest{static_, 0.0};
+  held_ = rest - free_ * rest;
+  push_ = static_ * turn;
+  return_push_ = push_ / (2.0 * largest_step);
+  limit_ = std::max(0.0, 1.0 - (static_ + 1.0 + 1.0 / limits.q) * turn * turn / 8.0);
+  group_free_ = {1.0, 0.0, 0.0, 1.0};
+  Vector2 weight = held_;
+  for (std::size_t n = kGuardGroup; n-- > 0; weight = free_ * weight, group_free_ = free_ * group_free_) {
+    weight_x_[n] = weight.x;
+    weight_y_[n] = weight.y;
+  }
+}
+
+double Travel::sudden(Vector2 state, double y) const noexcept { return length(state) + return_push_ * y * y; }
+
+/// `sudden` without its root.
+bool Travel::surely_within(Vector2 state, double y) const noexcept {
+  const double room = limit_ - kRounding - return_push_ * y * y;
+  return room > 0.0 && state.x * state.x + state.y * state.y <= room * room;
+}
+
+double Travel::steady(Vector2 state, double y) const noexcept {
+  return std::abs(static_ * y) + length({state.x - static_ * y, state.y});
+}
+
+double Travel::allow(double wanted, double previous, int position) noexcept {
+  catch_up(position);
+  const auto there = after(wanted);
+  if (surely_within(there, wanted)) return wanted;
+  const double suddenly = sudden(there, wanted), steadily = steady(there, wanted);
+  if (suddenly <= limit_ || steadily <= limit_) return wanted;
+  const double back = returned(previous, largest_step_);
+  const auto home = after(back);
+  const auto share = [this](double from, double to) {
+    return from < limit_ ? (limit_ - from) / (to - from) : 0.0;
+  };
+  const double most = std::max(share(sudden(home, back), suddenly), share(steady(home, back), steadily));
+  return back + most * (wanted - back);
+}
+
+void Travel::catch_up(int position) noexcept {
+  for (; known_ < position; ++known_) now_ = after(heard_[static_cast<std::size_t>(known_)]);
+}
+
+void Travel::hear(const double* samples, int frames, int position, double sum_of_absolutes) noexcept {
+  const double* x = weight_x_.data() + position;
+  const double* y = weight_y_.data() + position;
+  sum_x_.add(position, frames, [=](int n) { return x[n] * samples[n]; });
+  sum_y_.add(position, frames, [=](int n) { return y[n] * samples[n]; });
+  std::copy_n(samples, frames, heard_.data() + position);
+  bound_ += push_ * sum_of_absolutes;
+}
+
+void Travel::end_group() noexcept {
+  at_start_ = group_free_ * at_start_ + Vector2{sum_x_.take(), sum_y_.take()};
+  now_ = at_start_;
+  known_ = 0;
+  bound_ = length(at_start_);
+}
+
+}  // namespace tactus

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+
+#include "engine/core/matrix2.h"
+#include "engine/guard/drive_limits.h"
+#include "engine/guard/guard_group.h"
+
+namespace tactus {
+
+/// Travel of a mass on a spring that a drive moves, and what may go out so that it stays within its limit.
+/// In lengths of the limit and times of 1/ω0, with k = metres_at_full_scale / metres:
+///
+///   x'' = k y - x - x'/Q          advanced exactly, frame by frame, for a y that is held through the frame
+///   r   = sqrt(x² + x'²)          never grows while y = 0: the energy only falls, and |x| <= r
+///
+/// A sample goes out as it is while, behind it, one of these still holds; each of them keeps holding if the
+/// drive then returns to 0 as fast as its slew limit lets it (Δ a frame), so there is always a way back:
+///
+///   r + k ω0 T y² / (2 Δ)  <= 1 - h            what the return still pushes, at most; T: a frame's time
+///   |k y| + r about (k y, 0)  <= 1 - h         a slow return carries the resting point with it
+///   h = (k + 1 + 1/Q) (ω0 T)² / 8              between two frames the mass may bulge out by so much
+///
+/// Otherwise it goes only a share of the way from that return to where it wanted: both are convex in y, so
+/// the chord between the two ends never promises too much. The model is that of drive alone, without
+/// inductance (which would weaken the push); a hand or a stick can move the mass further.
+class Travel {
+ public:
+  /// [control] `largest_step`: of the drive from frame to frame; infinity: none.
+  Travel(const TravelLimits& limits, double largest_step, Hertz sample_rate);
+
+  /// [realtime] True if no sample of a piece can reach the limit, whatever their order: only the sum of their
+  /// absolute values is known, and a bound for each. Cheap, and errs to the side of no.
+  bool cannot_reach(double sum_of_absolutes, double largest) const noexcept {
+    return bound_ + push_ * sum_of_absolutes + return_push_ * largest * largest <= limit_ - kRounding;
+  }
+  /// [realtime] What may go out instead of `wanted` behind `previous`, at `position` of the group.
+  double allow(double wanted, double previous, int position) noexcept;
+  /// [realtime] What went out at `position`.
+  void went_out(double y, int position) noexcept { heard_[static_cast<std::size_t>(position)] = y; }
+  /// [realtime] The outputs of a piece of a group.
+  void hear(const double* samples, int frames, int position, double sum_of_absolutes) noexcept;
+  /// [realtime] A group is over.
+  void end_group() noexcept;
+
+  /// [realtime] As a share of the limit, at the last end of a group.
+  double position() const noexcept { return at_start_.x; }
+
+ private:
+  static constexpr double kRounding = 1e-9;
+
+  Vector2 after(double y) const noexcept { return free_ * now_ + y * held_; }
+  bool surely_within(Vector2 state, double y) const noexcept;
+  double sudden(Vector2 state, double y) const noexcept;
+  double steady(Vector2 state, double y) const noexcept;
+  void catch_up(int position) noexcept;
+
+  Matrix2 free_;        ///< over a frame
+  Vector2 held_;        ///< what a frame of y = 1 adds
+  Matrix2 group_free_;  ///< over a group
+  double static_;       ///< k
+  double push_;         ///< k ω0 T: what a frame of |y| = 1 adds to r at most
+  double return_push_;  ///< push / (2 Δ)
+  double largest_step_;
+  double limit_;                                         ///< 1 - h
+  std::array<double, kGuardGroup> weight_x_, weight_y_;  ///< of the samples of a group in its end
+  std::array<double, kGuardGroup> heard_{};              ///< the outputs of this group so far
+  GroupSum sum_x_, sum_y_;
+  Vector2 at_start_;  ///< of the group
+  Vector2 now_;       ///< before frame `known_` of the group
+  int known_ = 0;
+  double bound_ = 0.0;  ///< of r, before the piece to come
+};
+
+}  // namespace tactus

@@ -1,0 +1,250 @@
+#include "engine/guard/guarded.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+namespace tactus {
+namespace {
+
+constexpr auto kRelaxed = std::memory_order_relaxed;
+
+/// The state of a guard as other threads see it.
+struct Published {
+  struct Stage {
+    std::atomic<std::int64_t> frames{0};
+    std::atomic<double> most{0.0};
+  };
+  std::array<Stage, kGuardStages> stages;
+  std::atomic<double> coil{0.0}, body{0.0};
+};
+
+}  // namespace
+
+struct Guarded::Channel {
+  Channel(DriveGuard with, bool is_armed) : guard(std::move(with)), armed(is_armed) {}
+
+  DriveGuard guard;
+  bool armed;
+  bool muted = false;
+  std::int64_t told = 0;  ///< DriveGuard::interventions when it was last published
+  std::unique_ptr<Published> published = std::make_unique<Published>();
+
+  bool should_sound() const { return !muted && (armed || guard.kind() == DriveGuard::Kind::Audio); }
+  void publish() noexcept {
+    const auto heat = guard.thermal_state();
+    published->coil.store(heat.coil, kRelaxed);
+    published->body.store(heat.body, kRelaxed);
+    if (told == guard.interventions()) return;
+    told = guard.interventions();
+    for (std::size_t s = 0; s < kGuardStages; ++s) {
+      published->stages[s].frames.store(guard.counts().stages[s].frames, kRelaxed);
+      published->stages[s].most.store(guard.counts().stages[s].most, kRelaxed);
+    }
+  }
+};
+
+Guarded::Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bool armed)
+    : inner_(inner), config_(std::move(channels)), armed_at_start_(armed) {}
+
+Guarded::~Guarded() = default;
+
+Status Guarded::prepare(const StreamFormat& format) {
+  const auto outputs = static_cast<std::size_t>(format.out_channels);
+  if (config_.size() > outputs)
+    return fail(Errc::BadArgument, "",
+                std::to_string(config_.size()) + " guarded channels, but the stream has " +
+                    std::to_string(outputs) + " outputs",
+                "open the stream with more outputs");
+  for (const auto& channel : config_)
+    if (auto status = check(channel.limits, format.sample_rate); !status) return status;
+  if (auto status = inner_.prepare(format); !status) return status;
+
+  format_ = format;
+  frame_ = 0;
+  stopped_ = false;
+  in_.assign(static_cast<std::size_t>(format.in_channels), nullptr);
+  out_.assign(outputs, nullptr);
+  sensors_.assign(in_.size(), SensorWatch{format.sample_rate});
+  while (inbox_.front() != nullptr) inbox_.drop_front();
+  std::vector<Channel> before;
+  before.swap(channels_);
+  for (std::size_t c = 0; c < outputs; ++c) {
+    const auto config =
+        c < config_.size() ? config_[c] : GuardedChannel{DriveGuard::Kind::Drive, cautious_limits()};
+    auto& channel =
+        channels_.emplace_back(DriveGuard{config.kind, config.limits, format.sample_rate}, armed_at_start_);
+    if (c >= before.size()) continue;
+    channel.armed = before[c].armed;
+    channel.muted = before[c].muted;
+    const auto warm = before[c].guard.thermal_state();
+    if (warm == ThermalState{}) continue;
+    channel.guard.warm_to(warm);
+    channel.publish();
+    (void)applied_.push({0, JournalEntry::Kind::CoilHeat, static_cast<int>(c), warm.coil});
+    (void)applied_.push({0, JournalEntry::Kind::BodyHeat, static_cast<int>(c), warm.body});
+  }
+  for (; const JournalEntry* order = at_once_.front(); at_once_.drop_front()) (void)obey(*order);
+  open_guards(0);  // what the user ordered while no block came holds from the first frame on
+  return {};
+}
+
+/// False: there is no such channel. The guards are still to be opened.
+bool Guarded::obey(const JournalEntry& order) noexcept {
+  using Kind = JournalEntry::Kind;
+  const bool all = order.index == JournalEntry::kAllChannels;
+  bool known = all;
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    if (!all && order.index != static_cast<int>(c)) continue;
+    known = true;
+    auto& channel = channels_[c];
+    if (order.kind == Kind::Arm) channel.armed = order.value > 0.5;
+    if (order.kind == Kind::Mute) channel.muted = order.value > 0.5;
+    if (order.kind == Kind::CoilHeat) channel.guard.warm_to({order.value, 0.0});
+    if (order.kind == Kind::BodyHeat) channel.guard.warm_to({0.0, order.value});
+  }
+  return known;
+}
+
+void Guarded::open_guards(std::int64_t frame) noexcept {
+  for (auto& channel : channels_) channel.guard.set_open(channel.should_sound(), frame);
+}
+
+void Guarded::skip_soft_start() noexcept {
+  for (auto& channel : channels_) channel.guard.skip_soft_start();
+}
+
+void Guarded::process(const BlockIo& io) noexcept {
+  const auto first_frame = frame_.load(kRelaxed);
+  {
+    const NoDenormals no_denormals;
+    if (std::exchange(stopped_, false)) {
+      open_guards(first_frame);
+      tell({first_frame, JournalEntry::Kind::Halt, 0, 0.0});
+    }
+    for (int offset = 0; offset < io.frames; offset += format_.max_frames)
+      process_piece(io, offset, std::min(format_.max_frames, io.frames - offset));
+    for (auto& channel : channels_) channel.publish();
+  }
+  // A tap turns samples into floats, and must not lose those that are no denormals as doubles.
+  if (tap_ != nullptr) tap_->hear(io, first_frame);
+}
+
+void Guarded::finish(const BlockIo& io) noexcept {
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    std::fill_n(io.out[c], io.frames, 0.0);
+    channels_[c].guard.stop();
+  }
+  stopped_ = true;
+}
+
+void Guarded::process_piece(const BlockIo& io, int offset, int frames) noexcept {
+  for (std::size_t c = 0; c < in_.size(); ++c) in_[c] = io.in[c] + offset;
+  for (std::size_t c = 0; c < out_.size(); ++c) out_[c] = io.out[c] + offset;
+  inner_.process({in_.data(), out_.data(), frames});
+
+  const auto first = frame_.load(kRelaxed);
+  int done = 0;
+  for (; const JournalEntry* entry = at_once_.front(); at_once_.drop_front()) apply(*entry, first);
+  while (const JournalEntry* entry = inbox_.front()) {
+    const auto due = std::max(entry->frame, first + done);
+    if (due >= first + frames) break;
+    guard_frames(done, static_cast<int>(due - first), first);
+    done = static_cast<int>(due - first);
+    apply(*entry, due);
+    inbox_.drop_front();
+  }
+  guard_frames(done, frames, first);
+  frame_.store(first + frames, kRelaxed);
+}
+
+void Guarded::guard_frames(int from, int to, std::int64_t first_frame) noexcept {
+  const int fault = first_sensor_fault(from, to, first_frame);
+  guard_outputs(from, fault, first_frame);
+  if (fault == to) return;
+  disarm_drives(first_frame + fault);
+  guard_outputs(fault, to, first_frame);
+}
+
+void Guarded::guard_outputs(int from, int to, std::int64_t first_frame) noexcept {
+  if (from == to) return;
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    auto& channel = channels_[c];
+    channel.guard.process(out_[c] + from, to - from, first_frame + from);
+    const auto howl = channel.guard.take_howl();
+    if (!howl) continue;
+    channel.armed = false;
+    (void)events_.push({*howl, GuardEvent::Kind::Howl, static_cast<int>(c)});
+  }
+}
+
+/// The frame at which the first sensor is found at fault, or `to`.
+int Guarded::first_sensor_fault(int from, int to, std::int64_t first_frame) noexcept {
+  int first = to;
+  if (trusting_) return first;
+  for (std::size_t c = 0; c < sensors_.size(); ++c) {
+    const auto found = sensors_[c].hear(in_[c] + from, to - from);
+    if (!found) continue;
+    first = std::min(first, from + found->frame);
+    const auto kind = found->fault == SensorWatch::Fault::Railed ? GuardEvent::Kind::SensorRailed
+                                                                 : GuardEvent::Kind::SensorStuck;
+    (void)events_.push({first_frame + from + found->frame, kind, static_cast<int>(c)});
+  }
+  return first;
+}
+
+void Guarded::disarm_drives(std::int64_t frame) noexcept {
+  for (auto& channel : channels_) channel.armed = false;
+  open_guards(frame);
+}
+
+void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
+  const bool known = obey(entry);
+  open_guards(frame);
+  if (known && entry.kind == JournalEntry::Kind::Arm && entry.value > 0.5)
+    for (auto& sensor : sensors_) sensor.forgive();
+  entry.frame = frame;
+  tell(entry);
+}
+
+void Guarded::tell(const JournalEntry& entry) noexcept {
+  (void)applied_.push(entry);  // nobody may be listening
+  if (tap_ != nullptr) tap_->applied(entry);
+}
+
+std::vector<JournalEntry> Guarded::state() const {
+  using Kind = JournalEntry::Kind;
+  std::vector<JournalEntry> entries;
+  for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
+    const auto& channel = channels_[static_cast<std::size_t>(c)];
+    const auto heat = channel.guard.thermal_state();
+    if (channel.armed != armed_at_start_) entries.push_back({0, Kind::Arm, c, channel.armed ? 1.0 : 0.0});
+    if (channel.muted) entries.push_back({0, Kind::Mute, c, 1.0});
+    if (heat.coil > 0.0) entries.push_back({0, Kind::CoilHeat, c, heat.coil});
+    if (heat.body > 0.0) entries.push_back({0, Kind::BodyHeat, c, heat.body});
+  }
+  return entries;
+}
+
+bool Guarded::post(const JournalEntry& entry) noexcept {
+  using Kind = JournalEntry::Kind;
+  const bool ours = entry.kind == Kind::Arm || entry.kind == Kind::Mute || entry.kind == Kind::CoilHeat ||
+                    entry.kind == Kind::BodyHeat;
+  return ours && (entry.frame == JournalEntry::kNow ? at_once_ : inbox_).push(entry);
+}
+
+GuardCounts Guarded::counts(int channel) const noexcept {
+  const auto& published = *channels_[static_cast<std::size_t>(channel)].published;
+  GuardCounts counts;
+  for (std::size_t s = 0; s < kGuardStages; ++s)
+    counts.stages[s] = {published.stages[s].frames.load(kRelaxed), published.stages[s].most.load(kRelaxed)};
+  return counts;
+}
+
+ThermalState Guarded::thermal_state(int channel) const noexcept {
+  const auto& published = *channels_[static_cast<std::size_t>(channel)].published;
+  return {published.coil.load(kRelaxed), published.body.load(kRelaxed)};
+}
+
+}  // namespace tactus

@@ -1,0 +1,190 @@
+#include "engine/nodes/delays/align.h"
+
+#include <cmath>
+
+#include "engine/dsp/delays/delay_line.h"
+#include "engine/dsp/delays/loop_pad.h"
+#include "engine/dsp/delays/taps.h"
+#include "engine/dsp/envelopes/rise.h"
+#include "engine/nodes/delays/delay_taps.h"
+
+namespace tactus {
+namespace {
+
+enum Input { kIn, kPeriod, kDelay, kPhase, kTrigger, kOn };
+
+constexpr double kLongestPeriod_s = 0.1;  // 10 Hz, the lowest string
+constexpr double kFade_s = 0.010;
+constexpr double kHalfSemitone = 0.0293;  // 2^(1/24) - 1
+
+/// Two taps on one line: where the pad is, and, while it moves from one number of periods to another, where
+/// it was. Their gains add up to 1: at the pitch both are in phase.
+class Align final : public Node {
+ public:
+  explicit Align(const NodeSetup& setup)
+      : frame_s_(1 / setup.sample_rate.value),
+        shortest_period_(2 * frame_s_),
+        longest_period_(std::clamp(setup.input("period").range.high, shortest_period_, kLongestPeriod_s)),
+        pad_{frame_s_},
+        taps_(TimeRange{0, pad_.longest(longest_period_)}, setup.sample_rate),
+        line_(taps_.longest() + kMaxPiece, kMaxPiece + kOrder),
+        fade_frames_(static_cast<int>(std::lround(kFade_s / frame_s_))) {}
+
+  static Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+    const double longest = std::min(setup.input("period").range.high, kLongestPeriod_s);
+    if (longest * setup.sample_rate.value < 2)
+      return fail(Errc::OutOfRange, {}, "its period is never as long as two frames",
+                  "give the period of the note, as in period = \"1 / pitch\"");
+    const double frames = 1.5 * longest * setup.sample_rate.value;
+    if (const auto fits = setup.take_memory(static_cast<std::size_t>(frames)); !fits)
+      return tl::unexpected(fits.error());
+    return std::make_unique<Align>(setup);
+  }
+
+  void process(const NodeBlock& block) noexcept override {
+    InARow in_a_row;
+    line_.write(in_a_row(block.in[kIn], block.frames), block.frames);
+    for (int n = 0; n < block.frames; ++n) {
+      follow(block, n);
+      const int written = block.frames - n;
+      double y = tap(now_, written);
+      if (fading_ > 0) y += static_cast<double>(fading_--) / fade_frames_ * (tap(before_, written) - y);
+      block.out[0][n] = y;
+    }
+  }
+
+  void reset() noexcept override {
+    line_.reset();
+    rise_ = {};
+    started_ = note_ = on_ = false;
+    period_ = pad_s_ = turns_ = 0;
+    fading_ = 0;
+    now_ = before_ = {};
+  }
+  void adopt(Node& before) noexcept override {
+    if (auto* other = dynamic_cast<Align*>(&before)) line_.adopt(other->line_);
+  }
+
+  DelayRange delay(int input, int) const override { return input == kIn ? taps_.delay() : DelayRange{}; }
+
+  /// As a note that starts with these inputs.
+  std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
+                                               std::span<const double> at) const override {
+    if (input != kIn) return std::nullopt;
+    if (at[kOn] < 0.5) return 1.0;
+    const double period = possible(at[kPeriod]);
+    const double rest = LoopPad::rest(period, at[kDelay], at[kPhase]);
+    return taps_.response(taps_.inside(pad_.turns(period, rest) * period - rest), z);
+  }
+
+ private:
+  static constexpr int kOrder = 3;
+
+  double possible(double period) const noexcept {
+    return std::clamp(period, shortest_period_, longest_period_);
+  }
+
+  void follow(const NodeBlock& block, int n) noexcept {
+    const double period = possible(block.in[kPeriod][n]);
+    const double rest = LoopPad::rest(period, block.in[kDelay][n], block.in[kPhase][n]);
+    const bool on = block.in[kOn][n] >= 0.5;
+    const bool jumped =
+        std::max(period, period_) > (1 + kHalfSemitone) * std::min(period, period_) && started_;
+    note_ |= rise_.step(block.in[kTrigger][n]) || jumped;
+    period_ = period;
+    const bool moves = !started_ || note_ || on != on_ || !pad_.serves(turns_, period, rest);
+    // While one move is under way, a new note waits where the note before it was.
+    if (moves && fading_ == 0) move(on, period, rest);
+    if (!note_) aim(on_ ? turns_ * period - rest : 0);
+  }
+
+  void move(bool on, double period, double rest) noexcept {
+    const double pad_before = pad_s_;
+    on_ = on;
+    turns_ = pad_.turns(period, rest);
+    note_ = false;
+    before_ = now_;
+    aim(on ? turns_ * period - rest : 0);
+    if (started_ && pad_s_ != pad_before) fading_ = fade_frames_;
+    started_ = true;
+  }
+
+  void aim(double pad_s) noexcept {
+    const double inside = taps_.inside(pad_s);
+    if (inside != pad_s_) now_ = taps_.at(pad_s_ = inside);
+  }
+
+  double tap(const DelayAim<kOrder>& aim, int written) const noexcept {
+    return tap_sum(line_.behind(aim.newest + kOrder + written) + kOrder, aim.weights, 0);
+  }
+
+  double frame_s_, shortest_period_, longest_period_;
+  LoopPad pad_;
+  DelayTaps<kOrder> taps_;
+  DelayLine line_;
+  int fade_frames_;
+  Rise rise_;
+  bool started_ = false, note_ = false, on_ = false;
+  double period_ = 0, pad_s_ = 0, turns_ = 0;
+  int fading_ = 0;  ///< frames left
+  DelayAim<kOrder> now_, before_;
+};
+
+}  // namespace
+
+const NodeType& align_type() {
+  static const NodeType type{
+      .name = "align",
+      .group = "delays",
+      .summary =
+          "Pads a loop that is slower than the note, so that once around it is a whole number of periods.",
+      .equation =
+          "out[n] = in(n - pad fs),  pad = k period - delay - sum of phase delays + phase period / (2 pi)\n"
+          "k: the least with a pad of a frame or more, chosen when a note starts, at a trigger or where "
+          "the period jumps by half a semitone. The pad then follows the period, up to 1.5 periods and a "
+          "frame; beyond, k moves by what is needed, faded over 10 ms (gains that add up to 1)",
+      .source =
+          "condition of oscillation: the phase once around is a whole turn (Barkhausen); the loop: Berdahl, "
+          "Steiner & Oldham, NIME 2008, section 7.2",
+      .example = "{ type = \"align\", in = \"string\", period = \"1 / pitch\", delay = \"system.delay\" }",
+      .inputs =
+          {{.name = "in", .unit = "any", .doc = "signal that goes around", .fallback = std::nullopt},
+           {.name = "period",
+            .unit = "s",
+            .doc = "of the note; at most 0.1 s",
+            .fallback = std::nullopt,
+            .low = 0,
+            .high = kLongestPeriod_s},
+           {.name = "delay",
+            .unit = "s",
+            .doc = "what the loop takes already; of an instrument system.delay",
+            .fallback = std::nullopt,
+            .low = 0,
+            .high = 1000},
+           {.name = "phase",
+            .unit = "rad",
+            .doc = "of what else lies in the loop, at the pitch: of a shaker and a sensor, measured; below "
+                   "0 it lags",
+            .fallback = 0,
+            .low = -1000,
+            .high = 1000},
+           {.name = "trigger", .unit = "", .doc = "a note starts", .fallback = 0},
+           {.name = "on",
+            .unit = "",
+            .doc = "below 0.5 nothing is padded: what comes in goes out",
+            .fallback = 1}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in, so much later", .range = {}}},
+      .settings = {{.name = "compensate",
+                    .kind = Setting::Kind::Names,
+                    .doc =
+                        "filters in the same loop, or models of what lies outside; their phase delays at the "
+                        "pitch count as part of the loop",
+                    .choices = {},
+                    .fallback = {},
+                    .optional = true}},
+      .make = Align::make,
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

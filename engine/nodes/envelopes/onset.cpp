@@ -1,0 +1,116 @@
+#include "engine/nodes/envelopes/onset.h"
+
+#include <algorithm>
+
+#include "engine/dsp/envelopes/onset.h"
+#include "engine/nodes/make.h"
+
+namespace tactus {
+namespace {
+
+enum Input { kIn, kThreshold, kHold, kMargin, kNoiseMargin, kMaskTime, kHighPass, kRinging };
+
+class Onset final : public Node {
+ public:
+  explicit Onset(const NodeSetup& setup)
+      : detector_({.sample_rate = setup.sample_rate,
+                   .high_pass = Hertz{*setup.inputs[kHighPass].constant},
+                   .mask_time = Seconds{*setup.inputs[kMaskTime].constant},
+                   .ringing = Seconds{*setup.inputs[kRinging].constant}}) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    const Signal* in = block.in;
+    OnsetDetector::Sensitivity sensitivity;
+    for (int i = 0; i < block.frames; ++i) {
+      sensitivity.threshold = in[kThreshold][i];
+      sensitivity.margin = in[kMargin][i];
+      sensitivity.noise_margin = in[kNoiseMargin][i];
+      sensitivity.hold = Seconds{std::clamp(in[kHold][i], 0.001, 10.0)};
+      const bool hit = detector_.step(state_, in[kIn][i], sensitivity);
+      block.out[0][i] = hit ? 1 : 0;
+      block.out[1][i] = state_.level();
+      block.out[2][i] = state_.envelope();
+    }
+  }
+  void reset() noexcept override { state_ = {}; }
+
+ private:
+  OnsetDetector detector_;
+  OnsetDetector::State state_;
+};
+
+}  // namespace
+
+const NodeType& onset_type() {
+  static const NodeType type = {
+      .name = "onset",
+      .group = "envelopes",
+      .summary =
+          "Triggers at each hit that a microphone hears: soft ones after loud ones, ringing ones once.",
+      .equation =
+          "e = fast envelope of in above 30 Hz, 400 Hz, 2 kHz and 7 kHz; a hit when e > threshold in "
+          "the first, and in any e > margin * last hit's mask, e > margin * highest e of the last "
+          "ringing, and e > noise_margin * mean noise; then none for hold",
+      .source = "Bello et al., IEEE Trans. Speech Audio Process. 13, 2005",
+      .example = "hit = { type = \"onset\", in = \"microphone\", threshold = \"-34 dB\", hold = \"15 ms\" }",
+      .inputs = {{.name = "in", .unit = "full scale", .doc = "microphone", .fallback = {}},
+                 {.name = "threshold",
+                  .unit = "",
+                  .doc = "softest hit, its peak",
+                  .fallback = 0.01995262314968880,  // -34 dB
+                  .low = 0},
+                 {.name = "hold",
+                  .unit = "s",
+                  .doc = "time from a hit in which no other counts",
+                  .fallback = 0.015,
+                  .low = 0.001,
+                  .high = 10},
+                 {.name = "margin",
+                  .unit = "",
+                  .doc = "how far a hit must stand out of what rings; larger misses more and doubles less",
+                  .fallback = 1.41253754462275,  // 3 dB
+                  .low = 0},
+                 {.name = "noise_margin",
+                  .unit = "",
+                  .doc = "how far a hit must stand out of the mean noise",
+                  .fallback = 7.0,
+                  .low = 0},
+                 {.name = "mask_time",
+                  .unit = "s",
+                  .doc = "time in which the mask of a hit falls by 20 dB, from 10 ms after its hold",
+                  .fallback = 0.020,
+                  .low = 0.001,
+                  .high = 10,
+                  .fixed = true},
+                 {.name = "high_pass",
+                  .unit = "Hz",
+                  .doc = "hits are told only from what lies above: raise it where an actuator is heard too",
+                  .fallback = 30,
+                  .low = 1,
+                  .high = 4000,
+                  .fixed = true},
+                 {.name = "ringing",
+                  .unit = "s",
+                  .doc = "how long what is struck rings: shorter hears denser strokes, longer doubles less",
+                  .fallback = 0.028,
+                  .low = 0.008,
+                  .high = 0.031,
+                  .fixed = true}},
+      .outputs = {{.name = "hit",
+                   .unit = "",
+                   .doc = "1 in the frame of a hit",
+                   .kind = OutputKind::Trigger,
+                   .range = {0, 1}},
+                  {.name = "level",
+                   .unit = "=in",
+                   .doc = "highest envelope of the last hit: so far in its first 5 ms, then held to the next",
+                   .range = {}},
+                  {.name = "envelope", .unit = "=in", .doc = "fast envelope above 30 Hz", .range = {}}},
+      .settings = {},
+      .make = make_node<Onset>,
+      .range = {},
+  };
+  return type;
+}
+
+}  // namespace tactus

@@ -1,0 +1,34 @@
+#include "engine/nodes/filters/dc_blocker.h"
+
+#include "engine/dsp/filters/one_pole_design.h"
+#include "engine/nodes/filters/filter_node.h"
+#include "engine/nodes/filters/filter_ports.h"
+
+namespace tactus {
+namespace {
+
+using DcBlockerNode = FilterNode<1, 1>;
+
+FilterCoefficients<1> design(const DcBlockerNode::Parameters& p, Hertz sample_rate) {
+  return dc_blocker(clamped_radians(p[0], sample_rate));
+}
+
+}  // namespace
+
+const NodeType& dc_blocker_type() {
+  static const NodeType type{
+      .name = "dc_blocker",
+      .group = "filters",
+      .summary = "Takes away the mean, as the coupling capacitor of an audio input does.",
+      .equation = "out = p (out1 + in - in1),  p = 1 / (1 + 2 pi cutoff/fs)",
+      .source = "RC high-pass by backward Euler",
+      .example = "{ type = \"dc_blocker\", in = \"piezo\" }",
+      .inputs = {filtered_input(), cutoff_input("-3 dB here while it is far below the sample rate", 10)},
+      .outputs = {filtered_output("out", "without its mean")},
+      .settings = {},
+      .make = DcBlockerNode::maker(design),
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

@@ -1,0 +1,55 @@
+#include "engine/nodes/filters/difference.h"
+
+#include "engine/nodes/filters/filter_ports.h"
+#include "engine/nodes/group_steps.h"
+
+namespace tactus {
+namespace {
+
+class DifferenceNode : public Node {
+ public:
+  explicit DifferenceNode(Hertz sample_rate) : sample_rate_(sample_rate) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    const auto in = block.in[0];
+    double before = before_;
+    for (int n = 0; n < block.frames; ++n) {
+      block.out[0][n] = (in[n] - before) * sample_rate_.value;
+      before = in[n];
+    }
+    before_ = before;
+  }
+
+  void reset() noexcept override { before_ = 0; }
+
+  std::optional<std::complex<double>> response(int, int, std::complex<double> z,
+                                               std::span<const double>) const override {
+    return (1.0 - 1.0 / z) * sample_rate_.value;
+  }
+
+ private:
+  Hertz sample_rate_;
+  double before_ = 0;
+};
+
+}  // namespace
+
+const NodeType& difference_type() {
+  static const NodeType type{
+      .name = "difference",
+      .group = "filters",
+      .summary = "The rate of change from frame to frame.",
+      .equation = "out = (in - in1) fs, in1 = 0 before the first frame",
+      .source = "backward difference",
+      .example = "{ type = \"difference\", in = \"position\" }",
+      .inputs = {filtered_input("signal, usually a position")},
+      .outputs = {{.name = "out", .unit = "=in/s", .doc = "rate of change, half a frame late", .range = {}}},
+      .settings = {},
+      .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
+        return std::make_unique<DifferenceNode>(setup.sample_rate);
+      },
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

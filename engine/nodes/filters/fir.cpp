@@ -1,0 +1,80 @@
+#include "engine/nodes/filters/fir.h"
+
+#include <utility>
+
+#include "engine/dsp/delays/taps_at_rate.h"
+#include "engine/dsp/filters/fir.h"
+#include "engine/nodes/filters/filter_ports.h"
+#include "engine/nodes/group_steps.h"
+
+namespace tactus {
+namespace {
+
+class FirNode : public Node {
+ public:
+  explicit FirNode(std::vector<double> taps) : fir_(std::move(taps)) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    InARow in_a_row;
+    fir_.run(in_a_row(block.in[0], block.frames), block.out[0], block.frames);
+  }
+
+  void reset() noexcept override { fir_.reset(); }
+  void adopt(Node& before) noexcept override {
+    if (const auto* other = dynamic_cast<const FirNode*>(&before)) fir_.adopt(other->fir_);
+  }
+
+  std::optional<std::complex<double>> response(int, int, std::complex<double> z,
+                                               std::span<const double>) const override {
+    return fir_.response(1.0 / z);
+  }
+
+ private:
+  Fir fir_;
+};
+
+Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+  const auto& taps = setup.setting("taps").numbers;
+  if (taps.empty())
+    return fail(Errc::OutOfRange, {}, "a filter without taps is silent",
+                "give at least one number in 'taps'");
+  const auto& rate = setup.setting("rate");
+  const Hertz from = rate.given ? Hertz{rate.number} : setup.sample_rate;
+  const auto fits = setup.take_memory(length_at_rate(taps.size(), from, setup.sample_rate));
+  if (!fits) return tl::unexpected(fits.error());
+  return std::make_unique<FirNode>(taps_at_rate(taps, from, setup.sample_rate));
+}
+
+}  // namespace
+
+const NodeType& fir_type() {
+  static const NodeType type{
+      .name = "fir",
+      .group = "filters",
+      .summary = "A filter of any shape by its impulse response, one sample a tap.",
+      .equation = "out[n] = sum over k of taps[k] in[n-k]",
+      .source = "direct convolution; another rate: J. O. Smith, Digital Audio Resampling Home Page, 2002",
+      .example = "{ type = \"fir\", in = \"piezo\", rate = \"48 kHz\", taps = [0.25, 0.5, 0.25] }",
+      .inputs = {filtered_input()},
+      .outputs = {filtered_output("out", "filtered")},
+      .settings = {{.name = "taps",
+                    .kind = Setting::Kind::Numbers,
+                    .doc = "impulse response, one number a sample",
+                    .choices = {},
+                    .fallback = {}},
+                   {.name = "rate",
+                    .kind = Setting::Kind::Quantity,
+                    .doc =
+                        "sample rate that the taps were measured at: where the engine has another one they "
+                        "are resampled; left out: the engine's",
+                    .choices = {"Hz"},
+                    .fallback = {},
+                    .optional = true,
+                    .low = 1000,
+                    .high = 1e6}},
+      .make = make,
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

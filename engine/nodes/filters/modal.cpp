@@ -1,0 +1,151 @@
+#include "engine/nodes/filters/modal.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/dsp/resonators/modal_bank.h"
+#include "engine/nodes/filters/filter_ports.h"
+#include "engine/nodes/filters/mode_table.h"
+#include "engine/nodes/group_steps.h"
+
+namespace tactus {
+namespace {
+
+enum Input { kIn, kFrequency, kDecay };
+
+class ModalNode final : public Node {
+ public:
+  ModalNode(Hertz sample_rate, ModeTable table, std::vector<double> gains)
+      : sample_rate_(sample_rate),
+        table_(std::move(table)),
+        gains_(std::move(gains)),
+        bank_(static_cast<int>(table_.size())) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    const Signal in = block.in[kIn];
+    std::array<double, kMaxPiece> before;
+    before[0] = last_in_;
+    for (int n = 1; n < block.frames; ++n) before[static_cast<std::size_t>(n)] = in[n - 1];
+    last_in_ = in[block.frames - 1];
+    run(block, before.data());
+  }
+  void emit(const NodeBlock& block) noexcept override { run(block, &last_in_); }
+  void absorb(const NodeBlock& block) noexcept override { last_in_ = *block.in[kIn].data; }
+
+  void reset() noexcept override {
+    bank_.reset();
+    steps_.reset();
+    last_in_ = 0;
+  }
+
+  void adopt(Node& before) noexcept override {
+    if (const auto* other = dynamic_cast<const ModalNode*>(&before)) {
+      bank_.adopt(other->bank_);
+      last_in_ = other->last_in_;
+    }
+  }
+
+  DelayRange delay(int input, int) const override { return input == kIn ? DelayRange{1, 1} : DelayRange{}; }
+
+  std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
+                                               std::span<const double> at) const override {
+    if (input != kIn) return std::nullopt;
+    const auto delay = 1.0 / z;
+    std::complex<double> sum = 0;
+    for (std::size_t k = 0; k < table_.size(); ++k)
+      sum += designed(k, at[kFrequency], at[kDecay]).response(delay);
+    return sum;
+  }
+
+ private:
+  ModeDesign designed(std::size_t mode, double frequency, double decay) const noexcept {
+    return {{.frequency_hz = table_.frequency_hz(mode, frequency),
+             .decay_s = table_.decay_s(mode, decay),
+             .gain = gains_[mode]},
+            sample_rate_};
+  }
+
+  void tune(double frequency, double decay) noexcept {
+    if (frequency == frequency_ && decay == decay_) return;
+    frequency_ = frequency;
+    decay_ = decay;
+    for (std::size_t k = 0; k < table_.size(); ++k)
+      bank_.set(static_cast<int>(k), designed(k, frequency, decay));
+  }
+
+  void run(const NodeBlock& block, const double* in_before) noexcept {
+    steps_.go(
+        block, rest(block, kFrequency, 2), [&](int n) { tune(block.in[kFrequency][n], block.in[kDecay][n]); },
+        [&](int from, int to, int) { bank_.run(in_before + from, block.out[0] + from, to - from); });
+  }
+
+  Hertz sample_rate_;
+  ModeTable table_;
+  std::vector<double> gains_;
+  ModalBank bank_;
+  GroupSteps steps_;
+  double frequency_ = -1, decay_ = -1;  ///< what the bank is tuned to; below 0: nothing yet
+  double last_in_ = 0;
+};
+
+Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+  auto table = ModeTable::make(setup);
+  if (!table) return tl::unexpected(table.error());
+  auto gains = one_each(setup.setting("gains"), "gains", table->size(), 1);
+  if (!gains) return tl::unexpected(gains.error());
+  if (const auto fits = setup.take_memory(8 * table->size()); !fits) return tl::unexpected(fits.error());
+  const double slope = setup.setting("gain_slope").number;
+  for (std::size_t k = 0; k < gains->size(); ++k) (*gains)[k] *= table->falling(k, slope);
+  return std::make_unique<ModalNode>(setup.sample_rate, std::move(*table), std::move(*gains));
+}
+
+}  // namespace
+
+const NodeType& modal_type() {
+  static const NodeType type{
+      .name = "modal",
+      .group = "filters",
+      .summary =
+          "Many resonators side by side, summed: rings like what has these modes. It may close a loop.",
+      .equation =
+          "out = sum of y_k;  an impulse of 1 (one frame) gives y_k = gain_k e^(-6.91 t / decay_k) sin(2 pi "
+          "f_k t)\n"
+          "y_k[n] = 2 r cos(w) y_k[n-1] - r^2 y_k[n-2] + gain_k r sin(w) in[n-1],  w = 2 pi f_k / fs,  r = "
+          "e^(-6.91 / (decay_k fs))\n"
+          "A series: f_k = frequency ratio_k,  decay_k = decay (f_1 / f_k)^decay_slope,  gain_k times (f_1 / "
+          "f_k)^gain_slope\n"
+          "A mode at half the sample rate or above is silent. Retuned every eight frames, for some 30 ns a "
+          "mode",
+      .source =
+          "Rabiner & Gold, Theory and Application of Digital Signal Processing, 1975, section 4.5; "
+          "series: Fletcher & Rossing, The Physics of Musical Instruments, 2nd ed. 1998",
+      .example =
+          "{ type = \"modal\", in = \"strike\", frequency = \"220 Hz\", series = \"bar\", modes = 12, "
+          "decay = \"1 s\" }",
+      .inputs = {{.name = "in",
+                  .unit = "any",
+                  .doc = "what strikes or rubs",
+                  .fallback = std::nullopt,
+                  .late = true},
+                 mode_frequency_input(false),
+                 mode_decay_input(false)},
+      .outputs = {filtered_output("out", "all modes together")},
+      .settings = mode_settings({{.name = "gains",
+                                  .kind = Setting::Kind::Numbers,
+                                  .doc = "how loud each mode is; one for all, or one a mode; left out: 1",
+                                  .choices = {},
+                                  .fallback = {},
+                                  .optional = true},
+                                 {.name = "gain_slope",
+                                  .kind = Setting::Kind::Quantity,
+                                  .doc = "high modes are softer where it is above 0",
+                                  .choices = {},
+                                  .fallback = "0",
+                                  .low = -4,
+                                  .high = 4}}),
+      .make = make,
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

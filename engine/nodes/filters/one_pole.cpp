@@ -1,0 +1,50 @@
+#include "engine/nodes/filters/one_pole.h"
+
+#include "engine/dsp/filters/one_pole_design.h"
+#include "engine/nodes/filters/filter_node.h"
+#include "engine/nodes/filters/filter_ports.h"
+
+namespace tactus {
+namespace {
+
+using OnePoleNode = FilterNode<1, 1>;
+
+FilterCoefficients<1> bilinear(const OnePoleNode::Parameters& p, Hertz sample_rate) {
+  return one_pole_low_pass(clamped_radians(p[0], sample_rate));
+}
+
+FilterCoefficients<1> matched(const OnePoleNode::Parameters& p, Hertz sample_rate) {
+  return matched_one_pole(clamped_radians(p[0], sample_rate));
+}
+
+}  // namespace
+
+const NodeType& one_pole_type() {
+  static const NodeType type{
+      .name = "one_pole",
+      .group = "filters",
+      .summary = "A low-pass and the high-pass that completes it, 6 dB an octave.",
+      .equation =
+          "low = (1-p)/2 (in + in1) + p low1,  high = in - low,\n"
+          "p = (1 - tan(pi cutoff/fs)) / (1 + tan(pi cutoff/fs)): both are exactly -3.01 dB at the cutoff.\n"
+          "matched: low = (1-p) in + p low1,  p^2 - 2 c p + 1 = 0 with c = 2 - cos(2 pi cutoff/fs): low is "
+          "exactly -3.01 dB there",
+      .source = "Oppenheim & Schafer, Discrete-Time Signal Processing, 7.1.2 (bilinear transform, prewarped)",
+      .example = "{ type = \"one_pole\", in = \"hand\", cutoff = \"80 Hz\" }",
+      .inputs = {filtered_input(), cutoff_input("-3.01 dB here; at most 0.49 of the sample rate")},
+      .outputs = {filtered_output("low", "what lies below the cutoff"),
+                  filtered_output("high", "the rest: in - low")},
+      .settings = {{.name = "form",
+                    .kind = Setting::Kind::Choice,
+                    .doc = "matched lags half a frame less and passes a little at half the rate: for loops",
+                    .choices = {"bilinear", "matched"},
+                    .fallback = "bilinear"}},
+      .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
+        return OnePoleNode::maker(setup.setting("form").text == "matched" ? matched : bilinear)(setup);
+      },
+      .skips_unread = true,
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

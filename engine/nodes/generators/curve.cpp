@@ -1,0 +1,117 @@
+#include "engine/nodes/generators/curve.h"
+
+#include <cmath>
+
+#include "engine/dsp/curves/breakpoints.h"
+#include "engine/dsp/envelopes/rise.h"
+#include "engine/nodes/make.h"
+
+namespace tactus {
+namespace {
+
+Breakpoints::Shape shape(const NodeSetup& setup) {
+  const auto& name = setup.setting("curve").text;
+  return name == "step"     ? Breakpoints::Shape::Step
+         : name == "smooth" ? Breakpoints::Shape::Smooth
+                            : Breakpoints::Shape::Linear;
+}
+
+/// Times become frames; those within a millionth of a frame of a whole one become whole, so that "3 ms" at 48
+/// kHz is frame 144 and not a rounding error later.
+Breakpoints::Points in_frames(Breakpoints::Points points, Hertz sample_rate) {
+  for (auto& [x, y] : points) {
+    x = frames_in(Seconds{x}, sample_rate);
+    if (std::abs(x - std::round(x)) < 1e-6) x = std::round(x);
+  }
+  return points;
+}
+
+class Curve final : public Node {
+ public:
+  Curve(const NodeSetup& setup, const Breakpoints::Points& points)
+      : points_(in_frames(points, setup.sample_rate), shape(setup)),
+        waits_(setup.input("trigger").connected) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    for (int i = 0; i < block.frames; ++i) {
+      const std::int64_t frame = block.first_frame + i;
+      if (rise_.step(block.in[0][i])) {
+        start_ = frame;
+        started_ = true;
+      }
+      const bool waiting = waits_ && !started_;
+      block.out[0][i] = points_.value(waiting ? 0.0 : static_cast<double>(frame - start_));
+    }
+  }
+  void reset() noexcept override {
+    rise_ = {};
+    start_ = 0;
+    started_ = false;
+  }
+
+ private:
+  Breakpoints points_;
+  bool waits_;
+  Rise rise_;
+  std::int64_t start_ = 0;
+  bool started_ = false;
+};
+
+Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+  const auto& points = setup.setting("points").points;
+  if (const char* mistake = Breakpoints::mistake(in_frames(points, setup.sample_rate), shape(setup)))
+    return fail(Errc::BadArgument, {}, std::string{"'points' is not a curve: "} + mistake,
+                "write [[time, value], ...] with ascending times");
+  return std::make_unique<Curve>(setup, points);
+}
+
+Interval range(int, const NodeSetup& setup) {
+  Interval range{kUnlimited, -kUnlimited};
+  for (const auto& [time, value] : setup.setting("points").points)
+    range = range.joined(Interval::exactly(value));
+  return range.low <= range.high ? range : Interval{};
+}
+
+}  // namespace
+
+const NodeType& curve_type() {
+  static const NodeType type = {
+      .name = "curve",
+      .group = "generators",
+      .summary = "Moves through points in time and holds the last value.",
+      .equation =
+          "t = time since the start; between the points (t0, y0) and (t1, y1), u = (t - t0) / (t1 - t0): "
+          "linear "
+          "y0 + (y1 - y0) u; step y0; smooth: cubic without overshoot, slope continuous",
+      .source = "smooth: Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5, 1984",
+      .example =
+          "stroke = { type = \"curve\", points = [[\"0 s\", \"0 m/s\"], [\"0.1 s\", \"0.1 m/s\"]], unit = "
+          "\"m/s\" }",
+      .inputs = {{.name = "trigger",
+                  .unit = "",
+                  .doc = "starts the curve over; if it is connected, the curve waits for the first one",
+                  .fallback = 0}},
+      .outputs = {{.name = "out", .unit = "=unit", .doc = "value of the curve", .range = {}}},
+      .settings = {{.name = "points",
+                    .kind = Setting::Kind::Points,
+                    .doc = "[[time, value], ...], times ascending; two points at one time are a jump",
+                    .choices = {"s", "=unit"},
+                    .fallback = ""},
+                   {.name = "curve",
+                    .kind = Setting::Kind::Choice,
+                    .doc = "way between two points",
+                    .choices = {"linear", "step", "smooth"},
+                    .fallback = "linear"},
+                   {.name = "unit",
+                    .kind = Setting::Kind::Text,
+                    .doc = "unit of the values; left out: a plain number",
+                    .choices = {},
+                    .fallback = "",
+                    .optional = true}},
+      .make = make,
+      .range = range,
+  };
+  return type;
+}
+
+}  // namespace tactus

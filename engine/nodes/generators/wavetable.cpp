@@ -1,0 +1,81 @@
+#include "engine/nodes/generators/wavetable.h"
+
+#include <cmath>
+
+#include "engine/dsp/generators/phasor.h"
+#include "engine/dsp/generators/wave_table.h"
+#include "engine/nodes/make.h"
+
+namespace tactus {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+
+class Wavetable final : public Node {
+ public:
+  explicit Wavetable(const NodeSetup& setup)
+      : sample_rate_(setup.sample_rate.value),
+        table_(setup.setting("table").numbers),
+        cubic_(setup.setting("interpolation").text == "cubic") {}
+
+  void process(const NodeBlock& block) noexcept override {
+    const Signal frequency = block.in[0], phase = block.in[1], level = block.in[2];
+    for (int i = 0; i < block.frames; ++i) {
+      double turns = phasor_.step(frequency[i] / sample_rate_) + phase[i] / kTwoPi;
+      turns -= std::floor(turns);
+      block.out[0][i] = level[i] * (cubic_ ? table_.cubic(turns) : table_.linear(turns));
+    }
+  }
+  void reset() noexcept override { phasor_ = {}; }
+
+ private:
+  double sample_rate_;
+  WaveTable table_;
+  bool cubic_;
+  Phasor phasor_;
+};
+
+Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+  if (setup.setting("table").numbers.empty())
+    return fail(Errc::BadArgument, {}, "'table' holds no number",
+                "write one period, as in table = [0, 1, 0, -1]");
+  return std::make_unique<Wavetable>(setup);
+}
+
+}  // namespace
+
+const NodeType& wavetable_type() {
+  static const NodeType type = {
+      .name = "wavetable",
+      .group = "generators",
+      .summary =
+          "Repeats one period given as numbers. Not band-limited: partials above half the rate fold back.",
+      .equation =
+          "out[n] = level table(N frac(p[n] + phase / 2 pi)) for N numbers; p[0] = 0, p[n+1] = p[n] + "
+          "frequency[n] / rate",
+      .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
+      .example = "buzz = { type = \"wavetable\", table = [0, 1, 0.5, -0.5, -1], frequency = \"60 Hz\" }",
+      .inputs = {{.name = "frequency",
+                  .unit = "Hz",
+                  .doc = "periods a second; negative runs backwards",
+                  .fallback = {}},
+                 {.name = "phase", .unit = "rad", .doc = "added to the running phase", .fallback = 0},
+                 {.name = "level", .unit = "any", .doc = "multiplies the table", .fallback = 1}},
+      .outputs = {{.name = "out", .unit = "=level", .doc = "the wave", .range = {}}},
+      .settings = {{.name = "table",
+                    .kind = Setting::Kind::Numbers,
+                    .doc = "one period at even distances, at least one number",
+                    .choices = {},
+                    .fallback = ""},
+                   {.name = "interpolation",
+                    .kind = Setting::Kind::Choice,
+                    .doc = "between two numbers",
+                    .choices = {"linear", "cubic"},
+                    .fallback = "linear"}},
+      .make = make,
+      .range = {},
+  };
+  return type;
+}
+
+}  // namespace tactus

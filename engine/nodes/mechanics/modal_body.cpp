@@ -1,0 +1,167 @@
+#include "engine/nodes/mechanics/modal_body.h"
+
+#include <utility>
+
+#include "engine/dsp/resonators/modal_body.h"
+#include "engine/nodes/filters/mode_table.h"
+#include "engine/nodes/group_steps.h"
+
+namespace tactus {
+namespace {
+
+enum Output { kWave, kVelocity, kPosition, kForce };
+
+class ModalBodyNode final : public Node {
+ public:
+  ModalBodyNode(Hertz sample_rate, double impedance, std::vector<BodyMode> modes)
+      : sample_rate_(sample_rate),
+        impedance_(impedance),
+        modes_(std::move(modes)),
+        body_(modes_, impedance, sample_rate) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    for (int n = 0; n < block.frames; ++n) {
+      const auto answer = body_.step(block.in[0][n]);
+      // What joins two ports pushes both apart; here up is up as for the mass on the other side.
+      const double values[] = {answer.wave, -answer.velocity, -answer.position, -answer.force};
+      for (std::size_t i = 0; i < std::size(values); ++i)
+        if (block.out[i] != nullptr) block.out[i][n] = values[i];
+    }
+  }
+  void reset() noexcept override { body_.reset(); }
+  void adopt(Node& before) noexcept override {
+    if (const auto* other = dynamic_cast<const ModalBodyNode*>(&before)) body_.adopt(other->body_);
+  }
+
+  std::optional<std::complex<double>> response(int input, int output, std::complex<double> z,
+                                               std::span<const double>) const override {
+    if (input != 0) return std::nullopt;
+    const auto delay = 1.0 / z;
+    const auto admittance = admittance_at(delay);
+    const auto velocity = 2.0 * admittance / (1.0 + impedance_ * admittance);
+    switch (output) {
+      case kVelocity:
+        return -velocity;
+      case kPosition:
+        return -velocity * (1.0 + delay) / (2 * sample_rate_.value * (1.0 - delay));
+      case kForce:
+        return impedance_ * velocity - 2.0;
+      default:
+        return 1.0 - impedance_ * velocity;
+    }
+  }
+
+ private:
+  std::complex<double> admittance_at(std::complex<double> delay) const {
+    std::complex<double> sum = 0;
+    for (const auto& mode : modes_)
+      if (mode.frequency_hz < sample_rate_.value / 2)
+        sum += BodyModeDesign{mode, sample_rate_}.admittance(delay);
+    return sum;
+  }
+
+  Hertz sample_rate_;
+  double impedance_;
+  std::vector<BodyMode> modes_;
+  ModalBody body_;
+};
+
+double fixed_value(const NodeSetup& setup, std::string_view name) {
+  const auto& port = setup.type->inputs[static_cast<std::size_t>(setup.type->input_index(name))];
+  return setup.input(name).constant.value_or(port.fallback.value_or(0));
+}
+
+/// As listed, or scaled so that the first is `mass`; without a list all are `mass`.
+Result<std::vector<double>> masses_of(const NodeSetup& setup, std::size_t modes) {
+  const auto& list = setup.setting("masses");
+  const double mass = fixed_value(setup, "mass");
+  auto masses = one_each(list, "masses", modes, mass);
+  if (!masses) return masses;
+  for (const double m : *masses)
+    if (!(m > 0))
+      return fail(Errc::OutOfRange, {}, "one of 'masses' is not above 0",
+                  "leave out the modes that do not move where the body is touched");
+  if (list.given && setup.input("mass").connected) {
+    const double scale = mass / masses->front();
+    for (double& m : *masses) m *= scale;
+  }
+  return masses;
+}
+
+Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+  const auto table = ModeTable::make(setup);
+  if (!table) return tl::unexpected(table.error());
+  const auto masses = masses_of(setup, table->size());
+  if (!masses) return tl::unexpected(masses.error());
+  if (const auto fits = setup.take_memory(12 * table->size()); !fits) return tl::unexpected(fits.error());
+  std::vector<BodyMode> modes;
+  for (std::size_t k = 0; k < table->size(); ++k)
+    modes.push_back({.frequency_hz = table->frequency_hz(k, fixed_value(setup, "frequency")),
+                     .decay_s = table->decay_s(k, fixed_value(setup, "decay")),
+                     .mass_kg = (*masses)[k]});
+  return std::make_unique<ModalBodyNode>(setup.sample_rate, fixed_value(setup, "impedance"),
+                                         std::move(modes));
+}
+
+}  // namespace
+
+const NodeType& modal_body_type() {
+  static const NodeType type{
+      .name = "modal_body",
+      .group = "mechanics",
+      .summary = "A body of many modes that a network's `port` moves: bar, plate, drum head, sound board.",
+      .equation =
+          "force = -(wave_in + wave),  wave = wave_in + impedance velocity; up is up as for the mass at the "
+          "port\n"
+          "mass_k v_k' + c_k v_k + k_k integral of v_k = force,  velocity = sum of v_k,  position = its "
+          "integral\n"
+          "Each mode rings at f_k and falls by 60 dB in decay_k exactly (trapezoidal rule, c_k and k_k to "
+          "match); one "
+          "at half the sample rate or above is left out. Energy only goes in through the port: sum of "
+          "(wave_in^2 - wave^2) / (impedance fs) is what the body holds and has lost.\n"
+          "Wired to a port of the same impedance, each end hears the other a frame later at most: like a "
+          "thin rod of mass impedance / (2 fs) and stiffness 2 impedance fs between them",
+      .source =
+          "Bilbao, Wave and Scattering Methods for Numerical Simulation, 2004, chapter 2; series: "
+          "Fletcher & Rossing, The Physics of Musical Instruments, 2nd ed. 1998",
+      .example =
+          "{ type = \"modal_body\", wave = \"mallet.felt.wave\", impedance = \"20 N s/m\", frequency "
+          "= \"220 Hz\", series = \"bar\", modes = 12, decay = \"1 s\", mass = \"50 g\" }",
+      .inputs = {{.name = "wave",
+                  .unit = "N",
+                  .doc = "force wave that comes in, as `wave` of a network's port",
+                  .fallback = std::nullopt},
+                 {.name = "impedance",
+                  .unit = "N s/m",
+                  .doc = "that of the port on the other side",
+                  .fallback = std::nullopt,
+                  .low = 1e-9,
+                  .high = 1e9,
+                  .fixed = true},
+                 mode_frequency_input(true),
+                 mode_decay_input(true),
+                 {.name = "mass",
+                  .unit = "kg",
+                  .doc = "of the first mode, as felt at the point that is touched; without `masses`, of all",
+                  .fallback = 1,
+                  .low = 1e-9,
+                  .high = 1e9,
+                  .fixed = true}},
+      .outputs = {{.name = "wave", .unit = "N", .doc = "force wave that goes out", .range = {}},
+                  {.name = "velocity", .unit = "m/s", .doc = "of the point that is touched", .range = {}},
+                  {.name = "position", .unit = "m", .doc = "of the point that is touched", .range = {}},
+                  {.name = "force", .unit = "N", .doc = "on the body", .range = {}}},
+      .settings = mode_settings({{.name = "masses",
+                                  .kind = Setting::Kind::Numbers,
+                                  .doc = "of the modes, as felt at the point that is touched; one for all, "
+                                         "or one a mode",
+                                  .choices = {"kg"},
+                                  .fallback = {},
+                                  .optional = true}}),
+      .make = make,
+      .skips_unread = true,
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

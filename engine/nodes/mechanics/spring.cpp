@@ -1,0 +1,51 @@
+#include "engine/nodes/mechanics/spring.h"
+
+#include <algorithm>
+
+#include "engine/dsp/curves/mechanics.h"
+#include "engine/nodes/elementwise.h"
+
+namespace tactus {
+namespace {
+
+struct Spring {
+  static constexpr int kInputs = 3;
+  double value(const double* in) const { return spring_force(in[0], std::max(0.0, in[1]), in[2]); }
+  double slope(int input, const double* in) const {
+    const double stiffness = std::max(0.0, in[1]);
+    return input == 0 ? -stiffness : input == 1 ? -(in[0] - in[2]) : stiffness;
+  }
+};
+
+}  // namespace
+
+const NodeType& spring_type() {
+  static const NodeType type = {
+      .name = "spring",
+      .group = "mechanics",
+      .summary = "Virtual spring: the force that pulls a device back to its rest position.",
+      .equation = "out = -stiffness (in - rest)",
+      .source =
+          "Berdahl, Steiner & Oldham, NIME 2008, section 6.1.1. Stable on a device with damping b while "
+          "stiffness < "
+          "b / (T / 2 + delay): Gil et al., J. Comput. Inf. Sci. Eng. 9, 2009",
+      .example = "pull = { type = \"spring\", in = \"lever\", stiffness = \"200 N/m\" }",
+      .inputs = {{.name = "in", .unit = "m", .doc = "position of the device", .fallback = {}},
+                 {.name = "stiffness", .unit = "N/m", .doc = "force for a metre", .fallback = {}, .low = 0},
+                 {.name = "rest", .unit = "m", .doc = "position without force", .fallback = 0}},
+      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device", .range = {}}},
+      .settings = {},
+      .make = [](const NodeSetup&) -> Result<std::unique_ptr<Node>> {
+        return std::make_unique<ElementwiseNode<Spring>>(Spring{});
+      },
+      .stateless = true,
+      .range =
+          [](int, const NodeSetup& setup) {
+            const Interval stiffness = max(setup.input("stiffness").range, Interval::exactly(0));
+            return -(stiffness * (setup.input("in").range - setup.input("rest").range));
+          },
+  };
+  return type;
+}
+
+}  // namespace tactus

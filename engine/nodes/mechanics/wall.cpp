@@ -1,0 +1,70 @@
+#include "engine/nodes/mechanics/wall.h"
+
+#include <algorithm>
+
+#include "engine/dsp/curves/mechanics.h"
+#include "engine/nodes/elementwise.h"
+
+namespace tactus {
+namespace {
+
+struct WallLaw {
+  static constexpr int kInputs = 5;  ///< position, velocity, stiffness, damping, at
+
+  static Wall wall(const double* in) {
+    return {
+        .stiffness_n_per_m = std::max(0.0, in[2]), .damping_n_s_per_m = std::max(0.0, in[3]), .at_m = in[4]};
+  }
+  double value(const double* in) const { return wall(in).force(in[0], in[1]); }
+  Lanes value(const Lanes* in) const {
+    const auto zero = Lanes::same(0.0);
+    const auto push = max(zero, in[2]) * (in[0] - in[4]) + max(zero, in[3]) * in[1];
+    return where_above(in[0], in[4], -max(zero, push));
+  }
+  double slope(int input, const double* in) const {
+    const Wall w = wall(in);
+    if (!w.touched(in[0], in[1])) return 0;
+    const double slopes[kInputs] = {-w.stiffness_n_per_m, -w.damping_n_s_per_m, -(in[0] - w.at_m), -in[1],
+                                    w.stiffness_n_per_m};
+    return slopes[input];
+  }
+};
+
+}  // namespace
+
+const NodeType& wall_type() {
+  static const NodeType type = {
+      .name = "wall",
+      .group = "mechanics",
+      .summary = "Virtual wall: behind `at` a spring and a damper push the device out; they never pull.",
+      .equation = "out = -max(0, stiffness (position - at) + damping velocity) where position > at, else 0",
+      .source =
+          "Berdahl, Steiner & Oldham, NIME 2008, section 6.1.2. Stable on a device with damping b while "
+          "stiffness < "
+          "(b + damping) / (T / 2 + delay): Gil et al., J. Comput. Inf. Sci. Eng. 9, 2009",
+      .example = "stop = { type = \"wall\", position = \"lever\", stiffness = \"800 N/m\", at = \"20 mm\" }",
+      .inputs =
+          {{.name = "position", .unit = "m", .doc = "position of the device", .fallback = {}},
+           {.name = "velocity", .unit = "m/s", .doc = "its velocity; needed for the damper", .fallback = 0},
+           {.name = "stiffness",
+            .unit = "N/m",
+            .doc = "force for a metre of depth",
+            .fallback = {},
+            .low = 0},
+           {.name = "damping", .unit = "N s/m", .doc = "force for a metre a second", .fallback = 0, .low = 0},
+           {.name = "at", .unit = "m", .doc = "where the wall begins", .fallback = 0}},
+      .outputs = {{.name = "out",
+                   .unit = "N",
+                   .doc = "force on the device, never positive",
+                   .range = {-kUnlimited, 0}}},
+      .settings = {},
+      .make = [](const NodeSetup&) -> Result<std::unique_ptr<Node>> {
+        return std::make_unique<ElementwiseNode<WallLaw>>(WallLaw{});
+      },
+      .stateless = true,
+      .range = {},
+  };
+  return type;
+}
+
+}  // namespace tactus

@@ -1,0 +1,109 @@
+#include "engine/nodes/mechanics/waveguide.h"
+
+#include <algorithm>
+
+#include "engine/dsp/strings/wave_line.h"
+#include "engine/nodes/delays/string_ports.h"
+#include "engine/nodes/group_steps.h"
+#include "engine/nodes/make.h"
+
+namespace tactus {
+namespace {
+
+enum Input { kWave, kPitch, kGain, kLoss };
+static_assert(WaveLine::kLongest >= kMaxPiece);
+
+class WaveguideNode final : public Node {
+ public:
+  explicit WaveguideNode(const NodeSetup& setup)
+      : sample_rate_(setup.sample_rate),
+        line_(loss_filter_of(setup), setup.setting("end").text == "free" ? FarEnd::Free : FarEnd::Fixed,
+              setup.sample_rate, {setup.input("pitch").range.low, setup.input("pitch").range.high}) {}
+
+  void process(const NodeBlock& block) noexcept override {
+    absorb(block);
+    read(block, block.frames);
+  }
+  void emit(const NodeBlock& block) noexcept override { read(block, 0); }
+  void absorb(const NodeBlock& block) noexcept override {
+    InARow in_a_row;
+    line_.write(in_a_row(block.in[kWave], block.frames), block.frames);
+  }
+  void reset() noexcept override {
+    line_.reset();
+    steps_.reset();
+  }
+  void adopt(Node& before) noexcept override {
+    if (auto* other = dynamic_cast<WaveguideNode*>(&before)) line_.adopt(other->line_);
+  }
+
+  DelayRange delay(int input, int) const override {
+    return input == kWave ? DelayRange{line_.least_delay(), line_.most_delay()} : DelayRange{};
+  }
+
+  std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
+                                               std::span<const double> at) const override {
+    if (input != kWave) return std::nullopt;
+    return line_.response({.pitch_hz = at[kPitch], .gain = at[kGain], .loss = at[kLoss]}, 1.0 / z);
+  }
+
+ private:
+  void read(const NodeBlock& block, int written) noexcept {
+    const auto* in = block.in;
+    steps_.go(
+        block, rest(block, kPitch, 3),
+        [&](int n) { line_.tune({.pitch_hz = in[kPitch][n], .gain = in[kGain][n], .loss = in[kLoss][n]}); },
+        [&](int from, int to, int position) {
+          line_.read(block.out[0] + from, to - from, written - from, position);
+        });
+  }
+
+  Hertz sample_rate_;
+  WaveLine line_;
+  GroupSteps steps_;
+};
+
+}  // namespace
+
+const NodeType& waveguide_type() {
+  static const NodeType type{
+      .name = "waveguide",
+      .group = "mechanics",
+      .summary = "A string or rod as a network's `port` feels it at one end: waves go in and come back.",
+      .equation =
+          "out[n] = +-gain (h_LP * wave)[n - (N - 1)]: + from a fixed end, - from a free one\n"
+          "N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs; the frame that is missing is the port's\n"
+          "H_LP = (1 - loss/2) + loss/2 z^-1 (one_zero) or (1 - loss) / (1 - loss z^-1) (one_pole)\n"
+          "Impedance of the port: of a string of tension T and mass M a metre sqrt(T M), of a rod A sqrt(E "
+          "rho). A fixed string on a heavy mass sounds at `pitch`; on a mass m at w m = Z cot(w / (2 "
+          "pitch)). It never gives back more than came in; gain = 0 never ends",
+      .source =
+          "J. O. Smith, Physical Audio Signal Processing, 2010; Jaffe & Smith, Computer Music Journal "
+          "7(2), 1983",
+      .example = "{ type = \"waveguide\", wave = \"bridge.nut.wave\", pitch = \"220 Hz\", gain = 0.998 }",
+      .inputs = {{.name = "wave",
+                  .unit = "any",
+                  .doc = "what goes in: `wave` of a network's port",
+                  .fallback = std::nullopt,
+                  .late = true},
+                 pitch_input("one over the time to the far end and back; at most 0.2 of the sample rate"),
+                 {.name = "gain",
+                  .unit = "",
+                  .doc = "to the far end and back; 0: an endless line, that swallows all",
+                  .fallback = 0.998,
+                  .low = 0,
+                  .high = WaveLine::kMostGain},
+                 loss_input()},
+      .outputs = {{.name = "out", .unit = "=wave", .doc = "what comes back", .range = {}}},
+      .settings = {{.name = "end",
+                    .kind = Setting::Kind::Choice,
+                    .doc = "what holds the far end",
+                    .choices = {"fixed", "free"},
+                    .fallback = "fixed"},
+                   loss_filter_setting()},
+      .make = make_node<WaveguideNode>,
+      .range = {}};
+  return type;
+}
+
+}  // namespace tactus

@@ -1,0 +1,97 @@
+#include "engine/nodes/networks/element_types.h"
+
+namespace tactus {
+namespace {
+
+using Kind = ElementQuantity::Kind;
+using Ends = ElementType::Ends;
+
+ElementType contact() {
+  return {
+      .name = "contact",
+      .doc =
+          "Two surfaces that push and never pull. The first one is below the second. With `restitution` the "
+          "loss is set at each touch, so that the speeds before and after have this ratio.",
+      .equation = "force = max(0, stiffness n^exponent (1 + loss n')),  n = x_first - x_second + offset > 0",
+      .ends = Ends::Between,
+      .settings = {{.name = "sides",
+                    .kind = Setting::Kind::Integer,
+                    .doc = "2: the first rattles in the second, which holds it from below and above; forces "
+                           "then have a sign",
+                    .choices = {},
+                    .fallback = "1",
+                    .low = 1,
+                    .high = 2}},
+      .fields = {required("stiffness", "N/m^exponent", "force at an indentation of 1 m", kTiny),
+                 with_default("exponent", "", "1 linear, 1.5 a ball on a flat (Hertz)", 1.5, 1.0, 10.0),
+                 with_default("loss", "s/m", "Hunt-Crossley loss", 0.0, 0.0),
+                 {.name = "restitution",
+                  .unit = "",
+                  .doc = "speed after / speed before, instead of `loss`",
+                  .low = 0.01,
+                  .high = 1.0,
+                  .optional = true},
+                 with_default("offset", "m", "indentation where both points are at one place", 0.0),
+                 with_default("clearance", "m", "with two sides: how far it may go either way", 0.0, 0.0)},
+      .quantities = {{"force", "N", "push, never below 0", Kind::ContactForce, {0.0, kUnlimited}},
+                     {"indentation", "m", "how deep, never below 0", Kind::Indentation, {0.0, kUnlimited}}},
+      .example =
+          "lens = { type = \"contact\", between = [\"cone\", \"stick\"], stiffness = \"5e6 N/m^1.5\" }"};
+}
+
+ElementType friction() {
+  return {
+      .name = "friction",
+      .doc =
+          "Rubs two points against each other: a bow on a string, a brake, a dry bearing. They hold each "
+          "other "
+          "up to normal * holding; sliding, the coefficient falls to `kinetic`. `normal` is a signal, or "
+          "the "
+          "force of a contact or a spring of this network, as in normal = \"press.force\".",
+      .equation =
+          "force = normal mu(|v|) sgn v + viscous v,  v = x_first' - x_second',  mu(v) = kinetic + (holding "
+          "- "
+          "kinetic) exp(-v / speed);  rosin: mu(v) = 0.35 + 0.4 exp(-v / 0.01 m/s) + 0.45 exp(-v / 0.1 m/s)",
+      .ends = Ends::Between,
+      .settings = {{.name = "law",
+                    .kind = Setting::Kind::Choice,
+                    .doc = "rosin has its own coefficients",
+                    .choices = {"falling", "rosin"},
+                    .fallback = "falling"}},
+      .fields = {signal("normal", "N", "presses them together; below 0 it counts as 0"),
+                 with_default("kinetic", "", "coefficient of fast sliding", 0.3, 0.0),
+                 if_named("holding", "", "coefficient of holding; none: as `kinetic` (Coulomb)", 0.0),
+                 with_default("speed", "m/s", "how fast the coefficient falls", 0.1, 1e-6),
+                 with_default("viscous", "N s/m", "of the lubricant", 0.0, 0.0)},
+      .quantities = {{"force", "N", "drags the second point with the first, of the last step",
+                      Kind::FrictionForce},
+                     {"velocity", "m/s", "of sliding; 0: they hold each other", Kind::FrictionVelocity}},
+      .example =
+          "hair = { type = \"friction\", between = [\"bow\", \"string\"], normal = \"0.5 N\", law = "
+          "\"rosin\" }"};
+}
+
+ElementType pluck() {
+  return {
+      .name = "pluck",
+      .doc =
+          "A plectrum: takes a point along until the force is too large, lets go, and takes it up again "
+          "when they pass "
+          "each other.",
+      .equation = "force = stiffness n + damping n',  n = x_first - x_second,  while stiffness |n| <= limit",
+      .ends = Ends::Between,
+      .settings = {},
+      .fields = {required("stiffness", "N/m", "of the plectrum", kTiny),
+                 with_default("damping", "N s/m", "of the plectrum", 0.0, 0.0),
+                 required("limit", "N", "it lets go", kTiny)},
+      .quantities = {{"force", "N", "takes the second point along with the first", Kind::PluckForce}},
+      .example =
+          "plectrum = { type = \"pluck\", between = [\"pick\", \"string\"], stiffness = \"500 N/m\", "
+          "limit = \"2 N\" }"};
+}
+
+}  // namespace
+
+std::vector<ElementType> contact_elements() { return {contact(), friction(), pluck()}; }
+
+}  // namespace tactus

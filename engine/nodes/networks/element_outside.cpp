@@ -1,0 +1,62 @@
+#include "engine/nodes/networks/element_types.h"
+
+namespace tactus {
+namespace {
+
+using Kind = ElementQuantity::Kind;
+using Ends = ElementType::Ends;
+
+}  // namespace
+
+std::vector<ElementType> outside_elements() {
+  return {
+      {.name = "force",
+       .doc = "A force on a mass, held from frame to frame.",
+       .equation = "mass x'' = … + force",
+       .ends = Ends::On,
+       .settings = {},
+       .fields = {signal("force", "N", "up is positive")},
+       .quantities = {{"force", "N", "of the frame before", Kind::AppliedForce}},
+       .example = "weight = { type = \"force\", on = \"stick\", force = \"-0.3 N\" }"},
+      {.name = "hand",
+       .doc =
+           "Holds a mass by a spring and a damper and pushes; both the place that it holds to and the push "
+           "move no faster than a hand does (two equal poles, 3 dB down at `bandwidth`).",
+       .equation = "force = push + stiffness (x_hand - x) + damping (x_hand' - x')",
+       .ends = Ends::On,
+       .settings = {},
+       .fields = {with_default("stiffness", "N/m", "of the grip", 0.0, 0.0),
+                  with_default("damping", "N s/m", "of the grip", 0.0, 0.0),
+                  signal("position", "m", "where the hand wants to be", 0.0),
+                  signal("force", "N", "how the hand pushes besides", 0.0),
+                  with_default("bandwidth", "Hz", "3 dB down; nobody moves faster than 10 Hz", 8.0, 0.1,
+                               10.0)},
+       .quantities = {{"force", "N", "on the mass, all of it", Kind::SpringForce},
+                      {"position", "m", "of the hand", Kind::Position}},
+       .example = "hand = { type = \"hand\", on = \"stick\", stiffness = \"10 N/m\", position = \"lift\" }"},
+      {.name = "port",
+       .doc = "Where a wave of force goes between a mass and something outside: a string, a modal body, the "
+              "port of another "
+              "network. Two ports of one impedance, each the other's wave, are a passive joint.",
+       .equation =
+           "force = 2 a - impedance v = a + b,  b = a - impedance v,  a = wave (in), b the output `wave`",
+       .ends = Ends::On,
+       .settings = {},
+       .fields = {required("impedance", "N s/m", "of the wave", kTiny), signal("wave", "N", "comes in", 0.0)},
+       .quantities = {{"wave", "N", "goes out, one frame later", Kind::Wave},
+                      {"force", "N", "on the mass", Kind::PortForce},
+                      kVelocity},
+       .example =
+           "bridge = { type = \"port\", on = \"body\", impedance = \"0.5 N s/m\", wave = \"-1 * string\" }"},
+      {.name = "probe",
+       .doc = "Nothing: looks at a mass, one of a chain or a grid for instance.",
+       .equation = "x, x' of the mass",
+       .ends = Ends::On,
+       .settings = {},
+       .fields = {},
+       .quantities = {kPosition, kVelocity},
+       .example = "ear = { type = \"probe\", on = \"string.67\" }"},
+  };
+}
+
+}  // namespace tactus

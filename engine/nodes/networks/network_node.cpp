@@ -1,0 +1,164 @@
+#include "engine/nodes/networks/network_node.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/nodes/networks/network_builder.h"
+#include "engine/nodes/networks/solver_words.h"
+
+namespace tactus {
+namespace {
+
+class NetworkNode final : public Node, public NetworkView {
+ public:
+  NetworkNode(NetworkRecipe recipe, Network network, std::vector<NetworkReading> readings,
+              const NodeType& type)
+      : fingerprint_(type.fingerprint),
+        recipe_(std::move(recipe)),
+        network_(std::move(network)),
+        state_(network_.initial_state()),
+        readings_(std::move(readings)),
+        signal_ports_(recipe_.signal_ports),
+        now_(signal_ports_.size()),
+        read_(readings_.size()),
+        late_(type.inputs.size()) {
+    for (const int port : signal_ports_) late_[static_cast<std::size_t>(port)] = true;
+  }
+
+  void process(const NodeBlock& block) noexcept override {
+    const std::size_t count = find_read(block);
+    for (int frame = 0; frame < block.frames; ++frame) {
+      write(block, frame, count);
+      step(block, frame);
+    }
+  }
+  void emit(const NodeBlock& block) noexcept override { write(block, 0, find_read(block)); }
+  void absorb(const NodeBlock& block) noexcept override { step(block, 0); }
+  void reset() noexcept override { network_.reset(state_); }
+
+  void adopt(Node& before) noexcept override {
+    const auto* other = dynamic_cast<const NetworkNode*>(&before);
+    if (other != nullptr && other->fingerprint_ == fingerprint_) network_.adopt(state_, other->state_);
+  }
+
+  std::string about() const override {
+    const auto& choice = network_.choice();
+    return choice ? "solver " + reason_for(*choice) : std::string{};
+  }
+
+  DelayRange delay(int input, int) const override {
+    return late_[static_cast<std::size_t>(input)] ? DelayRange{1, 1} : DelayRange{};
+  }
+
+  const NetworkRecipe& recipe() const override { return recipe_; }
+  double energy() const override { return network_.energy(state_); }
+  double shown(const Network& network, const NetworkState& state, int output) const override {
+    return value(readings_[static_cast<std::size_t>(output)], network, state);
+  }
+
+ private:
+  /// Puts the outputs that somebody reads to the front of `read_`.
+  std::size_t find_read(const NodeBlock& block) noexcept {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < readings_.size(); ++i)
+      if (block.out[i] != nullptr) read_[count++] = i;
+    return count;
+  }
+
+  void write(const NodeBlock& block, int frame, std::size_t count) const noexcept {
+    for (std::size_t i = 0; i < count; ++i)
+      block.out[read_[i]][frame] = value(readings_[read_[i]], network_, state_);
+  }
+
+  void step(const NodeBlock& block, int frame) noexcept {
+    for (std::size_t i = 0; i < now_.size(); ++i) now_[i] = block.in[signal_ports_[i]][frame];
+    network_.step(state_, now_.data());
+  }
+
+  static double value(const NetworkReading& reading, const Network& network,
+                      const NetworkState& state) noexcept {
+    using Kind = ElementQuantity::Kind;
+    switch (reading.kind) {
+      case Kind::Position:
+        return network.position(state, reading.part);
+      case Kind::Velocity:
+        return network.velocity(state, reading.part);
+      case Kind::Extension:
+        return network.extension(state, reading.part);
+      case Kind::SpringForce:
+        return network.spring_force(state, reading.part) +
+               (reading.push < 0 ? 0.0 : network.applied_force(state, reading.push)) +
+               (reading.plus < 0 ? 0.0 : contact_force(network, state, reading.plus, reading.minus));
+      case Kind::Indentation:
+        return network.indentation(state, reading.part) -
+               (reading.minus < 0 ? 0.0 : network.indentation(state, reading.minus));
+      case Kind::ContactForce:
+        return contact_force(network, state, reading.part, reading.minus);
+      case Kind::AppliedForce:
+        return network.applied_force(state, reading.part);
+      case Kind::Current:
+        return network.current(state, reading.part);
+      case Kind::CoilForce:
+        return network.coil_force(state, reading.part);
+      case Kind::FrictionForce:
+        return network.friction_force(state, reading.part);
+      case Kind::FrictionVelocity:
+        return network.friction_velocity(state, reading.part);
+      case Kind::PluckForce:
+        return network.pluck_force(state, reading.part);
+      case Kind::Wave:
+        return network.wave(state, reading.part);
+      case Kind::PortForce:
+        return network.port_force(state, reading.part);
+      case Kind::Energy:
+        break;
+    }
+    return network.energy(state);
+  }
+
+  static double contact_force(const Network& network, const NetworkState& state, int contact,
+                              int opposite) noexcept {
+    return network.contact_force(state, contact) -
+           (opposite < 0 ? 0.0 : network.contact_force(state, opposite));
+  }
+
+  std::uint64_t fingerprint_;  ///< which elements, joined how
+  NetworkRecipe recipe_;
+  Network network_;
+  NetworkState state_;
+  std::vector<NetworkReading> readings_;
+  std::vector<int> signal_ports_;
+  std::vector<double> now_;
+  std::vector<std::size_t> read_;
+  std::vector<bool> late_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup) {
+  std::size_t points = 0;
+  for (const auto& element : layout.elements) points += static_cast<std::size_t>(element.points());
+  // A point, its springs and what a scheme keeps for them; before they are made.
+  if (const auto fits = setup.take_memory(64 * points); !fits) return tl::unexpected(fits.error());
+  NetworkBuilder builder(layout, setup);
+  const auto couplings =
+      builder.elements.contacts.size() + builder.elements.plucks.size() + builder.elements.frictions.size();
+  const auto each =
+      layout.solver == Solver::Explicit ? builder.elements.frictions.size() : points + 2 * couplings;
+  if (const auto fits = setup.take_memory(couplings * each); !fits) return tl::unexpected(fits.error());
+  NetworkRecipe recipe;
+  recipe.signals = static_cast<int>(builder.signal_ports.size());
+  recipe.rate = setup.sample_rate;
+  recipe.signal_ports = builder.signal_ports;
+  builder.name_parts(recipe);
+  recipe.elements = std::move(builder.elements);
+  auto network =
+      Network::make(recipe.elements, recipe.signals, recipe.rate, layout.solver, layout.oversample);
+  if (!network) return tl::unexpected(network.error());
+  recipe.solver = network->solver();
+  recipe.oversample = network->oversample();
+  return std::make_unique<NetworkNode>(std::move(recipe), std::move(*network), builder.readings(),
+                                       *setup.type);
+}
+
+}  // namespace tactus

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/graph/node.h"
+#include "engine/graph/node_type.h"
+#include "engine/nodes/networks/network_layout.h"
+
+namespace tactus {
+
+/// What a network node was made from, and how its parts are called in the file.
+struct NetworkRecipe {
+  NetworkElements elements;
+  int signals = 0;
+  Hertz rate;
+  Solver solver = Solver::Passive;
+  int oversample = 1;
+  std::vector<int> signal_ports;                       ///< input of the node of each signal
+  std::vector<std::string> points, springs, contacts;  ///< names of the elements, in their order
+};
+
+/// What those who study a network may ask of its node, besides what every node tells.
+class NetworkView {
+ public:
+  virtual ~NetworkView() = default;
+  /// [any]
+  virtual const NetworkRecipe& recipe() const = 0;
+  /// [any] What `output` of the node shows of a state of `network`, whose elements stand in the order of the
+  /// recipe's.
+  virtual double shown(const Network& network, const NetworkState& state, int output) const = 0;
+  /// [control & stopped] What is stored in it now [J].
+  virtual double energy() const = 0;
+};
+
+/// [control] The running node of a network: outputs at frame n are the state at n, inputs act from n to n
+/// + 1.
+Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup);
+
+}  // namespace tactus

@@ -1,0 +1,103 @@
+#include "engine/nodes/networks/solver_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace tactus {
+namespace {
+
+std::string described(const SolverBounds& b) {
+  return b.oversample == 1 ? std::string(name_of(b.solver))
+                           : fmt::format("{} with {} steps a frame", name_of(b.solver), b.oversample);
+}
+
+std::string percent(double error) {
+  return error >= 0.095 ? fmt::format("{:.0f} %", 100.0 * std::min(error, 1.0))
+                        : fmt::format("{:.2g} %", 100.0 * error);
+}
+
+std::string against(const SolverBounds& b) {
+  switch (b.limit) {
+    case SolverBounds::Limit::CannotBeMade:
+      return "too many masses or contacts for it";
+    case SolverBounds::Limit::TooStiff:
+      return "springs or dampers make it unstable";
+    case SolverBounds::Limit::ShortContact:
+      return fmt::format("a strike at {} m/s lasts {:.1f} steps, fewer than {}", kHardestStrike,
+                         b.contact_steps, kFewestContactSteps);
+    case SolverBounds::Limit::DeepContact:
+      return fmt::format("what it starts with, or a strike at {} m/s, presses a contact too stiff for it",
+                         kHardestStrike);
+    case SolverBounds::Limit::Inexact:
+      return "wrong by up to " + percent(b.error);
+    case SolverBounds::Limit::None:
+      break;
+  }
+  return "";
+}
+
+/// What was cheaper than the best and would not do: of each solver the one with the most steps a frame.
+std::vector<const SolverBounds*> cheaper(const SolverChoice& choice, const SolverBounds& best) {
+  using Limit = SolverBounds::Limit;
+  std::vector<const SolverBounds*> list;
+  for (const auto& other : choice.candidates) {
+    if (!(other.multiplications < best.multiplications)) continue;
+    if (other.limit == Limit::None || other.limit == Limit::CannotBeMade) continue;
+    const auto known =
+        std::find_if(list.begin(), list.end(), [&](const auto* b) { return b->solver == other.solver; });
+    if (known == list.end())
+      list.push_back(&other);
+    else if (other.oversample > (*known)->oversample)
+      *known = &other;
+  }
+  return list;
+}
+
+std::string warning(const SolverBounds& best) {
+  return fmt::format(
+      "\n  warning: none is right within {:g} % at {}: {}", 100.0 * kGoodEnough,
+      best.oversample == 1 ? "a step a frame" : fmt::format("{} steps a frame", best.oversample),
+      best.oversample < kMostOversample
+          ? "leave `oversample` out, or take a higher rate"
+          : "take a higher rate, heavier masses or softer springs and contacts");
+}
+
+}  // namespace
+
+const char* name_of(Solver solver) {
+  switch (solver) {
+    case Solver::Explicit:
+      return "explicit";
+    case Solver::Passive:
+      return "passive";
+    case Solver::Implicit:
+      return "implicit";
+    case Solver::Exact:
+      return "exact";
+    case Solver::Reference:
+      return "reference";
+    case Solver::Auto:
+      break;
+  }
+  return "auto";
+}
+
+std::string reason_for(const SolverChoice& choice) {
+  const auto is_best = [&](const SolverBounds& b) {
+    return b.solver == choice.solver && b.oversample == choice.oversample;
+  };
+  const auto best = std::find_if(choice.candidates.begin(), choice.candidates.end(), is_best);
+  if (best == choice.candidates.end()) return "";
+  auto text = fmt::format("{}, {:.0f} multiplications a frame, ", described(*best), best->multiplications);
+  if (best->limit != SolverBounds::Limit::None)
+    text += against(*best) + warning(*best);
+  else
+    text += best->error == 0.0 ? std::string("exact") : "wrong by at most " + percent(best->error);
+  for (const auto* other : cheaper(choice, *best))
+    text += fmt::format("\n  not {}: {}", described(*other), against(*other));
+  return text;
+}
+
+}  // namespace tactus

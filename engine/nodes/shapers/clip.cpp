@@ -1,0 +1,57 @@
+#include "engine/nodes/shapers/clip.h"
+
+#include <algorithm>
+
+#include "engine/nodes/elementwise.h"
+
+namespace tactus {
+namespace {
+
+struct Clip {
+  static constexpr int kInputs = 3;
+  template <class Number>
+  Number value(const Number* in) const {
+    using std::max, std::min;
+    return max(in[1], min(in[2], in[0]));
+  }
+  double slope(int input, const double* in) const {
+    const int decides = in[1] >= std::min(in[2], in[0]) ? 1 : in[0] > in[2] ? 2 : 0;
+    return input == decides ? 1 : 0;
+  }
+};
+
+}  // namespace
+
+const NodeType& clip_type() {
+  static const NodeType type = {
+      .name = "clip",
+      .group = "shapers",
+      .summary = "Limits a signal to the range from `low` to `high`.",
+      .equation = "out = max(low, min(high, in))",
+      .source = "elementary",
+      .example = "safe = { type = \"clip\", in = \"force\", low = \"-2 N\", high = \"2 N\" }",
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
+                 {.name = "low",
+                  .unit = "=in",
+                  .doc = "least output; wins where it is above `high`",
+                  .fallback = -1},
+                 {.name = "high", .unit = "=in", .doc = "largest output", .fallback = 1}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "limited signal", .range = {}}},
+      .settings = {},
+      .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
+        const auto low = setup.input("low").constant, high = setup.input("high").constant;
+        if (low && high && *low > *high)
+          return fail(Errc::OutOfRange, {},
+                      "its 'low' lies above its 'high', so that it gives 'low' for ever", "exchange them");
+        return std::make_unique<ElementwiseNode<Clip>>(Clip{});
+      },
+      .stateless = true,
+      .range =
+          [](int, const NodeSetup& setup) {
+            return max(setup.input("low").range, min(setup.input("high").range, setup.input("in").range));
+          },
+  };
+  return type;
+}
+
+}  // namespace tactus

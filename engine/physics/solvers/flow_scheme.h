@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/physics/reference/network_flow.h"
+#include "engine/physics/solvers/scheme.h"
+
+namespace tactus {
+
+/// No scheme but the motion itself (NetworkFlow), a step at a time: `solver = "reference"`, which the others
+/// are measured against. Not for real time: a step takes as long as it needs.
+class FlowScheme final : public Scheme {
+ public:
+  /// [control] `elements` are those that the model was made of.
+  FlowScheme(const NetworkModel& model, const NetworkElements& elements);
+
+  void start(NetworkState& state) const noexcept override;
+  void store_energy(NetworkState&) const noexcept override {}
+  void step(NetworkState& state) const noexcept override;
+  double energy(const NetworkState& state) const noexcept override;
+  double velocity(const NetworkState& state, int slot) const noexcept override;
+  double current(const NetworkState& state, int coil) const noexcept override;
+  bool centred() const override { return false; }
+  /// Beyond any that is stepped: nothing chooses it.
+  Cost cost() const override { return {1e12, 1e12}; }
+  /// No element makes energy, and nothing else is added.
+  double spectral_radius() const override { return 1.0; }
+
+ private:
+  void load(const NetworkState& state) const noexcept;
+  void keep(NetworkState& state) const noexcept;
+
+  const NetworkModel& model_;
+  NetworkFlow flow_;  // its points are the slots of the model
+  // Workspace: each call fills it from the state of the network.
+  mutable NetworkFlow::State now_;
+};
+
+}  // namespace tactus

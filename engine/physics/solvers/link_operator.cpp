@@ -1,0 +1,148 @@
+#include "engine/physics/solvers/link_operator.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "engine/physics/solvers/wide.h"
+
+namespace tactus {
+namespace {
+
+// Below this many entries on a diagonal the loop over it costs more than it saves.
+constexpr std::size_t kShortestDiagonal = 16;
+
+// So many sums stay in the nearest cache while the diagonals pass over them.
+constexpr int kRowsAtOnce = 512;
+
+using Array = Eigen::Map<const Eigen::ArrayXd>;
+
+}  // namespace
+
+LinkOperator::LinkOperator(std::vector<Entry> entries, std::vector<double> constant)
+    : constant_(constant.begin(), constant.end()) {
+  std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return std::tie(a.row, a.column) < std::tie(b.row, b.column);
+  });
+  for (const auto& entry : entries) {
+    if (!entries_.empty() && entries_.back().row == entry.row && entries_.back().column == entry.column) {
+      entries_.back().k += entry.k;
+      entries_.back().b += entry.b;
+    } else {
+      entries_.push_back(entry);
+    }
+  }
+  split();
+}
+
+void LinkOperator::split() {
+  std::map<int, std::vector<Entry>> by_offset;
+  std::vector<Entry> scattered;
+  for (const auto& entry : entries_) by_offset[entry.column - entry.row].push_back(entry);
+  const auto masses = constant_.size();
+  const bool short_chain = few() && by_offset.size() == 3 && by_offset.begin()->first == -1 &&
+                           by_offset.rbegin()->first == 1 && entries_.size() == 3 * masses - 2;
+  for (const auto& [offset, list] : by_offset) {
+    const int first = list.front().row;
+    const auto span = static_cast<std::size_t>(list.back().row - first + 1);
+    if (!short_chain && (list.size() < kShortestDiagonal || 2 * list.size() < span)) {
+      scattered.insert(scattered.end(), list.begin(), list.end());
+      continue;
+    }
+    Diagonal diagonal{offset, first, static_cast<int>(span), Numbers(span), Numbers(span)};
+    for (const auto& entry : list) {
+      diagonal.k[static_cast<std::size_t>(entry.row - first)] = entry.k;
+      diagonal.b[static_cast<std::size_t>(entry.row - first)] = entry.b;
+    }
+    diagonals_.push_back(std::move(diagonal));
+  }
+  chain_ = is_chain();
+  if (chain_) diagonals_[2].k.push_back(0.0), diagonals_[2].b.push_back(0.0);  // none above the last
+  std::sort(scattered.begin(), scattered.end(), [](const Entry& a, const Entry& b) {
+    return std::tie(a.row, a.column) < std::tie(b.row, b.column);
+  });
+  for (const auto& e : scattered) {
+    if (rows_.empty() || rows_.back().row != e.row)
+      rows_.push_back({e.row, static_cast<int>(scattered_.size())});
+    scattered_.push_back({e.column, e.k, e.b});
+  }
+  rows_.push_back({-1, static_cast<int>(scattered_.size())});
+}
+
+bool LinkOperator::few() const { return constant_.size() < kShortestDiagonal; }
+
+bool LinkOperator::is_chain() const {
+  return diagonals_.size() == 3 && diagonals_[0].offset == -1 && diagonals_[1].offset == 0 &&
+         diagonals_[2].offset == 1 && diagonals_[1].count == static_cast<int>(constant_.size()) &&
+         diagonals_[0].count == diagonals_[1].count - 1 && diagonals_[2].count == diagonals_[0].count;
+}
+
+void LinkOperator::apply(const double* q, const double* u, double* y) const noexcept {
+  if (chain_ && few())
+    apply_chain<true>(q, u, y);
+  else if (chain_)
+    apply_chain<false>(q, u, y);
+  else
+    apply_diagonals(q, u, y);
+  apply_scattered(q, u, y);
+}
+
+void LinkOperator::apply_scattered(const double* q, const double* u, double* y) const noexcept {
+  for (std::size_t r = 0; r + 1 < rows_.size(); ++r) {
+    double sum = y[rows_[r].row];  // in a register: through memory each term would wait for the one before
+    for (int i = rows_[r].first; i < rows_[r + 1].first; ++i) {
+      const auto& e = scattered_[static_cast<std::size_t>(i)];
+      sum -= e.k * q[e.column] + e.b * u[e.column];
+    }
+    y[rows_[r].row] = sum;
+  }
+}
+
+/// One pass. K and B are symmetric, so what mass i feels from i - 1 is read from the row of i - 1.
+struct LinkOperator::ChainPass {
+  const double *constant, *own_k, *own_b, *next_k, *next_b, *q, *u;
+  double* y;
+
+  /// `next` is the mass after the last one of `Wide`. From what the mass below does to mass i to what mass i
+  /// does to the one above. Few masses add up in the order of the columns, as those do that are no chain.
+  template <bool BelowFirst, class Wide>
+  Wide apply(int i, int next, const Wide& below) const noexcept {
+    const Wide here = load<Wide>(q + i), moved = load<Wide>(u + i);
+    const Wide k = load<Wide>(next_k + i), b = load<Wide>(next_b + i), up = k * here + b * moved;
+    const Wide own = load<Wide>(own_k + i) * here + load<Wide>(own_b + i) * moved;
+    const Wide above = k * moved_down(here, q + next) + b * moved_down(moved, u + next);
+    const Wide c = load<Wide>(constant + i), under = moved_up(up, below);
+    store(BelowFirst ? ((c - under) - own) - above : ((c - own) - above) - under, y + i);
+    return up;
+  }
+};
+
+template <bool BelowFirst>
+void LinkOperator::apply_chain(const double* q, const double* u, double* y) const noexcept {
+  const auto &own = diagonals_[1], &next = diagonals_[2];
+  const ChainPass pass{constant_.data(), own.k.data(), own.b.data(), next.k.data(), next.b.data(), q, u, y};
+  const int last = own.count - 1, wide = in_lanes(last);
+  Lanes below = Lanes::same(0.0);
+  for (int i = 0; i < wide; i += Lanes::kCount) below = pass.apply<BelowFirst>(i, i + Lanes::kCount, below);
+  double up = highest(below);
+  for (int i = wide; i <= last; ++i) up = pass.apply<BelowFirst>(i, std::min(i + 1, last), up);
+}
+
+void LinkOperator::apply_diagonals(const double* q, const double* u, double* y) const noexcept {
+  const auto rows = static_cast<int>(constant_.size());
+  for (int from = 0; from < rows; from += kRowsAtOnce) {
+    const int to = std::min(rows, from + kRowsAtOnce);
+    copy_samples(constant_.data() + from, to - from, y + from);
+    for (const auto& d : diagonals_) {
+      const int first = std::max(from, d.first), count = std::min(to, d.first + d.count) - first;
+      if (count <= 0) continue;
+      const int column = first + d.offset, entry = first - d.first;
+      Eigen::Map<Eigen::ArrayXd>(y + first, count) -=
+          Array(d.k.data() + entry, count) * Array(q + column, count) +
+          Array(d.b.data() + entry, count) * Array(u + column, count);
+    }
+  }
+}
+
+}  // namespace tactus

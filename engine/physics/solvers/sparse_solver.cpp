@@ -1,0 +1,112 @@
+#include "engine/physics/solvers/sparse_solver.h"
+
+#include <Eigen/SparseCholesky>
+#include <cmath>
+
+namespace tactus {
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+using InOrder = Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+using Reordered = Eigen::SimplicialLDLT<Matrix>;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool is_diagonal(const Matrix& matrix) {
+  for (int column = 0; column < matrix.outerSize(); ++column)
+    for (Matrix::InnerIterator entry(matrix, column); entry; ++entry)
+      if (entry.row() != entry.col() && entry.value() != 0.0) return false;
+  return true;
+}
+
+/// Whether nothing lies further from the diagonal than one row: then its own order fills in nothing.
+bool is_chain(const Matrix& matrix) {
+  for (int column = 0; column < matrix.outerSize(); ++column)
+    for (Matrix::InnerIterator entry(matrix, column); entry; ++entry)
+      if (std::abs(entry.row() - entry.col()) > 1) return false;
+  return true;
+}
+
+}  // namespace
+
+template <class Factor>
+void SparseSolver::take(const Factor& factor) {
+  valid_ = factor.info() == Eigen::Success;
+  if (!valid_) return;
+  const auto& diagonal = factor.vectorD();
+  for (std::size_t i = 0; i < inverse_.size(); ++i) {
+    const double d = diagonal[static_cast<Eigen::Index>(i)];
+    valid_ = valid_ && d > 0.0 && std::isfinite(d);
+    inverse_[i] = 1.0 / d;
+  }
+  const Matrix lower = factor.matrixL();
+  starts_.push_back(0);
+  for (int column = 0; column < lower.outerSize(); ++column) {
+    for (Matrix::InnerIterator entry(lower, column); entry; ++entry) {
+      if (entry.row() <= column) continue;
+      rows_.push_back(static_cast<int>(entry.row()));
+      values_.push_back(entry.value());
+    }
+    starts_.push_back(static_cast<int>(rows_.size()));
+  }
+}
+
+SparseSolver::SparseSolver(const Matrix& matrix) : inverse_(at(static_cast<int>(matrix.rows()))) {
+  if (is_diagonal(matrix)) {
+    const Eigen::VectorXd diagonal = matrix.diagonal();
+    for (std::size_t i = 0; i < inverse_.size(); ++i) {
+      inverse_[i] = 1.0 / diagonal[static_cast<Eigen::Index>(i)];
+      valid_ = valid_ && inverse_[i] > 0.0 && std::isfinite(inverse_[i]);
+    }
+    return;
+  }
+  in_order_ = is_chain(matrix);
+  if (in_order_) {
+    take(InOrder(matrix));
+    chain_ = rows_.size() + 1 == inverse_.size();
+    return;
+  }
+  const Reordered factor(matrix);
+  take(factor);
+  const auto& order = factor.permutationP().indices();  // row i of A stands at order[i]
+  place_.resize(inverse_.size());
+  for (std::size_t i = 0; i < place_.size(); ++i)
+    place_[at(order[static_cast<Eigen::Index>(i)])] = static_cast<int>(i);
+}
+
+/// The last result stays in a register.
+void SparseSolver::solve_chain(std::span<double> b) const noexcept {
+  const std::size_t n = inverse_.size();
+  double x = b[0];
+  for (std::size_t i = 1; i < n; ++i) b[i] = x = b[i] - values_[i - 1] * x;
+  b[n - 1] = x = b[n - 1] * inverse_[n - 1];
+  for (std::size_t i = n - 1; i-- > 0;) b[i] = x = b[i] * inverse_[i] - values_[i] * x;
+}
+
+void SparseSolver::solve(std::span<double> b, std::span<double> work) const noexcept {
+  const std::size_t n = inverse_.size();
+  if (diagonal()) {
+    for (std::size_t i = 0; i < n; ++i) b[i] *= inverse_[i];
+    return;
+  }
+  if (chain_) return solve_chain(b);
+  if (in_order_)
+    std::copy(b.begin(), b.end(), work.begin());
+  else
+    for (std::size_t i = 0; i < n; ++i) work[i] = b[at(place_[i])];
+  for (std::size_t j = 0; j < n; ++j) {
+    const double x = work[j];
+    for (std::size_t e = at(starts_[j]); e < at(starts_[j + 1]); ++e) work[at(rows_[e])] -= values_[e] * x;
+  }
+  for (std::size_t j = n; j-- > 0;) {
+    double x = work[j] * inverse_[j];
+    for (std::size_t e = at(starts_[j]); e < at(starts_[j + 1]); ++e) x -= values_[e] * work[at(rows_[e])];
+    work[j] = x;
+  }
+  if (in_order_)
+    std::copy_n(work.begin(), n, b.begin());
+  else
+    for (std::size_t i = 0; i < n; ++i) b[at(place_[i])] = work[i];
+}
+
+}  // namespace tactus

@@ -1,0 +1,119 @@
+#include "engine/plot/svg_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tactus::svg {
+namespace {
+
+bool continues_utf8(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
+
+double em_width(char c) {
+  if (std::string_view{" .,:;|!'ijltfI()[]"}.find(c) != std::string_view::npos) return 0.38;
+  if (std::string_view{"mwMW%@"}.find(c) != std::string_view::npos) return 0.95;
+  if (c >= 'A' && c <= 'Z') return 0.72;
+  return 0.62;
+}
+
+/// The points of one pixel column that a line through all of them would show.
+void append_column(std::vector<Point>& out, const std::vector<Point>& column) {
+  if (column.size() <= 4) {
+    out.insert(out.end(), column.begin(), column.end());
+    return;
+  }
+  const auto by_y = [](const Point& a, const Point& b) { return a.y < b.y; };
+  auto [least, most] = std::minmax_element(column.begin(), column.end(), by_y);
+  if (most < least) std::swap(least, most);  // in the order of time
+  out.insert(out.end(), {column.front(), *least, *most, column.back()});
+}
+
+}  // namespace
+
+double text_width(std::string_view text, double font_size) {
+  double em = 0.0;
+  for (const char c : text)
+    if (!continues_utf8(c)) em += em_width(c);
+  return em * font_size;
+}
+
+std::vector<std::string> wrap(const std::string& text, double font_size, double width) {
+  std::vector<std::string> lines;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    auto end = text.find(' ', at);
+    if (end == std::string::npos) end = text.size();
+    const auto word = text.substr(at, end - at);
+    const bool fits = !lines.empty() && text_width(lines.back() + " " + word, font_size) <= width;
+    if (fits)
+      lines.back() += " " + word;
+    else
+      lines.push_back(word);
+    at = end + 1;
+  }
+  return lines;
+}
+
+std::vector<double> spread(const std::vector<double>& wanted, double gap, double low, double high) {
+  std::vector<std::size_t> order(wanted.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return wanted[a] < wanted[b]; });
+  std::vector<double> placed(wanted.size());
+  double next = low;
+  for (const auto i : order) {
+    placed[i] = std::max(wanted[i], next);
+    next = placed[i] + gap;
+  }
+  // What was pushed out at the end goes back and pushes its neighbours in turn.
+  double last = high;
+  for (auto i = order.rbegin(); i != order.rend(); ++i) {
+    placed[*i] = std::min(placed[*i], last);
+    last = placed[*i] - gap;
+  }
+  return placed;
+}
+
+void place_in_rows(std::vector<RowLabel>& labels, int rows, double low, double high) {
+  constexpr double kSpace = 6.0;
+  std::vector<double> ends(static_cast<std::size_t>(rows), low - kSpace);
+  std::vector<RowLabel*> order;
+  for (auto& label : labels) order.push_back(&label);
+  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->x < b->x; });
+  for (auto* label : order) {
+    const double half = label->width / 2;
+    label->x = std::max(low + half, std::min(label->x, high - half));
+    const auto row = std::find_if(ends.begin(), ends.end(),
+                                  [&](double end) { return end + kSpace <= label->x - half + 1e-9; });
+    if (row == ends.end()) continue;
+    label->row = static_cast<int>(row - ends.begin());
+    *row = label->x + half;
+  }
+}
+
+std::vector<std::vector<Point>> polylines(const PlotSeries& series, const Scale& x, const Scale& y) {
+  std::vector<std::vector<Point>> lines;
+  std::vector<Point> line, column;
+  const auto end_line = [&] {
+    append_column(line, column);
+    column.clear();
+    if (!line.empty()) lines.push_back(std::move(line));
+    line.clear();
+  };
+  const auto count = std::min(series.x.size(), series.y.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) {
+      end_line();
+      continue;
+    }
+    const Point point{x.pixel(series.x[i]), y.pixel(series.y[i])};
+    if (!column.empty() && std::floor(column.back().x) != std::floor(point.x)) {
+      append_column(line, column);
+      column.clear();
+    }
+    column.push_back(point);
+  }
+  end_line();
+  return lines;
+}
+
+}  // namespace tactus::svg

@@ -1,0 +1,122 @@
+#include "engine/rig/learn_sensor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/core/decibels.h"
+
+namespace tactus {
+namespace {
+
+constexpr double kPeak_s = 0.03;
+constexpr double kGroup_s = 0.01;
+constexpr double kRinging_s = 0.5;
+constexpr double kRinging = 0.18;  // -15 dB
+constexpr double kClips = 0.99;
+constexpr double kAboveNoise = 2.0;       // the highest of many minutes of noise lies 4 dB above a group's
+constexpr std::size_t kFirstGroups = 20;  // before the noise is known
+constexpr std::size_t kGroupsPerLook = 10;
+constexpr std::size_t kMostGroups = 6000;  // a minute says it all
+constexpr double kQuietest = 1e-5;         // below is only the noise of converters
+constexpr double kDeaf = 1e9;
+
+/// The value below which `share` of them lie.
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+SensorLearner::SensorLearner(Hertz sample_rate)
+    : detector_({.sample_rate = sample_rate}),
+      peak_frames_(static_cast<int>(frames_in(Seconds{kPeak_s}, sample_rate))),
+      group_frames_(static_cast<int>(frames_in(Seconds{kGroup_s}, sample_rate))),
+      ringing_frames_(static_cast<int>(frames_in(Seconds{kRinging_s}, sample_rate))) {
+  sensitivity_.threshold = kDeaf;
+  sensitivity_.hold = 200_ms;
+}
+
+void SensorLearner::hear(std::span<const double> samples) {
+  for (const double sample : samples) {
+    if (done()) return;
+    const double in = std::isfinite(sample) ? sample : 0.0;
+    const bool hit = detector_.step(state_, in, sensitivity_);
+    const double envelope = state_.envelope();
+    if (hit && hits() < kHits) {
+      peaks_.push_back(0);
+      peak_frames_left_ = peak_frames_;
+      before_ = std::exchange(since_hit_, 0);
+    }
+    since_hit_ = std::min(since_hit_ + 1, ringing_frames_);
+    if (peak_frames_left_ > 0) {
+      peaks_.back() = std::max(peaks_.back(), envelope);
+      if (--peak_frames_left_ == 0) close_peak();
+    }
+    highest_ = std::max(highest_, std::abs(in));
+    group_ = std::max(group_, envelope);
+    if (++in_group_ == group_frames_) close_group();
+  }
+}
+
+void SensorLearner::close_peak() {
+  const auto last = peaks_.size() - 1;
+  if (last == 0 || before_ >= ringing_frames_ || peaks_[last] > kRinging * peaks_[last - 1]) return;
+  peaks_.pop_back();
+  since_hit_ = std::min(since_hit_ + before_, ringing_frames_);  // the one before is the last hit again
+}
+
+void SensorLearner::close_group() {
+  if (groups_.size() < kMostGroups) groups_.push_back(std::exchange(group_, 0.0));
+  in_group_ = 0;
+  if (groups_.size() < kFirstGroups || groups_.size() % kGroupsPerLook != 0) return;
+  noise_ = quantile(groups_, 0.25);
+  sensitivity_.threshold = std::max(kQuietest, kAboveNoise * noise_);
+}
+
+Result<LearntSensor> SensorLearner::result() const {
+  if (!done())
+    return fail(Errc::Missing, "",
+                fmt::format("{} of {} hits were heard", hits() == 0 ? "none" : std::to_string(hits()), kHits),
+                hits() == 0 ? "is this the sensor's channel, and is its gain up?"
+                            : "hit once more, a little harder, or turn the sensor's gain up");
+  if (highest_ >= kClips)
+    return fail(Errc::OutOfRange, "", "the hits clip at the card's input",
+                "turn the sensor's gain down, and hit again");
+  const auto [softest, loudest] = std::minmax_element(peaks_.begin(), peaks_.end());
+  const double over_noise = noise_ > 0 ? amplitude_to_db(*softest / noise_) : 1e3;
+  if (over_noise < kOverNoise_db)
+    return fail(Errc::OutOfRange, "",
+                fmt::format("the softest hit is only {:.0f} dB above the noise, and {:.0f} dB are needed",
+                            over_noise, kOverNoise_db),
+                "hit a little harder, turn the sensor's gain up, or look for what makes the noise");
+  const double unequal = amplitude_to_db(*loudest / *softest);
+  if (unequal > kMostUnequal_db)
+    return fail(Errc::OutOfRange, "",
+                fmt::format("the hits differ by {:.0f} dB, more than {:.0f}", unequal, kMostUnequal_db),
+                "hit five times alike");
+  const double soft = quantile(peaks_, 0.5);
+  return LearntSensor{soft, noise_, soft * amplitude_from_db(-kSoft_db)};
+}
+
+Status use_learnt(Rig& rig, const std::string& name, const LearntSensor& learnt, const Dimension& unit) {
+  const auto input = std::find_if(rig.inputs.begin(), rig.inputs.end(),
+                                  [&](const RigInput& each) { return each.name == name; });
+  if (input == rig.inputs.end())
+    return fail(Errc::UnknownName, "", "the rig has no input '" + name + "'", "name one of its [inputs]");
+  if (!unit.plain())
+    return fail(Errc::UnitMismatch, "",
+                "'" + name + "' is in " + to_string(unit) + ", which hits cannot tell",
+                "take the sensitivity from the sensor's data sheet");
+  if (!input->volts) input->volts = 1.0;
+  const auto volt = *parse_unit("V");
+  input->sensitivity = QuantityValue{*input->volts * learnt.full_scale, volt, false};
+  return {};
+}
+
+}  // namespace tactus

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/core/units.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/rig/drive_entry.h"
+
+namespace tactus {
+
+/// What a port is joined to. Channels count from 1, one for each lane; none: the port is left out.
+struct RigPort {
+  std::string name;
+  Source at;
+  std::vector<int> channels;
+  std::string about;
+};
+
+/// A sensor:  value = sample * volts_per_full_scale / sensitivity
+struct RigInput : RigPort {
+  std::optional<double> volts;  ///< at the connector, for a sample of 1
+  /// Volts for one SI unit of the port; for a port in full scale, the volts that count as its full scale.
+  /// A sensor that is wired the other way round has a negative one.
+  std::optional<QuantityValue> sensitivity;
+  Source sensitivity_at;
+
+  double scale() const { return volts && sensitivity ? *volts / sensitivity->si : 1.0; }
+};
+
+/// An output of an instrument, or an actuator that other instruments use.
+struct RigOutput : RigPort {
+  DriveEntry drive;
+
+  bool has_actuator() const { return !drive.profile.empty(); }
+};
+
+/// What moves a control.
+struct RigMidi {
+  enum class Kind {
+    Controller,
+    Note,
+    PitchBend,
+  };
+  std::string control;  ///< of the instrument
+  Source at;
+  std::string device;  ///< a part of the port's name; empty: any
+  int channel = 0;     ///< 1 to 16; 0: any
+  Kind kind = Kind::Controller;
+  int number = 0;     ///< of the controller or note
+  bool fine = false;  ///< controllers `number` (0 to 31) and `number` + 32 together have 14 bits
+  bool gate = false;  ///< a note moves it to its highest value and back to its lowest when it ends
+
+  bool same_source(const RigMidi& other) const;
+};
+
+/// A rig file: the hardware that an instrument plays on. docs/rigs.md explains it.
+struct Rig {
+  struct Device {
+    Source at;
+    std::string output, input;  ///< ids; no input: where the output is
+    std::optional<Hertz> rate;
+    std::optional<int> block, periods;
+  };
+  struct Control {
+    std::string name;
+    Source at;
+    QuantityValue value;
+  };
+  Source file;
+  std::string name, about;
+  Device device;
+  std::vector<RigInput> inputs;
+  std::vector<RigOutput> outputs;
+  std::vector<RigOutput> actuators;  ///< on channels that this instrument need not use
+  std::vector<Control> controls;     ///< where the knobs stood
+  std::vector<RigMidi> midi;
+  std::optional<Seconds> measured_delay;  ///< from the sensor's volts to the actuator's
+  std::optional<Seconds> pad_delay;       ///< hold the whole at this
+  bool incomplete = false;                ///< a section could not be read
+
+  /// The actuator that is said to hang on a channel, or nullptr.
+  const RigOutput* actuator_on(int channel) const;
+};
+
+/// [control] Every mistake that a rig has by itself, in file order; `check_rig` finds what does not fit an
+/// instrument. `root`: the folder with the profiles.
+struct LoadedRig {
+  std::optional<Rig> rig;       ///< nothing if the file cannot be read or is no TOML
+  std::vector<Error> mistakes;  ///< by place
+};
+LoadedRig load_rig_leniently(const std::filesystem::path& file, const std::filesystem::path& root);
+LoadedRig parse_rig_leniently(std::string_view text, const std::string& file_name,
+                              const std::filesystem::path& root);
+/// [control] The same for those who only want a rig whose text is right.
+Checked<Rig> load_rig(const std::filesystem::path& file, const std::filesystem::path& root);
+Checked<Rig> parse_rig(std::string_view text, const std::string& file_name,
+                       const std::filesystem::path& root);
+
+/// [any] The text of a rig file, which reads back the same. Comments of a former one are not in it.
+std::string to_text(const Rig& rig);
+
+}  // namespace tactus

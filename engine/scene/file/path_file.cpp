@@ -1,0 +1,133 @@
+#include "engine/scene/file/path_file.h"
+
+#include <fmt/format.h>
+
+#include "engine/graph/plan/compile.h"
+#include "engine/graph/semantics/bind.h"
+#include "engine/nodes/filters/fir.h"
+#include "engine/nodes/table.h"
+#include "engine/rig/rig_text.h"
+
+namespace tactus {
+namespace {
+
+constexpr const char* kForm =
+    "a measured path is one input, one fir node 'path' and one output from = \"path\"";
+
+enum FirSetting { kTaps, kRate };
+
+/// Reads the one node of a graph without mistakes.
+class PathReader {
+ public:
+  explicit PathReader(const GraphSpec& graph) : graph_(graph), mistakes_(graph.file) {}
+
+  Checked<PathFile> read() {
+    if (const auto* node = the_node()) {
+      check_ends(*node);
+      read_rate(*node);
+      path_.taps = setting(*node, kTaps).numbers;
+    }
+    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    path_.name = graph_.name;
+    path_.about = graph_.about;
+    path_.source = graph_.source;
+    return path_;
+  }
+
+ private:
+  void other(const Source& at, const std::string& what) { mistakes_.add(Errc::BadFile, at, what, kForm); }
+
+  const NodeSpec* the_node() {
+    const NodeSpec* path = nullptr;
+    for (const auto& node : graph_.nodes)
+      if (node.name == "path" && node.type == "fir")
+        path = &node;
+      else
+        other(node.at, "'" + node.name + "' is more than a path");
+    for (const auto& network : graph_.networks)
+      other(network.at, "'" + network.name + "' is more than a path");
+    for (const auto& control : graph_.controls)
+      other(control.at, "'" + control.name + "' is more than a path");
+    if (path == nullptr) other({graph_.file.file, 1, 1}, "there is no fir node called 'path'");
+    return path;
+  }
+
+  void check_ends(const NodeSpec& node) {
+    if (graph_.inputs.size() != 1 || graph_.outputs.size() != 1)
+      return other({graph_.file.file, 1, 1}, fmt::format("there are {} inputs and {} outputs",
+                                                         graph_.inputs.size(), graph_.outputs.size()));
+    expect(node.fields, "in", graph_.inputs[0].name);
+    expect(graph_.outputs[0].fields, "from", "path");
+  }
+
+  /// What comes before or behind the taps would be lost.
+  void expect(const Value::Table& fields, const char* key, const std::string& name) {
+    const auto* value = find(fields, key);
+    if (value != nullptr && (value->text() == nullptr || *value->text() != name))
+      other(value->at, fmt::format("'{}' is not \"{}\" alone", key, name));
+  }
+
+  SettingValue setting(const NodeSpec& node, std::size_t which) {
+    return bind_setting(fir_type().settings[which], node.fields, {}, "fir 'path'", node.at, mistakes_);
+  }
+
+  void read_rate(const NodeSpec& node) {
+    const auto rate = setting(node, kRate);
+    path_.rate = Hertz{rate.number};
+    if (!rate.given)
+      mistakes_.add(Errc::Missing, node.at, "fir 'path' lacks 'rate'",
+                    "write the sample rate that its taps were measured at, as in rate = \"48 kHz\"");
+  }
+
+  const GraphSpec& graph_;
+  Mistakes mistakes_;
+  PathFile path_;
+};
+
+Checked<PathFile> read(LoadedGraph loaded) {
+  auto wrong = std::move(loaded.mistakes);
+  if (wrong.empty()) wrong = check(*loaded.spec, standard_nodes(), {});
+  if (!wrong.empty()) return tl::unexpected(std::move(wrong));
+  return PathReader{*loaded.spec}.read();
+}
+
+std::string lines_of(const std::vector<double>& taps) {
+  std::string text;
+  for (std::size_t k = 0; k < taps.size(); ++k)
+    text += fmt::format("{}{:.8g},", k % 8 == 0 ? "\n  " : " ", taps[k] + 0.0);  // -0 would read back as 0
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const PathFile& path) {
+  return fmt::format(
+      R"(format = 1
+name   = {}
+about  = {}
+source = {}
+
+[inputs]
+drive = {{ unit = "full scale", about = "what is played" }}
+
+[outputs]
+sensor = {{ from = "path", unit = "full scale", about = "what the sensor hears of it" }}
+
+[nodes.path]
+type = "fir"
+in   = "drive"
+rate = {}
+taps = [{}
+]
+)",
+      in_quotes(path.name), in_quotes(path.about), in_quotes(path.source),
+      exact_quantity(path.rate.value, parse_unit("Hz")->dimension), lines_of(path.taps));
+}
+
+Checked<PathFile> load_path(const std::filesystem::path& file) { return read(load_graph_leniently(file)); }
+
+Checked<PathFile> parse_path(std::string_view text, const std::string& file_name) {
+  return read(parse_graph_leniently(text, file_name));
+}
+
+}  // namespace tactus

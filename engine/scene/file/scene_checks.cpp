@@ -1,0 +1,208 @@
+#include "engine/scene/file/scene_checks.h"
+
+#include <algorithm>
+#include <string>
+
+#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/nearest.h"
+#include "engine/scene/build_scene.h"
+#include "engine/scene/measures/accuracy.h"
+#include "engine/scene/measures/measure.h"
+#include "engine/scene/moved_controls.h"
+
+namespace tactus {
+namespace {
+
+std::vector<std::string> names_of(const std::vector<EntrySpec>& entries) {
+  std::vector<std::string> names;
+  for (const auto& entry : entries) names.push_back(entry.name);
+  return names;
+}
+
+void add_names(std::vector<std::string>& names, const std::string& part,
+               const std::vector<std::string>& more) {
+  for (const auto& name : more) names.push_back(part + "." + name);
+}
+
+/// Everything that will be recorded, lanes not counted.
+std::vector<std::string> recorded_names(const SceneSpec& scene, const NodeTable& table) {
+  std::vector<std::string> names;
+  for (const auto& part : scene.parts) {
+    if (part.graph == nullptr) continue;
+    if (part.name == "instrument") {
+      add_names(names, part.name, names_of(part.graph->inputs));
+      add_names(names, part.name, event_taps(*part.graph, table));
+    }
+    add_names(names, part.name, names_of(part.graph->outputs));
+  }
+  return names;
+}
+
+/// "plant.string[2]" is a lane of "plant.string", and "instrument.hit" the first output of that node.
+bool is_recorded(const std::string& name, const std::vector<std::string>& recorded) {
+  const auto whole = name.substr(0, name.find('['));
+  return std::any_of(recorded.begin(), recorded.end(), [&](const std::string& known) {
+    return known == whole || known.starts_with(whole + ".");
+  });
+}
+
+/// A part that cannot be read may have anything.
+bool may_have_more(const SceneSpec& scene, const std::string& name) {
+  const auto* part = scene.part(name.substr(0, name.find('.')));
+  return scene.incomplete || (part != nullptr && (part->graph == nullptr || part->graph->incomplete));
+}
+
+void complain_unknown(const Expectation& expectation, Mistakes& mistakes) {
+  std::vector<std::string> names;
+  for (const auto& known : measure_types()) names.push_back(known.name);
+  const auto near = nearest_name(expectation.measure, names);
+  mistakes.add(Errc::UnknownName, expectation.measure_at, "there is no measure '" + expectation.measure + "'",
+               near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?");
+}
+
+void check_limits(const Expectation& expectation, const MeasureType& type, Mistakes& mistakes) {
+  if (type.unit == MeasureType::kUnitOfSubject) return;
+  for (const auto& limit : {expectation.min, expectation.max})
+    if (limit && !limit->bare && !(limit->unit.dimension == parse_unit(type.unit)->dimension))
+      mistakes.add(Errc::UnitMismatch, expectation.at,
+                   "'" + expectation.measure + "' is " +
+                       (type.unit.empty() ? "a plain number" : "in " + type.unit) +
+                       ", but it is to be compared with " + in_unit(limit->si, limit->unit),
+                   type.unit.empty() ? "leave the unit out" : "give its limits in " + type.unit);
+}
+
+void check_subject(const Expectation& expectation, const std::string& of, const SceneSpec& scene,
+                   const std::vector<std::string>& recorded, Mistakes& mistakes) {
+  if (may_have_more(scene, of) || is_recorded(of, recorded)) return;
+  auto names = recorded;  // with "instrument.hit" for its first output
+  for (const auto& name : recorded)
+    if (name.find('.') != name.rfind('.')) names.push_back(name.substr(0, name.rfind('.')));
+  const auto near = nearest_name(of, names);
+  mistakes.add(Errc::UnknownName, expectation.of_at,
+               of == expectation.of
+                   ? "nothing called '" + of + "' is recorded"
+                   : "'" + expectation.measure + "' needs '" + of + "', and nothing of that name is recorded",
+               near.empty() ? "recorded are " + listed(recorded) : "did you mean '" + near + "'?");
+}
+
+void check_recorded(const std::string& of, const Source& at, const SceneSpec& scene,
+                    const std::vector<std::string>& recorded, Mistakes& mistakes) {
+  Expectation subject;
+  subject.of = of;
+  subject.of_at = at;
+  check_subject(subject, of, scene, recorded, mistakes);
+}
+
+void check_port(const Expectation& expectation, const SceneSpec& scene, Mistakes& mistakes) {
+  if (scene.port(expectation.of) != nullptr) return;
+  std::vector<std::string> names;
+  for (const auto& port : scene.ports) names.push_back(port.name);
+  const auto near = nearest_name(expectation.of, names);
+  mistakes.add(Errc::UnknownName, expectation.of_at, "there is no port '" + expectation.of + "'",
+               !near.empty()   ? "did you mean '" + near + "'?"
+               : names.empty() ? "declare it under [ports]"
+                               : "there are " + listed(names));
+}
+
+}  // namespace
+
+const EntrySpec* find_entry(const std::vector<EntrySpec>& entries, std::string_view name) {
+  const auto it =
+      std::find_if(entries.begin(), entries.end(), [&](const EntrySpec& e) { return e.name == name; });
+  return it == entries.end() ? nullptr : &*it;
+}
+
+void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+  const auto recorded = recorded_names(scene, table);
+  for (const auto& expectation : scene.expect) {
+    if (expectation.measure.empty()) continue;  // told when the scene was read
+    const auto* type = find_measure(expectation.measure);
+    if (type == nullptr) {
+      complain_unknown(expectation, mistakes);
+      continue;
+    }
+    check_limits(expectation, *type, mistakes);
+    if (type->subject == MeasureType::Subject::Nothing) continue;
+    const auto of = subject_of(expectation, *type);
+    if (of.empty())
+      mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
+                   "say of what, as in of = \"" + (recorded.empty() ? "plant.x" : recorded.back()) + "\"");
+    else if (type->subject == MeasureType::Subject::Port)
+      check_port(expectation, scene, mistakes);
+    else
+      check_subject(expectation, of, scene, recorded, mistakes);
+    if (!type->beside.empty()) check_subject(expectation, type->beside, scene, recorded, mistakes);
+  }
+}
+
+void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+  const auto recorded = recorded_names(scene, table);
+  for (const auto& accuracy : scene.accuracy) {
+    const auto* type = find_accuracy(accuracy.measure);
+    if (type == nullptr || accuracy.of.empty()) continue;  // told when the scene was read
+    check_recorded(accuracy.of, accuracy.of_at, scene, recorded, mistakes);
+    const auto check_unit = [&](const std::optional<QuantityValue>& number, const std::string& unit) {
+      if (!number || number->bare || unit == AccuracyType::kUnitOfSubject) return;
+      if (!(number->unit.dimension == parse_unit(unit)->dimension))
+        mistakes.add(
+            Errc::UnitMismatch, accuracy.at,
+            "'" + accuracy.measure + "' is in " + unit + ", not " + in_unit(number->si, number->unit),
+            "give it in " + unit);
+    };
+    check_unit(accuracy.exact, type->unit);
+    check_unit(accuracy.scale, type->scale);
+  }
+}
+
+void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+  if (!scene.playability) return;
+  const auto recorded = recorded_names(scene, table);
+  const auto& judged = *scene.playability;
+  const bool roll = judged.kind == Playability::Kind::Roll;
+  auto signals = roll ? std::vector{&judged.hits, &judged.contact} : std::vector{&judged.sound};
+  if (!roll && !judged.pitch.name.empty()) signals.push_back(&judged.pitch);
+  for (const auto* signal : signals) check_recorded(signal->name, signal->at, scene, recorded, mistakes);
+}
+
+void check_wanted_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes) {
+  if (!scene.playability) return;
+  const auto& pitch = scene.playability->pitch;
+  static const auto kHertz = parse_unit("Hz")->dimension;
+  for (const auto& tap : taps)
+    if (tap.name == pitch.name && !(tap.dimension == kHertz))
+      mistakes.add(Errc::UnitMismatch, pitch.at,
+                   "'" + pitch.name + "' is " +
+                       (tap.dimension.plain() ? "a plain number" : "in " + to_string(tap.dimension)) +
+                       ", but 'pitch' is in Hz",
+                   "name an output in Hz, or give it a unit in its part");
+}
+
+void check_comparison(const SceneSpec& scene, Mistakes& mistakes) {
+  if (!scene.compare) return;
+  for (const auto& [name, at] : scene.compare->places) {
+    const auto dot = name.find('.');
+    const auto owner = dot == std::string::npos ? "instrument" : name.substr(0, dot);
+    const auto port = dot == std::string::npos ? name : name.substr(dot + 1);
+    const auto* part = scene.part(owner);
+    if (part == nullptr && !scene.incomplete)
+      mistakes.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
+    if (part == nullptr || part->graph == nullptr || part->graph->incomplete) continue;
+    auto known = names_of(part->graph->controls);
+    if (owner != "instrument")
+      for (const auto& input : part->graph->inputs) known.push_back(input.name);
+    if (const auto* control = find_entry(part->graph->controls, port);
+        control != nullptr && !control->broken) {
+      Mistakes told_by_the_graph;
+      const auto read = read_control(*control, told_by_the_graph);
+      if (const double value = scene.compare->set.at(name);
+          read.unit_known && !read.control.range.contains(value))
+        complain_range(read.control, value, at, mistakes);
+    }
+    if (std::find(known.begin(), known.end(), port) != known.end()) continue;
+    const auto near = nearest_name(port, known);
+    mistakes.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",
+                 near.empty() ? "there are " + listed(known) : "did you mean '" + near + "'?");
+  }
+}
+
+}  // namespace tactus

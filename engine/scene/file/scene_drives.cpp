@@ -1,0 +1,43 @@
+#include "engine/scene/file/scene_drives.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/read_graph.h"
+#include "engine/rig/drive_entry.h"
+
+namespace tactus {
+
+void read_drives(const Value::Table& scene, const std::filesystem::path& folder,
+                 const std::filesystem::path& root, SceneSpec& spec, Mistakes& mistakes) {
+  static const std::vector<std::string> kKeys = {"profile", "volts_per_full_scale", "ceiling", "about"};
+  for (const auto& entry :
+       read_entries(scene, "drives", "{ profile = \"woofer\", volts_per_full_scale = \"10 V\" }", mistakes)) {
+    spec.drive_places[entry.name] = entry.at;
+    if (entry.broken) continue;
+    mistakes.unknown_keys(entry.fields, kKeys);
+    mistakes.text(entry.fields, "about");
+    spec.drives.named[entry.name] = read_drive(entry, {folder, root, root}, mistakes).limits;
+  }
+}
+
+void check_drives(const SceneSpec& scene, Mistakes& mistakes) {
+  const auto* instrument = scene.part("instrument");
+  if (instrument == nullptr || instrument->graph == nullptr || instrument->graph->incomplete) return;
+  std::vector<std::string> names;
+  for (const auto& output : instrument->graph->outputs) {
+    const auto* kind = find(output.fields, "kind");
+    if (kind == nullptr || kind->text() == nullptr || *kind->text() != "audio") names.push_back(output.name);
+  }
+  for (const auto& [name, at] : scene.drive_places) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    const auto nearest = nearest_name(name, names);
+    mistakes.add(Errc::UnknownName, at, "the instrument has no drive '" + name + "'",
+                 !nearest.empty() ? "did you mean '" + nearest + "'?"
+                 : names.empty()  ? "it has none"
+                                  : "it has " + listed(names));
+  }
+}
+
+}  // namespace tactus

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/read_fields.h"
+#include "engine/scene/file/scene_spec.h"
+
+namespace tactus {
+
+std::vector<Gesture> read_gestures(const Value::Table& scene, Mistakes& mistakes);
+Converters read_converters(const Value::Table& scene, Mistakes& mistakes);
+std::vector<Expectation> read_expectations(const Value::Table& scene, Seconds duration, Mistakes& mistakes);
+std::optional<Comparison> read_comparison(const Value::Table& scene, Mistakes& mistakes);
+
+}  // namespace tactus

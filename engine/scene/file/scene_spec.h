@@ -1,0 +1,167 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/core/units.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/graph/file/spec.h"
+#include "engine/rig/profile.h"
+
+namespace tactus {
+
+/// A part of a scene and what its inputs are wired to: numbers, quantities and expressions of "part.port" and
+/// gestures, whose grammar was checked but whose names were not looked up.
+struct ScenePart {
+  std::string name;
+  Source at;
+  std::shared_ptr<const GraphSpec> graph;  ///< nullptr only after a mistake
+  Value::Table wires;
+};
+
+/// A value over time, given by breakpoints. Before the first it has the first value, behind the last the
+/// last.
+struct Gesture {
+  enum class Curve {
+    Linear,  ///< straight from point to point
+    Step,    ///< each value holds until the next
+    Smooth,  ///< cubic from point to point, at rest in each of them
+  };
+  struct Point {
+    double time_s;
+    double value;  ///< SI
+  };
+  std::string name;
+  Source at;
+  Curve curve = Curve::Linear;
+  Unit unit;                  ///< of the values, as the first one with a unit is written
+  bool bare = false;          ///< no value has a unit: they count in the SI unit of the port
+  std::vector<Point> points;  ///< at least one; times increase
+};
+
+/// The converters of the simulated sound card: they quantise to `bits` and clip at full scale.
+struct Converters {
+  bool on = true;
+  int bits = 24;
+};
+
+/// Where a motor moves the plant: the energy that it gives is added up while the scene plays.
+struct Port {
+  std::string name;
+  Source at;
+  std::string force, position;  ///< outputs of parts: "plant.motor", "plant.arm"
+  Source force_at, position_at;
+  double allowed = 0;  ///< [J] that the instrument may give
+};
+
+/// What must hold when the scene was played. Which measures there are is known to those who measure.
+struct Expectation {
+  std::string name;
+  Source at;
+  std::string measure;
+  Source measure_at;
+  std::string of;  ///< "part.port", or empty
+  Source of_at;
+  std::optional<double> from_s, to_s;
+  std::optional<QuantityValue> min, max;  ///< at least one of them
+};
+
+/// What of a scene must come out right, whatever it is played with: which error a study of solvers tells.
+struct Accuracy {
+  std::string name;
+  Source at;
+  std::string measure;
+  Source measure_at;
+  std::string of;  ///< "part.port"
+  Source of_at;
+  std::optional<double> from_s, to_s;
+  std::optional<QuantityValue> exact;  ///< what theory says
+  std::optional<QuantityValue> scale;  ///< an error of 1; left out: of the reference
+};
+
+/// What playing this scene well means: `[playability]`, which `tactus study playability` judges.
+struct Playability {
+  enum class Kind {
+    Roll,  ///< strikes that keep coming
+    Tone,  ///< a note that is held, or several
+  };
+  struct Signal {
+    std::string name;  ///< "part.port"
+    Source at;
+  };
+  Kind kind = Kind::Roll;
+  Source at;
+  double from_s = 1;           ///< what is judged begins here
+  std::optional<double> to_s;  ///< and ends here, or with the scene
+
+  Signal hits{"instrument.hit", {}};     ///< of a roll: the trigger of what the instrument heard
+  Signal contact{"plant.contact", {}};   ///< the force of what struck it
+  double fewest = 10;                    ///< strikes in its worst second
+  Signal sound{"instrument.sound", {}};  ///< of a tone
+  double pitch_hz = 0;                   ///< the note wanted; 0: that of `pitch`
+  Signal pitch{};                        ///< the notes wanted, one after the other; "": the one of `pitch_hz`
+  double begin_s = 0;                    ///< when the bow is on the string
+  double quiet = 1e-3;                   ///< softer than this it is silent: root mean square
+};
+
+/// The same scene once more with some controls elsewhere, to show beside it what they do.
+struct Comparison {
+  std::string name;  ///< "without the pulse"
+  Source at;
+  std::map<std::string, double> set;     ///< SI, named as `--set` names them
+  std::map<std::string, Source> places;  ///< where each of them stands
+};
+
+/// A scene file, read once into plain data: an instrument, the world it plays in, and the gestures that play
+/// it.
+struct SceneSpec {
+  Source file;
+  std::string name, about, source;
+  Hertz rate = 48_kHz;
+  Seconds delay;  ///< system delay
+  Seconds duration;
+  std::vector<ScenePart> parts;  ///< in file order; `plant` is among them, and mostly `instrument`
+  std::vector<Gesture> gestures;
+  Converters converters;
+  DriveBook drives;                            ///< what the guard of each drive is to keep
+  std::map<std::string, Source> drive_places;  ///< where [drives] names them
+  std::vector<Port> ports;
+  std::vector<Expectation> expect;
+  std::vector<Accuracy> accuracy;
+  std::optional<Playability> playability;
+  std::optional<Comparison> compare;
+  std::optional<std::uint64_t> seed;  ///< of everything random
+  bool incomplete = false;            ///< a section could not be read
+
+  /// nullptr if there is none.
+  const ScenePart* part(std::string_view name) const;
+  const Gesture* gesture(std::string_view name) const;
+  const Port* port(std::string_view name) const;
+};
+
+/// A scene together with what is wrong with its text and that of its parts; `build_scene` finds the rest.
+struct LoadedScene {
+  std::optional<SceneSpec> scene;  ///< nothing if the file cannot be read or is no TOML
+  std::vector<Error> mistakes;     ///< by file, line and column
+};
+
+/// [control] Reads a scene and the files of its parts; a folder means its scene.toml. `root` is the folder
+/// that no path may leave (empty: the scene's own).
+LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root = {});
+/// [control] The same from text; `file_name` stands in messages, and relative paths start at its folder.
+LoadedScene parse_scene_leniently(std::string_view text, const std::string& file_name,
+                                  const std::filesystem::path& root = {});
+
+/// [control] The same for those who only want a scene whose text is right.
+Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
+Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
+                               const std::filesystem::path& root = {});
+
+}  // namespace tactus

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "engine/study/playability/playability.h"
+
+namespace tactus {
+
+/// [control] A complete study as a picture. Nothing swept: score, kind and what it is judged by, over the
+/// delay. One quantity: maps of kind, score and the main reading over delay and quantity. Two: a map of the
+/// kind over both, for up to twelve delays. Errors: BadFile.
+[[nodiscard]] Status write_picture(const std::filesystem::path& path, const PlayabilityStudy& study);
+
+/// [any] "0.5", "12 ms"; "x 0.5" of a gesture.
+std::string value_in_words(const SweptValue& swept, std::size_t index);
+
+}  // namespace tactus

@@ -1,0 +1,258 @@
+#include "engine/study/stability/models/stability_roots.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/units.h"
+
+namespace tactus {
+namespace {
+
+using Complex = std::complex<double>;
+
+// No more than so many points, whatever the graph does: what turns faster than that is rounding.
+constexpr std::size_t kMostPoints = 400'000;
+// Factors outside these are no margins any more.
+constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;
+
+/// f with what goes through one cut times `factor`:  f_k = f (1 - k L) / (1 - L).
+Complex scaled(Complex f, Complex alone, double factor) {
+  return factor == 1.0 ? f : f * (1.0 - factor * alone) / (1.0 - alone);
+}
+
+}  // namespace
+
+LoopScan::LoopScan(const LoopGroup& group, Hertz rate)
+    : group_(group), rate_(rate), radius_(std::exp(kSlowest / rate.value)) {
+  constexpr double kQuick = 0.5;  // what is gone within a few frames is no mode
+  const auto& graph = group.graph();
+  for (std::size_t n = 0; n < graph.networks.size(); ++n)
+    if (group.contains(static_cast<int>(n)))
+      for (const auto& mode : graph.networks[n]->modes())
+        if (std::abs(mode.pole) > kQuick) poles_.push_back(mode.pole);
+  refine(first_points());
+}
+
+double LoopScan::hertz(double radians) const { return radians * rate_.value / (2 * kPi); }
+
+LoopScan::Sample LoopScan::sample(double radians) const {
+  const auto returned = group_.returned(std::polar(radius_, radians));
+  return {radians, LoopGroup::characteristic(returned), LoopGroup::alone(returned)};
+}
+
+/// Eight for each turn of the delays, more towards 0 Hz and around what rings in the networks.
+std::vector<double> LoopScan::first_points() const {
+  const int even = std::clamp(4 * group_.delay_frames(), 1024, 60'000);
+  std::vector<double> points;
+  for (int i = 0; i <= even; ++i) points.push_back(kPi * i / even);
+  for (int i = 0; i < 160; ++i) points.push_back(std::pow(10.0, -9.0 + i / 20.0));
+  for (const auto& pole : poles_) {
+    const double at = std::arg(pole);
+    if (at <= 0) continue;
+    for (int i = -90; i <= -20; ++i)
+      for (const double side : {-1.0, 1.0}) points.push_back(at + side * std::pow(10.0, i / 10.0));
+  }
+  std::erase_if(points, [](double p) { return p < 0 || p > kPi; });
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+bool LoopScan::smooth(const Sample& a, const Sample& b) const {
+  const double step = std::abs(a.f - b.f);
+  if (step > 0.5 * std::min(std::abs(a.f), std::abs(b.f))) return false;
+  for (std::size_t c = 0; c < a.alone.size(); ++c)
+    if (std::abs(a.alone[c] - b.alone[c]) >
+        0.5 * (0.2 * heights_[c] + std::min(std::abs(a.alone[c]), std::abs(b.alone[c]))))
+      return false;
+  return true;
+}
+
+void LoopScan::refine(std::vector<double> points) {
+  constexpr double kClosest = 1e-13;
+  std::vector<Sample> ahead;
+  for (auto p = points.rbegin(); p != points.rend(); ++p) ahead.push_back(sample(*p));
+  heights_.assign(group_.cuts().size(), 0.0);
+  for (const auto& s : ahead)
+    for (std::size_t c = 0; c < heights_.size(); ++c)
+      heights_[c] = std::max(heights_[c], std::min(1.0, std::abs(s.alone[c])));
+  while (!ahead.empty()) {
+    if (!samples_.empty() && samples_.size() + ahead.size() < kMostPoints) {
+      const double from = samples_.back().radians, to = ahead.back().radians;
+      if (to - from > kClosest && !smooth(samples_.back(), ahead.back())) {
+        ahead.push_back(sample(0.5 * (from + to)));
+        continue;
+      }
+    }
+    samples_.push_back(std::move(ahead.back()));
+    ahead.pop_back();
+  }
+}
+
+int LoopScan::growing_with(int cut, double factor) const {
+  const auto c = static_cast<std::size_t>(cut);
+  double turned = 0;
+  Complex before = 0;
+  for (const auto& s : samples_) {
+    const auto f = scaled(s.f, s.alone[c], factor);
+    if (before != 0.0 && f != 0.0) turned += std::arg(f / before);
+    before = f;
+  }
+  return static_cast<int>(std::lround(-turned / kPi));
+}
+
+// ---- margins
+
+std::optional<LoopScan::Crossing> LoopScan::crossing_between(double a, double b, int cut) const {
+  const auto c = static_cast<std::size_t>(cut);
+  auto low = sample(a), high = sample(b);
+  for (int i = 0; i < 60 && high.radians - low.radians > 1e-15; ++i) {
+    auto middle = sample(0.5 * (low.radians + high.radians));
+    const bool upper = (middle.alone[c].imag() > 0) == (low.alone[c].imag() > 0);
+    (upper ? low : high) = std::move(middle);
+  }
+  const auto at = 0.5 * (low.alone[c] + high.alone[c]);
+  // Through a pole the sign changes as well, at infinity.
+  if (!(at.real() > 0) || std::abs(low.alone[c] - high.alone[c]) > 0.1 * std::abs(at)) return std::nullopt;
+  return Crossing{1.0 / at.real(), low.radians};
+}
+
+/// Where L is real and positive: with a factor of 1 / L a root lies there.
+std::vector<LoopScan::Crossing> LoopScan::crossings(int cut) const {
+  const auto c = static_cast<std::size_t>(cut);
+  std::vector<Crossing> found;
+  for (const auto* end : {&samples_.front(), &samples_.back()})
+    if (end->alone[c].real() > 0) found.push_back({1.0 / end->alone[c].real(), end->radians});
+  for (std::size_t i = 1; i < samples_.size(); ++i) {
+    const auto a = samples_[i - 1].alone[c], b = samples_[i].alone[c];
+    if ((a.imag() > 0) == (b.imag() > 0) || (a.real() <= 0 && b.real() <= 0)) continue;
+    if (const auto at = crossing_between(samples_[i - 1].radians, samples_[i].radians, cut))
+      found.push_back(*at);
+  }
+  std::erase_if(found, [](const auto& x) { return x.factor < kLeastFactor || x.factor > kMostFactor; });
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.factor < b.factor; });
+  return found;
+}
+
+/// From the top down, until all factors below hold.
+void LoopScan::find_border(int cut, const std::vector<Crossing>& crossings, CutMargin& margin) const {
+  if (growing() == 0) {
+    margin.border = margin.up;
+    margin.border_hz = margin.up_hz;
+    return;
+  }
+  margin.border = 0;
+  for (auto x = crossings.rbegin(); x != crossings.rend(); ++x) {
+    if (x->factor >= 1 || growing_with(cut, 0.999 * x->factor) > 0) continue;
+    margin.border = x->factor;
+    margin.border_hz = hertz(x->radians);
+    return;
+  }
+}
+
+/// arg L / w where |L| passes 1: so much more delay turns L to 1.
+double LoopScan::delay_margin(int cut) const {
+  const auto c = static_cast<std::size_t>(cut);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < samples_.size(); ++i) {
+    const auto a = samples_[i - 1].alone[c], b = samples_[i].alone[c];
+    const double la = std::abs(a), lb = std::abs(b);
+    if ((la > 1) == (lb > 1) || samples_[i - 1].radians <= 0) continue;
+    const double share = (1 - la) / (lb - la);
+    const auto at = a + share * (b - a);
+    const double w = samples_[i - 1].radians + share * (samples_[i].radians - samples_[i - 1].radians);
+    double turn = std::arg(at);
+    if (turn < 0) turn += 2 * kPi;
+    least = std::min(least, turn / w / rate_.value);
+  }
+  return least;
+}
+
+CutMargin LoopScan::margin(int cut) const {
+  const auto c = static_cast<std::size_t>(cut);
+  CutMargin margin;
+  for (const auto& s : samples_)
+    if (std::abs(s.alone[c]) > margin.peak)
+      margin.peak = std::abs(s.alone[c]), margin.peak_hz = hertz(s.radians);
+  const auto found = crossings(cut);
+  for (const auto& x : found) {
+    if (x.factor > 1 && x.factor < margin.up) margin.up = x.factor, margin.up_hz = hertz(x.radians);
+    if (x.factor <= 1) margin.down = x.factor, margin.down_hz = hertz(x.radians);
+  }
+  find_border(cut, found, margin);
+  margin.more_delay_s = growing() == 0 ? delay_margin(cut) : 0;
+  return margin;
+}
+
+// ---- roots
+
+/// Newton's method on f(z) times (z - p) for every pole p of the networks in the loop, as a function of s =
+/// ln z: without its poles f is no obstacle, even where root and pole nearly meet.
+std::optional<LoopRoot> LoopScan::newton(Complex s, int cut, double factor) const {
+  const auto f = [&](Complex at) {
+    const auto returned = group_.returned(std::exp(at));
+    return factor == 1.0 ? LoopGroup::characteristic(returned)
+                         : scaled(LoopGroup::characteristic(returned),
+                                  LoopGroup::alone(returned)[static_cast<std::size_t>(cut)], factor);
+  };
+  constexpr double kZero = 1e-4;  // what is no root, but a pole that the loop does not see, leaves more
+  for (int i = 0; i < 60; ++i) {
+    const double h = 1e-7 * std::max(std::abs(s), 1e-7);
+    const auto value = f(s), z = std::exp(s);
+    auto turn = (f(s + h) - f(s - h)) / (2 * h * value);
+    for (const auto& pole : poles_) turn += z / (z - pole);
+    if (turn == 0.0 || !std::isfinite(std::abs(turn))) return std::nullopt;
+    auto step = 1.0 / turn;
+    const double most = 0.2 * std::abs(s) + 1e-6;
+    if (std::abs(step) > most) step *= most / std::abs(step);
+    s -= step;
+    if (!(std::abs(s.real()) < 1)) return std::nullopt;
+    if (std::abs(step) > 1e-11 * std::abs(s) + 1e-15) continue;
+    if (!(std::abs(f(s)) < kZero)) return std::nullopt;
+    return LoopRoot{std::abs(hertz(s.imag())), s.real() * rate_.value};
+  }
+  return std::nullopt;
+}
+
+/// Valleys of |f| on the circle, the deepest first, and the poles that the roots came from, beside each of
+/// them.
+std::vector<Complex> LoopScan::first_guesses(std::size_t most) const {
+  const auto depth = [&](std::size_t i) { return std::abs(samples_[i].f); };
+  std::vector<std::size_t> valleys;
+  for (std::size_t i = 1; i + 1 < samples_.size(); ++i)
+    if (depth(i) <= depth(i - 1) && depth(i) <= depth(i + 1)) valleys.push_back(i);
+  std::sort(valleys.begin(), valleys.end(), [&](auto a, auto b) { return depth(a) < depth(b); });
+  if (valleys.size() > most) valleys.resize(most);
+  valleys.insert(valleys.end(), {0, samples_.size() - 1});
+  std::vector<Complex> guesses;
+  for (const auto i : valleys) guesses.emplace_back(std::log(radius_), samples_[i].radians);
+  for (const auto& pole : poles_) {
+    if (pole.imag() < 0) continue;
+    const auto s = std::log(pole);
+    guesses.push_back(s + Complex{0.5, 0.5} * std::max(std::abs(s.real()), 1e-6));
+  }
+  return guesses;
+}
+
+std::vector<LoopRoot> LoopScan::roots(std::size_t most) const {
+  std::vector<LoopRoot> roots;
+  for (const auto& guess : first_guesses(8 * most)) {
+    const auto root = newton(guess, 0, 1.0);
+    if (!root) continue;
+    const bool known = std::any_of(roots.begin(), roots.end(), [&](const auto& r) {
+      return std::abs(r.frequency_hz - root->frequency_hz) < 1e-6 * (1 + r.frequency_hz) &&
+             std::abs(r.growth_per_s - root->growth_per_s) < 1e-4 * (1 + std::abs(r.growth_per_s));
+    });
+    if (!known) roots.push_back(*root);
+  }
+  std::sort(roots.begin(), roots.end(),
+            [](const auto& a, const auto& b) { return a.growth_per_s > b.growth_per_s; });
+  if (roots.size() > most) roots.resize(most);
+  return roots;
+}
+
+std::optional<LoopRoot> LoopScan::root_near(double hertz, int cut, double factor) const {
+  return newton({0.0, 2 * kPi * hertz / rate_.value}, cut, factor);
+}
+
+}  // namespace tactus

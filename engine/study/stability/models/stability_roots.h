@@ -1,0 +1,85 @@
+#pragma once
+
+#include <complex>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "engine/core/units.h"
+#include "engine/study/stability/stability_loops.h"
+
+namespace tactus {
+
+/// A root of the closed loops: e^((growth + j 2 pi frequency) t).
+struct LoopRoot {
+  double frequency_hz = 0;
+  double growth_per_s = 0;  ///< below 0 it dies out
+};
+
+/// How far one cut is from where a root crosses the unit circle. Factors on what goes through it.
+struct CutMargin {
+  double up = std::numeric_limits<double>::infinity();  ///< the least factor above 1 at which one crosses
+  double up_hz = 0;
+  double down = 0;  ///< the largest factor below 1 at which one crosses
+  double down_hz = 0;
+  /// All factors up to this one hold (of a loop that does not hold: the largest that does, or 0).
+  double border = std::numeric_limits<double>::infinity();
+  double border_hz = 0;
+  double peak = 0;  ///< largest |L|: below 1 it holds for every delay and phase
+  double peak_hz = 0;
+  /// More delay until a root crosses; infinite where |L| stays below 1, 0 where one grows already.
+  double more_delay_s = std::numeric_limits<double>::infinity();
+};
+
+/// Looks at f(z) = det(1 - R(z)) of a loop group along the circle |z| = 1 + tiny, on which a root doubles in
+/// two hours, with points so close that f never turns by more than a fraction from one to the
+/// next.
+class LoopScan {
+ public:
+  LoopScan(const LoopGroup& group, Hertz rate);
+
+  /// Roots outside the circle, from the turns of f around 0 (Cauchy's argument principle; f has no poles
+  /// there if no network grows by itself).
+  int growing() const { return growing_with(0, 1.0); }
+  /// The same with everything that goes through a cut times `factor`.
+  int growing_with(int cut, double factor) const;
+  CutMargin margin(int cut) const;
+  /// The least damped roots, from the valleys of |f| by Newton's method; at most `most`.
+  std::vector<LoopRoot> roots(std::size_t most) const;
+  /// The root of f nearest to a frequency, with everything through a cut times `factor`.
+  std::optional<LoopRoot> root_near(double hertz, int cut, double factor) const;
+  std::size_t points() const { return samples_.size(); }
+
+  /// Growth per second of the circle.
+  static constexpr double kSlowest = 1e-4;
+
+ private:
+  struct Sample {
+    double radians = 0;
+    std::complex<double> f;
+    std::vector<std::complex<double>> alone;  ///< L of each cut
+  };
+  struct Crossing {
+    double factor, radians;
+  };
+  Sample sample(double radians) const;
+  std::vector<double> first_points() const;
+  std::vector<std::complex<double>> first_guesses(std::size_t most) const;
+  void refine(std::vector<double> points);
+  bool smooth(const Sample& a, const Sample& b) const;
+  std::vector<Crossing> crossings(int cut) const;
+  std::optional<Crossing> crossing_between(double a, double b, int cut) const;
+  void find_border(int cut, const std::vector<Crossing>& crossings, CutMargin& margin) const;
+  double delay_margin(int cut) const;
+  std::optional<LoopRoot> newton(std::complex<double> s, int cut, double factor) const;
+  double hertz(double radians) const;
+
+  const LoopGroup& group_;
+  Hertz rate_;
+  double radius_;
+  std::vector<std::complex<double>> poles_;  ///< of the networks in the loop
+  std::vector<Sample> samples_;              ///< from 0 to half the rate
+  std::vector<double> heights_;  ///< of each cut's L among the first points, at most 1: what counts as near 0
+};
+
+}  // namespace tactus

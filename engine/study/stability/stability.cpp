@@ -1,0 +1,288 @@
+#include "engine/study/stability/stability.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/study/stability/models/stability_passive.h"
+
+namespace tactus {
+namespace {
+
+constexpr std::size_t kMostRoots = 6;
+
+class RegimeJudge {
+ public:
+  RegimeJudge(const ClosedGraph& closed, const Regime& regime, Hertz rate)
+      : closed_(closed),
+        rate_(rate),
+        verdict_{.name = regime.name, .held = regime.hand.has_value(), .crests = closed.graph.crests} {}
+
+  RegimeVerdict run() {
+    std::vector<int> wanted = closed_.drives;
+    for (const auto& place : closed_.graph.stiff) wanted.push_back(place.signal);
+    for (auto& signals : loops_of(closed_.graph, false)) judge({closed_.graph, std::move(signals), wanted});
+    std::sort(verdict_.roots.begin(), verdict_.roots.end(),
+              [](const auto& a, const auto& b) { return a.growth_per_s > b.growth_per_s; });
+    if (verdict_.roots.size() > kMostRoots) verdict_.roots.resize(kMostRoots);
+    return std::move(verdict_);
+  }
+
+ private:
+  void judge(const LoopGroup& group) {
+    if (group.too_large())
+      return verdict_.too_large.push_back(
+          closed_.graph.signals[static_cast<std::size_t>(group.signals().front())]);
+    const LoopScan scan(group, rate_);
+    verdict_.growing += std::max(0, scan.growing());
+    for (const auto& root : scan.roots(kMostRoots)) verdict_.roots.push_back(root);
+    const auto& cuts = group.cuts();
+    for (std::size_t c = 0; c < cuts.size(); ++c) {
+      const auto margin = scan.margin(static_cast<int>(c));
+      if (const auto* place = stiff_at(cuts[c])) {
+        verdict_.stiff.push_back({place->path, place->type, place->stiffness,
+                                  place->stiffness * margin.border, margin.border_hz, std::nullopt});
+        judge_passive(group, static_cast<int>(c));
+      } else {
+        verdict_.loops.push_back({closed_.graph.signals[static_cast<std::size_t>(cuts[c])],
+                                  group.way_round(static_cast<int>(c)), among(closed_.drives, cuts[c]),
+                                  among(closed_.graph.joints, cuts[c]), margin});
+        find_growth(scan, static_cast<int>(c), verdict_.loops.back());
+      }
+    }
+  }
+
+  static void find_growth(const LoopScan& scan, int cut, LoopVerdict& loop) {
+    const double border = loop.margin.border;
+    if (!std::isfinite(border) || border <= 0) return;
+    const auto growth = [&](double factor) {
+      const auto root = scan.root_near(loop.margin.border_hz, cut, factor * border);
+      return root ? root->growth_per_s : 0;
+    };
+    loop.growth_below = growth(0.98);
+    loop.growth_above = growth(1.02);
+  }
+
+  /// Only where the whole force goes through one drive is it known what the device feels.
+  void judge_passive(const LoopGroup& group, int cut) {
+    int drive = -1, drives = 0;
+    for (const int signal : closed_.drives)
+      if (const int at = group.cut(signal); at >= 0) drive = at, ++drives;
+    if (drives != 1 || !closed_.mobility) return;
+    const PassivityTest test(group, drive, closed_.mobility, rate_);
+    verdict_.device_damping = test.device_damping();
+    verdict_.stiff.back().passive_up_to = verdict_.stiff.back().stiffness * test.largest_factor(cut);
+  }
+
+  const StiffPlace* stiff_at(int signal) const {
+    for (const auto& place : closed_.graph.stiff)
+      if (place.signal == signal) return &place;
+    return nullptr;
+  }
+  static bool among(const std::vector<int>& signals, int signal) {
+    return std::find(signals.begin(), signals.end(), signal) != signals.end();
+  }
+
+  const ClosedGraph& closed_;
+  Hertz rate_;
+  RegimeVerdict verdict_;
+};
+
+/// Loops that are closed now and then, or that nobody can look into.
+class EventLoops {
+ public:
+  explicit EventLoops(const LinearGraph& graph) : graph_(graph), looping_(graph.signals.size(), false) {
+    for (const auto& part : loops_of(graph, true))
+      for (const int s : part) looping_[static_cast<std::size_t>(s)] = true;
+  }
+  bool go_through(const std::string& path) const {
+    return std::any_of(graph_.edges.begin(), graph_.edges.end(), [&](const auto& e) {
+      return e.kind == LinearEdge::Kind::Event && e.path == path &&
+             looping_[static_cast<std::size_t>(e.from)] && looping_[static_cast<std::size_t>(e.to)];
+    });
+  }
+
+ private:
+  const LinearGraph& graph_;
+  std::vector<bool> looping_;
+};
+
+class Judge {
+ public:
+  Judge(const StabilitySubject& subject, const StabilityOptions& options,
+        const std::function<void(double)>& progress)
+      : subject_(subject), options_(options), progress_(progress) {}
+
+  Checked<StabilityVerdict> run() {
+    auto world = RestingWorld::make(subject_, options_.world);
+    if (!world) return tl::unexpected(world.error());
+    verdict_.rate = world->rate();
+    verdict_.delay_s = world->delay_frames() / world->rate().value;
+    verdict_.outside_known = world->outside_known();
+    const auto regimes = world->regimes(options_.push);
+    for (const auto& regime : regimes) judge(*world, regime);
+    judge_events(*world);
+    for (const auto& regime : regimes) judge_open(*world, regime);
+    const auto controls = world->instrument().controls;
+    for (const auto& control : controls) judge_control(control.control);
+    for (const auto& regime : verdict_.regimes) verdict_.holds &= regime.held || regime.holds();
+    for (const auto& network : verdict_.networks) verdict_.holds &= network.holds;
+    return std::move(verdict_);
+  }
+
+ private:
+  void tell() {
+    constexpr double kAll = 24;
+    if (progress_) progress_(1 - std::exp(-++done_ / kAll));
+  }
+
+  /// Bare, and held where something is driven.
+  void judge(const RestingWorld& world, const Regime& regime) {
+    const auto closed = world.closed(regime);
+    judge_networks(closed.graph, regime);
+    verdict_.bends |= closed.graph.bends;
+    verdict_.regimes.push_back(judge_regime(closed, regime, verdict_.rate));
+    if (verdict_.regimes.size() == 1)
+      for (const auto& first : verdict_.regimes.front().too_large)
+        verdict_.not_looked_at.push_back("the loops around '" + first + "'");
+    tell();
+    if (!closed.mobility || verdict_.regimes.back().loops.empty()) return;
+    auto held = regime;
+    held.hand = options_.hand;
+    verdict_.regimes.push_back(judge_regime(world.closed(held), held, verdict_.rate));
+    tell();
+  }
+
+  void judge_networks(const LinearGraph& graph, const Regime& regime) {
+    for (std::size_t n = 0; n < graph.networks.size(); ++n) {
+      // Where no contact of it is closed it is what it was at rest.
+      if (!verdict_.regimes.empty() && !regime.contacts.contains(graph.network_paths[n])) continue;
+      const auto& model = *graph.networks[n];
+      const auto& recipe = model.recipe();
+      NetworkVerdict verdict{graph.network_paths[n], regime.name};
+      verdict.solver = recipe.solver;
+      verdict.rubs = !recipe.elements.frictions.empty();
+      verdict.radius = model.radius();
+      verdict.rate_hz = recipe.rate.value * recipe.oversample;
+      if (const auto needed = model.needed_rate()) verdict.needed_hz = needed->value;
+      verdict.weakest = model.weakest();
+      judge_contacts(recipe, verdict);
+      verdict.grows = model.grows();
+      verdict.holds = !verdict.grows && verdict.contacts_hold();
+      verdict_.networks.push_back(std::move(verdict));
+    }
+    if (verdict_.not_looked_at.empty())
+      for (const auto& path : graph.not_looked_at)
+        if (EventLoops{graph}.go_through(path))
+          verdict_.not_looked_at.push_back("the loops through network '" + path + "'");
+  }
+
+  /// Of the explicit solver: the others bound what a contact gives back, however short it is.
+  static void judge_contacts(const NetworkRecipe& recipe, NetworkVerdict& verdict) {
+    if (recipe.solver != Solver::Explicit) return;
+    const auto demand = contact_demand(recipe.elements);
+    for (const auto& strike : demand.strikes)
+      verdict.contact_steps = std::min(verdict.contact_steps, strike.time_s * verdict.rate_hz);
+    verdict.too_deep = demand.stiffness > kStiffestContact * verdict.rate_hz * verdict.rate_hz;
+  }
+
+  void judge_events(const RestingWorld& world) {
+    const auto graph = world.closed({}).graph;
+    const EventLoops loops{graph};
+    for (const auto& place : graph.events) verdict_.events.push_back({place, loops.go_through(place.path)});
+  }
+
+  /// The largest gain of a pair, from the answer to 1 at the input with the inner loops closed.
+  void judge_open(const RestingWorld& world, const Regime& regime) {
+    LinearGraph graph;
+    for (const auto& pair : world.open_pairs(graph, regime)) {
+      // Output to input closed by a wire of its own: what comes back through it is the pair's response.
+      auto closed = graph;
+      const int wire = closed.add_signal("outside");
+      closed.join(pair.to, wire);
+      closed.delay(wire, pair.from, 1);
+      for (auto& signals : loops_of(closed, false)) {
+        const LoopGroup group(closed, std::move(signals), {wire});
+        if (group.too_large() || group.cut(wire) < 0) continue;
+        const auto margin = LoopScan(group, verdict_.rate).margin(group.cut(wire));
+        note_open({pair.input, pair.output, margin.peak, margin.peak_hz});
+      }
+    }
+  }
+
+  /// Of all regimes the largest gain counts.
+  void note_open(OpenVerdict found) {
+    const auto known = std::find_if(verdict_.open.begin(), verdict_.open.end(), [&](const auto& other) {
+      return other.input == found.input && other.output == found.output;
+    });
+    if (known == verdict_.open.end())
+      verdict_.open.push_back(std::move(found));
+    else if (found.peak > known->peak)
+      *known = std::move(found);
+  }
+
+  bool holds_at(const FlatControl& control, double value) {
+    auto with = options_.world;
+    with.set[control.name] = ControlValue{value};
+    tell();
+    return holds_with(subject_, with, options_.push);
+  }
+
+  /// Where one end holds and the other does not, the border between them.
+  void judge_control(const FlatControl& control) {
+    ControlVerdict verdict{.control = control};
+    double low = control.range.low, high = control.range.high;
+    if (!std::isfinite(low) || !std::isfinite(high)) return;
+    verdict.holds_low = holds_at(control, low);
+    verdict.holds_high = holds_at(control, high);
+    if (verdict.holds_low != verdict.holds_high) {
+      for (int i = 0; i < kMostHalvings && !together(low, high); ++i) {
+        const double middle = low > 0 && high > 0 ? std::sqrt(low * high) : 0.5 * (low + high);
+        (holds_at(control, middle) == verdict.holds_low ? low : high) = middle;
+      }
+      verdict.border = verdict.holds_low ? low : high;
+    }
+    verdict_.controls.push_back(std::move(verdict));
+  }
+
+  static constexpr int kMostHalvings = 40;
+  /// To a thousandth of the value that is sought, however wide the range is.
+  static bool together(double low, double high) {
+    return high - low <= 1e-3 * std::max(std::abs(low), std::abs(high));
+  }
+
+  const StabilitySubject& subject_;
+  const StabilityOptions& options_;
+  const std::function<void(double)>& progress_;
+  double done_ = 0;
+  StabilityVerdict verdict_;
+};
+
+}  // namespace
+
+bool holds_with(const StabilitySubject& subject, const WorldOptions& options, double push) {
+  const auto world = RestingWorld::make(subject, options);
+  if (!world) return false;
+  const auto regimes = world->regimes(push);
+  return std::all_of(regimes.begin(), regimes.end(), [&](const auto& regime) {
+    const auto closed = world->closed(regime);
+    const auto& networks = closed.graph.networks;
+    if (std::any_of(networks.begin(), networks.end(), [](const auto& n) { return n->grows(); })) return false;
+    int growing = 0;
+    for (auto& signals : loops_of(closed.graph, false)) {
+      const LoopGroup group(closed.graph, std::move(signals), {});
+      if (!group.too_large()) growing += LoopScan(group, world->rate()).growing();
+    }
+    return growing <= 0;
+  });
+}
+
+RegimeVerdict judge_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate) {
+  return RegimeJudge{closed, regime, rate}.run();
+}
+
+Checked<StabilityVerdict> judge_stability(const StabilitySubject& subject, const StabilityOptions& options,
+                                          const std::function<void(double)>& progress) {
+  return Judge{subject, options, progress}.run();
+}
+
+}  // namespace tactus

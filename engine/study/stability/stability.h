@@ -1,0 +1,124 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/physics/solvers/solver_choice.h"
+#include "engine/study/stability/models/stability_roots.h"
+#include "engine/study/stability/stability_world.h"
+
+namespace tactus {
+
+/// A network by itself.
+struct NetworkVerdict {
+  std::string path, regime;
+  Solver solver = Solver::Passive;
+  bool rubs = false;                     ///< has frictions, which are left out
+  double radius = 0;                     ///< of one frame
+  double rate_hz = 0;                    ///< that it runs at: rate times oversample
+  std::optional<double> needed_hz = {};  ///< the least; nullopt: it holds at every rate, infinite: at none
+  std::string weakest = {};              ///< what would grow first
+  /// Steps in the shortest strike at 1 m/s; below kFewestContactSteps explicit contacts make energy. Infinite
+  /// where none is stepped so.
+  double contact_steps = std::numeric_limits<double>::infinity();
+  bool too_deep = false;  ///< what it starts with presses an explicit contact too stiff for the rate
+  bool contacts_hold() const { return contact_steps >= kFewestContactSteps && !too_deep; }
+  bool grows = false;  ///< its linear part
+  bool holds = true;
+};
+
+/// A place where a loop was cut open.
+struct LoopVerdict {
+  std::string at;
+  std::vector<std::string> way;  ///< once around
+  bool drive = false;            ///< one of the instrument's outputs: its delay is the system's
+  bool joint = false;            ///< the port of a network: it gives back no more than it takes
+  CutMargin margin;
+  /// It adds up what comes in: a root stands at z = 1 on purpose, and no gain was to be turned up.
+  bool integrates() const { return margin.border_hz == 0 && margin.border >= 1 && margin.border < 1 + 1e-6; }
+  /// Of the root that crosses, a fiftieth below and above the border [1/s].
+  double growth_below = 0, growth_above = 0;
+};
+
+/// A force that answers a position: how stiff it is, and may be.
+struct StiffVerdict {
+  std::string path, type;
+  double stiffness = 0;     ///< [N/m]
+  double stable_up_to = 0;  ///< [N/m]; infinite: any
+  double border_hz = 0;
+  std::optional<double> passive_up_to;  ///< [N/m]; nullopt where nothing is driven by one drive alone
+};
+
+/// One way that the graph can be in.
+struct RegimeVerdict {
+  std::string name;
+  bool held = false;  ///< by a fingertip
+  int growing = 0;    ///< roots that grow
+  std::vector<LoopRoot> roots = {};
+  std::vector<LoopVerdict> loops = {};
+  std::vector<StiffVerdict> stiff = {};
+  std::optional<double> device_damping = {};  ///< [N s/m] of what is driven, near 0 Hz
+  /// Loops that are too many to be looked at, by their first signal.
+  std::vector<std::string> too_large = {};
+  std::vector<std::string> crests = {};  ///< laws that push away here and pull back elsewhere: left out
+  bool holds() const { return growing == 0; }
+};
+
+/// Loops that something closes only now and then.
+struct EventVerdict {
+  EventPlace place;
+  bool on_loop = false;
+};
+
+/// What a control does to it, all others staying where they are.
+struct ControlVerdict {
+  FlatControl control;
+  bool holds_low = true, holds_high = true;
+  std::optional<double> border = {};  ///< where it stops to hold, if it does on one side of it
+};
+
+/// What an instrument alone passes on: with an outside whose gain is below 1 / peak it holds at any delay.
+struct OpenVerdict {
+  std::string input, output;
+  double peak = 0, peak_hz = 0;
+};
+
+struct StabilityVerdict {
+  Hertz rate;
+  double delay_s = 0;
+  std::vector<NetworkVerdict> networks;
+  std::vector<RegimeVerdict> regimes;
+  std::vector<EventVerdict> events;
+  std::vector<ControlVerdict> controls;
+  std::vector<OpenVerdict> open;
+  std::vector<std::string> not_looked_at;
+  bool bends = false;         ///< some force answers a position otherwise elsewhere
+  bool outside_known = true;  ///< false: an instrument alone, and only what it holds itself is judged
+  bool holds = true;
+};
+
+struct StabilityOptions {
+  WorldOptions world;
+  Fingertip hand;
+  double push = 10.0;  ///< in closed contacts [N]
+};
+
+/// [control] `progress` hears the share done. Errors: of the graph.
+Checked<StabilityVerdict> judge_stability(const StabilitySubject& subject, const StabilityOptions& options,
+                                          const std::function<void(double)>& progress = {});
+
+/// [control] Whether nothing grows with these options, in any of the regimes that the world has. False, too,
+/// if it cannot be made with them.
+bool holds_with(const StabilitySubject& subject, const WorldOptions& options, double push);
+
+/// [control] One regime of a world that was made.
+RegimeVerdict judge_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate);
+
+/// [any] What breaks first and what to change, in sentences; the first says whether it holds.
+std::vector<std::string> in_words(const StabilityVerdict& verdict);
+
+}  // namespace tactus

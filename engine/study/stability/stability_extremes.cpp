@@ -1,0 +1,267 @@
+#include "engine/study/stability/stability_extremes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/guard/guarded.h"
+#include "engine/nodes/networks/network_node.h"
+#include "engine/scene/closed_loop.h"
+#include "engine/scene/guard_report.h"
+
+namespace tactus {
+namespace {
+
+constexpr int kStabilityExtremesBlock = 64;
+/// At the start of a linear run: the smallest of which half does half as much, so that neither the steps of a
+/// quantiser nor contacts have a say.
+constexpr double kPushes[] = {1e-6, 1e-4, 1e-2, 1.0, 100.0};
+constexpr double kProportional = 0.05;
+
+/// An instrument whose sensors are disturbed and whose drives are turned up.
+class Disturbed final : public BlockProcessor {
+ public:
+  Disturbed(BlockProcessor& inner, const ExtremePlan& plan) : inner_(inner), plan_(plan) {}
+
+  Status prepare(const StreamFormat& format) override {
+    rate_ = format.sample_rate.value;
+    outputs_ = format.out_channels;
+    samples_.assign(static_cast<std::size_t>(format.in_channels),
+                    std::vector<double>(static_cast<std::size_t>(format.max_frames)));
+    in_.clear();
+    for (const auto& channel : samples_) in_.push_back(channel.data());
+    frame_ = 0;
+    return inner_.prepare(format);
+  }
+
+  void process(const BlockIo& io) noexcept override {
+    for (std::size_t c = 0; c < samples_.size(); ++c)
+      for (int n = 0; n < io.frames; ++n)
+        samples_[c][static_cast<std::size_t>(n)] = io.in[c][n] + disturbance(frame_ + n);
+    inner_.process({in_.data(), io.out, io.frames});
+    for (int c = 0; c < outputs_; ++c)
+      for (int n = 0; n < io.frames; ++n) {
+        io.out[c][n] *= plan_.drive_gain;
+        finite_ = finite_ && std::isfinite(io.out[c][n]);
+      }
+    frame_ += io.frames;
+  }
+  bool finite() const { return finite_; }
+  double push = 0.0;  ///< of linear runs, at the start
+
+ private:
+  /// In the first half of the run; then the energy must not grow any more.
+  double disturbance(std::int64_t frame) const noexcept {
+    if (plan_.linear) return static_cast<double>(frame) <= plan_.push_s * rate_ ? push : 0.0;
+    const double seconds = static_cast<double>(frame) / rate_;
+    if (seconds > plan_.seconds / 2) return 0;
+    const auto every = static_cast<std::int64_t>(0.037 * rate_);
+    switch (plan_.disturbance) {
+      case Disturbance::Silence:
+        return 0;
+      case Disturbance::Impulses:
+        return frame % every == 0 ? 1 : 0;
+      case Disturbance::Square:
+        return std::fmod(seconds, 0.02) < 0.01 ? 1 : -1;
+      case Disturbance::NotNumbers:
+        if (frame % every == 1) return std::numeric_limits<double>::infinity();
+        return frame % every == 0 ? std::numeric_limits<double>::quiet_NaN() : 0;
+      case Disturbance::Denormals:
+        return 1e-310;
+    }
+    return 0;
+  }
+
+  BlockProcessor& inner_;
+  const ExtremePlan& plan_;
+  double rate_ = 48000;
+  int outputs_ = 0;
+  std::int64_t frame_ = 0;
+  std::vector<std::vector<double>> samples_;
+  std::vector<const double*> in_;
+  bool finite_ = true;
+};
+
+double stored(const Engine& engine) {
+  double energy = 0;
+  for (const auto& node : engine.schedule().nodes)
+    if (const auto* network = dynamic_cast<const NetworkView*>(node.get())) energy += network->energy();
+  return energy;
+}
+
+/// Largest value of each quarter of a run.
+constexpr double kGrows = 4, kNothing_J = 1e-9;
+
+struct Quarters {
+  double largest[4] = {};
+  void take(double share, double value) {
+    auto& quarter = largest[std::min(3, static_cast<int>(4 * share))];
+    if (!(quarter >= std::abs(value))) quarter = std::abs(value);
+  }
+};
+
+void count_faults(const Engine& engine, ExtremeRun& run) {
+  for (const auto& fault : engine.faults()) run.faults += fault.count;
+}
+
+/// Guarded and with converters, as on a card.
+ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan, BuiltScene& built,
+                       ExtremeRun run) {
+  Disturbed disturbed{*built.instrument, plan};
+  Guarded guarded{disturbed,
+                  guarded_channels(built.instrument->schedule(),
+                                   subject.scene != nullptr ? subject.scene->scene->drives : DriveBook{})};
+  ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames,
+                  subject.scene != nullptr ? subject.scene->scene->converters : Converters{.on = false}};
+  if (!loop.prepare(run.rate, kStabilityExtremesBlock)) return run;
+  guarded.skip_soft_start();
+  guarded.trust_sensors();
+  const int frames = static_cast<int>(plan.seconds * run.rate.value);
+  Quarters energy;
+  for (int done = 0; done < frames; done += kStabilityExtremesBlock) {
+    loop.run(std::min(kStabilityExtremesBlock, frames - done), [&](const ClosedLoop::Piece& piece) {
+      for (const auto* drive : piece.drives)
+        for (int n = 0; n < piece.frames; ++n) {
+          run.finite = run.finite && std::isfinite(drive[n]);
+          run.peak = std::max(run.peak, std::abs(drive[n]));
+        }
+    });
+    energy.take(static_cast<double>(done) / frames, stored(*built.plant) + stored(*built.instrument));
+  }
+  run.energy_before = std::max({energy.largest[0], energy.largest[1], energy.largest[2]});
+  run.energy_after = energy.largest[3];
+  run.finite = run.finite && disturbed.finite();
+  // Rolls and rotations breathe; what really grows by itself doubles more than once in a quarter.
+  run.grew = !(run.energy_after <= kGrows * run.energy_before + kNothing_J);
+  count_faults(*built.instrument, run);
+  count_faults(*built.plant, run);
+  return run;
+}
+
+/// The sensors, one piece after the other, after a push.
+std::vector<double> heard_after(double push, const StabilitySubject& subject, const ExtremePlan& plan,
+                                ExtremeRun& run) {
+  std::vector<double> heard;
+  auto built = build_world(subject, plan.world, true);
+  if (!built) return heard;
+  Disturbed disturbed{*built->instrument, plan};
+  disturbed.push = push;
+  ClosedLoop loop{
+      disturbed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
+  if (!loop.prepare(run.rate, kStabilityExtremesBlock)) return heard;
+  loop.run(static_cast<int>(plan.seconds * run.rate.value), [&](const ClosedLoop::Piece& piece) {
+    for (const auto* sensor : piece.sensors) heard.insert(heard.end(), sensor, sensor + piece.frames);
+  });
+  run.finite = run.finite && disturbed.finite();
+  return heard;
+}
+
+/// The sensors with a small push at the start less those without it: what the push alone becomes.
+ExtremeRun run_linear(const StabilitySubject& subject, const ExtremePlan& plan, ExtremeRun run) {
+  const auto still = heard_after(0.0, subject, plan, run);
+  const auto moved_by = [&](double push) {
+    const auto heard = heard_after(push, subject, plan, run);
+    Quarters moved;
+    for (std::size_t n = 0; n < heard.size(); ++n)
+      moved.take(static_cast<double>(n) / static_cast<double>(heard.size()), heard[n] - still[n]);
+    return moved;
+  };
+  Quarters moved;
+  for (const double push : kPushes) {
+    moved = moved_by(push);
+    const double whole = moved.largest[1], half = moved_by(0.5 * push).largest[1];
+    if (whole > 0.0 && std::abs(whole - 2.0 * half) < kProportional * whole) break;
+  }
+  run.energy_before = moved.largest[1];
+  run.energy_after = moved.largest[3];
+  run.grew = run.energy_after > run.energy_before;
+  return run;
+}
+
+}  // namespace
+
+const char* name_of(Disturbance disturbance) {
+  static constexpr const char* kNames[] = {"silence", "impulses", "full-scale square", "NaN", "denormals"};
+  return kNames[static_cast<int>(disturbance)];
+}
+
+std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& instrument) {
+  std::vector<ExtremePlan> plans;
+  const auto plan = [&](std::string what) -> ExtremePlan& {
+    plans.push_back({.what = std::move(what), .world = world, .disturbance = Disturbance::Impulses});
+    return plans.back();
+  };
+  for (const auto disturbance : {Disturbance::Silence, Disturbance::Impulses, Disturbance::Square,
+                                 Disturbance::NotNumbers, Disturbance::Denormals})
+    plan(name_of(disturbance)).disturbance = disturbance;
+  for (const Hertz rate : {8_kHz, 44.1_kHz, 96_kHz, 192_kHz})
+    plan(fmt::format("{:g} kHz", rate.value / 1e3)).world.rate = rate;
+  for (const double ms : {0.0, 1.0, 5.0, 20.0, 50.0, 100.0})
+    plan(fmt::format("delay {:g} ms", ms)).world.delay = Seconds{1e-3 * ms};
+  for (const auto& scheduled : instrument.controls) {
+    const auto& control = scheduled.control;
+    for (const double end : {control.range.low, control.range.high}) {
+      if (!std::isfinite(end)) continue;
+      auto& made = plan(fmt::format("{} = {:g}", control.name, control.unit.from_si(end)));
+      made.world.set[control.name] = ControlValue{end};
+    }
+  }
+  return plans;
+}
+
+std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict) {
+  std::vector<ExtremePlan> plans;
+  if (verdict.bends) return plans;  // what moves far enough to be heard meets another law
+  // What an event opens and closes is no loop of its own.
+  if (std::any_of(verdict.events.begin(), verdict.events.end(), [](const auto& e) { return e.on_loop; }))
+    return plans;
+  const LoopVerdict* loop = nullptr;
+  for (const auto& other : verdict.regimes.front().loops) {
+    if (!other.drive) continue;
+    if (loop != nullptr) return plans;  // two drives: turning one up is not turning both up
+    loop = &other;
+  }
+  if (loop == nullptr || loop->growth_below >= 0 || loop->growth_above <= 0) return plans;
+  constexpr double kShortest = 0.5, kLongest = 20;
+  for (const bool above : {false, true}) {
+    const double growth = std::abs(above ? loop->growth_above : loop->growth_below);
+    const double cycles = loop->margin.border_hz > 0 ? 12 / loop->margin.border_hz : 0;
+    plans.push_back({.what = fmt::format("{} at {} of its border", loop->at, above ? "1.02" : "0.98"),
+                     .world = world,
+                     .seconds = std::clamp(std::max(1 / growth, cycles), kShortest, kLongest),
+                     .drive_gain = (above ? 1.02 : 0.98) * loop->margin.border,
+                     .linear = true,
+                     .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
+                     .expected = !above});
+  }
+  // What dry friction holds does not grow: the border is that of the rest.
+  for (auto& plan : plans) plan.world.friction = false;
+  return plans;
+}
+
+Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePlan& plan) {
+  auto built = build_world(subject, plan.world, true);
+  if (!built) return tl::unexpected(built.error());
+  ExtremeRun run;
+  run.what = plan.what;
+  run.rate = built->instrument->schedule().sample_rate;
+  run.delay_s = built->delay_frames / run.rate.value;
+  run.seconds = plan.seconds;
+  run.expected = plan.expected;
+  run.linear = plan.linear;
+  return plan.linear ? run_linear(subject, plan, std::move(run))
+                     : run_guarded(subject, plan, *built, std::move(run));
+}
+
+void leave_out_play(std::vector<ExtremeRun>& runs) {
+  const auto silence = std::find_if(
+      runs.begin(), runs.end(), [](const auto& run) { return run.what == name_of(Disturbance::Silence); });
+  if (silence == runs.end() || silence->grew) return;
+  const double played = silence->energy_after;
+  for (auto& run : runs)
+    if (!run.linear) run.grew = run.grew && !(run.energy_after <= kGrows * played + kNothing_J);
+}
+
+}  // namespace tactus

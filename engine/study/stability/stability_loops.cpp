@@ -1,0 +1,215 @@
+#include "engine/study/stability/stability_loops.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <set>
+
+#include "engine/physics/index.h"
+
+namespace tactus {
+namespace {
+
+/// Tarjan's algorithm without recursion: graphs can be deep. SIAM J. Comput. 1(2), 1972.
+class StrongParts {
+ public:
+  StrongParts(std::size_t count, const std::vector<std::vector<int>>& next)
+      : next_(next), number_(count, -1), low_(count), on_stack_(count, false), edge_(count, 0) {
+    for (std::size_t v = 0; v < count; ++v)
+      if (number_[v] < 0) visit(static_cast<int>(v));
+  }
+  std::vector<std::vector<int>> parts;
+
+ private:
+  void enter(int v) {
+    number_[index(v)] = low_[index(v)] = counter_++;
+    stack_.push_back(v);
+    on_stack_[index(v)] = true;
+    path_.push_back(v);
+  }
+
+  void visit(int root) {
+    enter(root);
+    while (!path_.empty()) {
+      const int v = path_.back();
+      if (edge_[index(v)] < next_[index(v)].size()) {
+        const int to = next_[index(v)][edge_[index(v)]++];
+        if (number_[index(to)] < 0)
+          enter(to);
+        else if (on_stack_[index(to)])
+          low_[index(v)] = std::min(low_[index(v)], number_[index(to)]);
+        continue;
+      }
+      path_.pop_back();
+      if (!path_.empty()) low_[index(path_.back())] = std::min(low_[index(path_.back())], low_[index(v)]);
+      if (low_[index(v)] == number_[index(v)]) leave(v);
+    }
+  }
+
+  void leave(int v) {
+    auto& part = parts.emplace_back();
+    int out = -1;
+    do {
+      out = stack_.back();
+      stack_.pop_back();
+      on_stack_[index(out)] = false;
+      part.push_back(out);
+    } while (out != v);
+  }
+
+  const std::vector<std::vector<int>>& next_;
+  std::vector<int> number_, low_, stack_, path_;
+  std::vector<bool> on_stack_;
+  std::vector<std::size_t> edge_;
+  int counter_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::vector<int>> loops_of(const LinearGraph& graph, bool events) {
+  std::vector<std::vector<int>> next(graph.signals.size());
+  std::set<int> own_loop;
+  for (const auto& edge : graph.edges) {
+    if (edge.kind == LinearEdge::Kind::Event && !events) continue;
+    next[index(edge.from)].push_back(edge.to);
+    if (edge.from == edge.to) own_loop.insert(edge.from);
+  }
+  auto parts = StrongParts{graph.signals.size(), next}.parts;
+  std::erase_if(parts,
+                [&](const auto& part) { return part.size() == 1 && !own_loop.contains(part.front()); });
+  for (auto& part : parts) std::sort(part.begin(), part.end());
+  return parts;
+}
+
+LoopGroup::LoopGroup(const LinearGraph& graph, std::vector<int> signals, const std::vector<int>& wanted)
+    : graph_(&graph), signals_(std::move(signals)), place_(graph.signals.size(), -1) {
+  for (std::size_t i = 0; i < signals_.size(); ++i) place_[index(signals_[i])] = static_cast<int>(i);
+  incoming_.resize(signals_.size());
+  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+    const auto& edge = graph.edges[e];
+    if (edge.kind == LinearEdge::Kind::Event || place_[index(edge.from)] < 0 || place_[index(edge.to)] < 0)
+      continue;
+    edges_.push_back(e);
+    incoming_[index(place_[index(edge.to)])].push_back(e);
+  }
+  choose_cuts(wanted);
+  if (!too_large()) put_in_order();
+}
+
+int LoopGroup::cut(int signal) const {
+  const auto found = std::find(cuts_.begin(), cuts_.end(), signal);
+  return found == cuts_.end() ? -1 : static_cast<int>(found - cuts_.begin());
+}
+
+/// Those that are wanted; then, while loops are left, the signal with most ways in times ways out.
+void LoopGroup::choose_cuts(const std::vector<int>& wanted) {
+  std::set<int> left(signals_.begin(), signals_.end());
+  const auto take = [&](int signal) {
+    cuts_.push_back(signal);
+    left.erase(signal);
+  };
+  for (const int signal : wanted)
+    if (left.contains(signal)) take(signal);
+  while (!too_large()) {
+    std::map<int, int> in, out;
+    for (const auto e : edges_) {
+      const auto& edge = graph_->edges[e];
+      if (left.contains(edge.from) && left.contains(edge.to)) ++out[edge.from], ++in[edge.to];
+    }
+    const auto ends = std::erase_if(left, [&](int s) { return in[s] == 0 || out[s] == 0; });
+    if (left.empty()) return;
+    if (ends > 0) continue;
+    take(*std::max_element(left.begin(), left.end(),
+                           [&](int a, int b) { return in[a] * out[a] < in[b] * out[b]; }));
+  }
+}
+
+void LoopGroup::put_in_order() {
+  std::vector<int> waiting(signals_.size(), 0);
+  std::vector<std::vector<int>> readers(signals_.size());
+  for (const auto e : edges_) {
+    const auto& edge = graph_->edges[e];
+    if (cut(edge.from) >= 0 || cut(edge.to) >= 0) continue;
+    ++waiting[index(place_[index(edge.to)])];
+    readers[index(place_[index(edge.from)])].push_back(edge.to);
+  }
+  std::deque<int> ready;
+  for (const int s : signals_)
+    if (cut(s) < 0 && waiting[index(place_[index(s)])] == 0) ready.push_back(s);
+  for (; !ready.empty(); ready.pop_front()) {
+    order_.push_back(ready.front());
+    for (const int to : readers[index(place_[index(ready.front())])])
+      if (--waiting[index(place_[index(to)])] == 0) ready.push_back(to);
+  }
+}
+
+Eigen::MatrixXcd LoopGroup::returned(std::complex<double> z) const {
+  graph_->gains(z, edges_, gains_);
+  const auto count = static_cast<Eigen::Index>(cuts_.size());
+  Eigen::MatrixXcd values = Eigen::MatrixXcd::Zero(count, static_cast<Eigen::Index>(signals_.size()));
+  for (Eigen::Index c = 0; c < count; ++c) values(c, place_[index(cuts_[static_cast<std::size_t>(c)])]) = 1.0;
+  const auto sum = [&](int signal) {
+    Eigen::VectorXcd come = Eigen::VectorXcd::Zero(count);
+    for (const auto e : incoming_[index(place_[index(signal)])])
+      come += gains_[e] * values.col(place_[index(graph_->edges[e].from)]);
+    return come;
+  };
+  for (const int s : order_) values.col(place_[index(s)]) = sum(s);
+  Eigen::MatrixXcd returned(count, count);
+  for (Eigen::Index c = 0; c < count; ++c)
+    returned.row(c) = sum(cuts_[static_cast<std::size_t>(c)]).transpose();
+  return returned;
+}
+
+std::complex<double> LoopGroup::characteristic(const Eigen::MatrixXcd& returned) {
+  const auto one = Eigen::MatrixXcd::Identity(returned.rows(), returned.cols());
+  return Eigen::MatrixXcd(one - returned).determinant();
+}
+
+std::vector<std::complex<double>> LoopGroup::alone(const Eigen::MatrixXcd& returned) {
+  if (returned.rows() == 1) return {returned(0, 0)};
+  const auto one = Eigen::MatrixXcd::Identity(returned.rows(), returned.cols());
+  const Eigen::MatrixXcd inverse = Eigen::MatrixXcd(one - returned).inverse();
+  std::vector<std::complex<double>> alone;
+  for (Eigen::Index c = 0; c < returned.rows(); ++c) alone.push_back(1.0 - 1.0 / inverse(c, c));
+  return alone;
+}
+
+int LoopGroup::delay_frames() const {
+  long frames = 0;
+  for (const auto e : edges_) frames += graph_->edges[e].frames;
+  return static_cast<int>(std::min(frames, 1'000'000L));
+}
+
+/// The shortest way from the cut back to itself, breadth first.
+std::vector<std::string> LoopGroup::way_round(int cut) const {
+  const int start = cuts_[index(cut)];
+  std::map<int, std::size_t> came_by;
+  std::deque<int> open{start};
+  for (bool back = false; !open.empty() && !back; open.pop_front())
+    for (const auto e : edges_) {
+      const auto& edge = graph_->edges[e];
+      if (edge.from != open.front() || came_by.contains(edge.to)) continue;
+      came_by[edge.to] = e;
+      open.push_back(edge.to);
+      back = back || edge.to == start;
+    }
+  std::vector<std::string> way;
+  if (!came_by.contains(start)) return way;
+  int at = start;
+  do {
+    const auto& edge = graph_->edges[came_by.at(at)];
+    if (!edge.path.empty() && (way.empty() || way.back() != edge.path)) way.push_back(edge.path);
+    at = edge.from;
+  } while (at != start);
+  std::reverse(way.begin(), way.end());
+  return way;
+}
+
+bool LoopGroup::contains(int network) const {
+  return std::any_of(edges_.begin(), edges_.end(),
+                     [&](auto e) { return graph_->edges[e].network == network; });
+}
+
+}  // namespace tactus

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "engine/study/stability/models/stability_graph.h"
+
+namespace tactus {
+
+/// Signals of a graph that go round and round, cut open so that they do not:
+///     r = R(z) v,    the loop is closed by v = r,    f(z) = det(1 - R(z)),
+/// where v is what stands at the cuts and r what comes back to them. The zeros of f are the roots of the
+/// closed loops. As every loop has a delay, R goes to what is smaller than 1 where z goes to infinity, and f
+/// has no poles outside the unit circle but those that the nodes have there.
+class LoopGroup {
+ public:
+  /// `signals`: a strongly connected part of the graph; `wanted`: those of the cuts that somebody asks about.
+  LoopGroup(const LinearGraph& graph, std::vector<int> signals, const std::vector<int>& wanted);
+
+  const LinearGraph& graph() const { return *graph_; }
+  const std::vector<int>& signals() const { return signals_; }
+  const std::vector<int>& cuts() const { return cuts_; }
+  /// So many loops in one another that they are not looked at: nothing below may be asked.
+  bool too_large() const { return cuts_.size() > kMostCuts; }
+  /// Index in `cuts`, or -1.
+  int cut(int signal) const;
+  Eigen::MatrixXcd returned(std::complex<double> z) const;
+  /// f of `returned`.
+  static std::complex<double> characteristic(const Eigen::MatrixXcd& returned);
+  /// What comes back to each cut if it alone is open: L = 1 - 1 / ((1 - R)^-1)_cc.
+  static std::vector<std::complex<double>> alone(const Eigen::MatrixXcd& returned);
+  /// Frames in all its delays together: as often f can turn around 0.
+  int delay_frames() const;
+  /// One way round from a cut: the paths that it goes through.
+  std::vector<std::string> way_round(int cut) const;
+  bool contains(int network) const;
+
+ private:
+  void choose_cuts(const std::vector<int>& wanted);
+  void put_in_order();
+
+  const LinearGraph* graph_;
+  static constexpr std::size_t kMostCuts = 48;
+  std::vector<int> signals_, cuts_;
+  std::vector<std::size_t> edges_;                  ///< inside the group
+  std::vector<int> order_;                          ///< all but the cuts, each behind what it reads
+  std::vector<int> place_;                          ///< [signal of the graph] in `signals_`, or -1
+  std::vector<std::vector<std::size_t>> incoming_;  ///< [place] edges
+  mutable std::vector<std::complex<double>> gains_;
+};
+
+/// [any] Strongly connected parts with a loop in them, each as a list of signals. With `events`, edges of
+/// events close loops as well.
+std::vector<std::vector<int>> loops_of(const LinearGraph& graph, bool events);
+
+}  // namespace tactus

@@ -1,0 +1,253 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/graph/file/entry_fields.h"
+#include "engine/study/stability/stability.h"
+
+// The verdict in sentences: does it hold, what breaks first, what to change.
+namespace tactus {
+namespace {
+
+double decibels(double factor) { return 20 * std::log10(factor); }
+
+std::string joined(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, " -> "));
+}
+
+std::string newtons_per_metre(double stiffness) {
+  return std::isfinite(stiffness) ? fmt::format("{:.4g} N/m", stiffness) : "any stiffness";
+}
+
+/// Where one change does most: of what holds, the place with the least room; of what does not, the one that
+/// is nearest to holding. Fingertips do not count.
+struct Weakest {
+  const RegimeVerdict* regime = nullptr;
+  const LoopVerdict* loop = nullptr;
+  const StiffVerdict* stiff = nullptr;
+  double border = std::numeric_limits<double>::infinity();
+};
+
+bool tells_more(double border, const Weakest& than) {
+  if (!std::isfinite(border) || border <= 0) return false;
+  return than.border < 1 ? border < 1 && border > than.border : border < than.border;
+}
+
+Weakest weakest(const StabilityVerdict& verdict) {
+  Weakest found;
+  for (const bool springs : {true, false}) {
+    for (const auto& regime : verdict.regimes) {
+      if (regime.held || (!verdict.holds && regime.holds())) continue;
+      for (const auto& stiff : regime.stiff)
+        if (const double border = stiff.stable_up_to / stiff.stiffness; springs && tells_more(border, found))
+          found = {&regime, nullptr, &stiff, border};
+      for (const auto& loop : regime.loops)
+        if (!springs && !loop.joint && !loop.integrates() && tells_more(loop.margin.border, found))
+          found = {&regime, &loop, nullptr, loop.margin.border};
+    }
+    // A spring says more than the loop that it stands in.
+    if (found.regime != nullptr) return found;
+  }
+  return found;
+}
+
+bool several_drives(const StabilityVerdict& verdict) {
+  const auto& loops = verdict.regimes.front().loops;
+  return std::count_if(loops.begin(), loops.end(), [](const auto& loop) { return loop.drive; }) > 1;
+}
+
+const LoopVerdict* widest_drive(const RegimeVerdict& regime) {
+  for (const auto& loop : regime.loops)
+    if (loop.drive) return &loop;
+  return nullptr;
+}
+
+std::string headline(const StabilityVerdict& verdict, const Weakest& first) {
+  const auto at =
+      fmt::format("at {:g} kHz with a delay of {:.4g} ms", verdict.rate.value / 1e3, 1e3 * verdict.delay_s);
+  if (!verdict.holds) return "does not hold " + at;
+  const auto stable = (verdict.outside_known ? "stable " : "stable by itself ") + at;
+  if (first.regime == nullptr) return stable + ": no loop is closed as it stands";
+  const double hertz = first.stiff != nullptr ? first.stiff->border_hz : first.loop->margin.border_hz;
+  return fmt::format("{}: margin {:.1f} dB at {:.4g} Hz", stable, decibels(first.border), hertz);
+}
+
+void tell_growing(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& regime : verdict.regimes) {
+    if (regime.holds()) continue;
+    std::string line =
+        fmt::format("{}{}: {} root{} grow{}", regime.name, regime.held ? ", held" : "", regime.growing,
+                    regime.growing == 1 ? "" : "s", regime.growing == 1 ? "s" : "");
+    if (!regime.roots.empty() && regime.roots.front().growth_per_s > 0)
+      line += fmt::format(", the fastest at {:.4g} Hz by e in {:.3g} s", regime.roots.front().frequency_hz,
+                          1 / regime.roots.front().growth_per_s);
+    words.push_back(std::move(line));
+  }
+}
+
+void tell_first(const Weakest& first, std::vector<std::string>& words) {
+  if (first.regime == nullptr) return;
+  if (first.stiff != nullptr) {
+    const bool pushes = first.stiff->stiffness < 0;
+    words.push_back(fmt::format("breaks first: {} '{}' ({}), which {} {} and {} up to {}", first.stiff->type,
+                                first.stiff->path, first.regime->name, pushes ? "pushes away with" : "has",
+                                newtons_per_metre(std::abs(first.stiff->stiffness)), pushes ? "may" : "holds",
+                                newtons_per_metre(std::abs(first.stiff->stable_up_to))));
+    return;
+  }
+  words.push_back(fmt::format("breaks first ({}): the loop {}, at {:.3g} times its gain", first.regime->name,
+                              joined(first.loop->way), first.border));
+}
+
+void tell_room(const StabilityVerdict& verdict, const Weakest& first, std::vector<std::string>& words) {
+  if (several_drives(verdict)) {
+    words.emplace_back(
+        "several drives: each margin is that of one drive alone; all together have less room, for gain and "
+        "for delay");
+    return;
+  }
+  const auto* drive = first.regime == nullptr ? nullptr : widest_drive(*first.regime);
+  if (drive != nullptr && drive->margin.more_delay_s > 0 && std::isfinite(drive->margin.more_delay_s))
+    words.push_back(fmt::format("room for delay: {:.3g} ms more", 1e3 * drive->margin.more_delay_s));
+}
+
+void tell_controls(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& control : verdict.controls)
+    if (control.border)
+      words.push_back(fmt::format("control '{}' holds {} {}", control.control.name,
+                                  control.holds_low ? "up to" : "from",
+                                  in_unit(*control.border, control.control.unit)));
+}
+
+void tell_change(const StabilityVerdict& verdict, const Weakest& first, std::vector<std::string>& words) {
+  if (verdict.holds) return;
+  std::vector<std::string> ways;
+  if (first.regime == nullptr)
+    for (const auto& regime : verdict.regimes)
+      for (const auto& stiff : regime.stiff)
+        if (!regime.held && !regime.holds())
+          ways.push_back(fmt::format("give '{}' less than its {} (it grows together with others)", stiff.path,
+                                     newtons_per_metre(std::abs(stiff.stiffness))));
+  if (first.stiff != nullptr)
+    ways.push_back(fmt::format("give '{}' less than {}", first.stiff->path,
+                               newtons_per_metre(std::abs(first.stiff->stable_up_to))));
+  if (first.loop != nullptr)
+    ways.push_back(fmt::format("take less than {:.3g} times the gain", first.border));
+  for (const auto& control : verdict.controls)
+    if (control.border)
+      ways.push_back(fmt::format("set '{}' {} {}", control.control.name,
+                                 control.holds_low ? "below" : "above",
+                                 in_unit(*control.border, control.control.unit)));
+  if (verdict.delay_s > 0) ways.emplace_back("shorten the delay");
+  if (!ways.empty()) words.push_back(fmt::format("to change one of these: {}", fmt::join(ways, "; ")));
+}
+
+/// Of each spring the least that it holds up to, over all that it can be in while a fingertip holds the
+/// device.
+void tell_held(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  std::vector<StiffVerdict> least;
+  for (const auto& regime : verdict.regimes)
+    for (const auto& stiff : regime.stiff) {
+      if (!regime.held) continue;
+      const auto known = std::find_if(least.begin(), least.end(),
+                                      [&](const auto& other) { return other.path == stiff.path; });
+      if (known == least.end())
+        least.push_back(stiff);
+      else if (stiff.stable_up_to < known->stable_up_to)
+        *known = stiff;
+    }
+  for (const auto& stiff : least)
+    words.push_back(fmt::format(
+        "held by a fingertip '{}' holds up to {}{}", stiff.path, newtons_per_metre(stiff.stable_up_to),
+        stiff.passive_up_to ? ", and is passive up to " + newtons_per_metre(*stiff.passive_up_to)
+                            : std::string{}));
+}
+
+/// What hangs on a crest by nothing falls off to one side: that is no loop's doing.
+void tell_crests(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& path : verdict.regimes.front().crests)
+    words.push_back(
+        fmt::format("stands on a crest of '{}' and falls off to one side: judged where it pulls back", path));
+}
+
+/// An instrument alone whose world is not known.
+void tell_outside(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  if (verdict.outside_known) return;
+  words.emplace_back(
+      "not judged: what comes back from its outputs to its inputs; a scene with a plant says that (or, for "
+      "outputs in N and inputs in m, the assumed device)");
+  for (const auto& pair : verdict.open)
+    words.push_back(
+        fmt::format("{} -> {}: gain at most {:.3g} (at {:.4g} Hz): with what lies outside below "
+                    "{:.3g} it holds at every delay",
+                    pair.input, pair.output, pair.peak, pair.peak_hz, 1 / pair.peak));
+}
+
+void tell_networks(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& network : verdict.networks) {
+    const bool first = &network == &verdict.networks.front() || (&network - 1)->path != network.path;
+    if (first && !network.contacts_hold())
+      words.push_back(
+          network.contact_steps < kFewestContactSteps
+              ? fmt::format(
+                    "network '{}': a strike at 1 m/s lasts {:.2g} steps, fewer than {:g}, and "
+                    "explicit contacts make energy then: oversample = {:.0f}, or solver = \"passive\"",
+                    network.path, network.contact_steps, kFewestContactSteps,
+                    std::ceil(kFewestContactSteps / network.contact_steps))
+              : fmt::format("network '{}': what it starts with presses a contact too stiff for explicit "
+                            "steps, which make energy then: more steps, or solver = \"passive\"",
+                            network.path));
+    if (network.holds || !network.grows) continue;
+    std::string line = fmt::format("network '{}' ({}) grows by itself: spectral radius {:.9g}", network.path,
+                                   network.regime, network.radius);
+    if (!network.weakest.empty()) line += ", carried by " + network.weakest;
+    if (network.needed_hz && std::isfinite(*network.needed_hz))
+      line += fmt::format("; it needs {:.4g} Hz: oversample = {:.0f}, or solver = \"passive\"",
+                          *network.needed_hz, std::ceil(*network.needed_hz / verdict.rate.value));
+    words.push_back(std::move(line));
+  }
+}
+
+void tell_events(const StabilityVerdict& verdict, std::vector<std::string>& words) {
+  for (const auto& event : verdict.events) {
+    if (!event.on_loop || !event.place.hold_s) continue;
+    std::string line = fmt::format("a loop goes through {} '{}', which nothing passes by little",
+                                   event.place.type, event.place.path);
+    if (*event.place.hold_s > 0)
+      line += fmt::format(": bounded by its hold to {:.4g} events a second", 1 / *event.place.hold_s);
+    words.push_back(std::move(line));
+  }
+  const auto unheld = [](const auto& event) { return event.on_loop && !event.place.hold_s; };
+  const bool held = std::any_of(verdict.events.begin(), verdict.events.end(),
+                                [](const auto& e) { return e.on_loop && e.place.hold_s; });
+  for (const auto& event : verdict.events)
+    if (!held && unheld(event))
+      words.push_back(fmt::format("a loop goes through {} '{}', which nothing passes by little",
+                                  event.place.type, event.place.path));
+}
+
+}  // namespace
+
+std::vector<std::string> in_words(const StabilityVerdict& verdict) {
+  const auto first = weakest(verdict);
+  std::vector<std::string> words{headline(verdict, first)};
+  tell_growing(verdict, words);
+  tell_networks(verdict, words);
+  if (std::any_of(verdict.networks.begin(), verdict.networks.end(), [](const auto& n) { return n.rubs; }))
+    words.emplace_back("dry friction is left out: small motions that it holds would be stable beyond this");
+  tell_crests(verdict, words);
+  tell_first(first, words);
+  tell_change(verdict, first, words);
+  tell_room(verdict, first, words);
+  if (verdict.holds) tell_controls(verdict, words);
+  tell_held(verdict, words);
+  tell_events(verdict, words);
+  tell_outside(verdict, words);
+  for (const auto& path : verdict.not_looked_at)
+    words.push_back(path + " are too much to be looked at, and are not judged");
+  return words;
+}
+
+}  // namespace tactus

@@ -1,0 +1,232 @@
+#include "engine/study/stability/stability_world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/dimension.h"
+#include "engine/graph/file/load.h"
+#include "engine/study/stability/frictionless.h"
+
+namespace tactus {
+namespace {
+
+constexpr double kSettleSeconds = 0.05;
+
+/// An instrument whose drives nobody hears.
+class Unheard final : public BlockProcessor {
+ public:
+  explicit Unheard(BlockProcessor& inner) : inner_(inner) {}
+  Status prepare(const StreamFormat& format) override {
+    outputs_ = format.out_channels;
+    return inner_.prepare(format);
+  }
+  void process(const BlockIo& io) noexcept override {
+    inner_.process(io);
+    for (int c = 0; c < outputs_; ++c) std::fill_n(io.out[c], io.frames, 0.0);
+  }
+
+ private:
+  BlockProcessor& inner_;
+  int outputs_ = 0;
+};
+
+std::size_t count_channels(const Schedule& schedule) {
+  return static_cast<std::size_t>(
+      std::count_if(schedule.channels.begin(), schedule.channels.end(),
+                    [](const auto& channel) { return channel.use != OutputUse::Tap; }));
+}
+
+const Dimension kMetre{.metre = 1};
+const Dimension kMetrePerSecond{.metre = 1, .second = -1};
+const Dimension kNewton{.metre = 1, .kilogram = 1, .second = -2};
+
+/// Of each channel that comes in.
+std::vector<Dimension> dimensions_of(const GraphSpec& graph) {
+  std::vector<Dimension> dimensions;
+  for (const auto& input : graph.inputs) {
+    const auto* unit = find(input.fields, "unit");
+    const auto parsed = unit != nullptr && unit->text() ? parse_unit(*unit->text()) : std::nullopt;
+    const auto* lanes = find(input.fields, "lanes");
+    const auto count = lanes != nullptr && lanes->number() ? static_cast<int>(*lanes->number()) : 1;
+    dimensions.insert(dimensions.end(), static_cast<std::size_t>(count),
+                      parsed ? parsed->dimension : Dimension{});
+  }
+  return dimensions;
+}
+
+bool from_device(const Dimension& dimension) { return dimension == kMetre || dimension == kMetrePerSecond; }
+
+/// The assumed device as a graph of its own: forces go to it, places and speeds come from it, and what is
+/// neither is left open.
+std::string device_text(const Schedule& instrument, const std::vector<Dimension>& sensors,
+                        const AssumedDevice& device) {
+  std::string inputs, push, outputs;
+  int drives = 0;
+  for (const auto& channel : instrument.channels) {
+    if (channel.use == OutputUse::Tap) continue;
+    inputs += fmt::format("d{} = {{ unit = \"{}\" }}\n", drives, to_string(channel.dimension));
+    if (channel.dimension == kNewton) push += fmt::format("{}d{}", push.empty() ? "" : " + ", drives);
+    ++drives;
+  }
+  const bool joined = !push.empty() && std::any_of(sensors.begin(), sensors.end(), from_device);
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    const bool place = joined && sensors[s] == kMetre, speed = joined && sensors[s] == kMetrePerSecond;
+    outputs += fmt::format("s{} = {{ from = \"{}\", unit = \"{}\" }}\n", s,
+                           place   ? "device.tip.position"
+                           : speed ? "device.tip.velocity"
+                                   : "0",
+                           to_string(sensors[s]));
+  }
+  std::string text = "format = 1\n[inputs]\n" + inputs + "[outputs]\n" + outputs;
+  if (joined)
+    text += fmt::format(
+        "[networks.device]\nframe = {{ type = \"ground\" }}\ntip = {{ type = \"mass\", mass = \"{:.17g} kg\" "
+        "}}\n"
+        "drag = {{ type = \"damper\", between = [\"frame\", \"tip\"], damping = \"{:.17g} N s/m\" }}\n"
+        "push = {{ type = \"force\", on = \"tip\", force = \"{}\" }}\n",
+        device.mass, device.damping, push);
+  return text;
+}
+
+Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOptions& options,
+                                bool side_by_side) {
+  CompileOptions with;
+  with.sample_rate = options.rate.value_or(48_kHz);
+  with.system_delay = options.delay;
+  with.controls = options.set;
+  with.side_by_side = side_by_side;
+  auto instrument = compile(*subject.instrument, *subject.table, with);
+  if (!instrument) return tl::unexpected(instrument.error());
+  CompiledScene scene;
+  scene.delay_frames = static_cast<int>(std::lround(frames_in(options.delay, with.sample_rate)));
+  with.controls.clear();
+  with.closed_outside = scene.delay_frames == 0;
+  const auto text = device_text(**instrument, dimensions_of(*subject.instrument->spec), options.device);
+  auto plant = compile(parse_graph_leniently(text, "the assumed device"), *subject.table, with);
+  if (!plant) return tl::unexpected(plant.error());
+  scene.instrument = std::move(*instrument);
+  scene.plant = std::move(*plant);
+  return BuiltScene{std::move(scene)};
+}
+
+}  // namespace
+
+Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options,
+                                bool side_by_side) {
+  if (subject.instrument != nullptr) return build_alone(subject, options, side_by_side);
+  SceneOptions with;
+  with.delay = options.delay;
+  with.rate = options.rate;
+  with.set = options.set;
+  with.side_by_side = side_by_side;
+  return build_scene(options.friction ? *subject.scene : without_friction(*subject.scene), *subject.table,
+                     with);
+}
+
+Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const WorldOptions& options) {
+  auto built = build_world(subject, options, false);
+  if (!built) return tl::unexpected(built.error());
+  RestingWorld world{std::move(*built)};
+  world.alone_ = subject.instrument != nullptr;
+  world.rest();
+  return world;
+}
+
+/// Frame by frame, so that each signal's last value stands at the front of its buffer.
+void RestingWorld::rest() {
+  const int frames = static_cast<int>(kSettleSeconds * rate().value);
+  Unheard unheard{*built_.instrument};
+  ClosedLoop loop{
+      unheard, *built_.plant, built_.instrument->out_channels(), built_.delay_frames, {.on = false}};
+  if (loop.prepare(rate(), 1)) loop.run(frames);
+}
+
+ClosedGraph RestingWorld::closed(const Regime& regime) const {
+  ClosedGraph closed;
+  const auto terminals = add_schedule(closed.graph, instrument(), regime, "instrument.");
+  const auto& channels = instrument().channels;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    if (channels[c].use == OutputUse::Tap) continue;
+    const int drive = closed.graph.add_signal(channels[c].name);
+    if (terminals.channels[c] >= 0) closed.graph.join(terminals.channels[c], drive);
+    closed.drives.push_back(drive);
+    closed.drive_names.push_back(channels[c].name);
+  }
+  join_plant(closed, regime, terminals);
+  return closed;
+}
+
+void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const Terminals& instrument) const {
+  auto& graph = closed.graph;
+  const auto plant = add_schedule(graph, built_.plant->schedule(), regime, "");
+  for (std::size_t d = 0; d < closed.drives.size() && d < plant.inputs.size(); ++d)
+    if (plant.inputs[d] >= 0) graph.delay(closed.drives[d], plant.inputs[d], built_.delay_frames);
+  const auto wires = count_channels(built_.plant->schedule());
+  for (std::size_t s = 0; s < wires && s < instrument.inputs.size(); ++s)
+    if (plant.channels[s] >= 0 && instrument.inputs[s] >= 0)
+      graph.join(plant.channels[s], instrument.inputs[s]);
+  for (const auto& network : graph.networks)
+    if (network->whole() && network->driven_row() >= 0)
+      closed.mobility = [network](std::complex<double> z) {
+        return network->response(z)(network->driven_row(), network->test_force());
+      };
+}
+
+bool RestingWorld::outside_known() const {
+  const auto& wires = built_.plant->schedule().channels;
+  return !alone_ ||
+         std::any_of(wires.begin(), wires.end(), [](const auto& wire) { return !wire.signal.constant(); });
+}
+
+std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime& regime) const {
+  std::vector<OpenPair> pairs;
+  if (!alone_) return pairs;
+  const auto terminals = add_schedule(graph, instrument(), regime, "instrument.");
+  const auto& outside = built_.plant->schedule();
+  for (std::size_t i = 0; i < terminals.inputs.size(); ++i)
+    for (std::size_t c = 0; c < terminals.channels.size(); ++c) {
+      const auto& channel = instrument().channels[c];
+      const bool joined = channel.dimension == kNewton && !outside.channels[i].signal.constant();
+      if (channel.use == OutputUse::Drive && !joined && terminals.inputs[i] >= 0 &&
+          terminals.channels[c] >= 0)
+        pairs.push_back(
+            {instrument().input_names[i], channel.name, terminals.inputs[i], terminals.channels[c]});
+    }
+  return pairs;
+}
+
+std::vector<Regime> RestingWorld::regimes(double push) const {
+  std::vector<Regime> regimes(1);
+  const auto free = closed(regimes.front()).graph;
+  const auto places = free.has_touched ? places_of(free.laws) : std::vector<BendPlace>{};
+  for (const auto& place : places)
+    regimes.push_back({.name = place.name, .touched = true, .moved = place.moved});
+  Regime all{.name = "everything touched", .touched = true};
+  std::size_t contacts = 0;
+  for (std::size_t n = 0; n < free.networks.size(); ++n) {
+    const auto& names = free.networks[n]->recipe().contacts;
+    auto& touching = all.contacts[free.network_paths[n]];
+    touching.push = push;
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      touching.contacts.push_back(static_cast<int>(c));
+      if (++contacts > 4) continue;
+      Regime one{.name = names[c] + " closed"};
+      one.contacts[free.network_paths[n]] = {{static_cast<int>(c)}, push};
+      regimes.push_back(std::move(one));
+    }
+  }
+  const bool more = contacts > 1 || (contacts > 0 && free.has_touched);
+  if (contacts > 4) regimes.resize(1 + places.size());
+  if (!more) return regimes;
+  if (places.size() < 2) regimes.push_back(all);
+  for (std::size_t p = 0; places.size() > 1 && p < places.size(); ++p) {
+    auto& one = regimes.emplace_back(all);
+    one.name += ", " + places[p].name;
+    one.moved = places[p].moved;
+  }
+  return regimes;
+}
+
+}  // namespace tactus

@@ -1,0 +1,66 @@
+#include "engine/study/walls/wall_device.h"
+
+#include <string>
+
+#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/scene/file/scene_checks.h"
+
+namespace tactus {
+namespace {
+
+struct WantedControl {
+  const char *name, *unit;
+  double* value;
+  bool required;
+};
+
+/// What a control is set to. Nothing where the plant has none of that name.
+Result<std::optional<double>> setting_of(const ScenePart& plant, const WantedControl& wanted) {
+  const auto* control = find_entry(plant.graph->controls, wanted.name);
+  if (control == nullptr) return std::nullopt;
+  const auto* wire = find(plant.wires, wanted.name);
+  if (wire == nullptr) {
+    Mistakes told_by_the_graph;
+    return std::optional{read_control(*control, told_by_the_graph).control.value};
+  }
+  const auto number = read_quantity(*wire, parse_unit(wanted.unit).value_or(Unit{}), wanted.name);
+  if (number) return std::optional{*number};
+  return fail(Errc::WrongType, wire->at.text(),
+              std::string{"'"} + wanted.name + "' of the plant must be a quantity for this study",
+              std::string{"write "} + wanted.name + " = \"" + "1 " + wanted.unit + "\"");
+}
+
+}  // namespace
+
+WallDevice SceneDevice::held() const {
+  auto device = bare;
+  device.mass += hand_mass;
+  device.damping += hand_damping;
+  return device;
+}
+
+Result<SceneDevice> device_of(const SceneSpec& scene) {
+  SceneDevice device;
+  auto& bare = device.bare;
+  const auto* plant = scene.part("plant");
+  for (const auto& wanted : {WantedControl{"mass", "kg", &bare.mass, true},
+                             {"damping", "N s/m", &bare.damping, true},
+                             {"friction", "N", &bare.friction, false},
+                             {"step", "m", &bare.quantum, false},
+                             {"force_limit", "N", &bare.force_limit, false},
+                             {"hand_mass", "kg", &device.hand_mass, false},
+                             {"hand_damping", "N s/m", &device.hand_damping, false}}) {
+    const auto setting = setting_of(*plant, wanted);
+    if (!setting) return tl::unexpected(setting.error());
+    if (*setting)
+      *wanted.value = **setting;
+    else if (wanted.required)
+      return fail(Errc::Missing, plant->at.text(),
+                  std::string{"the plant has no control '"} + wanted.name + "'",
+                  "give the device with --mass and --damping instead of a scene");
+  }
+  return device;
+}
+
+}  // namespace tactus

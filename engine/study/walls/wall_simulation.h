@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/study/stability/split_delay.h"
+#include "engine/study/walls/held_mass.h"
+#include "engine/study/walls/virtual_wall.h"
+
+namespace tactus {
+
+/// A loop to run in time.
+struct WallRun {
+  WallDevice device = {};
+  WallLoop loop = {};
+  double stiffness = 0;    ///< K [N/m]
+  bool one_sided = false;  ///< a wall at x = 0, not a spring: it pushes where x > 0 and never pulls
+  double push = 0;         ///< [N] of a hand that leans, constant
+  /// The controller reckons in whole numbers of this many bits: position in counts, gains in force steps a
+  /// count, force in steps of F_max / 2^(bits - 1). 0: floating point. Needs Delta > 0 and a finite F_max.
+  int bits = 0;
+};
+
+/// Device, sensor, controller, delay and hold, frame by frame. Between the instants at which the force
+/// changes, the device moves by its exact solution (held_mass.h); dry friction is exact as well: a phase of
+/// motion ends where the speed reaches 0, and the device then sticks while |F| <= f_c. So it owes nothing to
+/// the formulas that it confirms.
+class WallSimulation {
+ public:
+  WallSimulation(const WallRun& run, double position, double velocity);
+
+  /// One frame: reads the sensor, gives the force, moves the device to the next frame.
+  void step();
+
+  double position() const { return position_; }  ///< [m]
+  double velocity() const { return velocity_; }  ///< [m/s]
+  /// [N] that the controller asked for in the last frame, positive to larger positions.
+  double asked() const { return asked_; }
+
+ private:
+  double answer();
+  double answer_in_whole_numbers(double counts) const;
+  void move(const HeldMass& held, double seconds, double force);
+  void move_with_friction(double seconds, double force);
+
+  WallRun run_;
+  SplitDelay delay_;
+  double early_s_, late_s_;
+  HeldMass early_, late_;  ///< before and after the force changes within a frame
+  double stiffness_steps_ = 0, damping_steps_ = 0;
+  std::vector<double> asked_before_;  ///< ring
+  std::size_t frame_ = 0;
+  double position_, velocity_, last_read_, asked_ = 0;
+};
+
+enum class LoopTrend { Decays, Grows, Undecided };
+
+/// [control] Lets a loop swing, and says whether the sum of x^2 over 8 cycles falls below or rises above that
+/// of the first such window (after one for the start) by half. `cycle`: about how fast it swings.
+/// Undecided after `most_frames`.
+LoopTrend trend_of(WallSimulation simulation, Hertz cycle, Hertz rate, double most_frames = 3e8);
+
+}  // namespace tactus

@@ -1,0 +1,177 @@
+#include "engine/study/work_precision/work_precision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "engine/study/work_precision/accuracy_error.h"
+#include "engine/study/work_precision/reference_run.h"
+#include "engine/study/work_precision/work_timing.h"
+
+namespace tactus {
+namespace {
+
+WorkPrecisionOptions completed(WorkPrecisionOptions options, Hertz rate) {
+  if (options.solvers.empty()) options.solvers = stepping_solvers();
+  if (options.rates.empty()) options.rates = {Hertz{0.5 * rate.value}, rate, Hertz{2 * rate.value}};
+  if (options.oversamples.empty()) options.oversamples = {1, 2, 4, 8, 16};
+  return options;
+}
+
+class Study {
+ public:
+  Study(const SceneSpec& scene, const NodeTable& table, const WorkPrecisionOptions& options)
+      : scene_(scene), table_(table), options_(completed(options, scene.rate)) {
+    runs_ = options_.rates.size() * options_.solvers.size() * options_.oversamples.size();
+  }
+
+  Checked<WorkPrecision> run() {
+    name_references();
+    for (const auto rate : options_.rates)
+      if (auto status = at_rate(rate); !status) return tl::unexpected(status.error());
+    return finish();
+  }
+
+  Checked<WorkPrecision> run_as_written() {
+    name_references();
+    runs_ = 1;
+    const auto reference = refer(scene_.rate);
+    if (!reference) return tl::unexpected(reference.error());
+    play(scene_, {"as written", 0, scene_.rate}, reference->recording);
+    return finish();
+  }
+
+ private:
+  void name_references() {
+    result_.scene = scene_.name;
+    for (const auto& accuracy : scene_.accuracy)
+      result_.references.push_back({accuracy.name, accuracy.measure, accuracy.of,
+                                    accuracy.exact ? "closed form" : reference_in_words(scene_)});
+  }
+
+  WorkPrecision finish() {
+    take_times();
+    for (std::size_t a = 0; a < scene_.accuracy.size(); ++a) find_front(a);
+    return std::move(result_);
+  }
+
+  void tell(double runs, const std::string& what) const {
+    if (options_.progress) options_.progress(runs / static_cast<double>(2 * runs_), what);
+  }
+
+  Checked<ReferenceRun> refer(Hertz rate) {
+    tell(static_cast<double>(result_.points.size()), "reference");
+    auto reference = play_reference(scene_, table_, rate);
+    floors_.assign(scene_.accuracy.size(), 0.0);
+    for (std::size_t a = 0; reference && a < scene_.accuracy.size(); ++a) check_reference(a, *reference);
+    return reference;
+  }
+
+  Checked<void> at_rate(Hertz rate) {
+    const auto reference = refer(rate);
+    if (!reference) return tl::unexpected(reference.error());
+    for (const auto& solver : options_.solvers)
+      for (const int oversample : options_.oversamples) {
+        const SolverVariant variant{solver, oversample, rate};
+        tell(static_cast<double>(result_.points.size()), to_string(variant));
+        play(with_solver(scene_, variant), variant, reference->recording);
+      }
+    return {};
+  }
+
+  /// How far the two references are apart; nothing is, where theory tells the number.
+  void check_reference(std::size_t a, const ReferenceRun& reference) {
+    if (scene_.accuracy[a].exact) return;
+    const double error = accuracy_error(scene_.accuracy[a], reference.again, reference.recording).value_or(1);
+    floors_[a] = error;
+    auto& used = result_.references[a];
+    used.own_error = std::max(used.own_error, floors_[a]);
+  }
+
+  void play(const SceneSpec& scene, const SolverVariant& variant, const SceneRecording& reference) {
+    auto& point = result_.points.emplace_back();
+    point.variant = variant;
+    SceneOptions options;
+    options.rate = variant.rate;
+    auto built = build_scene(scene, table_, options);
+    if (!built) return void(point.refused = built.error().front());
+    const auto recording = play_at(scene, table_, variant.rate);
+    if (!recording) return void(point.refused = recording.error().front());
+    for (const auto& accuracy : scene_.accuracy)
+      point.unstable = point.unstable || exploded(accuracy, *recording, reference);
+    if (point.unstable) return;
+    point.floors = floors_;
+    for (const auto& accuracy : scene_.accuracy)
+      point.errors.push_back(accuracy_error(accuracy, *recording, reference).value_or(1));
+    timers_.emplace(result_.points.size() - 1, PlantTimer{std::move(*built), scene, *recording});
+  }
+
+  /// All once, then all again: what disturbs the machine for a while disturbs all of them.
+  void take_times() {
+    for (int repeat = 0; repeat < options_.repeats; ++repeat) {
+      tell(static_cast<double>(runs_) * (1.0 + static_cast<double>(repeat) / options_.repeats), "timing");
+      for (auto& [point, timer] : timers_) timer.run();
+    }
+    for (auto& [point, timer] : timers_) result_.points[point].ns_per_frame = timer.ns_per_frame();
+  }
+
+  void find_front(std::size_t a) {
+    for (auto& point : result_.points) {
+      const auto beats = [&](const WorkPoint& other) {
+        return other.known() && other.load() <= point.load() && other.errors[a] <= point.errors[a] &&
+               (other.load() < point.load() || other.errors[a] < point.errors[a]);
+      };
+      if (point.known())
+        point.front.push_back(std::none_of(result_.points.begin(), result_.points.end(), beats));
+    }
+  }
+
+  const SceneSpec& scene_;
+  const NodeTable& table_;
+  WorkPrecisionOptions options_;
+  std::size_t runs_ = 0;
+  std::vector<double> floors_;  // of the reference at the rate of now
+  WorkPrecision result_;
+  std::map<std::size_t, PlantTimer> timers_;
+};
+
+/// Without a network there is no solver, and without [accuracy] no error.
+std::optional<Error> what_lacks(const SceneSpec& scene) {
+  if (scene.accuracy.empty())
+    return Error{Errc::Missing, scene.file.text(), "the scene does not say what must come out right",
+                 "add [accuracy] with a line such as\n"
+                 "  path = { measure = \"position\", of = \"plant.stick\" }"};
+  if (!has_network(scene))
+    return Error{Errc::Missing, scene.file.text(),
+                 "no part of the scene has a network, so there is no solver to choose",
+                 "study another scene"};
+  return std::nullopt;
+}
+
+}  // namespace
+
+const WorkPoint* WorkPrecision::cheapest(double error) const {
+  const WorkPoint* best = nullptr;
+  for (const auto& point : points) {
+    if (!point.known() || point.load() >= 1) continue;
+    if (*std::max_element(point.errors.begin(), point.errors.end()) > error) continue;
+    if (best == nullptr || point.load() < best->load()) best = &point;
+  }
+  return best;
+}
+
+Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTable& table,
+                                            const WorkPrecisionOptions& options) {
+  if (auto missing = what_lacks(scene)) return tl::unexpected(std::vector{*missing});
+  return Study{scene, table, options}.run();
+}
+
+Checked<WorkPrecision> judge_as_written(const SceneSpec& scene, const NodeTable& table, int repeats) {
+  if (auto missing = what_lacks(scene)) return tl::unexpected(std::vector{*missing});
+  WorkPrecisionOptions options;
+  options.repeats = repeats;
+  return Study{scene, table, options}.run_as_written();
+}
+
+}  // namespace tactus

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/scene/file/scene_spec.h"
+#include "engine/study/work_precision/solver_variants.h"
+
+namespace tactus {
+
+/// What to try; empty lists: all solvers, the scene's rate with its half and its double, 1 to 16 steps a
+/// frame.
+struct WorkPrecisionOptions {
+  std::vector<std::string> solvers;
+  std::vector<Hertz> rates;
+  std::vector<int> oversamples;
+  int repeats = 5;  ///< runs for the time, of which the median counts
+  std::function<void(double, const std::string&)> progress = {};  ///< the share done, and what is done now
+};
+
+/// One variant: what it costs and how wrong it is.
+struct WorkPoint {
+  SolverVariant variant;
+  std::optional<Error> refused;  ///< the network cannot be stepped so
+  bool unstable = false;         ///< values that are no numbers or explode: no error is told
+  std::vector<double> errors;    ///< relative, in the order of the scene's [accuracy]; empty: none
+  std::vector<double> floors;    ///< what the reference may be off itself at this rate, likewise
+  std::vector<bool> front;       ///< nothing cheaper is closer, likewise
+  double ns_per_frame = 0;
+
+  bool known() const { return !errors.empty(); }
+  /// The reference is ten times closer than this.
+  bool trusted(std::size_t accuracy) const { return errors[accuracy] >= 10 * floors[accuracy]; }
+  /// Computing for a second of the scene. [s]
+  double load() const { return 1e-9 * ns_per_frame * variant.rate.value; }
+};
+
+/// What the errors of one line of [accuracy] are measured against, and how far that may be off itself.
+struct ReferenceUsed {
+  std::string accuracy, measure, of;
+  std::string what;      ///< "closed form"
+  double own_error = 0;  ///< relative: the largest, over the rates, between two references
+};
+
+struct WorkPrecision {
+  std::string scene;
+  std::vector<ReferenceUsed> references;  ///< in the order of [accuracy]
+  std::vector<WorkPoint> points;
+
+  /// The cheapest variant within real time whose errors are all at most `error`; nullptr if there is none.
+  const WorkPoint* cheapest(double error) const;
+};
+
+/// [control] Plays the scene with every solver, rate and number of steps a frame, and tells the errors and
+/// the times. Every run is compared with a reference at its own rate, which has the same inputs from frame to
+/// frame: so the error is that of the solver. References: what theory says (`exact`); else the motion itself
+/// (NetworkFlow) with one and with two parts a frame, whose difference is its own error. Errors: those of the
+/// scene; Missing without [accuracy] or a network.
+Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTable& table,
+                                            const WorkPrecisionOptions& options = {});
+
+/// [control] The same for the scene as it is written: one run, whose variant names no solver. Errors: those
+/// of the scene; Missing without [accuracy].
+Checked<WorkPrecision> judge_as_written(const SceneSpec& scene, const NodeTable& table, int repeats = 5);
+
+}  // namespace tactus

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/core/units.h"
+#include "latency/estimation/loop_recording.h"
+#include "latency/path_profile.h"
+#include "latency/verdict.h"
+
+namespace tactus {
+
+/// How a path answers at one frequency, relative to what was played.
+struct ResponsePoint {
+  double frequency_hz = 0.0;
+  double gain_db = 0.0;
+  double phase_rad = 0.0;  ///< with the delay taken off
+  double noise_db = 0.0;   ///< at the same scale
+};
+
+/// The slope of the phase in one octave.
+struct BandDelay {
+  double centre_hz = 0.0;
+  double delay_frames = 0.0;
+  double standard_error_frames = 0.0;
+};
+
+/// From `frame` of the recording on, the delay is another.
+struct DelayStep {
+  std::int64_t frame = 0;
+  /// Positive: longer (frames were added on the way), negative: frames were lost, 0: something else was heard
+  /// in their place.
+  double frames = 0.0;
+};
+
+/// One sweep by itself.
+struct SweepDelay {
+  std::int64_t played_at = 0;  ///< frame of the recording
+  double delay_frames = 0.0;
+  double gain_db = 0.0;
+  double level = 0.0;  ///< its peak as played
+};
+
+/// What one recording says about the path from output to input.
+///
+/// The delay is the D of the model  H(f) = g P(f) A(f) exp(-2πi f D / rate):  a gain g of either sign, the
+/// path's profile P (1 for a cable), and for A what coupling capacitors (the phase of any high-pass) and slow
+/// filters (a magnitude without phase) do. It is fitted over all sweeps at once, each frequency weighted by
+/// its power over that of the noise: for white noise and a flat path this is the maximum-likelihood estimate.
+struct Analysis {
+  Hertz sample_rate = 48_kHz;
+  Finding finding;            ///< is the delay to be trusted?
+  bool heard = false;         ///< false: nothing below is known but noise floor and DC
+  double delay_frames = 0.0;  ///< in the middle of the sweeps, where it moves
+  double standard_error_frames = 0.0;
+  double bound_frames = 0.0;   ///< Cramér–Rao, for what was played and the noise that was heard
+  double spread_frames = 0.0;  ///< standard deviation over sweeps
+  int polarity = 1;
+  double gain_db = 0.0;  ///< of the path, middle of its band
+  double snr_db = 0.0;   ///< per sample, while a sweep at full level is heard
+  double noise_floor_dbfs = 0.0;
+  double dc = 0.0;         ///< full scale
+  bool compared = true;    ///< at least three sweeps, so that drift and lost frames show
+  double drift_ppm = 0.0;  ///< by which the delay grows: a millionth of a frame in every frame
+  double drift_standard_error_ppm = 0.0;
+  double low_hz = 0.0, high_hz = 0.0;  ///< where the gain is within 3 dB of its middle
+  double high_pass_hz = 0.0;           ///< sum of the corners of coupling capacitors
+  double misfit_frames = 0.0;          ///< what that may do to the delay
+  double misfit = 0.0;                 ///< share of the heard power that the model does not explain
+  std::array<std::optional<double>, 4> harmonics_db;  ///< H2 … H5, relative to the fundamental
+  std::optional<int> echo_frames;                     ///< from the first arrival to a second one
+  std::vector<BandDelay> group_delay;
+  std::vector<SweepDelay> sweeps;
+  std::vector<DelayStep> steps;
+  std::vector<ResponsePoint> spectrum;
+  std::vector<double> response;  ///< impulse response
+  std::int64_t response_at = 0;  ///< delay of its first sample [frames]
+};
+
+struct AnalysisSettings {
+  int channel = 0;                     ///< of `heard`
+  std::optional<PathProfile> profile;  ///< of the path, when it is no cable
+  bool details = true;                 ///< false: no spectrum, response, group delay and harmonics
+};
+
+/// [control] Errors: BadArgument if what was played has no repeated bursts between pauses, or nothing was
+/// recorded.
+Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings& settings = {});
+
+}  // namespace tactus

@@ -1,0 +1,133 @@
+#include "latency/estimation/delay_trend.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "engine/core/median.h"
+
+namespace tactus {
+namespace {
+
+double slope_between(const DelayPoint& a, const DelayPoint& b) {
+  return (b.delay_frames - a.delay_frames) / static_cast<double>(b.played_at - a.played_at);
+}
+
+double neighbours_slope(std::span<const DelayPoint> points) {
+  std::vector<double> slopes;
+  for (std::size_t n = 1; n < points.size(); ++n) slopes.push_back(slope_between(points[n - 1], points[n]));
+  return median(slopes);
+}
+
+/// Stretches as lists of points.
+std::vector<std::vector<std::size_t>> stretches(std::span<const DelayPoint> points, double slope,
+                                                double least_step, std::vector<DelayStep>& steps) {
+  std::vector<std::vector<std::size_t>> found{{0}};
+  for (std::size_t n = 1; n < points.size(); ++n) {
+    const double time = static_cast<double>(points[n].played_at - points[n - 1].played_at);
+    const double jump = points[n].delay_frames - points[n - 1].delay_frames - slope * time;
+    if (std::abs(jump) > least_step) {
+      steps.push_back({points[n].played_at, jump});
+      found.emplace_back();
+    }
+    found.back().push_back(n);
+  }
+  return found;
+}
+
+struct Means {
+  double time = 0.0, delay = 0.0;
+};
+
+Means means(std::span<const DelayPoint> points, const std::vector<std::size_t>& stretch) {
+  Means mean;
+  const auto count = static_cast<double>(stretch.size());
+  for (const auto n : stretch) {
+    mean.time += static_cast<double>(points[n].played_at) / count;
+    mean.delay += points[n].delay_frames / count;
+  }
+  return mean;
+}
+
+/// Modified Bessel function I0, by its power series.
+double bessel(double x) {
+  double sum = 1.0, term = 1.0;
+  for (int k = 1; term > 1e-17 * sum; ++k) {
+    term *= (x / (2 * k)) * (x / (2 * k));
+    sum += term;
+  }
+  return sum;
+}
+
+}  // namespace
+
+DelayTrend DelayTrend::of(std::span<const DelayPoint> points, double least_step) {
+  DelayTrend trend;
+  if (points.empty()) return trend;
+  const auto parts = stretches(points, neighbours_slope(points), least_step, trend.steps);
+  double times = 0.0, common = 0.0;
+  for (const auto& part : parts) {
+    const auto mean = means(points, part);
+    for (const auto n : part) {
+      const double time = static_cast<double>(points[n].played_at) - mean.time;
+      times += time * time;
+      common += time * (points[n].delay_frames - mean.delay);
+    }
+  }
+  if (times > 0.0) trend.slope = common / times;
+
+  double squares = 0.0;
+  for (const auto& part : parts) {
+    const auto mean = means(points, part);
+    double of_part = 0.0;
+    for (const auto n : part) {
+      const double off = points[n].delay_frames - mean.delay -
+                         trend.slope * (static_cast<double>(points[n].played_at) - mean.time);
+      of_part += off * off;
+    }
+    squares += of_part;
+    if (part.size() <= trend.longest.size()) continue;
+    trend.longest = part;
+    if (part.size() > 1) trend.scatter = std::sqrt(of_part / static_cast<double>(part.size() - 1));
+  }
+  const auto left = static_cast<double>(points.size()) - static_cast<double>(parts.size()) - 1.0;
+  if (left > 0.0 && times > 0.0) trend.slope_deviation = std::sqrt(squares / left / times);
+  return trend;
+}
+
+std::vector<double> at_speed(std::span<const double> samples, double speed) {
+  constexpr int kHalf = 32;
+  constexpr int kSteps = 512;  // of the table, for each frame
+  constexpr double kBeta = 9.0;
+  const auto kernel = [](double x) {
+    if (std::abs(x) >= kHalf) return 0.0;
+    const double window = bessel(kBeta * std::sqrt(1.0 - (x / kHalf) * (x / kHalf))) / bessel(kBeta);
+    return window * (x == 0.0 ? 1.0 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x));
+  };
+  // Row r holds the weights of the 64 samples around a place r / kSteps behind the 32nd of them.
+  std::vector<double> table;
+  for (int r = 0; r <= kSteps; ++r)
+    for (int k = 0; k < 2 * kHalf; ++k)
+      table.push_back(kernel(k - (kHalf - 1) - static_cast<double>(r) / kSteps));
+
+  std::vector<double> out(samples.size());
+  const auto size = static_cast<std::int64_t>(samples.size());
+  for (std::size_t n = 0; n < out.size(); ++n) {
+    const double at = static_cast<double>(n) * speed;
+    const double whole = std::floor(at);
+    const double row = (at - whole) * kSteps;
+    const auto first = static_cast<std::int64_t>(whole) - (kHalf - 1);
+    const auto* low = table.data() + static_cast<std::size_t>(row) * 2 * kHalf;
+    const auto* high = low + 2 * kHalf;
+    const double share = row - std::floor(row);
+    const auto from = std::max<std::int64_t>(0, -first), to = std::min<std::int64_t>(2 * kHalf, size - first);
+    double sum = 0.0;
+    for (auto k = from; k < to; ++k)
+      sum += std::lerp(low[k], high[k], share) * samples[static_cast<std::size_t>(first + k)];
+    out[n] = sum;
+  }
+  return out;
+}
+
+}  // namespace tactus

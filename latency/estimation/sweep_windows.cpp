@@ -1,0 +1,217 @@
+#include "latency/estimation/sweep_windows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "engine/core/median.h"
+#include "latency/probe/short_runs.h"
+
+namespace tactus {
+namespace {
+
+constexpr std::int64_t kSweepWindowsLead =
+    64;                              // frames before the burst: a filter may answer before its delay
+constexpr Seconds kMostPause{0.12};  // after it; a longer one would add only noise
+constexpr Seconds kLongestDamage{0.02};
+constexpr std::int64_t kSweepWindowsReach = 8192;  // frames that may be lost at once and still be found
+constexpr double kLowestOfProfile = 30.0;          // where an actuator's resonance may be all that is heard
+constexpr double kLowestHz = 150.0;                // above the corners of coupling capacitors and above hum
+
+/// Around each burst there are a quarter of a pause for the window's edge, and before it another for what
+/// comes early.
+std::int64_t quarter_pause(const PlayedBursts& bursts, Hertz sample_rate) {
+  const auto pause = std::min<std::int64_t>(bursts.pause, std::llround(frames_in(kMostPause, sample_rate)));
+  return std::max<std::int64_t>(0, pause - 2 * kSweepWindowsLead) / 4;
+}
+
+std::vector<double> block_power(const std::vector<double>& samples, std::size_t block) {
+  std::vector<double> power(samples.size() / block, 0.0);
+  for (std::size_t n = 0; n < power.size() * block; ++n) power[n / block] += samples[n] * samples[n];
+  return power;
+}
+
+/// The least gain with which `played` explains `heard`, both as they stand.
+double log_gain(const HeardWindow& window, double sign) {
+  double common = 0.0, power = 0.0;
+  for (auto b = window.lowest_bin; b + 1 < window.heard.size(); ++b) {
+    const auto expected = window.profile.empty() ? window.played[b] : window.played[b] * window.profile[b];
+    common += sign * (window.heard[b] * std::conj(expected)).real() / window.noise[b];
+    power += std::norm(expected) / window.noise[b];
+  }
+  return std::log(std::max(common / power, 1e-9));
+}
+
+}  // namespace
+
+double total_power(std::span<const TrackedSweep> sweeps) {
+  double sum = 0.0;
+  for (const auto& sweep : sweeps) sum += sweep.burst.gain * sweep.burst.gain;
+  return sum;
+}
+
+SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile)
+    : bursts_(bursts),
+      sample_rate_(sample_rate),
+      lead_(kSweepWindowsLead + quarter_pause(bursts, sample_rate)),
+      frames_(lead_ + static_cast<std::int64_t>(bursts.waveform.size()) +
+              2 * quarter_pause(bursts, sample_rate)),
+      fade_(static_cast<std::size_t>(frames_), 1.0),
+      fourier_(static_cast<std::size_t>(frames_ + kSweepWindowsReach)),
+      lowest_bin_(
+          static_cast<std::size_t>(std::ceil((profile.empty() ? kLowestHz : kLowestOfProfile) /
+                                             sample_rate.value * static_cast<double>(fourier_.size())))) {
+  // A window with hard edges would spread hum over all frequencies.
+  const auto edge = static_cast<std::size_t>(quarter_pause(bursts, sample_rate));
+  for (std::size_t n = 0; n < edge; ++n) {
+    const double raised =
+        0.5 - 0.5 * std::cos(std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(edge));
+    fade_[n] = fade_[fade_.size() - 1 - n] = raised;
+  }
+  fade_power_ = std::inner_product(fade_.begin(), fade_.end(), fade_.begin(), 0.0);
+  std::vector<double> placed(static_cast<std::size_t>(lead_), 0.0);
+  placed.insert(placed.end(), bursts.waveform.begin(), bursts.waveform.end());
+  played_ = fourier_.forward(placed);
+  if (!profile.empty()) profile_ = fourier_.forward(profile);
+}
+
+void SweepWindows::set_noise(const NoiseFloor& floor) {
+  mean_ = floor.mean;
+  noise_ = floor.in_bins(fourier_.size(), fade_power_);
+}
+
+Spectrum SweepWindows::cut(std::span<const double> heard, std::int64_t from) {
+  std::vector<double> samples(static_cast<std::size_t>(frames_), 0.0);
+  const auto begin = from - lead_;
+  const auto end = std::min(frames_, static_cast<std::int64_t>(heard.size()) - begin);
+  for (auto n = std::max<std::int64_t>(-begin, 0); n < end; ++n) {
+    const auto at = static_cast<std::size_t>(n);
+    samples[at] = fade_[at] * (heard[static_cast<std::size_t>(begin + n)] - mean_);
+  }
+  return fourier_.forward(samples);
+}
+
+HeardWindow SweepWindows::window_of(Spectrum heard, double gain) const {
+  HeardWindow window{fourier_.size(), played_, std::move(heard), noise_, profile_, lowest_bin_};
+  for (auto& bin : window.heard) bin /= gain;
+  for (auto& bin : window.noise) bin /= gain * gain;
+  return window;
+}
+
+std::int64_t SweepWindows::nearest(const HeardWindow& window, const Spectrum& expected, std::int64_t search) {
+  Spectrum cross(window.heard.size());
+  for (auto b = window.lowest_bin; b + 1 < cross.size(); ++b)
+    cross[b] = window.heard[b] * std::conj(expected[b]) / window.noise[b];
+  const auto correlation = fourier_.inverse(cross);
+  const auto size = static_cast<std::int64_t>(correlation.size());
+  std::int64_t best = 0;
+  double highest = 0.0;
+  for (auto lag = -search; lag <= search; ++lag)
+    if (const double value = correlation[static_cast<std::size_t>((lag + size) % size)]; value > highest) {
+      highest = value;
+      best = lag;
+    }
+  return best;
+}
+
+std::vector<TrackedSweep> SweepWindows::track(std::span<const double> heard, std::int64_t near,
+                                              std::int64_t search, const Spectrum& expected) {
+  std::vector<TrackedSweep> tracked;
+  for (const auto& burst : bursts_.repeated) {
+    auto window = window_of(cut(heard, burst.at + near), burst.gain);
+    const auto later = nearest(window, expected, std::min(search, kSweepWindowsReach));
+    if (later != 0) window = window_of(cut(heard, burst.at + near + later), burst.gain);
+    window.played = expected;
+    window.profile.clear();
+    PathModel start;
+    start.log_gain = log_gain(window, 1.0);
+    const auto fit = fit_path(window, start, PathShape::Kept);
+    tracked.push_back({burst, static_cast<double>(later) + fit.model.delay_frames,
+                       fit.delay_deviation * std::sqrt(std::max(1.0, fit.chi_squared)), fit.model.log_gain,
+                       fit.misfit, fit.chi_squared});
+  }
+  return tracked;
+}
+
+Spectrum SweepWindows::expected(const PathModel& model) const {
+  auto all = model.spectrum(fourier_.size(), profile_);
+  for (std::size_t b = 0; b < all.size(); ++b) all[b] *= played_[b];
+  return all;
+}
+
+Spectrum SweepWindows::cleaned(const HeardWindow& window) {
+  auto all = window.heard;
+  const auto power = smoothed_power(all);
+  for (std::size_t b = 0; b < all.size(); ++b)
+    all[b] *= std::max(0.0, 1.0 - window.noise[b] / std::max(power[b], window.noise[b]));
+  return all;
+}
+
+PathModel SweepWindows::start_of(const HeardWindow& window, double sign, std::int64_t search) {
+  PathModel start;
+  start.sign = sign;
+  start.delay_frames = static_cast<double>(nearest(window, expected(start), search));
+  auto moved = window;
+  moved.played = expected(start);
+  moved.profile.clear();
+  start.log_gain = log_gain(moved, 1.0);
+  return start;
+}
+
+HeardWindow SweepWindows::mean(std::span<const double> heard, std::int64_t frames,
+                               std::span<const TrackedSweep> which) {
+  Spectrum sum(fourier_.bins());
+  for (const auto& sweep : which) {
+    const auto one = cut(heard, sweep.burst.at + frames);
+    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += sweep.burst.gain * one[b];
+  }
+  const double weight = total_power(which);
+  for (auto& bin : sum) bin /= std::sqrt(weight);
+  return window_of(std::move(sum), std::sqrt(weight));
+}
+
+double SweepWindows::scatter(std::span<const double> heard, std::int64_t frames,
+                             std::span<const TrackedSweep> which, const HeardWindow& mean) {
+  const double weight = total_power(which);
+  const double share = 1.0 - 2.0 * static_cast<double>(lowest_bin_) / static_cast<double>(fourier_.size());
+  std::vector<double> variances;
+  for (const auto& sweep : which) {
+    const double gain = sweep.burst.gain;
+    const auto one = cut(heard, sweep.burst.at + frames);
+    double power = 0.0;
+    for (auto b = lowest_bin_; b + 1 < one.size(); ++b)
+      power += 2.0 * std::norm(one[b] - gain * mean.heard[b]);
+    variances.push_back(power / (1.0 - gain * gain / weight) / static_cast<double>(fourier_.size()) /
+                        fade_power_ / share);
+  }
+  return median(std::move(variances));
+}
+
+std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, std::int64_t frames,
+                                               const TrackedSweep& sweep, const HeardWindow& mean,
+                                               double variance) {
+  constexpr std::int64_t kBlock = 64;
+  auto rest = cut(heard, sweep.burst.at + frames);
+  const double gain = sweep.burst.gain * std::exp(sweep.log_gain);
+  Spectrum expected(rest.size());
+  for (std::size_t b = 0; b < rest.size(); ++b) {
+    expected[b] = b < lowest_bin_ ? 0.0 : gain * mean.heard[b];
+    rest[b] = b < lowest_bin_ ? 0.0 : rest[b] - expected[b];
+  }
+  const auto unexplained = block_power(fourier_.inverse(rest), kBlock),
+             explained = block_power(fourier_.inverse(expected), kBlock);
+  const double loudest = *std::max_element(explained.begin(), explained.end());
+  const auto longest = static_cast<std::int64_t>(frames_in(kLongestDamage, sample_rate_)) / kBlock;
+  // What lasts longer is a gain that changes, or a path that no model fits.
+  auto places = short_runs(static_cast<std::int64_t>(explained.size()), longest, [&](std::int64_t block) {
+    const auto n = static_cast<std::size_t>(block);
+    return explained[n] > 1e-4 * loudest && unexplained[n] > 0.25 * explained[n] &&
+           unexplained[n] > 36.0 * kBlock * variance;
+  });
+  for (auto& place : places) place = sweep.burst.at - lead_ + place * kBlock;
+  return places;
+}
+
+}  // namespace tactus

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/core/units.h"
+#include "latency/estimation/fourier.h"
+#include "latency/path/noise_floor.h"
+#include "latency/path/path_model.h"
+#include "latency/probe/bursts.h"
+
+namespace tactus {
+
+/// One repeated burst as it was heard, beside what was expected.
+struct TrackedSweep {
+  Burst burst;
+  double delay_frames = 0.0;
+  double deviation_frames = 0.0;  ///< as the noise makes it
+  double log_gain = 0.0;
+  double misfit = 0.0;
+  double chi_squared = 1.0;
+};
+
+/// [any] Of all of them together, where one at full level has 1.
+double total_power(std::span<const TrackedSweep> sweeps);
+
+/// Cuts what was heard of the repeated bursts out of a recording, and fits the path to it.
+class SweepWindows {
+ public:
+  /// [control] `profile`: taps of the path, or empty.
+  SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile);
+
+  /// [control] What is only noise; its spectrum must not be zero anywhere.
+  void set_noise(const NoiseFloor& floor);
+
+  /// [control] Each burst by itself, cut out at the delay `near` and compared with `expected`, what a burst
+  /// of gain 1 should look like there: how much later it is (first to the frame within `search`, then
+  /// exactly) and how much stronger.
+  std::vector<TrackedSweep> track(std::span<const double> heard, std::int64_t near, std::int64_t search,
+                                  const Spectrum& expected);
+  /// [control] What a burst looks like behind a path of that model.
+  Spectrum expected(const PathModel& model) const;
+  /// [control] What it looked like, each frequency as far as it stands out of the noise (Wiener's filter).
+  static Spectrum cleaned(const HeardWindow& window);
+  /// [control] Whole frames and gain from which a fit of `window` may start.
+  PathModel start_of(const HeardWindow& window, double sign, std::int64_t search);
+  /// [control] The mean of the bursts `which`, all cut out at the delay `frames`, for a burst of gain 1.
+  HeardWindow mean(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which);
+  /// [control] The variance of a frame that differs between bursts that were equal, of at least two: in the
+  /// middle one of them, so that one with a click does not count.
+  double scatter(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which,
+                 const HeardWindow& mean);
+
+  /// [control] Where in a sweep less than 20 ms of what is heard at the delay `frames` is something else than
+  /// in the others, and no noise of that `variance`: the driver put silence or old sound in its place. Frames
+  /// of the recording that played.
+  std::vector<std::int64_t> damage(std::span<const double> heard, std::int64_t frames,
+                                   const TrackedSweep& sweep, const HeardWindow& mean, double variance);
+
+  Fourier& fourier() { return fourier_; }
+
+ private:
+  Spectrum cut(std::span<const double> heard, std::int64_t from);
+  HeardWindow window_of(Spectrum heard, double gain) const;
+  std::int64_t nearest(const HeardWindow& window, const Spectrum& expected, std::int64_t search);
+
+  const PlayedBursts& bursts_;
+  Hertz sample_rate_;
+  std::int64_t lead_, frames_;
+  std::vector<double> fade_;  ///< over the window: 0 at its ends, 1 wherever the burst may be
+  double fade_power_ = 0.0;   ///< sum of its squares
+  double mean_ = 0.0;         ///< of what is heard while nothing is played
+  Fourier fourier_;
+  Spectrum played_, profile_;
+  std::vector<double> noise_;
+  std::size_t lowest_bin_;
+};
+
+}  // namespace tactus

@@ -1,0 +1,90 @@
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/temporary_folder.h"
+
+#if defined(TACTUS_PROGRAM) && defined(__unix__)
+namespace tactus {
+namespace {
+
+struct Answer {
+  int exit;
+  nlohmann::json json;
+};
+
+Answer check(const test::TemporaryFolder& folder, const std::string& arguments) {
+  const auto out = folder.path() / "out.json";
+  const int status = std::system(
+      (std::string{TACTUS_PROGRAM} + " check --json " + arguments + " > " + out.string() + " 2>/dev/null")
+          .c_str());
+  std::ifstream text{out};
+  return {status / 256, nlohmann::json::parse(text, nullptr, false)};
+}
+
+std::string spring_of(double stiffness) {
+  return "format = 1\nname = \"spring\"\n[inputs]\nplace = { unit = \"m\" }\n[nodes]\n"
+         "pull = { type = \"spring\", in = \"place\", stiffness = " +
+         std::to_string(stiffness) + " }\n[outputs]\npush = { from = \"pull\", unit = \"N\" }\n" +
+         "[delay]\ntested = [\"0 ms\", \"2 ms\"]\n";
+}
+
+}  // namespace
+
+TEST_CASE("check: the exit code says whether it holds", "[check]") {
+  const test::TemporaryFolder folder;
+  const auto file = (folder.path() / "spring.toml").string();
+  // 0.1 N s/m / (2 ms + half a frame) = 49.7 N/m; the delay is the longest that it was tested with.
+  for (const bool holds : {true, false}) {
+    std::ofstream{file} << spring_of(holds ? 45 : 55);
+    const auto answer = check(folder, file);
+    CHECK(answer.exit == (holds ? 0 : 1));
+    REQUIRE(answer.json.is_object());
+    CHECK(answer.json["holds"] == holds);
+    CHECK(answer.json["delay_ms"].get<double>() == Approx(2));
+    CHECK(answer.json["regimes"][0]["stiff"][0]["stable_up_to_n_per_m"].get<double>() ==
+          Approx(0.1 / (0.002 + 0.5 / 48000)).epsilon(0.01));
+    CHECK(answer.json["runs"].size() > 15);
+  }
+}
+
+TEST_CASE("check: the haptic drum holds in its scene", "[check]") {
+  const test::TemporaryFolder folder;
+  const auto answer = check(folder, std::string{TACTUS_SOURCE_DIR} + "/instruments/haptic_drum");
+  CHECK(answer.exit == 0);
+  REQUIRE(answer.json.is_object());
+  for (const auto& run : answer.json["runs"]) {
+    INFO(run["what"]);
+    CHECK(run["as_expected"] == true);
+  }
+  bool looped = false;
+  for (const auto& event : answer.json["events"])
+    looped = looped || (event["name"] == "instrument.hit" && event["on_loop"] == true);
+  CHECK(looped);
+}
+
+TEST_CASE("check: the Cellomobo holds while it is played", "[check]") {
+  const test::TemporaryFolder folder;
+  const auto answer =
+      check(folder, std::string{TACTUS_SOURCE_DIR} + "/instruments/cellomobo/open_string.toml");
+  CHECK(answer.exit == 0);
+  REQUIRE(answer.json.is_object());
+  for (const auto& run : answer.json["runs"]) {
+    INFO(run["what"]);
+    CHECK(run["as_expected"] == true);
+  }
+}
+
+TEST_CASE("check: bad files and bad options have their own exit codes", "[check]") {
+  const test::TemporaryFolder folder;
+  const auto file = (folder.path() / "spring.toml").string();
+  std::ofstream{file} << spring_of(45);
+  CHECK(check(folder, (folder.path() / "none.toml").string()).exit == 3);
+  CHECK(check(folder, file + " --delay \"3 kg\"").exit == 2);
+  std::ofstream{file} << "format = 1\n[nodes]\nx = { type = \"sprung\" }\n";
+  CHECK(check(folder, file).exit == 3);
+}
+
+}  // namespace tactus
+#endif

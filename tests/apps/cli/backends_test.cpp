@@ -1,0 +1,31 @@
+#include "apps/cli/backends.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+using namespace tactus;
+using namespace tactus::app;
+
+TEST_CASE("app backends: a simulated card is there for whoever names it, and for nobody else", "[apps]") {
+  const auto cards = card_backends();
+  CHECK(std::count(cards.begin(), cards.end(), "loop") == 0);
+  for (const auto& each : list_devices()) CHECK(each.backend != "loop");
+  const auto named = list_devices("loop");
+  REQUIRE(named.size() == 1);
+  REQUIRE(named.front().devices);
+  CHECK(named.front().devices->front().id == "loop:cable");
+  CHECK(make_card_backend("loop"));
+}
+
+TEST_CASE("app backends: an id that says what a simulated card is makes one", "[apps]") {
+  const auto chosen = choose_devices("", "loop:delay=77,gain=-6dB", "");
+  REQUIRE(chosen);
+  CHECK(chosen->backend->name() == "loop");
+  CHECK(chosen->output.id == "loop:delay=77,gain=-6dB");
+  CHECK(chosen->input.id == chosen->output.id);
+  CHECK(choose_devices("loop", "", "")->output.id == "loop:cable");
+  CHECK(choose_devices("loop", "echo", "")->output.id == "loop:echo_cancel");
+  const auto unknown = choose_devices("", "loop:nothing", "");
+  REQUIRE_FALSE(unknown);
+  CHECK(to_string(unknown.error()).find("'loop:nothing'") != std::string::npos);
+}

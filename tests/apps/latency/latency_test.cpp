@@ -1,0 +1,370 @@
+// The program itself, on files and on simulated cards.
+#if defined(__unix__)
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "apps/render/resample.h"
+#include "engine/dsp/generators/counter_noise.h"
+#include "engine/rig/rig.h"
+#include "tests/support/child_process.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/wait_until.h"
+#include "tests/support/well_formed.h"
+
+using namespace tactus;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in{file};
+  return {std::istreambuf_iterator<char>{in}, {}};
+}
+
+struct Ran {
+  int exit = -1;
+  std::string out, err;
+  nlohmann::json json() const { return nlohmann::json::parse(out, nullptr, false); }
+};
+
+/// A folder with the files of a test, where the program runs and keeps what it measures.
+class Desk {
+ public:
+  Ran run(const std::string& arguments) const {
+    const auto command = "cd " + folder.path().string() + " && XDG_STATE_HOME=" + state().string() + " " +
+                         TACTUS_PROGRAM + " " + arguments + " > out.txt 2> err.txt < /dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(file("out.txt")), text_of(file("err.txt"))};
+  }
+  fs::path file(const std::string& name) const { return folder.path() / name; }
+  fs::path state() const { return folder.path() / "state"; }
+
+  /// What `tactus latency probe` writes, and a recording of it: later, with another gain, with noise.
+  Samples probe(const std::string& rate = "48 kHz") const {
+    REQUIRE(run("latency probe --out probe.wav --rate '" + rate + "'").exit == 0);
+    return *read_wav(file("probe.wav"));
+  }
+  void capture(const std::string& name, const Samples& samples) const {
+    REQUIRE(write_wav(file(name), samples));
+  }
+
+  test::TemporaryFolder folder;
+};
+
+/// As a cable of so many frames brings it, and silence behind.
+Samples later(const Samples& probe, int frames, double gain) {
+  const CounterNoise noise{3, 0};
+  Samples heard{probe.sample_rate, {{}}};
+  auto& channel = heard.channels.front();
+  channel.assign(static_cast<std::size_t>(frames), 0.0);
+  for (const double sample : probe.channels.front()) channel.push_back(gain * sample);
+  channel.resize(channel.size() + 24000, 0.0);
+  for (std::size_t n = 0; n < channel.size(); ++n)
+    channel[n] += 1e-4 * noise.gaussian(static_cast<std::int64_t>(n));
+  return heard;
+}
+
+void says(const Ran& ran, int exit, const std::string& words) {
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == exit);
+  CHECK((ran.out + ran.err).find(words) != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("latency analyze: a probe that was played and recorded gives its delay, gain and polarity",
+          "[latency]") {
+  const Desk desk;
+  desk.capture("capture.wav", later(desk.probe(), 960, -0.5));
+  const auto ran = desk.run("latency analyze capture.wav --probe probe.wav --json");
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  const auto json = ran.json();
+  REQUIRE(json.is_object());
+  CHECK(json["verdict"] == "ok");
+  CHECK(json["delay_frames"].get<double>() == Approx(960).epsilon(0).margin(0.01));
+  CHECK(json["delay_ms"].get<double>() == Approx(20).epsilon(0).margin(0.01 / 48));
+  CHECK(json["standard_error_frames"].get<double>() < 0.01);
+  CHECK(json["polarity"] == -1);
+  CHECK(json["gain_db"].get<double>() == Approx(20 * std::log10(0.5)).epsilon(0).margin(0.01));
+  CHECK(json["noise_floor_dbfs"].get<double>() == Approx(-80).epsilon(0).margin(1));
+  for (const char* key : {"snr_db", "drift_ppm", "bound_frames", "spread_over_sweeps_frames", "dc", "low_hz",
+                          "high_hz", "harmonics_db", "group_delay", "steps", "sweeps", "what", "remedy",
+                          "delay_is", "openings", "written"})
+    CHECK(json.contains(key));
+}
+
+TEST_CASE("latency analyze: a recording without the probe is refused, without a delay but with the noise",
+          "[latency]") {
+  const Desk desk;
+  desk.capture("capture.wav", later(desk.probe(), 960, 0.0));
+  const auto ran = desk.run("latency analyze capture.wav --probe probe.wav --json");
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 1);
+  const auto json = ran.json();
+  CHECK(json["verdict"] == "NO_SIGNAL");
+  for (const char* key : {"delay_frames", "delay_ms", "standard_error_frames", "polarity"})
+    CHECK(json[key].is_null());
+  CHECK(json["noise_floor_dbfs"].get<double>() == Approx(-80).epsilon(0).margin(1));
+  CHECK_FALSE(json["remedy"].get<std::string>().empty());
+  const auto text = desk.run("latency analyze capture.wav --probe probe.wav");
+  CHECK(text.exit == 1);
+  CHECK(text.out.starts_with("delay          not known: NO_SIGNAL\n"));
+}
+
+TEST_CASE("latency analyze: the probe is resampled to the capture's rate, or both are at --rate",
+          "[latency]") {
+  const Desk desk;
+  const auto probe = desk.probe();
+  auto other = app::resample(later(probe, 960, 0.5), 44100_Hz);
+  desk.capture("other.wav", other);
+  const auto resampled = desk.run("latency analyze other.wav --probe probe.wav --json");
+  INFO(resampled.err);
+  CHECK(resampled.err.find("the probe was resampled") != std::string::npos);
+  CHECK(resampled.json()["sample_rate_hz"] == 44100);
+  CHECK(resampled.json()["delay_frames"].get<double>() ==
+        Approx(960 * 44100.0 / 48000).epsilon(0).margin(0.02));
+
+  auto lying = later(probe, 960, 0.5);
+  lying.sample_rate = 44100_Hz;
+  desk.capture("lying.wav", lying);
+  const auto corrected = desk.run("latency analyze lying.wav --probe probe.wav --rate '48 kHz' --json");
+  INFO(corrected.err);
+  CHECK(corrected.json()["sample_rate_hz"] == 48000);
+  CHECK(corrected.json()["delay_frames"].get<double>() == Approx(960).epsilon(0).margin(0.01));
+}
+
+TEST_CASE("latency analyze: a file with what was played in its first channel needs no probe", "[latency]") {
+  const Desk desk;
+  const auto probe = desk.probe();
+  auto both = later(probe, 480, 0.5);
+  both.channels.push_back(both.channels.front());  // channel 3
+  both.channels.insert(both.channels.begin(), probe.channels.front());
+  both.channels[0].resize(both.channels[1].size());
+  both.channels[1].assign(both.channels[1].size(), 0.0);
+  desk.capture("raw.wav", both);
+  const auto ran = desk.run("latency analyze raw.wav --channel 3 --json");
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(ran.json()["delay_frames"].get<double>() == Approx(480).epsilon(0).margin(0.01));
+  CHECK(desk.run("latency analyze raw.wav --json").json()["verdict"] == "WRONG_CHANNEL");
+  says(desk.run("latency analyze raw.wav --channel 1"), 2, "channel 1 is what was played");
+  says(desk.run("latency analyze raw.wav --channel 4"), 2, "'raw.wav' has no channel 4; it has 2 to 3");
+}
+
+TEST_CASE("latency analyze: files that cannot be are told one by one, with exit code 3", "[latency]") {
+  const Desk desk;
+  const auto probe = desk.probe();
+  desk.capture("capture.wav", later(probe, 960, 0.5));
+  desk.capture("empty.wav", {48_kHz, {{}}});
+  desk.capture("short.wav", {48_kHz, {std::vector<double>(48000)}});
+  desk.capture("slow.wav", {10_Hz, {std::vector<double>(48000)}});
+  desk.capture("nan.wav", {48_kHz, {std::vector<double>(480000, std::nan(""))}});
+  desk.capture("noise.wav", {48_kHz, {std::vector<double>(100)}});
+  desk.folder.write("text.wav", "this is no sound");
+  const auto analyze = [&](const std::string& arguments) { return desk.run("latency analyze " + arguments); };
+  says(analyze("nowhere.wav --probe probe.wav"), 3, "nowhere.wav: there is no such file");
+  says(analyze("capture.wav --probe nowhere.wav"), 3, "nowhere.wav: there is no such file");
+  says(analyze("empty.wav --probe probe.wav"), 3, "empty.wav: it holds no samples");
+  says(analyze("capture.wav --probe empty.wav"), 3, "empty.wav: it holds no samples");
+  says(analyze("short.wav --probe probe.wav"), 1, "NO_SIGNAL");
+  says(analyze("slow.wav --probe probe.wav"), 3, "its header says 10 Hz");
+  says(analyze("nan.wav --probe probe.wav"), 3, "some of its samples are no numbers");
+  says(analyze("text.wav --probe probe.wav"), 3, "cannot be read as a WAV file");
+  says(analyze("capture.wav"), 3, "it has one channel, and nothing says what was played");
+  CHECK(analyze("capture.wav --probe noise.wav").exit == 3);
+}
+
+TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
+  const Desk desk;
+  desk.capture("capture.wav", later(desk.probe(), 960, 0.5));
+  says(desk.run("latency analyze capture.wav --probe probe.wav --channel 2"), 2,
+       "'capture.wav' has no channel 2; it has 1 alone");
+  says(desk.run("latency analyze capture.wav --probe probe.wav --channel 0"), 2, "--channel");
+  says(desk.run("latency analyze capture.wav --probe probe.wav --rate fast"), 2, "--rate");
+  says(desk.run("latency analyze capture.wav --probe probe.wav --rate '10 Hz'"), 2, "from 1 kHz to 1 MHz");
+  says(desk.run("latency analyze"), 2, "FILE is required");
+  says(desk.run("latency probe"), 2, "--out is required");
+  says(desk.run("latency probe --out p.wav --level loud"), 2, "'loud' is no level");
+  says(desk.run("latency probe --out p.wav --level 3"), 2, "must be from -120 to 0 dBFS");
+  says(desk.run("latency probe --out p.wav --rate '44.1005 kHz'"), 2, "whole number of hertz");
+  says(desk.run("latency bogus"), 2, "bogus");
+  says(desk.run("latency measure --backend none"), 2, "no backend 'none'");
+  says(desk.run("latency measure --out 0"), 2, "--out");
+  says(desk.run("latency measure --rig nowhere.toml"), 3, "nowhere.toml");
+  says(desk.run("latency measure --rig nowhere.toml --block 64"), 2, "--block: does not go with --rig");
+  says(desk.run("latency measure --device loop:20ms --input 3"), 2, "'loop:20ms' has no input 3");
+  says(desk.run("latency measure --device loop:20ms --output 3"), 2, "'loop:20ms' has no output 3");
+  says(desk.run("latency measure --device loop:nothing"), 4, "nothing");
+  says(desk.run("latency measure --device loop:20ms --rate '12.5 Hz'"), 2, "from 1 kHz to 1 MHz");
+  says(desk.run("latency sweep --blocks 0"), 2, "--blocks");
+  says(desk.run("latency sweep --device loop:20ms --rates 1"), 2, "--rates");
+}
+
+TEST_CASE("latency: alone it explains itself", "[latency]") {
+  const auto ran = Desk{}.run("latency");
+  CHECK(ran.exit == 0);
+  for (const char* words : {"measure", "sweep", "probe", "analyze", "Examples:"})
+    CHECK(ran.out.find(words) != std::string::npos);
+}
+
+TEST_CASE("latency probe: it is as loud and as long as it says", "[latency]") {
+  const Desk desk;
+  const auto ran = desk.run("latency probe --out p.wav --rate '96 kHz' --level '-20 dBFS' --json");
+  CHECK(ran.exit == 0);
+  const auto samples = read_wav(desk.file("p.wav"));
+  REQUIRE(samples);
+  CHECK(samples->sample_rate == 96_kHz);
+  double peak = 0;
+  for (const double sample : samples->channels.front()) peak = std::max(peak, std::abs(sample));
+  CHECK(peak == Approx(0.1).epsilon(0.01));
+  CHECK(ran.json()["duration_s"].get<double>() == Approx(static_cast<double>(samples->frames()) / 96000));
+  says(desk.run("latency probe --out nowhere/p.wav"), 3, "nowhere/p.wav: it cannot be written");
+}
+
+namespace {
+
+const std::string kShort = " --openings 2 --sweeps 2 --json";
+
+}  // namespace
+
+TEST_CASE("latency measure: the delay of a card is found, reported and kept for it", "[latency]") {
+  const Desk desk;
+  const auto ran =
+      desk.run("latency measure --device loop:20ms --block 64 --folder report --wav raw.wav" + kShort);
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  const auto json = ran.json();
+  REQUIRE(json.is_object());
+  CHECK(json["verdict"] == "ok");
+  CHECK(json["delay_ms"].get<double>() == Approx(20).epsilon(0).margin(0.001));
+  CHECK(json["openings"].size() == 2);
+  for (const char* key : {"setting", "xruns", "xruns_by_cause", "lost_frames_counted", "reported_frames",
+                          "spread_over_openings_frames", "kept"})
+    CHECK(json.contains(key));
+  CHECK(test::well_formed(text_of(desk.file("report/latency.svg"))));
+  CHECK(nlohmann::json::parse(text_of(desk.file("report/latency.json")))["delay_frames"] ==
+        json["delay_frames"]);
+
+  const auto again = desk.run("latency analyze raw.wav --json");
+  const auto kept = read_wav(desk.file("raw_2.wav"));
+  REQUIRE(kept);
+  CHECK(kept->channels.size() == 3);  // what was played, and two inputs
+  CHECK(again.json()["delay_frames"].get<double>() ==
+        Approx(json["openings"][0]["delay_frames"].get<double>()).epsilon(0).margin(1e-4));
+
+  const auto devices = desk.run("devices --backend loop --json").json();
+  int measured = 0;
+  for (const auto& device : devices["devices"]) {
+    if (!device.contains("measured_delay_s")) continue;
+    ++measured;
+    CHECK(device["id"] == "loop:20ms");
+    CHECK(device["measured_delay_s"].get<double>() ==
+          Approx(json["delay_ms"].get<double>() / 1e3).epsilon(1e-12));
+  }
+  CHECK(measured == 1);
+}
+
+TEST_CASE("latency measure: what was measured is what an instrument then reckons with, at that block alone",
+          "[latency]") {
+  const Desk desk;
+  REQUIRE(desk.run("latency measure --device loop:20ms --block 64" + kShort).exit == 0);
+  const auto play = std::string{"play "} + TACTUS_SOURCE_DIR +
+                    "/instruments/haptic_drum --device loop:20ms --duration '0.1 s' --block ";
+  says(desk.run(play + "64"), 0, "delay     20.00 ms measured");
+  says(desk.run(play + "128"), 0, "delay     not measured");
+}
+
+TEST_CASE("latency measure: a refusal has no delay, and keeps none", "[latency]") {
+  const Desk desk;
+  const auto ran = desk.run("latency measure --device loop:no_cable" + kShort);
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 1);
+  CHECK(ran.json()["verdict"] == "NO_SIGNAL");
+  for (const char* key : {"delay_frames", "delay_ms", "standard_error_frames"})
+    CHECK(ran.json()[key].is_null());
+  CHECK_FALSE(fs::exists(desk.state() / "tactus/delays.json"));
+  CHECK(desk.run("latency measure --device loop:20ms --no-keep" + kShort).exit == 0);
+  CHECK_FALSE(fs::exists(desk.state() / "tactus/delays.json"));
+}
+
+TEST_CASE("latency measure: a rig says what to measure, and keeps the delay beside all else", "[latency]") {
+  const Desk desk;
+  const std::string text =
+      "format = 1\nname = \"my desk\"\n[device]\noutput = \"loop:20ms\"\nblock = 64\n"
+      "[inputs]\nmicrophone = { channel = 2, sensitivity = \"50 mV\", volts_per_full_scale = \"1 V\" }\n"
+      "[outputs]\nwoofer = { channel = 2, ceiling = 0.1 }\n[delay]\npad = \"40 ms\"\n";
+  desk.folder.write("desk.toml", text);
+  const auto ran = desk.run("latency measure --rig desk.toml" + kShort);
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(ran.json()["source"].get<std::string>().find("output 2 to input 2") != std::string::npos);
+  for (const auto& opening : ran.json()["openings"]) CHECK(opening["level_dbfs"].get<double>() <= -20);
+  CHECK(text_of(desk.file("desk.toml~")) == text);
+  const auto rig = load_rig(desk.file("desk.toml"), desk.folder.path());
+  REQUIRE(rig);
+  REQUIRE(rig->measured_delay);
+  CHECK(rig->measured_delay->value == Approx(0.02).epsilon(0).margin(1e-6));
+  CHECK(rig->pad_delay == Seconds{0.04});
+  CHECK(rig->name == "my desk");
+  CHECK(rig->inputs[0].scale() == Approx(20));
+  CHECK(rig->device.rate == 48_kHz);
+}
+
+TEST_CASE("latency sweep: blocks on the way and what no block takes away are told apart", "[latency]") {
+  const Desk desk;
+  const auto ran = desk.run(
+      "latency sweep --device loop:delay=100,blocks=2 --blocks 64,128,256 --openings 1 --sweeps 2 --json "
+      "--report blocks.svg");
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  const auto json = ran.json();
+  REQUIRE(json["laws"].size() == 1);
+  CHECK(json["laws"][0]["fixed_frames"].get<double>() == Approx(100).epsilon(0).margin(0.01));
+  CHECK(json["laws"][0]["per_frame"].get<double>() == Approx(2).epsilon(0).margin(1e-4));
+  CHECK(json["shortest"]["block_frames"] == 64);
+  CHECK(test::well_formed(text_of(desk.file("blocks.svg"))));
+}
+
+TEST_CASE("latency sweep: Ctrl-C ends it, with exit code 5", "[latency]") {
+  test::ChildProcess sweep{{TACTUS_PROGRAM, "latency", "sweep", "--device", "loop:20ms", "--blocks", "64"},
+                           test::ChildProcess::Stdout::Logged};
+  REQUIRE(test::wait_until([&] { return sweep.log().find("64 frames") != std::string::npos; }));
+  sweep.send(SIGINT);
+  CHECK(sweep.wait(std::chrono::seconds{5}) == 5);
+}
+
+TEST_CASE("latency calibrate: what lies in the loop becomes a profile, behind which the delay is found again",
+          "[latency]") {
+  const Desk desk;
+  const std::string card = " --device loop:cable,high_pass=100 --block 64";
+  says(desk.run("latency calibrate --save path.toml" + card), 2, "was never measured with this setting");
+  // 60.25 frames and two blocks, of which the profile takes 20 as its own.
+  const auto ran = desk.run("latency calibrate --save path.toml --json --electrical '3.504375 ms'" + card);
+  INFO(ran.out << ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(ran.json()["verdict"] == "ok");
+  CHECK(ran.json()["polarity"] == 1);
+  const auto found = desk.run("latency measure --no-keep --profile path.toml" + card + kShort);
+  INFO(found.out << found.err);
+  CHECK(found.exit == 0);
+  CHECK(found.json()["delay_frames"].get<double>() == Approx(188.25 - 20.04).epsilon(0).margin(0.05));
+  // At another rate the profile keeps its time, and the card its frames.
+  const auto other =
+      desk.run("latency measure --no-keep --profile path.toml --rate '44.1 kHz'" + card + kShort);
+  INFO(other.out << other.err);
+  CHECK(other.exit == 0);
+  CHECK(other.json()["delay_frames"].get<double>() ==
+        Approx(188.25 - 20.04 * 44.1 / 48).epsilon(0).margin(0.05));
+  says(desk.run("latency measure --profile nowhere.toml" + card), 3, "nowhere.toml");
+  desk.folder.write("broken.toml", "format = 1");
+  says(desk.run("latency measure --profile broken.toml" + card), 3, "there is no fir node called 'path'");
+}
+#endif

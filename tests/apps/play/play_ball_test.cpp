@@ -1,0 +1,45 @@
+#include "apps/play/play_ball.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+using namespace tactus;
+using namespace tactus::app;
+
+namespace {
+
+/// What is told of a scene; null where no ball bounces.
+nlohmann::ordered_json told_of(const char* scene, const char* duration = "") {
+  SceneRun run;
+  run.file = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene;
+  run.duration = duration;
+  run.show_progress = false;
+  const auto played = play_file(run);
+  if (!played) throw std::runtime_error(to_string(played.error()));
+  nlohmann::ordered_json json;
+  return report_ball(json, *played) ? json["ball"] : nlohmann::ordered_json{};
+}
+
+std::string words_of(const char* scene, const char* duration = "") {
+  return told_of(scene, duration)["words"].get<std::string>();
+}
+
+}  // namespace
+
+TEST_CASE("play ball: told by the landings until it does the same again", "[apps]") {
+  CHECK(words_of("bouncing_ball/scene.toml") == "1 landing in 1 period of the drive, then the same again");
+  CHECK(words_of("bouncing_ball/period_2.toml") ==
+        "2 landings in 2 periods of the drive, then the same again");
+  CHECK(words_of("bouncing_ball/period_4.toml") ==
+        "4 landings in 4 periods of the drive, then the same again");
+  CHECK(words_of("bouncing_ball/chaos.toml")
+            .starts_with("never the same again: no orbit of up to 8 landings; 0."));
+  CHECK(words_of("bouncing_ball/table_scene.toml") ==
+        "1 landing in 1 period of the drive, then the same again");
+}
+
+TEST_CASE("play ball: a drum is none, and a moment says nothing", "[apps]") {
+  CHECK(told_of("haptic_drum/scene.toml", "0.2 s").is_null());
+  CHECK(
+      words_of("bouncing_ball/chaos.toml", "0.1 s").ends_with("too few to say when it does the same again"));
+}

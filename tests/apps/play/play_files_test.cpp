@@ -1,0 +1,104 @@
+#include "apps/play/play_files.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+
+#include "engine/scene/measures/measure.h"
+#include "tests/support/temporary_folder.h"
+
+#if defined(TACTUS_PROGRAM) && defined(__unix__)
+#include <cstdlib>
+#endif
+
+using namespace tactus;
+using namespace tactus::app;
+
+namespace {
+
+PlayedScene play(const char* scene, const char* duration) {
+  SceneRun run;
+  run.file = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene;
+  run.duration = duration;
+  run.show_progress = false;
+  auto played = play_file(run);
+  if (!played) throw std::runtime_error(to_string(played.error()));
+  return std::move(*played);
+}
+
+/// The names of what is there, in order: "sound drives".
+std::string kinds_of(const std::vector<std::string>& written) {
+  std::string kinds;
+  for (const auto& line : written) {
+    const auto end = line.find(".wav  ");
+    if (end == std::string::npos) continue;
+    const auto begin = line.rfind('_', end) + 1;
+    kinds += (kinds.empty() ? "" : " ") + line.substr(begin, end - begin);
+  }
+  return kinds;
+}
+
+}  // namespace
+
+TEST_CASE("play files: the sound alone in one, the drives in another, as they are", "[apps]") {
+  const test::TemporaryFolder folder;
+  const auto played = play("cellomobo/scene.toml", "0.5 s");
+  const PlayFiles files{folder.path().string(), {}};
+  const auto written = write_files(files, played);
+  REQUIRE(written);
+  CHECK(kinds_of(*written) == "sound drives sensors motion");
+  for (const auto& [file, signal] :
+       {std::pair{"_sound.wav", "instrument.sound"}, std::pair{"_drives.wav", "instrument.shaker"}}) {
+    const auto read = read_wav(base_of(files, played) + file);
+    REQUIRE(read);
+    REQUIRE(read->channels.size() == 1);
+    const auto& samples = played.recording.find(signal)->samples;
+    REQUIRE(read->channels[0].size() == samples.size());
+    bool same = true;
+    for (std::size_t n = 0; n < samples.size(); ++n)
+      same = same && read->channels[0][n] == static_cast<double>(static_cast<float>(samples[n]));
+    CHECK(same);
+  }
+}
+
+TEST_CASE("play files: there is no file of what does not sound or is not driven", "[apps]") {
+  const test::TemporaryFolder folder;
+  const PlayFiles files{folder.path().string(), {}};
+  const auto kinds = [&](const char* scene) {
+    return kinds_of(write_files(files, play(scene, "0.2 s")).value());
+  };
+  CHECK(kinds("bouncing_ball/scene.toml") == "drives motion");
+  CHECK(kinds("bouncing_ball/table_scene.toml") == "motion");
+}
+
+TEST_CASE("play files: a carrier for a sensor is not listened to", "[apps]") {
+  const auto played = play("cellomobo/fingered.toml", "0.1 s");
+  CHECK(played.recording.sounds == std::vector<std::string>{"sound"});
+  CHECK(drive_names(played.recording) == std::vector<std::string>{"shaker", "tones"});
+}
+
+#if defined(TACTUS_PROGRAM) && defined(__unix__)
+namespace {
+
+int render(const std::string& arguments) {
+  const auto command = std::string{TACTUS_PROGRAM} + " render " + TACTUS_SOURCE_DIR + "/instruments/" +
+                       arguments + " >/dev/null 2>&1";
+  return std::system(command.c_str()) / 256;
+}
+
+}  // namespace
+
+TEST_CASE("render: all outputs in one file, what is to be listened to in another", "[apps]") {
+  const test::TemporaryFolder folder;
+  const auto all = (folder.path() / "all.wav").string(), sound = (folder.path() / "sound.wav").string();
+  REQUIRE(render("cellomobo --duration '0.5 s' --out " + all + " --sound " + sound) == 0);
+  const auto both = read_wav(all), heard = read_wav(sound);
+  REQUIRE(both);
+  REQUIRE(heard);
+  REQUIRE(both->channels.size() == 2);
+  REQUIRE(heard->channels.size() == 1);
+  CHECK(heard->channels[0] == both->channels[1]);
+  CHECK(render("bouncing_ball --duration '0.1 s' --sound " + sound) == 2);
+  CHECK(render("cellomobo --duration '0.1 s' --sound " + (folder.path() / "no" / "x.wav").string()) == 2);
+}
+#endif

@@ -1,0 +1,139 @@
+#include "apps/play/save_rig.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "engine/graph/file/load.h"
+#include "engine/rig/check_rig.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace tactus;
+using namespace tactus::app;
+
+namespace {
+
+const std::string kRoot = std::string{TACTUS_SOURCE_DIR} + "/instruments";
+
+std::shared_ptr<const GraphSpec> drum() { return *load_graph(kRoot + "/haptic_drum/instrument.toml", kRoot); }
+
+Rig::Device device() {
+  Rig::Device device;
+  device.output = "jack:system";
+  device.rate = 48_kHz;
+  device.block = 64;
+  return device;
+}
+
+struct Talk {
+  Result<Rig> rig;
+  std::string shown;
+};
+
+Talk talk(const std::string& answers, bool defaults = false, int outputs = 4) {
+  const auto instrument = drum();
+  RigInterview interview{*instrument, device(), 2, outputs, kRoot};
+  std::istringstream in{answers};
+  std::ostringstream out;
+  auto rig = hold_interview(interview, in, out, defaults);
+  return {std::move(rig), out.str()};
+}
+
+}  // namespace
+
+TEST_CASE("save_rig: all defaults give a rig that fits, with cautious limits", "[rig]") {
+  const auto asked = talk("", true);
+  REQUIRE(asked.rig);
+  CHECK(asked.shown.empty());
+  const auto rig = parse_rig(to_text(*asked.rig), "rig.toml", kRoot);
+  REQUIRE(rig);
+  CHECK(to_string(check_rig(*rig, *drum())).empty());
+  CHECK(rig->inputs[0].channels == std::vector{1});
+  CHECK(rig->outputs[0].channels == std::vector{1});
+  CHECK(rig->outputs[1].channels == std::vector{2});
+  CHECK(rig->outputs[0].drive.limits.ceiling == cautious_limits().ceiling);
+  CHECK(rig->device.block == 64);
+}
+
+TEST_CASE("save_rig: a card with too few outputs leaves the last ones out", "[rig]") {
+  const auto asked = talk("", true, 1);
+  REQUIRE(asked.rig);
+  CHECK(asked.rig->outputs[1].channels.empty());
+}
+
+TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig]") {
+  const auto asked = talk(
+      "7\ntwo\n2\n"         // microphone: no channel 7
+      "1 V\n3 m\n50 mV\n"   // volts, a sensitivity in metres, one in volts
+      "3\nwofer\nwoofer\n"  // the woofer's channel and profile
+      "\n10 V\n"            // its volts have no default
+      "3\n1\n"              // sound cannot share its channel
+      "4\n");               // another actuator
+  INFO(asked.shown);
+  REQUIRE(asked.rig);
+  const auto rig = parse_rig(to_text(*asked.rig), "rig.toml", kRoot);
+  REQUIRE(rig);
+  CHECK(rig->inputs[0].channels == std::vector{2});
+  CHECK(rig->inputs[0].scale() == Approx(20));
+  CHECK(rig->outputs[0].channels == std::vector{3});
+  CHECK(rig->outputs[0].drive.profile == "woofer");
+  CHECK(rig->outputs[0].drive.limits.heat->watts_at_full_scale == Approx(100 / 6.5));
+  CHECK(rig->outputs[1].channels == std::vector{1});
+  CHECK(rig->actuator_on(4) != nullptr);
+  CHECK(asked.shown.find("the card has no channel 7; it has 1 to 2") != std::string::npos);
+  CHECK(asked.shown.find("'two' is no channel") != std::string::npos);
+  CHECK(asked.shown.find("did you mean 'woofer'?") != std::string::npos);
+  CHECK(asked.shown.find("this has no default; give an answer") != std::string::npos);
+  CHECK(asked.shown.find("channel 3 is taken already; choose another") != std::string::npos);
+}
+
+TEST_CASE("save_rig: the end of the input is an error in words", "[rig]") {
+  CHECK(to_string(talk("1\n").rig.error()) ==
+        "--save-rig: the input ended before all questions were answered; answer on a terminal, or take all "
+        "defaults with --yes");
+}
+
+TEST_CASE("save_rig: a port in newtons is asked for its sensitivity in volts for one", "[rig]") {
+  const auto graph = parse_graph(
+      "format = 1\n[inputs]\nforce = { unit = \"N\" }\n[outputs]\nout = { from = \"force / 1 N\" }\n",
+      "i.toml");
+  REQUIRE(graph);
+  const auto ask = [&](const std::string& answers) {
+    RigInterview interview{**graph, device(), 2, 1, kRoot};
+    std::istringstream in{answers};
+    std::ostringstream out;
+    const auto rig = hold_interview(interview, in, out, answers.empty());
+    REQUIRE(rig);
+    CHECK(to_string(check_rig(*parse_rig(to_text(*rig), "rig.toml", kRoot), **graph)).empty());
+    return rig->inputs[0].scale();
+  };
+  CHECK(ask("1\n2 V\n50 mV/N\n1\n\n") == Approx(40));
+  CHECK(ask("") == 1.0);
+}
+
+TEST_CASE("save_rig: a file that is there is overwritten only with a yes or by force", "[rig]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("rig.toml", "mine");
+  const auto text = [&] {
+    std::ifstream in{file};
+    return std::string{std::istreambuf_iterator<char>{in}, {}};
+  };
+  const auto rig = *talk("", true).rig;
+  std::ostringstream out;
+  for (const auto* no : {"", "\n", "no\n", "nonsense\n"}) {
+    std::istringstream in{no};
+    const auto status = save_rig(rig, file, in, out, false);
+    REQUIRE_FALSE(status);
+    CHECK(text() == "mine");
+  }
+  std::istringstream yes{"yes\n"}, nothing;
+  REQUIRE(save_rig(rig, file, yes, out, false));
+  CHECK(text() == to_text(rig));
+  folder.write("rig.toml", "mine");
+  REQUIRE(save_rig(rig, file, nothing, out, true));
+  CHECK(text() == to_text(rig));
+  CHECK(folder.strip(
+            to_string(save_rig(rig, folder.path() / "no" / "rig.toml", nothing, out, false).error())) ==
+        "no/rig.toml: cannot be written; choose a folder that exists and can be written");
+}

@@ -1,0 +1,77 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/dsp/curves/breakpoints.h"
+#include "engine/dsp/curves/cubic_curve.h"
+
+using namespace tactus;
+
+namespace {
+
+const CubicCurve::Points kPoints = {{0, 0}, {1, 2}, {1.5, 2.1}, {3, -1}, {4, 0.5}};
+
+}  // namespace
+
+TEST_CASE("cubic_curve: goes through its points and is level outside", "[dsp]") {
+  const auto curve = GENERATE(CubicCurve::monotone(kPoints), CubicCurve::spline(kPoints));
+  for (const auto& [x, y] : kPoints) CHECK(curve.value(x) == Approx(y).margin(1e-14));
+  CHECK(curve.value(-5) == 0);
+  CHECK(curve.value(9) == 0.5);
+  CHECK(curve.slope(-5) == 0);
+}
+
+TEST_CASE("cubic_curve: slope and curvature are the derivatives", "[dsp]") {
+  const auto curve = GENERATE(CubicCurve::monotone(kPoints), CubicCurve::spline(kPoints));
+  const double x = GENERATE(0.3, 1.2, 2.9, 3.5);
+  const double h = 1e-5;  // truncation h^2 f''' / 6 and rounding 1e-16 / h are both near 1e-10
+  CHECK(curve.slope(x) == Approx((curve.value(x + h) - curve.value(x - h)) / (2 * h)).margin(1e-8));
+  CHECK(curve.curvature(x) == Approx((curve.slope(x + h) - curve.slope(x - h)) / (2 * h)).margin(1e-8));
+}
+
+TEST_CASE("cubic_curve: the spline's slope and curvature are continuous at its points", "[dsp]") {
+  const auto spline = CubicCurve::spline(kPoints);
+  const double x = GENERATE(1.0, 1.5, 3.0);
+  const double h = 1e-9;  // third derivatives here are below 100
+  CHECK(spline.slope(x - h) == Approx(spline.slope(x + h)).margin(1e-7));
+  CHECK(spline.curvature(x - h) == Approx(spline.curvature(x + h)).margin(1e-6));
+}
+
+TEST_CASE("cubic_curve: the monotone one does not leave the range between neighbours", "[dsp]") {
+  const auto curve = CubicCurve::monotone(kPoints);
+  for (std::size_t i = 0; i + 1 < kPoints.size(); ++i)
+    for (int k = 0; k <= 100; ++k) {
+      const double y = curve.value(kPoints[i].first + k / 100.0 * (kPoints[i + 1].first - kPoints[i].first));
+      REQUIRE(y >= std::min(kPoints[i].second, kPoints[i + 1].second) - 1e-14);
+      REQUIRE(y <= std::max(kPoints[i].second, kPoints[i + 1].second) + 1e-14);
+    }
+}
+
+TEST_CASE("breakpoints: linear, step and exponential between two points", "[dsp]") {
+  using Shape = Breakpoints::Shape;
+  const Breakpoints::Points points = {{0, 100}, {2, 400}};
+  CHECK(Breakpoints(points, Shape::Linear).value(1) == 250);
+  CHECK(Breakpoints(points, Shape::Linear).slope(1) == 150);
+  CHECK(Breakpoints(points, Shape::Step).value(1.999) == 100);
+  CHECK(Breakpoints(points, Shape::Step).value(2) == 400);
+  CHECK(Breakpoints(points, Shape::Exponential).value(1) == Approx(200).epsilon(1e-14));
+  CHECK(Breakpoints(points, Shape::Exponential).slope(1) == Approx(200 * std::log(4.0) / 2).epsilon(1e-14));
+}
+
+TEST_CASE("breakpoints: two points at one place are a jump", "[dsp]") {
+  const Breakpoints jump({{0, 0}, {1, 0}, {1, 5}, {2, 5}}, Breakpoints::Shape::Linear);
+  CHECK(jump.value(std::nextafter(1.0, 0.0)) == 0);
+  CHECK(jump.value(1) == 5);
+  CHECK(jump.slope(0.5) == 0);
+}
+
+TEST_CASE("breakpoints: says what is wrong with points", "[dsp]") {
+  using Shape = Breakpoints::Shape;
+  CHECK(Breakpoints::mistake({{0, 1}, {1, 2}}, Shape::Smooth) == nullptr);
+  CHECK(std::string{Breakpoints::mistake({}, Shape::Linear)} == "there is no point");
+  CHECK(std::string{Breakpoints::mistake({{1, 0}, {0, 0}}, Shape::Linear)} ==
+        "the points are not in ascending order");
+  CHECK(std::string{Breakpoints::mistake({{0, -1}, {1, 1}}, Shape::Exponential)} ==
+        "an exponential curve cannot reach or cross zero");
+  CHECK(std::string{Breakpoints::mistake({{1, 0}, {1, 2}}, Shape::Smooth)} ==
+        "two points lie at the same place, and a smooth curve cannot jump");
+}

@@ -1,0 +1,154 @@
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/graph_runner.h"
+#include "tests/support/temporary_folder.h"
+
+// Files that were not written by a person who made a mistake.
+
+using namespace tactus;
+using test::TemporaryFolder;
+
+namespace {
+
+constexpr auto kFormat = "format = 1\n";
+
+std::string told(const TemporaryFolder& folder, const std::filesystem::path& file) {
+  const auto schedule = compile(load_graph_leniently(file), standard_nodes(), {});
+  return schedule ? "" : folder.strip(to_string(schedule.error()));
+}
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+/// "n0 = …", one line a node; '#' stands for the number.
+std::string lines(int count, const std::string& line) {
+  std::string text;
+  for (int i = 0; i < count; ++i)
+    for (const char c : line) text += c == '#' ? std::to_string(i) : std::string{c};
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("hostile files: no file, a folder, nothing, bytes, a gigabyte", "[graph]") {
+  const TemporaryFolder folder;
+  CHECK(told(folder, folder.path() / "none.toml") == "none.toml: there is no such file; check the path");
+  std::filesystem::create_directory(folder.path() / "folder.toml");
+  CHECK(told(folder, folder.path() / "folder.toml") == "folder.toml: this is a folder; name a file in it");
+  CHECK(told(folder, folder.write("empty.toml", "")) ==
+        "empty.toml:1:1: 'format' is missing; begin the file with format = 1");
+  CHECK(told(folder, folder.write("binary.toml", std::string("\x7f"
+                                                             "ELF\x02\x01\x01\x00\x00\xff\xfe",
+                                                             11))) ==
+        "binary.toml:1:10: this is not UTF-8 text; save the file as UTF-8");
+  const auto zeros = told(folder, folder.write("zeros.toml", std::string(64, '\0')));
+  CHECK(zeros.starts_with("zeros.toml:1:1: "));
+  CHECK(zeros.find('\0') == std::string::npos);
+  const auto huge = folder.write("huge.toml", kFormat);
+  std::filesystem::resize_file(huge, 1u << 30);
+  CHECK(told(folder, huge) ==
+        "huge.toml: the file is larger than 16 MB; graph files are text of a few pages");
+}
+
+TEST_CASE("hostile files: nesting 100000 deep is refused before the parser recurses", "[graph]") {
+  for (const std::string open : {"[", "{ a = ", "a.", "[[", "[{ a = "}) {
+    INFO(open);
+    const auto text = (open == "a." ? "" : "x = ") + repeated(open, 100000);
+    CHECK(test::mistakes(text).find("brackets or dots more than 64 deep; close some of them before") !=
+          std::string::npos);
+  }
+  CHECK(test::mistakes("[" + repeated("a.", 100000) + "b]\n").find("more than 64 deep") != std::string::npos);
+}
+
+TEST_CASE("hostile files: 10000 nodes or masses load, more values than a parser stands do not", "[graph]") {
+  CHECK(
+      test::mistakes("format = 1\n[inputs]\nx = {}\n[nodes]\nn0 = { type = \"low_pass\", in = \"x\", cutoff "
+                     "= \"1 kHz\" }\n" +
+                     lines(10000, "m# = { type = \"clip\", in = \"0.5 * n0\" }\n") +
+                     "[outputs]\ny = { from = \"m9999\" }\n") == "");
+  CHECK(test::mistakes("format = 1\n[networks.star]\nsolver = \"explicit\"\n" +
+                       lines(10000, "m# = { type = \"mass\", mass = \"1 g\" }\n") +
+                       lines(9999,
+                             "s# = { type = \"spring\", between = [\"m#\", \"m9999\"], stiffness = "
+                             "\"1 N/m\" }\n") +
+                       "[outputs]\ny = { from = \"star.m9999.position\", unit = \"m\" }\n") == "");
+  CHECK(test::mistakes("format = 1\n[nodes]\n" + lines(260000, "n# = 1\n")) ==
+        "test.toml:250001:9: more than 250000 values; keep tables of numbers in a sound file");
+  // 10^7 of them are more than 16 MB.
+  CHECK(test::mistakes(repeated("a=\n", 10'000'000)) ==
+        "test.toml: the file is larger than 16 MB; graph files are text of a few pages");
+}
+
+TEST_CASE("hostile files: a long chain of names, written backwards, and as many wrong ones", "[graph]") {
+  std::string chain = "format = 1\n[nodes]\n";
+  for (int i = 20000; i > 0; --i)
+    chain += "n" + std::to_string(i) + " = \"n" + std::to_string(i - 1) + "\"\n";
+  CHECK(test::mistakes(chain + "n0 = \"1 N\"\n[outputs]\ny = { from = \"n20000\", unit = \"N\" }\n") == "");
+  const auto many = test::mistakes("format = 1\n[nodes]\n" + lines(20000, "n# = \"wrong#\"\n"));
+  CHECK(std::count(many.begin(), many.end(), '\n') == 19999);
+}
+
+TEST_CASE("hostile files: parts of parts that double are refused", "[graph]") {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 30; ++i) {
+    const auto next = "\"p" + std::to_string(i + 1) + ".toml\"";
+    folder.write("p" + std::to_string(i) + ".toml",
+                 kFormat + ("[nodes]\na = { use = " + next + " }\nb = { use = " + next + " }\n"));
+  }
+  folder.write("p30.toml", std::string{kFormat} + "[nodes]\na = \"1\"\n");
+  const auto doubled = told(folder, folder.path() / "p0.toml");
+  CHECK(doubled.ends_with("the parts come to more than 250000 signals; use fewer parts inside parts"));
+  CHECK(std::count(doubled.begin(), doubled.end(), '\n') == 0);
+}
+
+TEST_CASE("hostile files: neither lanes nor delays can ask for more than there is", "[graph]") {
+  CHECK(
+      test::mistakes("format = 1\n[inputs]\nx = { lanes = 1024 }\n[nodes]\n" +
+                     lines(3, "n# = \"x" + repeated(" + x", 99) + "\"\n")) ==
+      "test.toml: with all its lanes the graph has more than 250000 nodes and operators; take fewer voices, "
+      "or fewer parts");
+  const auto delays = test::mistakes(
+      "format = 1\n[inputs]\nx = {}\n[nodes]\na = { type = \"delay\", in = \"x\", time = \"10 s\", voices = "
+      "1024 }\nb = { type = \"mix\", in = \"a\" }\n[outputs]\ny = { from = \"b\" }\n");
+  CHECK(
+      delays ==
+      "test.toml:5:1: delay 'a': the graph would keep more than 512 MB; take shorter delays and recordings, "
+      "or fewer voices");
+}
+
+TEST_CASE("hostile files: a file of a node does not lead out of its folder either", "[graph]") {
+  const TemporaryFolder folder;
+  folder.write("secret.wav", "RIFF");
+  const auto with = [&](const std::string& name) {
+    return told(folder, folder.write("drum/a.toml",
+                                     "format = 1\n[nodes]\na = { type = \"sample\", trigger = 1, "
+                                     "file = \"" +
+                                         name + "\" }\n"));
+  };
+  CHECK(with("../secret.wav") ==
+        "drum/a.toml:3:44: '../secret.wav' leads out of the folder 'drum'; keep the files of an instrument "
+        "inside it");
+  CHECK(with("/etc/passwd") ==
+        "drum/a.toml:3:44: '/etc/passwd' is an absolute path; give it relative to this file");
+  std::filesystem::create_symlink(folder.path() / "secret.wav", folder.path() / "drum/link.wav");
+  CHECK(with("link.wav") ==
+        "drum/a.toml:3:44: 'link.wav' leads out of the folder 'drum'; keep the files of an instrument inside "
+        "it");
+  CHECK(
+      with("thunder_and_lightning.wav") ==
+      "drum/a.toml:3:44: there is no file 'drum/thunder_and_lightning.wav'; paths are relative to this file");
+  CHECK(with(std::string(5000, 'a')).find("there is no file") != std::string::npos);
+}
+
+TEST_CASE("hostile files: no character of a file reaches the terminal as a command", "[graph]") {
+  CHECK(test::mistakes("format = 1\n[nodes]\na = { type = \"\\u001b[31mclip\\nall is well\" }\n") ==
+        "test.toml:3:14: there is no node type '?[31mclip?all is well'; `tactus nodes` lists them all");
+  CHECK(test::mistakes("format = 1\n[nodes]\na = { type = \"\xC2\x9B"
+                       "31mclip\" }\n") ==
+        "test.toml:3:14: there is no node type '?31mclip'; `tactus nodes` lists them all");
+}

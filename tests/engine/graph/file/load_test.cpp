@@ -1,0 +1,154 @@
+#include "engine/graph/file/load.h"
+
+#include <catch2/catch.hpp>
+
+using namespace tactus;
+
+namespace {
+
+std::string mistakes(std::string_view text) {
+  const auto spec = parse_graph(text, "drum.toml");
+  return spec ? "" : to_string(spec.error());
+}
+
+template <class Entries>
+std::string names(const Entries& entries) {
+  std::string text;
+  for (const auto& entry : entries) text += entry.name + " ";
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("graph: the drum of the manual becomes plain data in the order of the file", "[graph]") {
+  const auto read = parse_graph(R"(format = 1
+name   = "haptic drum"
+about  = "Throws a pulse at the stick each time it lands."
+source = "Berdahl, Steiner, Oldham, NIME 2008, section 7.1"
+[inputs]
+microphone = { unit = "full scale" }
+[controls]
+strength    = { value = 0.6, range = [0, 1] }
+sensitivity = { value = "-34 dB", range = ["-60 dB", "0 dB"] }
+[nodes]
+pulse = { type = "decay", trigger = "hit", time = "12 ms" }
+hit   = { type = "onset", in = "microphone", threshold = "sensitivity", hold = "15 ms" }
+sum   = "x + 2"
+half  = 0.5
+[outputs]
+woofer = { from = "strength * pulse" }
+hit    = { from = "microphone", kind = "audio" }
+[delay]
+tested = ["0 ms", "40 ms"]
+)",
+                                "drum.toml");
+  REQUIRE(read);
+  const auto& spec = **read;
+  CHECK(spec.file.text() == "drum.toml");
+  CHECK(spec.name == "haptic drum");
+  CHECK(spec.source == "Berdahl, Steiner, Oldham, NIME 2008, section 7.1");
+  CHECK(names(spec.inputs) == "microphone ");
+  CHECK(names(spec.controls) == "strength sensitivity ");
+  CHECK(names(spec.nodes) == "pulse hit sum half ");
+  CHECK(names(spec.outputs) == "woofer hit ");
+  const auto& pulse = spec.nodes[0];
+  CHECK(pulse.type == "decay");
+  CHECK(pulse.at.text() == "drum.toml:11:1");
+  CHECK(pulse.type_at.text() == "drum.toml:11:18");
+  REQUIRE(pulse.fields.size() == 2);  // without `type`
+  CHECK(pulse.fields[0].key == "trigger");
+  CHECK(*spec.nodes[2].value->text() == "x + 2");
+  CHECK(*spec.nodes[3].value->number() == 0.5);
+  REQUIRE(spec.delay);
+  CHECK(find(spec.delay->fields, "tested")->list()->size() == 2);
+}
+
+TEST_CASE("graph: a table of its own and a table in a line are the same", "[graph]") {
+  const auto read = parse_graph(
+      "format = 1\n[nodes.a]\ntype = \"gain\"\n[nodes]\nb = { type = \"gain\" }\n[nodes.c]\n"
+      "type = \"gain\"\n",
+      "a.toml");
+  REQUIRE(read);
+  CHECK(names((*read)->nodes) == "a b c ");
+}
+
+TEST_CASE("graph: a network's tables are its elements, the rest its options", "[graph]") {
+  const auto read = parse_graph(R"(format = 1
+[networks.drum]
+oversample = 2
+stick = { type = "mass", mass = "20 g" }
+[networks.drum.head]
+type = "contact"
+between = ["stick", "ground"]
+)",
+                                "a.toml");
+  REQUIRE(read);
+  const auto& drum = (*read)->networks.at(0);
+  CHECK(drum.name == "drum");
+  REQUIRE(drum.options.size() == 1);
+  CHECK(drum.options[0].key == "oversample");
+  CHECK(names(drum.elements) == "stick head ");
+  CHECK(drum.elements[1].type == "contact");
+  CHECK(drum.elements[1].fields.size() == 1);
+}
+
+TEST_CASE("graph: all mistakes come in one go, in file order", "[graph]") {
+  CHECK(mistakes(R"(name = 5
+[nods]
+[nodes]
+Hit = { type = "onset" }
+ms = 1
+min = 2
+x = { typ = "gain" }
+y = { in = "x" }
+z = { type = "gain", use = "gain.toml" }
+w = { type = 3 }
+v = { type = "" }
+mic = 1
+[inputs]
+mic = 3
+[outputs]
+mic = "mic"
+[networks.n]
+a = { mass = 3 }
+[controls]
+a = { value = 1 }
+[gestures]
+)") ==
+        R"(drum.toml:1:1: 'format' is missing; begin the file with format = 1
+drum.toml:1:8: 'name' must be a string, not a number; put it in quotes
+drum.toml:2:2: unknown key 'nods'; did you mean 'nodes'?
+drum.toml:4:1: 'Hit' cannot name a node; names begin with a small letter and go on with small letters, digits and _
+drum.toml:5:1: 'ms' is a unit and cannot name a node; choose another name
+drum.toml:6:1: 'min' is reserved and cannot name a node; choose another name
+drum.toml:7:1: node 'x' has neither 'type' nor 'use'; is 'typ' meant as 'type'?
+drum.toml:8:1: node 'y' has neither 'type' nor 'use'; name a node type, as in type = "low_pass", or the file of a part, as in use = "string.toml"
+drum.toml:9:1: node 'z' has both 'type' and 'use'; remove one of them
+drum.toml:9:28: there is no file 'gain.toml'; paths are relative to this file
+drum.toml:10:14: 'type' must be a string, not a number; put it in quotes
+drum.toml:11:14: 'type' is empty; name something
+drum.toml:14:1: 'mic' cannot name an input: it names a node in line 12; choose another name
+drum.toml:14:7: 'mic' in [inputs] must be a table, not a number; write mic = { unit = "full scale" }
+drum.toml:16:7: 'mic' in [outputs] must be a table, not a string; write mic = { from = "node" }
+drum.toml:18:1: element 'a' of network 'n' has no 'type'; say what it is, as in type = "mass"
+drum.toml:21:2: 'gestures' belongs in a scene, and this is a graph; move it to the scene's file)");
+}
+
+TEST_CASE("graph: sections must be tables, and the format must be known", "[graph]") {
+  CHECK(mistakes("format = 2\nnodes = 3\ninputs = \"mic\"\nxyz = 1") ==
+        "drum.toml:1:10: this format is not known; write format = 1\n"
+        "drum.toml:2:9: 'nodes' must be a table, not a number; begin it with [nodes]\n"
+        "drum.toml:3:10: 'inputs' must be a table, not a string; begin it with [inputs]\n"
+        "drum.toml:4:1: unknown key 'xyz'; there are 'format', 'name', 'about', 'source', 'inputs', "
+        "'controls', "
+        "'nodes', 'networks', 'outputs' and 'delay'");
+}
+
+TEST_CASE("graph: one letter may name a node although it is a unit, and an output may be called like a node",
+          "[graph]") {
+  CHECK(mistakes("format = 1\n[nodes]\ns = 1\ng = \"s\"\nm_2 = 3\n[outputs]\ns = { from = \"s\" }\n") == "");
+}
+
+TEST_CASE("graph: a syntax error comes alone", "[graph]") {
+  CHECK(mistakes("[nods]\nx = 12 ms") == "drum.toml:2:5: '12 ms' stands without quotes; write \"12 ms\"");
+}

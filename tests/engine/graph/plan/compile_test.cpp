@@ -1,0 +1,122 @@
+#include "engine/graph/plan/compile.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/graph_runner.h"
+
+using namespace tactus;
+using test::engine_of;
+using test::mistakes;
+
+namespace {
+
+std::string graph(const std::string& body) { return "format = 1\nname = \"test\"\n" + body; }
+
+}  // namespace
+
+TEST_CASE("compile: expressions compute what they say", "[graph]") {
+  const auto engine = engine_of(graph(R"(
+[inputs]
+x = {}
+[controls]
+k = { value = "-6.0206 dB", range = ["-60 dB", "0 dB"] }
+[nodes]
+half = "k * x"
+sum  = "max(half, 0.25) - min(x, abs(-0.1)) / 2"
+[outputs]
+y = { from = "sum" }
+)"));
+  const auto out = test::run(*engine, {{1.0, 0.2, -2.0}}, 3, {2});
+  CHECK(out[0][0] == Approx(0.5 - 0.05).epsilon(1e-6));
+  CHECK(out[0][1] == Approx(0.25 - 0.05).epsilon(1e-6));
+  CHECK(out[0][2] == Approx(0.25 + 1.0).epsilon(1e-6));
+}
+
+TEST_CASE("compile: every mistake of a file in one go, in file order", "[graph]") {
+  CHECK(mistakes(graph(R"([inputs]
+x = { unit = "m" }
+[nodes]
+a = { type = "sprign", in = "x" }
+b = { type = "spring", in = "x", stiffnes = "100 N/m" }
+c = { type = "clip", in = "y" }
+d = "x + 3 N"
+e = "a * 2"
+f = { type = "spring", in = "3 V", stiffness = "-1 N/m" }
+[outputs]
+force = { from = "f" }
+)")) == R"(test.toml:6:14: there is no node type 'sprign'; did you mean 'spring'?
+test.toml:7:1: spring 'b' lacks 'stiffness'; write stiffness = … (force for a metre)
+test.toml:7:34: spring 'b' has no 'stiffnes'; did you mean 'stiffness'?
+test.toml:8:28: there is no 'y'; name an input, a control or a node of this file
+test.toml:9:10: this is in N, but it is added to what is in m; multiply one of them by a quantity that turns its unit into the other's
+test.toml:11:30: 'in' of spring 'f' is in m, but this is in V; give a quantity in m
+test.toml:11:49: 'stiffness' of spring 'f' cannot be -1 N/m; it must be at least 0 N/m
+test.toml:13:1: output 'force' is a plain number, but it is given what is in N; give it a unit, as in unit = "N", or scale it to full scale)");
+}
+
+TEST_CASE("compile: what reaches no output is left out", "[graph]") {
+  const auto engine = engine_of(graph(R"(
+[inputs]
+x = {}
+unused = {}
+[controls]
+nobody = { value = 0.5 }
+[nodes]
+lost  = { type = "clip", in = "x" }
+muted = { type = "clip", in = "x" }
+two   = "1 + 1"
+[outputs]
+y = { from = "two * x + 0 * muted" }
+)"));
+  std::map<std::string, std::string> reasons;
+  for (const auto& left : engine->schedule().left_out) reasons[left.path] = left.reason;
+  CHECK(reasons["lost"] == "reaches no output");
+  CHECK(reasons["unused"] == "reaches no output");
+  CHECK(reasons["muted"] == "reaches only what is multiplied by zero");
+  CHECK(reasons["nobody"] == "nobody reads it");
+  CHECK(reasons["two"] == "is always 2");
+  CHECK(engine->schedule().nodes.empty());
+}
+
+TEST_CASE("compile: a loop without delay is named edge by edge", "[graph]") {
+  CHECK(mistakes(graph(R"([inputs]
+x = {}
+[nodes]
+a = { type = "clip", in = "x + b" }
+b = "0.5 * c"
+c = { type = "clip", in = "a" }
+[outputs]
+y = { from = "a" }
+)")) == "test.toml:6:1: a -> c -> b -> a has no delay in it; put a 'delay' node on one of these edges");
+}
+
+TEST_CASE("compile: lanes repeat, run side by side, and need a mix to meet", "[graph]") {
+  const auto engine = engine_of(graph(R"(
+[inputs]
+x = { lanes = 2 }
+[nodes]
+gains = "x * 10"
+many  = { type = "clip", in = "gains", high = [3, 4] }
+sum   = { type = "mix", in = "many" }
+ramp  = { type = "clip", voices = 3, in = { from = 0.1, to = 0.3 } }
+all   = { type = "mix", in = "ramp" }
+[outputs]
+each = { from = "many" }
+one  = { from = "sum" }
+six  = { from = "all" }
+)"));
+  const auto out = test::run(*engine, {{1.0}, {0.35}}, 1, {1});
+  REQUIRE(out.size() == 4);
+  CHECK(out[0][0] == 3);
+  CHECK(out[1][0] == 3.5);
+  CHECK(out[2][0] == 6.5);
+  CHECK(out[3][0] == Approx(0.6));
+  CHECK(mistakes(graph(R"([inputs]
+x = { lanes = 2 }
+[nodes]
+bad = "x + y"
+y   = { type = "clip", in = [1, 2, 3] }
+[outputs]
+z = { from = "bad" }
+)")) == "test.toml:6:8: 2 lanes meet 3; give both the same number of lanes, or put a 'mix' between them");
+}

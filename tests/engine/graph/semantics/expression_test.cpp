@@ -1,0 +1,134 @@
+#include "engine/graph/semantics/expression.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace tactus;
+
+namespace {
+
+const Source kAt{std::make_shared<const std::string>("a.toml"), 3, 10};
+
+/// The tree in brackets: "(+ x (* 2 y))".
+std::string show(const Expression& e) {
+  using Op = Expression::Op;
+  if (e.op == Op::Name) return e.name;
+  if (e.op == Op::Number) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.6g", e.number);
+    return std::string{text} + (e.dimension.plain() ? "" : " " + to_string(e.dimension)) +
+           (e.bare ? "" : "!");
+  }
+  static constexpr const char* kSigns[] = {"", "", "neg", "+", "-", "*", "/", "min", "max", "abs"};
+  std::string text = std::string{"("} + kSigns[static_cast<int>(e.op)];
+  for (const auto& argument : e.arguments) text += " " + show(argument);
+  return text + ")";
+}
+
+std::string parsed(std::string_view text) {
+  const auto expression = parse_expression(text, kAt);
+  return expression ? show(*expression) : to_string(expression.error());
+}
+
+}  // namespace
+
+TEST_CASE("expression: products bind tighter than sums, both group from the left", "[graph]") {
+  CHECK(parsed("x + g * loss") == "(+ x (* g loss))");
+  CHECK(parsed("a - b - c") == "(- (- a b) c)");
+  CHECK(parsed("a / b * c") == "(* (/ a b) c)");
+  CHECK(parsed("(a + b) * c") == "(* (+ a b) c)");
+  CHECK(parsed("-a * b") == "(* (neg a) b)");
+  CHECK(parsed("a - -b") == "(- a (neg b))");
+  CHECK(parsed("min(a, max(b, 1)) + abs(-c)") == "(+ (min a (max b 1)) (abs (neg c)))");
+  CHECK(parsed(" \t drum.stick.position ") == "drum.stick.position");
+}
+
+TEST_CASE("expression: quantities become SI numbers that know what they measure", "[graph]") {
+  CHECK(parsed("15 ms") == "0.015 s!");
+  CHECK(parsed("15ms") == "0.015 s!");
+  CHECK(parsed("2 N/m") == "2 N/m!");
+  CHECK(parsed("5e6 N/m^1.5") == "5e+06 N/m^1.5!");
+  CHECK(parsed("3 N s/m * v") == "(* 3 N s/m! v)");
+  CHECK(parsed("2 1/m") == "2 1/m!");
+  CHECK(parsed("50 % * x") == "(* 0.5! x)");
+  CHECK(parsed("0.5 full scale") == "0.5!");
+  CHECK(parsed("180 deg") == "3.14159!");
+  CHECK(parsed(".5") == "0.5");
+}
+
+TEST_CASE("expression: a sign belongs to its decibels", "[graph]") {
+  CHECK(parsed("-20 dB") == "0.1!");
+  CHECK(parsed("x * -20 dB") == "(* x 0.1!)");
+  CHECK(parsed("x - 20 dB") == "(- x 10!)");
+  CHECK(parsed("-(20 dB)") == "(neg 10!)");
+}
+
+TEST_CASE("expression: a unit only stands behind a number, and a spaced '/' or '*' ends it", "[graph]") {
+  CHECK(parsed("2 * s") == "(* 2 s)");
+  CHECK(parsed("2 s * s") == "(* 2 s! s)");
+  CHECK(parsed("1 N / m") == "(/ 1 N! m)");
+  CHECK(parsed("1 m/s") == "1 m/s!");
+  CHECK(parsed("1 m/speed") == "(/ 1 m! speed)");
+  CHECK(parsed("g / 2") == "(/ g 2)");
+}
+
+TEST_CASE("expression: every part knows its place, an operator that of its sign", "[graph]") {
+  const auto e = parse_expression("x + 2 * abs(-y)", kAt);
+  REQUIRE(e);
+  CHECK(e->at.text() == "a.toml:3:12");
+  CHECK(e->arguments[0].at.column == 10);
+  CHECK(e->arguments[1].at.column == 16);
+  CHECK(e->arguments[1].arguments[1].at.column == 18);
+  CHECK(e->arguments[1].arguments[1].arguments[0].at.column == 22);
+  CHECK(e->arguments[1].arguments[1].arguments[0].arguments[0].at.column == 23);
+}
+
+TEST_CASE("expression: what cannot be read is said in words", "[graph]") {
+  const auto [text, message] = GENERATE(table<std::string, std::string>({
+      {"", "a.toml:3:10: the expression is empty; a number, a name or '(' belongs here"},
+      {"x +", "a.toml:3:13: the expression ends too early; a number, a name or '(' belongs here"},
+      {"x * / y", "a.toml:3:14: '/' stands where a value should; a number, a name or '(' belongs here"},
+      {"x y", "a.toml:3:12: 'y' stands where an operator should; put + - * or / before it"},
+      {"2 ms x", "a.toml:3:15: 'x' stands where an operator should; put + - * or / before it"},
+      {"2 x", "a.toml:3:12: 'x' is not a unit; to multiply, write 2 * x"},
+      {"15 msec", "a.toml:3:13: 'msec' is not a unit; to multiply, write 15 * msec"},
+      {"3 dB/s", "a.toml:3:12: 'dB/s' is not a unit; units look like ms, mm/s, N/m^1.5 or dB"},
+      {"x)", "a.toml:3:11: ')' has no '(' before it; remove it"},
+      {"2 * (x + 1", "a.toml:3:14: '(' is not closed; put ')' where it ends"},
+      {"(x y)", "a.toml:3:13: 'y' stands where an operator or ')' should; put + - * or / before it, or ')'"},
+      {"1,5", "a.toml:3:11: ',' stands outside of min( , ) and max( , ); write decimals with a point"},
+      {"x ^ 2", "a.toml:3:12: '^' is not an operator; multiply instead"},
+      {"1.5.2", "a.toml:3:13: '.2' stands where an operator should; put + - * or / before it"},
+      {"sqrt(x)", "a.toml:3:10: there is no function 'sqrt'; there are min, max and abs"},
+      {"min(x)", "a.toml:3:15: 'min' and 'max' take two values; write min(a, b)"},
+      {"min(x, y, z)", "a.toml:3:18: too many values for 'min'; write min(a, b)"},
+      {"abs(x, y)", "a.toml:3:15: too many values for 'abs'; write abs(x)"},
+      {"max + 1", "a.toml:3:14: '(' is missing behind 'max'; write max(a, b)"},
+      {"max(a, b", "a.toml:3:13: '(' is not closed; put ')' where it ends"},
+      {"Gain * 2",
+       "a.toml:3:10: 'Gain' is not a name; names are small letters, digits and _, ports follow a dot"},
+      {"a..b",
+       "a.toml:3:10: 'a..b' is not a name; names are small letters, digits and _, ports follow a dot"},
+      {"a.", "a.toml:3:10: 'a.' is not a name; names are small letters, digits and _, ports follow a dot"},
+      {"2 × x", "a.toml:3:12: '×' stands where an operator should; put + - * or / before it"},
+      {"1e999",
+       "a.toml:3:10: the number 1e999 is too large or too small; write one between 1e-300 and 1e300"},
+      {"1e5 dB", "a.toml:3:10: the number 1e5 is too large; write one below 1e300"},
+  }));
+  CHECK(parsed(text) == message);
+}
+
+TEST_CASE("expression: depth and length are bounded, so that nothing overflows the stack", "[graph]") {
+  const std::string deep(100000, '(');
+  CHECK(parsed(deep) == "a.toml:3:74: more than 64 signs and brackets inside one another; use nodes");
+  CHECK(parsed(std::string(100000, '-') + "x").find("more than 64") != std::string::npos);
+  std::string wide = "x";
+  for (int i = 0; i < 999; ++i) wide += "+x";
+  CHECK(parse_expression(wide, kAt));
+  CHECK(parsed(wide + "+x") ==
+        "a.toml:3:2010: the expression has more than 1000 values; split it into nodes");
+}
+
+TEST_CASE("expression: the text of a string begins behind its quote", "[graph]") {
+  CHECK(text_start(Value{std::string{"x + y"}, {kAt.file, 2, 5}}).text() == "a.toml:2:6");
+}

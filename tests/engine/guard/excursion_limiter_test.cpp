@@ -1,0 +1,114 @@
+#include "engine/guard/excursion_limiter.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "engine/core/units.h"
+#include "engine/guard/drive_guard.h"
+
+using namespace tactus;
+
+namespace {
+
+constexpr Hertz kRate = 48_kHz;
+constexpr double kPi = 3.141592653589793;
+
+/// The moving mass of travel.h by Runge and Kutta's fourth-order method, four steps to a frame; in metres.
+class FineMass {
+ public:
+  explicit FineMass(const TravelLimits& limits) : limits_(limits), w_(2 * kPi * limits.resonance.value) {}
+  double frame(double y) {
+    constexpr int kSteps = 4;
+    const double h = 1.0 / kRate.value / kSteps;
+    double farthest = 0.0;
+    for (int n = 0; n < kSteps; ++n) {
+      const auto k1 = slope(state_, y), k2 = slope(state_ + 0.5 * h * k1, y),
+                 k3 = slope(state_ + 0.5 * h * k2, y), k4 = slope(state_ + h * k3, y);
+      state_ = state_ + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+      farthest = std::max(farthest, std::abs(state_.x));
+    }
+    return farthest;
+  }
+
+ private:
+  Vector2 slope(Vector2 s, double y) const {
+    return {s.y, w_ * w_ * (limits_.metres_at_full_scale * y - s.x) - w_ / limits_.q * s.y};
+  }
+  TravelLimits limits_;
+  double w_;
+  Vector2 state_;
+};
+
+double uniform(std::mt19937& random, double low, double high) {
+  return std::uniform_real_distribution<double>{low, high}(random);
+}
+double logarithmic(std::mt19937& random, double low, double high) {
+  return low * std::pow(high / low, uniform(random, 0, 1));
+}
+
+}  // namespace
+
+TEST_CASE("travel: the mass never passes its limit, whatever is asked of it", "[core]") {
+  std::mt19937 random{5};
+  double farthest = 0.0;
+  for (int profile = 0; profile < 60; ++profile) {
+    TravelLimits travel{.metres = logarithmic(random, 1e-4, 1e-2),
+                        .metres_at_full_scale = 0,
+                        .resonance = Hertz{logarithmic(random, 15, 400)},
+                        .q = logarithmic(random, 0.2, 30)};
+    travel.metres_at_full_scale = travel.metres * logarithmic(random, 0.1, 8);
+    DriveLimits limits{.ceiling = uniform(random, 0.3, 1.0), .travel = travel};
+    if (profile % 2 == 1) limits.slew_per_second = logarithmic(random, 30, 50'000);
+    DriveGuard guard{DriveGuard::Kind::Drive, limits, kRate};
+    guard.set_open(true, 0);
+    FineMass mass{travel};
+    const double pitch = travel.resonance.value * logarithmic(random, 0.2, 3);
+    for (int n = 0; n < 24'000; ++n) {
+      // Resonance, steps at odd times, noise and held force: whatever drives it outwards.
+      const int part = n / 4000 % 4;
+      double y = part == 0   ? 1.4 * std::sin(2 * kPi * pitch * n / kRate.value)
+                 : part == 1 ? (std::sin(2 * kPi * travel.resonance.value * n / kRate.value) > 0 ? 1.0 : -1.0)
+                 : part == 2 ? uniform(random, -2, 2)
+                             : 1.0;
+      if (guard.take_howl()) guard.set_open(true, n);
+      guard.process(&y, 1, n);
+      farthest = std::max(farthest, mass.frame(y) / travel.metres);
+    }
+  }
+  INFO("farthest " << farthest << " of the limit");
+  CHECK(farthest <= 1.0 + 1e-9);
+  CHECK(farthest > 0.99);
+}
+
+TEST_CASE("travel: a force that holds the mass just within its limit passes, and a little more does not",
+          "[core]") {
+  const TravelLimits travel{.metres = 5e-3, .metres_at_full_scale = 10e-3, .resonance = 30_Hz, .q = 0.4};
+  const auto held_back = [&](double y, double slew_per_second, int rise) {
+    DriveGuard guard{DriveGuard::Kind::Drive, {.slew_per_second = slew_per_second, .travel = travel}, kRate};
+    guard.set_open(true, 0);
+    std::vector<double> samples(96'000, y);
+    for (int n = 0; n < rise; ++n) samples[static_cast<std::size_t>(n)] = y * n / rise;
+    guard.process(samples.data(), 96'000, 0);
+    return guard.counts()[GuardStage::Travel].frames;
+  };
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  CHECK(held_back(0.4995, kNoLimit, 0) == 0);  // all at once: at this Q nothing swings over
+  CHECK(held_back(0.501, kNoLimit, 0) > 0);
+  CHECK(held_back(0.49, 100.0, 48'000) ==
+        0);  // there is a way back through the slew limit, if it goes slowly
+  CHECK(held_back(0.501, 100.0, 48'000) > 0);
+}
+
+TEST_CASE("travel: what it lets through is what reaches the limit, not less", "[core]") {
+  // Far below resonance the mass follows the force: at twice the limit it must come to stand at the limit.
+  const TravelLimits travel{.metres = 5e-3, .metres_at_full_scale = 10e-3, .resonance = 30_Hz, .q = 0.7};
+  DriveGuard guard{DriveGuard::Kind::Drive, {.travel = travel}, kRate};
+  guard.set_open(true, 0);
+  std::vector<double> samples(4800, 1.0);
+  guard.process(samples.data(), 4800, 0);
+  CHECK(samples.back() == Approx(0.5).epsilon(1e-3));
+}

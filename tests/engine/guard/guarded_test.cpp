@@ -1,0 +1,229 @@
+#include "engine/guard/guarded.h"
+
+#include <catch2/catch.hpp>
+#include <vector>
+
+using namespace tactus;
+using Kind = JournalEntry::Kind;
+
+namespace {
+
+/// Puts `level` on every output and remembers the blocks it was given.
+class Level final : public BlockProcessor {
+ public:
+  explicit Level(double level) : level_(level) {}
+  Status prepare(const StreamFormat& format) override {
+    channels_ = format.out_channels;
+    blocks.reserve(10'000);
+    return {};
+  }
+  void process(const BlockIo& io) noexcept override {
+    blocks.push_back(io.frames);
+    for (int c = 0; c < channels_; ++c)
+      for (int n = 0; n < io.frames; ++n) io.out[c][n] = level_;
+  }
+  std::vector<int> blocks;
+
+ private:
+  double level_;
+  int channels_ = 0;
+};
+
+/// Runs `guarded` for `frames` frames in one call and returns the outputs.
+std::vector<std::vector<double>> play(Guarded& guarded, int channels, int frames) {
+  std::vector<std::vector<double>> out(static_cast<std::size_t>(channels),
+                                       std::vector<double>(static_cast<std::size_t>(frames), -99.0));
+  std::vector<double*> pointers;
+  for (auto& channel : out) pointers.push_back(channel.data());
+  guarded.process({nullptr, pointers.data(), frames});
+  return out;
+}
+
+constexpr DriveLimits kAtOnce{.soft_start = Seconds{0}, .fade_out = Seconds{0}};
+const GuardedChannel kDrive{DriveGuard::Kind::Drive, kAtOnce};
+const GuardedChannel kAudio{DriveGuard::Kind::Audio, kAtOnce};
+
+}  // namespace
+
+TEST_CASE("guarded: every output passes its guard, named or not", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {{DriveGuard::Kind::Drive, {.ceiling = 0.5}}}};
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  Level loud{3.0};
+  Guarded unnamed{loud, {}};
+  REQUIRE(unnamed.prepare({.out_channels = 1}));
+  CHECK(play(guarded, 2, 8)[0] == std::vector<double>(8, 0.5));
+  const auto unlisted = play(guarded, 2, 8)[1];
+  for (const double sample : unlisted) CHECK(sample <= 16.0 / 24'000);
+  // Nobody knows what the second drive is: a soft start of half a second.
+  const auto alone = play(unnamed, 1, 8)[0];
+  for (const double sample : alone) CHECK(sample <= 3.0 * 8 / 24'000);
+  CHECK(guarded.counts(0)[GuardStage::Ceiling] == StageCount{16, 0.5});
+  CHECK(guarded.frame() == 16);
+}
+
+TEST_CASE("guarded: arm and mute hold from their frame on, and are reported with it", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive, kAudio}, /*armed=*/false};
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  REQUIRE(guarded.post({3, Kind::Arm, JournalEntry::kAllChannels, 1.0}));
+  REQUIRE(guarded.post({6, Kind::Mute, 0, 1.0}));
+  const auto out = play(guarded, 2, 8);
+  CHECK(out[0] == std::vector<double>{0, 0, 0, 1, 1, 1, 0, 0});
+  CHECK(out[1] == std::vector<double>(8, 1.0));  // what is only heard needs no arming
+
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::Mute, JournalEntry::kAllChannels, 1.0}));
+  CHECK(play(guarded, 2, 4)[1] == std::vector<double>(4, 0.0));
+
+  JournalEntry entry;
+  REQUIRE(guarded.take_applied(entry));
+  CHECK(entry == JournalEntry{3, Kind::Arm, JournalEntry::kAllChannels, 1.0});
+  REQUIRE(guarded.take_applied(entry));
+  CHECK(entry == JournalEntry{6, Kind::Mute, 0, 1.0});
+  REQUIRE(guarded.take_applied(entry));
+  CHECK(entry == JournalEntry{8, Kind::Mute, JournalEntry::kAllChannels, 1.0});
+  CHECK_FALSE(guarded.take_applied(entry));
+}
+
+TEST_CASE("guarded: an entry for a later block waits for it", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 1}));
+  REQUIRE(guarded.post({10, Kind::Mute, 0, 1.0}));
+  CHECK(play(guarded, 1, 8)[0] == std::vector<double>(8, 1.0));
+  CHECK(play(guarded, 1, 4)[0] == std::vector<double>{1, 1, 0, 0});
+}
+
+TEST_CASE("guarded: an unmuted drive that is disarmed stays silent", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive}, /*armed=*/false};
+  REQUIRE(guarded.prepare({.out_channels = 1}));
+  REQUIRE(guarded.post({0, Kind::Mute, 0, 1.0}));
+  REQUIRE(guarded.post({1, Kind::Mute, 0, 0.0}));
+  CHECK(play(guarded, 1, 4)[0] == std::vector<double>(4, 0.0));
+}
+
+TEST_CASE("guarded: cuts a block that is longer than promised", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 1, .max_frames = 4}));
+  CHECK(play(guarded, 1, 10)[0] == std::vector<double>(10, 1.0));
+  CHECK(level.blocks == std::vector<int>{4, 4, 2});
+}
+
+TEST_CASE("guarded: refuses entries that are not for it, and more than it can hold", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive}};
+  CHECK_FALSE(guarded.post({0, Kind::ControlChange, 0, 1.0}));
+  int taken = 0;
+  while (taken < 10'000 && guarded.post({0, Kind::Mute, 0, 0.0})) ++taken;
+  CHECK(taken == 256);
+}
+
+TEST_CASE("guarded: prepare says what does not fit", "[core]") {
+  Level level{1.0};
+  Guarded many{level, {kDrive, kDrive}};
+  CHECK(to_string(many.prepare({.out_channels = 1}).error()) ==
+        "2 guarded channels, but the stream has 1 outputs; open the stream with more outputs");
+  Guarded wrong{level, {{DriveGuard::Kind::Drive, {.ceiling = 2.0}}}};
+  CHECK(wrong.prepare({.out_channels = 1}).error().code == Errc::OutOfRange);
+}
+
+TEST_CASE("guarded: the last block before a stop is zeros, and what follows starts softly", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {{DriveGuard::Kind::Drive, {.soft_start = 1_ms}}}};
+  REQUIRE(guarded.prepare({.out_channels = 1}));
+  CHECK(play(guarded, 1, 100)[0].back() == 1.0);
+  std::vector<double> last(16, -99.0);
+  double* out = last.data();
+  guarded.finish({nullptr, &out, 16});
+  CHECK(last == std::vector<double>(16, 0.0));
+  CHECK(guarded.frame() == 100);
+  const auto again = play(guarded, 1, 100)[0];
+  CHECK(again[0] == 0.0);
+  CHECK(again[24] == 0.5);
+  CHECK(again[99] == 1.0);
+}
+
+TEST_CASE("guarded: a restart is never cooler than the run before, and says so in the journal", "[core]") {
+  const HeatLimits heat{.watts_at_full_scale = 10, .watts_for_ever = 5, .coil_time = 100_ms};
+  const std::vector<GuardedChannel> guards = {kAudio, {DriveGuard::Kind::Drive, {.heat = heat}}};
+  Level level{0.6};
+  Guarded guarded{level, guards};
+  REQUIRE(guarded.prepare({.out_channels = 2, .max_frames = 64}));
+  for (int second = 0; second < 3; ++second) play(guarded, 2, 48'000);
+  const auto warm = guarded.thermal_state(1);
+  CHECK(warm.coil > 0.3);
+  REQUIRE(guarded.prepare({.out_channels = 2, .max_frames = 64}));
+  CHECK(guarded.thermal_state(1) == warm);
+  JournalEntry coil, body;
+  REQUIRE(guarded.take_applied(coil));
+  REQUIRE(guarded.take_applied(body));
+  CHECK(coil == JournalEntry{0, Kind::CoilHeat, 1, warm.coil});
+  CHECK(body == JournalEntry{0, Kind::BodyHeat, 1, warm.body});
+
+  // The same entries, posted to a guard that was never warm, make it the same guard.
+  Level other{0.6};
+  Guarded restored{other, guards};
+  REQUIRE(restored.prepare({.out_channels = 2, .max_frames = 64}));
+  REQUIRE(restored.post(coil));
+  REQUIRE(restored.post(body));
+  CHECK(play(restored, 2, 48'000) == play(guarded, 2, 48'000));
+  CHECK(restored.thermal_state(1) == guarded.thermal_state(1));
+}
+
+TEST_CASE("guarded: a restart keeps what was muted or disarmed, and forgets what still waited", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive, kDrive, kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 3}));
+  REQUIRE(guarded.post({0, Kind::Mute, 0, 1.0}));
+  REQUIRE(guarded.post({0, Kind::Arm, 1, 0.0}));
+  REQUIRE(guarded.post({100, Kind::Mute, 2, 1.0}));
+  play(guarded, 3, 8);
+  REQUIRE(guarded.prepare({.out_channels = 3}));
+  const auto out = play(guarded, 3, 200);
+  CHECK(out[0] == std::vector<double>(200, 0.0));
+  CHECK(out[1] == std::vector<double>(200, 0.0));
+  CHECK(out[2] == std::vector<double>(200, 1.0));
+}
+
+TEST_CASE("guarded: what is ordered between two streams holds from the first frame", "[core]") {
+  Level level{0.25};
+  Guarded guarded{level, {kDrive, kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  play(guarded, 2, 8);
+  // No block comes any more: the device is away.
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::Arm, JournalEntry::kAllChannels, 0.0}));
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::Arm, 1, 1.0}));
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  const auto back = play(guarded, 2, 8);
+  CHECK(back[0] == std::vector<double>(8, 0.0));
+  CHECK(back[1] == std::vector<double>(8, 0.25));
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::Mute, JournalEntry::kAllChannels, 1.0}));
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  CHECK(play(guarded, 2, 8)[1] == std::vector<double>(8, 0.0));
+}
+
+TEST_CASE("guarded: an order for now overtakes those that wait for their frame", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 1}));
+  REQUIRE(guarded.post({1'000'000, Kind::Arm, 0, 1.0}));
+  REQUIRE(guarded.post({JournalEntry::kNow, Kind::Mute, 0, 1.0}));
+  CHECK(play(guarded, 1, 8)[0] == std::vector<double>(8, 0.0));
+}
+
+TEST_CASE("guarded: recordings may hold silence after noise", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive}};
+  REQUIRE(guarded.prepare({.in_channels = 1, .out_channels = 1, .max_frames = 48'000}));
+  const bool trusted = GENERATE(false, true);
+  if (trusted) guarded.trust_sensors();
+  std::vector<double> in(48'000, 0.0), out(48'000);
+  for (std::size_t n = 0; n < 2000; ++n)
+    in[n] = static_cast<double>(n * 2654435761u % 1000) * 1e-4;  // noise enough
+  const double* from[] = {in.data()};
+  double* to[] = {out.data()};
+  guarded.process({from, to, 48'000});
+  CHECK(out.back() == (trusted ? 1.0 : 0.0));
+}

@@ -1,0 +1,104 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/nodes/mechanics/damper.h"
+#include "engine/nodes/mechanics/spring.h"
+#include "engine/nodes/mechanics/terrain.h"
+#include "engine/nodes/mechanics/wall.h"
+#include "tests/support/play_node.h"
+
+using namespace tactus;
+using test::play_node;
+using test::refusal;
+using test::Samples;
+
+namespace {
+
+constexpr double kWeight = 2;
+const std::string kProfile =
+    "[[-0.008, 0.001], [-0.005, 0.0005], [-0.001, 0.002], [0.002, -0.001], [0.006, 0]]";
+
+/// Force and height at many places.
+test::Outputs feel(const std::string& profile, const Samples& places) {
+  test::NodeRunner runner(terrain_type(),
+                          {{"position", places}, {"weight", kWeight}, {"height", 0.001}, {"length", 0.002}},
+                          {{"profile", profile}, {"points", kProfile}});
+  return runner.run(test::even_cutting(static_cast<int>(places.size()), 64));
+}
+
+Samples places(double from, double to, int intervals) {
+  Samples x;
+  for (int i = 0; i <= intervals; ++i) x.push_back(from + (to - from) * i / intervals);
+  return x;
+}
+
+}  // namespace
+
+TEST_CASE("terrain: the force is -weight times the slope of the height it shows", "[nodes]") {
+  const std::string profile = GENERATE("detent", "sine", "points");
+  const double h = 1e-7;
+  auto x = places(-0.0075, 0.0055, 400);
+  const auto force = feel(profile, x)[0];
+  auto ahead = x, behind = x;
+  for (auto& a : ahead) a += h;
+  for (auto& b : behind) b -= h;
+  const auto above = feel(profile, ahead)[1], below = feel(profile, behind)[1];
+  double peak = 0, worst = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    peak = std::max(peak, std::abs(force[i]));
+    worst = std::max(worst, std::abs(force[i] + kWeight * (above[i] - below[i]) / (2 * h)));
+  }
+  REQUIRE(peak > 0.1);
+  CHECK(worst < 1e-6 * peak);
+}
+
+TEST_CASE("terrain: the work over a passage is the weight times the difference of heights", "[nodes]") {
+  const std::string profile = GENERATE("detent", "sine", "points");
+  // Ends and knots of the points lie on the grid, so that Simpson's rule is exact for the spline.
+  const int intervals = 14000;
+  const auto x = places(-0.008, 0.006, intervals);
+  const auto felt = feel(profile, x);
+  double work = 0;
+  for (int i = 0; i <= intervals; ++i)
+    work += felt[0][static_cast<std::size_t>(i)] * (i == 0 || i == intervals ? 1 : i % 2 == 1 ? 4 : 2);
+  work *= 0.014 / intervals / 3;
+  CHECK(work == Approx(kWeight * (felt[1].front() - felt[1].back())).margin(1e-9));
+}
+
+TEST_CASE("terrain: no force beyond drawn points, and no jump on the way there", "[nodes]") {
+  const auto felt = feel("points", {-0.1, -0.008 + 1e-12, 0.006 - 1e-12, 0.1});
+  for (const double force : felt[0]) CHECK(force == Approx(0).margin(1e-7));
+  CHECK(felt[1].front() == 0.001);
+}
+
+TEST_CASE("terrain: a detent is a spring of weight height / length^2 near its centre", "[nodes]") {
+  test::NodeRunner runner(terrain_type(), {{"position", 0.0}});
+  const double at[] = {0, kWeight, 0.001, 0.002};
+  CHECK(runner.node().response(0, 0, on_circle(10_Hz, 48_kHz), at)->real() ==
+        Approx(-kWeight * 0.001 / (0.002 * 0.002)).epsilon(1e-14));
+}
+
+TEST_CASE("terrain: points are asked for when the profile is made of them", "[nodes]") {
+  CHECK(refusal(terrain_type(), {{"position", 0.0}}, {{"profile", "points"}}) ==
+        "the profile 'points' needs at least two points; add points = [[x, z], ...]");
+  CHECK(
+      refusal(terrain_type(), {{"position", 0.0}}, {{"profile", "points"}, {"points", "[[1, 0], [0, 0]]"}}) ==
+      "'points' is not a profile: x does not ascend; write [[x, z], ...] with ascending x");
+}
+
+TEST_CASE("wall: pushes out behind its place, more when driven in, never pulls", "[nodes]") {
+  const auto out = play_node(wall_type(), 4,
+                             {{"position", Samples{0.01, 0.03, 0.03, 0.03}},
+                              {"velocity", Samples{5, 0, 0.5, -100}},
+                              {"stiffness", 800.0},
+                              {"damping", 2.0},
+                              {"at", 0.02}});
+  const Samples expected = {0, -8, -9, 0};
+  for (std::size_t i = 0; i < 4; ++i) CHECK(out[i] == Approx(expected[i]).margin(1e-14));
+}
+
+TEST_CASE("spring, damper: F = -k (x - rest), F = -b v", "[nodes]") {
+  CHECK(play_node(spring_type(), 2, {{"in", Samples{0.5, -0.5}}, {"stiffness", 8.0}, {"rest", 0.25}}) ==
+        Samples{-2, 6});
+  CHECK(play_node(damper_type(), 2, {{"in", Samples{2, -4}}, {"damping", 0.5}}) == Samples{-1, 2});
+}

@@ -1,0 +1,119 @@
+#include <catch2/catch.hpp>
+
+#include "engine/nodes/table.h"
+#include "engine/scene/build_scene.h"
+#include "tests/support/scene_folder.h"
+
+using namespace tactus;
+
+namespace {
+
+struct Folder : test::SceneFolder {
+  std::string mistakes(const std::string& text) const {
+    const auto file = (path() / "scene.toml").string();
+    const auto built = build_scene(parse_scene_leniently(text, file, path()), standard_nodes());
+    return built ? "" : strip(to_string(built.error()));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("scene: a scene without mistakes builds, and bare gestures fit any unit", "[scene]") {
+  const Folder folder;
+  CHECK(folder.mistakes(R"(format = 1
+delay = "1 ms"
+duration = "1 s"
+[parts]
+instrument = { use = "instrument.toml", mic = "plant.mic", pedal = 0, strength = "fade" }
+plant = { use = "plant.toml", drive = "instrument.woofer", lift = "hand" }
+[gestures]
+hand = { points = [["0 s", 0], ["1 s", 0.2]] }
+fade = { points = [["0 s", 0], ["1 s", 1]] }
+[expect]
+calm = { measure = "peak", of = "plant.stick", max = "1 m" }
+heard = { measure = "count", of = "instrument.hit", max = 3 }
+)") == "");
+}
+
+TEST_CASE("scene: the mistakes of text, wires, gestures and measures come together", "[scene]") {
+  const Folder folder;
+  CHECK(folder.mistakes(R"(format = 1
+duration = "1 m"
+[parts]
+instrument = { use = "instrument.toml", mic = "plant.mik", strenght = 1, strength = "hand" }
+plant = { use = "plant.toml", drive = "hand", lift = "heigth" }
+[gestures]
+hand = { points = [["0 s", "10 mm"], ["1 s", "20 mm"]] }
+height = { points = [["0 s", "0 m"]] }
+[expect]
+calm = { measure = "peek", of = "plant.stick", max = "1 m" }
+heard = { measure = "count", of = "instrument.hti", max = 3 }
+missed = { measure = "missed", max = 0 }
+loud = { measure = "rms", min = 0 }
+rate = { measure = "rate", of = "instrument.hit", min = "15 ms" }
+[compare]
+name = "softer"
+strengt = 0
+drum.gain = 1
+)") ==
+        R"(scene.toml:2:12: '1 m' is in m, but 'duration' is in s; give "15 ms"
+scene.toml:4:1: input 'pedal' of the instrument is not wired; say where it comes from, as in pedal = "plant.pedal"
+scene.toml:4:48: there is no 'plant.mik'; did you mean 'plant.mic'?
+scene.toml:4:60: the instrument has no input or control 'strenght'; did you mean 'strength'?
+scene.toml:4:85: control 'strength' is like 0.5, but gesture 'hand' is like 10 mm; give the points of the gesture the unit of the control
+scene.toml:5:40: 'drive' is a plain number, but this is in m; divide by a quantity in m
+scene.toml:5:55: there is no 'heigth'; did you mean 'height'?
+scene.toml:10:20: there is no measure 'peek'; did you mean 'peak'?
+scene.toml:11:35: nothing called 'instrument.hti' is recorded; did you mean 'instrument.hit'?
+scene.toml:12:1: 'missed' needs 'plant.contact', and nothing of that name is recorded; recorded are 'instrument.mic', 'instrument.pedal', 'instrument.hit.hit', 'instrument.hit.level', 'instrument.woofer', 'plant.mic' and 'plant.stick'
+scene.toml:13:1: 'rms' needs an 'of'; say of what, as in of = "plant.stick"
+scene.toml:14:1: 'rate' is in Hz, but it is to be compared with 15 ms; give its limits in Hz
+scene.toml:17:1: part 'instrument' has no control 'strengt'; did you mean 'strength'?
+scene.toml:18:6: there is no part 'drum'; see [parts])");
+}
+
+TEST_CASE("scene: controls take values and gestures within their range", "[scene]") {
+  const Folder folder;
+  CHECK(
+      folder.mistakes(R"(format = 1
+duration = "1 s"
+[parts]
+instrument = { use = "instrument.toml", mic = 0, pedal = 0, strength = "rise" }
+plant = { use = "plant.toml", drive = 0, lift = "1 s" }
+[gestures]
+rise = { points = [["0 s", 0], ["1 s", 2]] }
+)") ==
+      R"(scene.toml:4:72: gesture 'rise' moves control 'strength' to 2, which is outside its range; it goes from 0 to 1
+scene.toml:5:50: 'lift' is in m, but this is in s; give a quantity in m)");
+  CHECK(
+      folder.mistakes(R"(format = 1
+duration = "1 s"
+[parts]
+instrument = { use = "instrument.toml", mic = 0, pedal = 0, strength = "plant.mic" }
+plant = { use = "plant.toml", drive = 0, lift = "1 mm" }
+)") ==
+      R"(scene.toml:4:72: 'plant.mic' is neither a value for control 'strength' nor a gesture; give a quantity, or name a gesture that moves it)");
+}
+
+TEST_CASE("scene: a file that cannot be read hides what would be in it", "[scene]") {
+  const Folder folder;
+  folder.write("broken.toml", "format = 1\n[inputs\n");
+  CHECK(folder.mistakes(R"(format = 1
+duration = "1 s"
+[parts]
+instrument = { use = "broken.toml", mic = "plant.mic + 1 m", anything = 1 }
+plant = { use = "plant.toml", drive = "instrument.anything", lift = "1 s" }
+[expect]
+some = { measure = "count", of = "instrument.anything", max = 3 }
+)") ==
+        R"(scene.toml:5:70: 'lift' is in m, but this is in s; give a quantity in m
+broken.toml:2:8: in this table header: expected ']', saw '\n'; mend it to see what else there is)");
+  CHECK(folder.mistakes(R"(format = 1
+duration = "1 s"
+[parts]
+instrument = { use = "instrument.toml", mic = "plant.mic", pedal = 0 }
+plant = { use = "plant.toml", drive = "tap", lift = "tap" }
+[gesture]
+tap = { points = [["0 s", "0 m"]] }
+)") == R"(scene.toml:6:2: unknown key 'gesture'; did you mean 'gestures'?)");
+}

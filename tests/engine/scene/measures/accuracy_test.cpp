@@ -1,0 +1,47 @@
+#include "engine/scene/measures/accuracy.h"
+
+#include <catch2/catch.hpp>
+
+#include "engine/nodes/table.h"
+#include "engine/scene/build_scene.h"
+#include "tests/support/scene_folder.h"
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+/// All that is wrong with a scene of this [accuracy].
+std::string mistakes(const std::string& lines) {
+  const SceneFolder folder;
+  folder.write("scene.toml",
+               "format = 1\nduration = \"1 s\"\n[parts]\n"
+               "plant = { use = \"plant.toml\", drive = 0, lift = \"1 mm\" }\n[accuracy]\n" +
+                   lines);
+  const auto compiled = compile_scene(load_scene_leniently(folder.path()), standard_nodes());
+  return compiled ? "" : folder.strip(to_string(compiled.error()));
+}
+
+}  // namespace
+
+TEST_CASE("accuracy: a scene of a plant alone says what must come out right", "[scene]") {
+  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", to = \"0.5 s\", scale = \"1 mm\" }\n"
+                 "b = { measure = \"frequency\", of = \"plant.stick\", exact = \"110 Hz\" }\n") == "");
+}
+
+TEST_CASE("accuracy: mistakes are told by their place", "[scene]") {
+  CHECK(mistakes("a = { of = \"plant.stick\" }\n") ==
+        "scene.toml:6:1: 'a' says nothing to measure; write measure = \"position\" or another one");
+  CHECK(mistakes("a = { measure = \"positon\", of = \"plant.stick\" }\n") ==
+        "scene.toml:6:17: nothing called 'positon' can be compared; did you mean 'position'?");
+  CHECK(mistakes("a = { measure = \"position\" }\n") ==
+        "scene.toml:6:1: 'a' lacks 'of'; name a signal, as in of = \"plant.stick\"");
+  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stik\" }\n") ==
+        "scene.toml:6:34: nothing called 'plant.stik' is recorded; did you mean 'plant.stick'?");
+  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", exact = 1 }\n") ==
+        "scene.toml:6:57: 'position' is no single number that could be exact; leave 'exact' out");
+  CHECK(mistakes("a = { measure = \"frequency\", of = \"plant.stick\", exact = \"1 m\" }\n") ==
+        "scene.toml:6:1: 'frequency' is in Hz, not 1 m; give it in Hz");
+  CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", scale = 0 }\n") ==
+        "scene.toml:6:57: 'scale' must be above 0; give what an error of 1 is");
+}

@@ -1,0 +1,256 @@
+#include "engine/study/playability/playability.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+
+#include "engine/graph/file/entry_fields.h"
+#include "engine/nodes/table.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace tactus;
+
+namespace {
+
+const std::filesystem::path kInstruments = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
+
+SceneSpec scene_of(const std::string& file) {
+  auto scene = load_scene(kInstruments / file, kInstruments);
+  if (!scene) throw std::runtime_error(to_string(scene.error()));
+  return *scene;
+}
+
+SceneSpec short_drum() {
+  auto scene = scene_of("haptic_drum/scene.toml");
+  scene.duration = Seconds{2};
+  return scene;
+}
+
+/// Two delays, two strengths, three actuators, one other plant.
+PlayabilityOptions small() {
+  PlayabilityOptions options;
+  options.delays_s = {0.01, 0.02};
+  options.over = {{"strength", {0.4, 1.0}}};
+  options.gains = {0.5, 2};
+  options.draws = 1;
+  return options;
+}
+
+PlayabilityStudy studied(const PlayabilityOptions& options) {
+  auto study = study_playability(short_drum(), standard_nodes(), options);
+  if (!study) throw std::runtime_error(to_string(study.error()));
+  return std::move(*study);
+}
+
+bool same(const PlayabilityStudy& a, const PlayabilityStudy& b) {
+  if (a.runs.size() != b.runs.size()) return false;
+  for (std::size_t i = 0; i < a.runs.size(); ++i)
+    if (a.runs[i].delay_s != b.runs[i].delay_s || a.runs[i].at != b.runs[i].at ||
+        a.runs[i].variant != b.runs[i].variant || a.runs[i].judged != b.runs[i].judged)
+      return false;
+  return true;
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream{file, std::ios::binary};
+  return {std::istreambuf_iterator<char>{stream}, {}};
+}
+
+std::string mistake(const SceneSpec& scene, const PlayabilityOptions& options) {
+  const auto study = study_playability(scene, standard_nodes(), options);
+  return study ? "" : study.error().front().what;
+}
+
+}  // namespace
+
+TEST_CASE("playability: the number of workers changes nothing", "[analysis]") {
+  auto options = small();
+  options.workers = 1;
+  const auto alone = studied(options);
+  REQUIRE(alone.runs.size() == 2 * 2 * 4);
+  CHECK(alone.complete());
+  CHECK(alone.runs[0].as_written());
+  CHECK(alone.runs[1].variant == "actuator x 0.5");
+  CHECK(alone.runs[3].variant == "draw 1");
+  options.workers = 5;
+  CHECK(same(studied(options), alone));
+}
+
+TEST_CASE("playability: what was kept is not played again, and a torn line is", "[analysis]") {
+  const test::TemporaryFolder folder;
+  auto options = small();
+  const auto fresh = studied(options);
+  options.keep = folder.path();
+  CHECK(same(studied(options), fresh));
+  const auto file = folder.path() / "runs.jsonl";
+  const auto whole = text_of(file);
+  CHECK(std::count(whole.begin(), whole.end(), '\n') == 16);
+  CHECK(same(studied(options), fresh));
+  CHECK(text_of(file) == whole);  // nothing was added
+  // A kill in the middle of a line: that run is played again, on a line of its own.
+  std::ofstream{file, std::ios::binary} << whole.substr(0, whole.size() - 20);
+  CHECK(same(studied(options), fresh));
+  const auto mended = text_of(file);
+  CHECK(std::count(mended.begin(), mended.end(), '\n') == 17);
+  CHECK(same(studied(options), fresh));
+  CHECK(text_of(file) == mended);
+}
+
+TEST_CASE("playability: the shares of a study make the whole of it", "[analysis]") {
+  const test::TemporaryFolder folder;
+  auto options = small();
+  const auto fresh = studied(options);
+  options.keep = folder.path();
+  options.parts = 3;
+  for (options.part = 0; options.part < 3; ++options.part) {
+    const auto share = studied(options);
+    CHECK(share.complete() == (options.part == 2));
+  }
+  options.parts = 1;
+  options.part = 0;
+  options.stop = [] { return true; };  // all is there: nothing is begun
+  CHECK(same(studied(options), fresh));
+}
+
+TEST_CASE("playability: stopped, it keeps what is done and goes on from there", "[analysis]") {
+  const test::TemporaryFolder folder;
+  auto options = small();
+  const auto fresh = studied(options);
+  options.keep = folder.path();
+  options.workers = 1;
+  int asked = 0;
+  options.stop = [&] { return ++asked > 5; };
+  const auto stopped = studied(options);
+  CHECK(stopped.finished() == 5);
+  CHECK_FALSE(stopped.complete());
+  options.stop = {};
+  CHECK(same(studied(options), fresh));
+}
+
+TEST_CASE("playability: another scene, seed or control is another run", "[analysis]") {
+  const test::TemporaryFolder folder;
+  auto options = small();
+  options.over.clear();
+  options.keep = folder.path();
+  studied(options);
+  options.stop = [] { return true; };
+  CHECK(studied(options).finished() == 8);
+  auto other = options;
+  other.seed = 2;
+  CHECK(studied(other).finished() == 6);  // all but the draws
+  other = options;
+  other.set["strength"] = 0.9;
+  CHECK(studied(other).finished() == 0);
+}
+
+TEST_CASE("playability: a delay is playable when all as written are, and nine of ten of the others",
+          "[analysis]") {
+  PlayabilityStudy study;
+  study.delays_s = {0.0};
+  study.variants.resize(11);
+  for (int i = 0; i < 11; ++i)
+    study.runs.push_back({0, {}, i == 0 ? "as written" : "draw", JudgedRun{"regular", 1, i != 3, {}}});
+  CHECK(study.verdicts().front().playable);
+  CHECK(study.verdicts().front().robust() == Approx(0.9));
+  study.runs[4].judged->playable = false;
+  CHECK_FALSE(study.verdicts().front().playable);
+  study.runs[3].judged->playable = study.runs[4].judged->playable = true;
+  study.runs[0].judged->playable = false;
+  CHECK_FALSE(study.verdicts().front().playable);
+}
+
+TEST_CASE("playability: mistakes are told before anything is played", "[analysis]") {
+  PlayabilityOptions options;
+  options.delays_s = {0.02};
+  auto scene = short_drum();
+  scene.playability.reset();
+  CHECK(mistake(scene, options) == "the scene does not say what playing it well means");
+  options.over = {{"strenght", {0.5}}};
+  CHECK(mistake(short_drum(), options).find("strenght") != std::string::npos);
+  options.over = {{"strength", {0.5, 7.0}}};
+  CHECK(mistake(short_drum(), options).find("7") != std::string::npos);
+}
+
+TEST_CASE("playability: a control that a gesture moves is swept by the gesture", "[analysis]") {
+  PlayabilityOptions options;
+  options.delays_s = {0.02};
+  options.over = {{"strength", {0.5}}};
+  auto scene = short_drum();
+  for (auto& part : scene.parts)
+    if (part.name == "instrument")
+      part.wires.push_back({"strength", part.at, {std::string{"weight"}, part.at}});
+  CHECK(mistake(scene, options) == "control 'strength' is moved by gesture 'weight'");
+}
+
+TEST_CASE("playability: a gesture can be held at values of its own unit", "[analysis]") {
+  PlayabilityOptions options;
+  options.delays_s = {0.02};
+  const auto unit = short_drum().gesture("weight")->unit.dimension;
+  options.over = {{"weight", {{0.3, unit}, {0.35, unit}}, SweptValue::What::Held}};
+  const auto study = study_playability(short_drum(), standard_nodes(), options);
+  REQUIRE(study);
+  CHECK(study->runs[0].judged != study->runs[1].judged);
+  options.over[0].values = {{0.001, Dimension{.second = 1}}};
+  CHECK(mistake(short_drum(), options).find("gesture 'weight' is like") == 0);
+}
+
+TEST_CASE("playability: the folder of the Cellomobo means its phrase, of which each note is judged",
+          "[analysis][instruments]") {
+  PlayabilityOptions options;
+  options.delays_s = {0.02};
+  const auto study = study_playability(scene_of("cellomobo/scene.toml"), standard_nodes(), options);
+  REQUIRE(study);
+  const auto& run = *study->runs[0].judged;
+  CHECK(run.reading(Playability::Kind::Tone, "notes") == 10);
+  CHECK(run.reading(Playability::Kind::Tone, "good") == 10);
+  CHECK(run.playable);
+}
+
+// What [delay] tested of the shipped instruments says, on a short run.
+TEST_CASE("playability: the shipped instruments are playable over all the delays that they call tested",
+          "[analysis][instruments]") {
+  const std::string file = GENERATE("haptic_drum/scene.toml", "cellomobo/open_string.toml");
+  auto scene = scene_of(file);
+  scene.duration = Seconds{std::min(scene.duration.value, 4.0)};
+  const auto tested = tested_delays(*scene.part("instrument")->graph);
+  REQUIRE(tested);
+  REQUIRE(tested->low <= 0.02);
+  REQUIRE(tested->high >= 0.02);
+  PlayabilityOptions options;
+  for (int i = 0; i <= 8; ++i) options.delays_s.push_back(tested->low + i * (tested->high - tested->low) / 8);
+  const auto study = study_playability(scene, standard_nodes(), options);
+  REQUIRE(study);
+  for (const auto& verdict : study->verdicts()) {
+    INFO(file << " at " << 1e3 * verdict.delay_s << " ms: score " << verdict.score);
+    CHECK(verdict.playable);
+  }
+}
+
+TEST_CASE("playability: the drum keeps to its tested delays with other woofers and plants",
+          "[analysis][instruments]") {
+  auto scene = scene_of("haptic_drum/scene.toml");
+  scene.duration = Seconds{4};
+  const auto tested = tested_delays(*scene.part("instrument")->graph);
+  REQUIRE(tested);
+  PlayabilityOptions options;
+  // Both ends, and both sides of the delay from which it waits for the third bounce.
+  options.delays_s = {tested->low, 0.022, 0.023, tested->high};
+  options.gains = {0.5, 2};
+  options.draws = 18;
+  const auto study = study_playability(scene, standard_nodes(), options);
+  REQUIRE(study);
+  for (const auto& verdict : study->verdicts()) {
+    INFO("at " << 1e3 * verdict.delay_s << " ms: " << verdict.robust() << " of the others");
+    CHECK(verdict.playable);
+  }
+}
+
+TEST_CASE("playability: without the throw the drum is dead at every delay", "[analysis][instruments]") {
+  PlayabilityOptions options;
+  options.delays_s = {0, 0.02, 0.04};
+  options.set["strength"] = 0.0;
+  for (const auto& run : studied(options).runs) {
+    CHECK(run.judged->kind == "dead");
+    CHECK(run.judged->score == 0);
+  }
+}

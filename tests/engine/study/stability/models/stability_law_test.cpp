@@ -1,0 +1,83 @@
+#include "engine/study/stability/models/stability_law.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/nodes/mechanics/wall.h"
+#include "engine/nodes/shapers/clip.h"
+#include "engine/nodes/table.h"
+
+using namespace tactus;
+
+namespace {
+
+std::unique_ptr<Node> made(const NodeType& type) {
+  NodeSetup setup{};
+  setup.type = &type;
+  setup.inputs.resize(type.inputs.size());
+  auto node = type.make(setup);
+  REQUIRE(node);
+  return std::move(*node);
+}
+
+}  // namespace
+
+TEST_CASE("stability law: slopes of operations are their derivatives", "[analysis]") {
+  const auto op = GENERATE(Term::Op::Add, Term::Op::Subtract, Term::Op::Multiply, Term::Op::Divide,
+                           Term::Op::Min, Term::Op::Max, Term::Op::Negate, Term::Op::Abs);
+  const auto value = [op](double a, double b) {
+    switch (op) {
+      case Term::Op::Add:
+        return a + b;
+      case Term::Op::Subtract:
+        return a - b;
+      case Term::Op::Multiply:
+        return a * b;
+      case Term::Op::Divide:
+        return a / b;
+      case Term::Op::Min:
+        return std::min(a, b);
+      case Term::Op::Max:
+        return std::max(a, b);
+      case Term::Op::Negate:
+        return -a;
+      default:
+        return std::abs(a);
+    }
+  };
+  const double a = -1.25, b = 0.75, step = 1e-6;
+  const Operands operands{a, b, {true, true}};
+  CHECK(slope_of(op, operands, 0, false) ==
+        Approx((value(a + step, b) - value(a - step, b)) / (2 * step)).margin(1e-8));
+  if (operands_of(op) == 2)
+    CHECK(slope_of(op, operands, 1, false) ==
+          Approx((value(a, b + step) - value(a, b - step)) / (2 * step)).margin(1e-8));
+}
+
+TEST_CASE("stability law: a wall made of a maximum is open at rest and closed when touched", "[analysis]") {
+  // max(0, depth) with the depth at -5 mm: the 0 wins, but it never moves.
+  const Operands operands{0, -0.005, {false, true}};
+  CHECK(slope_of(Term::Op::Max, operands, 1, false) == 0);
+  CHECK(slope_of(Term::Op::Max, operands, 1, true) == 1);
+}
+
+TEST_CASE("stability law: the steepest place of a wall lies behind it", "[analysis]") {
+  const auto wall = made(wall_type());
+  // Position, velocity, stiffness, damping, place of the wall.
+  const std::vector<double> rest{0, 0, 800, 3, 0.02};
+  const auto steep = steepest(*wall, wall_type(), rest, {true, true, false, false, false}).at;
+  CHECK(steep[0] > 0.02);
+  CHECK(wall->response(0, 0, 1.0, rest).value() == 0.0);
+  CHECK(wall->response(0, 0, 1.0, steep).value() == -800.0);
+  CHECK(wall->response(1, 0, 1.0, steep).value() == -3.0);
+}
+
+TEST_CASE("stability law: a clip that is driven far beyond its limits is steepest between them",
+          "[analysis]") {
+  const auto clip = made(clip_type());
+  const std::vector<double> saturated{1e9, -6.37, 6.37};
+  CHECK(clip->response(0, 0, 1.0, saturated).value() == 0.0);
+  const auto steep = steepest(*clip, clip_type(), saturated, {true, false, false});
+  CHECK(steep.answer == 1.0);
+  CHECK(std::abs(steep.at[0]) < 6.37);
+}

@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "engine/nodes/table.h"
+#include "engine/study/stability/stability.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace tactus;
+
+namespace {
+
+/// A heavy lever that a coil moves, against a stop, and a spring by feedback.
+struct LeverFolder : test::TemporaryFolder {
+  LeverFolder() {
+    write("plant.toml", R"(format = 1
+[inputs]
+drive = { unit = "full scale" }
+[networks.arm]
+frame   = { type = "ground" }
+lever   = { type = "mass", mass = "1 kg" }
+bearing = { type = "damper", between = ["frame", "lever"], damping = "0.5 N s/m" }
+stop    = { type = "contact", between = ["lever", "frame"], stiffness = "1e5 N/m", exponent = 1, offset = "-5 mm" }
+motor   = { type = "coil", on = "lever", voltage = "1 V * drive", force_factor = "2 T m", resistance = "4 ohm", inductance = "0 H" }
+[outputs]
+place = { from = "arm.lever.position", unit = "m" }
+)");
+    write("instrument.toml", R"(format = 1
+[inputs]
+place = { unit = "m" }
+[nodes]
+pull = { type = "spring", in = "place", stiffness = "100 N/m" }
+[outputs]
+motor = { from = "pull / 1 N" }
+)");
+    write("scene.toml", R"(format = 1
+delay = "2 ms"
+duration = "1 s"
+[parts]
+instrument = { use = "instrument.toml", place = "plant.place" }
+plant = { use = "plant.toml", drive = "instrument.motor" }
+)");
+  }
+};
+
+StabilityVerdict judged(const LeverFolder& folder) {
+  const auto scene = load_scene_leniently(folder.path() / "scene.toml");
+  StabilityOptions options;
+  options.world.delay = scene.scene->delay;
+  auto verdict = judge_stability({&scene, nullptr, &standard_nodes()}, options);
+  if (!verdict) throw std::runtime_error(to_string(verdict.error()));
+  return *verdict;
+}
+
+const RegimeVerdict* find_regime(const StabilityVerdict& verdict, std::string_view name, bool held) {
+  for (const auto& regime : verdict.regimes)
+    if (regime.name == name && regime.held == held) return &regime;
+  return nullptr;
+}
+
+}  // namespace
+
+// The coil turns the volt of the spring into Bl / R = 0.5 N, and brakes by Bl^2 / R = 1 N s/m.
+TEST_CASE("stability: a scene is judged with its own plant, ring and coil", "[analysis]") {
+  const LeverFolder folder;
+  const auto verdict = judged(folder);
+  CHECK(verdict.holds);
+  CHECK(verdict.delay_s == Approx(0.002));
+  const auto* bare = find_regime(verdict, "at rest", false);
+  REQUIRE(bare != nullptr);
+  REQUIRE(bare->stiff.size() == 1);
+  const double delay = 0.002 + 0.5 / 48000, damping = 1.5;
+  CHECK(*bare->device_damping == Approx(damping).epsilon(0.01));
+  CHECK(bare->stiff[0].stable_up_to == Approx(damping / delay / 0.5).epsilon(0.01));
+  CHECK(*bare->stiff[0].passive_up_to == Approx(damping / delay / 0.5).epsilon(0.01));
+  // A fingertip adds its 2 N s/m.
+  const auto* held = find_regime(verdict, "at rest", true);
+  REQUIRE(held != nullptr);
+  CHECK(*held->device_damping == Approx(damping + 2).epsilon(0.01));
+  CHECK(held->stiff[0].stable_up_to == Approx((damping + 2) / delay / 0.5).epsilon(0.01));
+}
+
+TEST_CASE("stability: against its stop a lever rings, and the delay turns a spring into an engine there",
+          "[analysis]") {
+  const LeverFolder folder;
+  const auto verdict = judged(folder);
+  const auto* closed = find_regime(verdict, "stop closed", false);
+  REQUIRE(closed != nullptr);
+  // The stop holds the lever at w = sqrt(1e5 N/m / 1 kg), 50.3 Hz. A weak spring K with a delay tau brakes it
+  // by -K sin(w tau) / w, so the damping of 1.5 N s/m is used up at K = 1.5 w / sin(w tau), half of which the
+  // coil gives.
+  const double w = std::sqrt(1e5), delay = 0.002 + 0.5 / 48000;
+  CHECK(closed->stiff[0].stable_up_to == Approx(1.5 * w / std::sin(w * delay) / 0.5).epsilon(0.02));
+  // The spring of the file, 50 N/m at the lever: growth (50 sin(w tau) / w - 1.5) / 2.
+  const double growth = (50 * std::sin(w * delay) / w - 1.5) / 2;
+  bool found = false;
+  for (const auto& root : closed->roots)
+    found = found ||
+            (std::abs(root.frequency_hz - 50.33) < 0.1 && root.growth_per_s == Approx(growth).epsilon(0.02));
+  CHECK(found);
+}
+
+TEST_CASE("stability: explicit contacts too short for the rate are refused, with the steps that they need",
+          "[analysis]") {
+  // A gram on 4e6 N/m touches for pi sqrt(m / K) = 49.7 us, 2.4 steps at 48 kHz: fewer than 5.
+  const auto text = [](const char* solver) {
+    return fmt::format(R"(format = 1
+[networks.n]
+solver = "{}"
+frame = {{ type = "ground" }}
+ball  = {{ type = "mass", mass = "1 g", at = "-1 mm", velocity = "1 m/s" }}
+wall  = {{ type = "contact", between = ["ball", "frame"], stiffness = "4e6 N/m", exponent = 1 }}
+[outputs]
+ball = {{ from = "n.ball.position", unit = "m" }}
+)",
+                       solver);
+  };
+  const auto verdict_of = [&](const char* solver) {
+    const auto graph = parse_graph_leniently(text(solver), "plant.toml");
+    auto verdict = judge_stability({nullptr, &graph, &standard_nodes()}, {});
+    REQUIRE(verdict);
+    return *verdict;
+  };
+  const auto refused = verdict_of("explicit");
+  CHECK_FALSE(refused.holds);
+  REQUIRE_FALSE(refused.networks.empty());
+  CHECK(refused.networks[0].contact_steps ==
+        Approx(std::numbers::pi * std::sqrt(1e-3 / 4e6) * 48000).epsilon(0.01));
+  CHECK(verdict_of("passive").holds);
+}

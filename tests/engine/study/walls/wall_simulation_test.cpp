@@ -1,0 +1,199 @@
+#include "engine/study/walls/wall_simulation.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <vector>
+
+#include "engine/study/walls/wall_border.h"
+
+using namespace tactus;
+
+namespace {
+
+auto within(double expected, double part) { return Approx(expected).epsilon(0).margin(part * expected); }
+
+struct Swing {
+  double frequency_hz, amplitude;
+};
+/// Over the time after `skip`: upward passages of `middle` by time, half of peak to peak.
+Swing swing_of(WallSimulation& simulation, Hertz rate, double skip_s, double listen_s, double middle) {
+  for (double n = 0; n < skip_s * rate.value; ++n) simulation.step();
+  double before = simulation.position(), low = before, high = before, first = -1, last = -1;
+  int passages = 0;
+  for (double n = 1; n <= listen_s * rate.value; ++n) {
+    simulation.step();
+    const double now = simulation.position();
+    if (before < middle && now >= middle) {
+      last = n - (now - middle) / (now - before);
+      if (passages++ == 0) first = last;
+    }
+    low = std::min(low, now);
+    high = std::max(high, now);
+    before = now;
+  }
+  const double cycle = passages > 1 ? (last - first) / (passages - 1) : 0;
+  return {cycle > 0 ? rate.value / cycle : 0, 0.5 * (high - low)};
+}
+
+/// Speed after a bounce over the speed before, where the flight begins a part of a frame before the wall.
+double bounce(const WallRun& run, double speed, double part_of_frame) {
+  WallSimulation simulation{run, -part_of_frame * speed * run.loop.period(), speed};
+  do simulation.step();
+  while (simulation.position() > 0 || simulation.velocity() > 0);
+  // What is still on its way acts outside the wall.
+  for (int n = 0; n < 2 + frames_in(run.loop.delay, run.loop.rate); ++n) simulation.step();
+  return -simulation.velocity() / speed;
+}
+
+}  // namespace
+
+TEST_CASE("wall_simulation: without a force it flies and slows as the exact solution says", "[analysis]") {
+  WallSimulation simulation{
+      {.device = {.mass = 0.02, .damping = 0.4}, .loop = {1_kHz, Seconds{0.4e-3}}}, 0.1, 2};
+  for (int n = 0; n < 100; ++n) simulation.step();
+  const double kept = std::exp(-0.4 / 0.02 * 0.1);
+  CHECK(simulation.velocity() == Approx(2 * kept).epsilon(1e-12));
+  CHECK(simulation.position() == Approx(0.1 + 2 * 0.02 / 0.4 * (1 - kept)).epsilon(1e-12));
+}
+
+TEST_CASE("wall_simulation: dry friction stops it where its energy is spent, and holds it there",
+          "[analysis]") {
+  const double damping = GENERATE(0.0, 0.3);
+  WallSimulation simulation{
+      {.device = {.mass = 0.02, .damping = damping, .friction = 0.5}, .push = 0.4}, 0, 1};
+  for (int n = 0; n < 20000; ++n) simulation.step();
+  CHECK(simulation.velocity() == 0);
+  // m v dv/dx = -(0.1 N + b v), from 1 m/s to rest.
+  const double left = 0.1;
+  const double way =
+      damping == 0 ? 0.02 / (2 * left) : 0.02 / damping * (1 - left / damping * std::log1p(damping / left));
+  CHECK(simulation.position() == Approx(way).epsilon(1e-9));
+}
+
+TEST_CASE("wall_simulation: a spring of 0.99 of the border decays, one of 1.01 grows", "[analysis]") {
+  const double frames = GENERATE(0.0, 0.4, 1.0, 8.0, 100.0);
+  const double damping = GENERATE(0.1, 3.0), virtual_part = GENERATE(0.0, 0.4);
+  INFO(frames << " frames, b " << damping << ", B of b " << virtual_part);
+  WallRun run{.device = {.mass = 0.05, .damping = damping},
+              .loop = {4_kHz, Seconds{frames / 4000}, virtual_part * damping}};
+  const auto border = wall_border(run.device, run.loop);
+  REQUIRE(border.stiffness > 0);
+  const auto trend = [&](double part) {
+    run.stiffness = part * border.stiffness;
+    return trend_of(WallSimulation{run, 1e-3, 0}, border.frequency, run.loop.rate);
+  };
+  CHECK(trend(0.99) == LoopTrend::Decays);
+  CHECK(trend(1.01) == LoopTrend::Grows);
+}
+
+TEST_CASE("wall_simulation: a loop that neither grows nor decays in time is undecided", "[analysis]") {
+  WallRun run{.device = {.mass = 0.05, .damping = 0.5}, .loop = {4_kHz, 1_ms}};
+  const auto border = wall_border(run.device, run.loop);
+  run.stiffness = border.stiffness;
+  CHECK(trend_of(WallSimulation{run, 1e-3, 0}, border.frequency, run.loop.rate, 1e6) == LoopTrend::Undecided);
+}
+
+// A hand leans with half the force of a count. Sampling adds half a frame of doubt to the delay of 41 halves.
+TEST_CASE("wall_simulation: an encoder's edge keeps a leaning hand trembling at 10.23 Hz", "[analysis]") {
+  WallRun run{.device = {.mass = 0.05, .damping = 0.5, .quantum = 0.157e-3},
+              .loop = {10_kHz, 2_ms},
+              .stiffness = 100};
+  run.push = 0.5 * run.stiffness * run.device.quantum;
+  const double edge = 0.5 * run.device.quantum;
+  const auto exact = encoder_edge_cycle(run.device, run.stiffness, Seconds{run.loop.lag()});
+  WallSimulation simulation{run, edge + 0.2 * run.device.quantum, 0};
+  const auto swing = swing_of(simulation, run.loop.rate, 5, 5, edge);
+  CHECK(swing.frequency_hz == within(exact->frequency.value, 0.02));
+  CHECK(swing.amplitude / run.device.quantum == within(exact->counts, 0.03));
+
+  // Friction of half a count's force ends it: what is left is where it was put down.
+  run.device.friction = 0.5 * run.stiffness * run.device.quantum;
+  WallSimulation rough{run, edge + 0.2 * run.device.quantum, 0};
+  CHECK(swing_of(rough, run.loop.rate, 5, 1, edge).amplitude == 0);
+}
+
+TEST_CASE("wall_simulation: where K <= min(2b/T, 2f_c/Delta) every disturbance dies, without it not",
+          "[analysis]") {
+  const double counts = GENERATE(0.7, 1.2, 3.0, 12.0);
+  WallRun run{.device = {.mass = 0.05, .quantum = 0.157e-3}, .loop = {1_kHz}, .stiffness = 1000};
+  const auto left_over = [&](double damping, double friction) {
+    run.device.damping = damping;
+    run.device.friction = friction;
+    WallSimulation simulation{run, counts * run.device.quantum, 0};
+    return swing_of(simulation, run.loop.rate, 4, 1, 0).amplitude / run.device.quantum;
+  };
+  const double damping = 0.5 * run.stiffness * run.loop.period();
+  const double friction = 0.5 * run.stiffness * run.device.quantum;
+  CHECK(left_over(damping, friction) == 0);
+  if (counts > 1) CHECK(left_over(0, 0.1 * friction) > 10);
+}
+
+TEST_CASE("wall_simulation: a wall without damping throws back what the delay adds", "[analysis]") {
+  struct Case {
+    double stiffness;
+    Hertz rate;
+    Seconds delay;
+  };
+  const auto given = GENERATE(Case{1000, 1_kHz, 1_ms}, Case{1000, 1_kHz, {}}, Case{100, 1_kHz, 1_ms},
+                              Case{500, 20_kHz, 2_ms});
+  WallRun run{.device = {.mass = 0.05, .damping = 0},
+              .loop = {given.rate, given.delay},
+              .stiffness = given.stiffness,
+              .one_sided = true};
+  const double lag = run.loop.lag(), expected = wall_rebound(0.05, run.stiffness, Seconds{lag});
+  REQUIRE(std::sqrt(run.stiffness / 0.05) * lag <= 0.22);
+  // Where in a frame it meets the wall changes the result by less than a frame's force; its mean counts.
+  double mean = 0;
+  for (int i = 0; i < 40; ++i) mean += bounce(run, 0.3, (i + 0.5) / 40) / 40;
+  CHECK(mean == within(expected, 0.01));
+}
+
+TEST_CASE("wall_simulation: above the border it grows until the motor's limit and rests there",
+          "[analysis]") {
+  struct Case {
+    double above, part;
+  };
+  // The describing function leaves out what the delay makes of the harmonics: more, the squarer the force.
+  const auto given = GENERATE(Case{1.05, 0.01}, Case{1.2, 0.025}, Case{2.0, 0.07}, Case{5.0, 0.13});
+  WallRun run{.device = {.mass = 0.05, .damping = 0.5, .force_limit = 6.37}, .loop = {10_kHz, 1_ms}};
+  const double border = wall_border(run.device, run.loop).stiffness;
+  run.stiffness = given.above * border;
+  WallSimulation simulation{run, 1e-2, 0};
+  const auto swing = swing_of(simulation, run.loop.rate, 30, 2, 0);
+  CHECK(swing.amplitude == within(cut_cycle_amplitude(run.stiffness, border, 6.37), given.part));
+}
+
+TEST_CASE("wall_simulation: far above the border it swings like a relay with the motor's force",
+          "[analysis]") {
+  WallRun run{.device = {.mass = 0.05, .damping = 0.5, .force_limit = 6.37}, .loop = {10_kHz, 1_ms}};
+  run.stiffness = 100 * wall_border(run.device, run.loop).stiffness;
+  WallSimulation simulation{run, 1e-5, 0};
+  const auto swing = swing_of(simulation, run.loop.rate, 10, 2, 0);
+  // An encoder whose one step is 1 m, with a force of 2 F_max for it.
+  const auto relay =
+      encoder_edge_cycle({.mass = 0.05, .damping = 0.5, .quantum = 1}, 2 * 6.37, Seconds{run.loop.lag()});
+  CHECK(swing.amplitude == within(relay->counts, 0.01));
+  CHECK(swing.frequency_hz == within(relay->frequency.value, 0.01));
+}
+
+TEST_CASE("wall_simulation: whole numbers of 16 bits round the stiffness, and nothing else that can be felt",
+          "[analysis]") {
+  const double quantum = 2 * M_PI * 0.1 / 4000;
+  WallRun run{.device = {.mass = 0.05, .damping = 0.1, .quantum = quantum, .force_limit = 6.37},
+              .loop = {20_kHz, Seconds{50e-6}},
+              .stiffness = 1000};
+  const auto asked_at = [&](double counts, int bits) {
+    run.bits = bits;
+    WallSimulation simulation{run, counts * quantum, 0};
+    simulation.step();
+    return simulation.asked();
+  };
+  const double step = 6.37 / 32768, per_count = std::round(1000 * quantum / step);
+  CHECK(asked_at(7, 16) == Approx(-7 * per_count * step).epsilon(1e-12));
+  CHECK(asked_at(7, 16) == within(asked_at(7, 0), -0.5 / per_count));
+  CHECK(asked_at(-500, 16) == Approx(6.37 - step));  // full scale, one step short
+  CHECK(asked_at(500, 16) == Approx(-6.37));
+  // Eight bits cannot: a count is worth three steps or four.
+  CHECK(std::abs(asked_at(7, 8) / asked_at(7, 0) - 1) > 0.04);
+}

@@ -1,0 +1,147 @@
+#include "engine/study/work_precision/work_precision.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "engine/nodes/table.h"
+#include "engine/study/work_precision/work_precision_plot.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+
+/// A mass of 10 g that swings at `hz` for 50 ms, with nothing that plays it.
+struct Swing : TemporaryFolder {
+  explicit Swing(double hz) {
+    const double stiffness = 0.01 * std::pow(kTwoPi * hz, 2);
+    write("plant.toml", fmt::format(R"(format = 1
+[networks.n]
+solver = "passive"
+frame = {{ type = "ground" }}
+tip = {{ type = "mass", mass = "10 g", at = "1 mm" }}
+hold = {{ type = "spring", between = ["frame", "tip"], stiffness = {:.17g} }}
+[outputs]
+tip = {{ from = "n.tip.position", unit = "m" }}
+)",
+                                    stiffness));
+    write("scene.toml", fmt::format(R"(format = 1
+name = "swing"
+duration = "50 ms"
+[parts]
+plant = {{ use = "plant.toml" }}
+[accuracy]
+pitch = {{ measure = "frequency", of = "plant.tip", exact = "{:.17g} Hz" }}
+path = {{ measure = "position", of = "plant.tip" }}
+)",
+                                    hz));
+  }
+  SceneSpec scene() const { return load_scene(path()).value(); }
+};
+
+const WorkPoint& find(const WorkPrecision& study, const std::string& solver, int oversample) {
+  return *std::find_if(study.points.begin(), study.points.end(), [&](const WorkPoint& point) {
+    return point.variant.solver == solver && point.variant.oversample == oversample;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("work and precision: explicit steps are sharp by (w T)^2 / 24", "[analysis]") {
+  const auto study =
+      study_work_precision(Swing{1000}.scene(), standard_nodes(), {{"explicit"}, {48_kHz}, {1, 2, 4}, 1});
+  REQUIRE(study);
+  REQUIRE(study->points.size() == 3);
+  const double step = kTwoPi * 1000 / 48000;
+  for (const int oversample : {1, 2, 4})
+    CHECK(find(*study, "explicit", oversample).errors[0] ==
+          Approx(step * step / 24 / (oversample * oversample)).epsilon(0.02));
+  CHECK(study->references[0].what == "closed form");
+  CHECK(study->references[1].what != "closed form");
+}
+
+TEST_CASE("work and precision: a run that grows is unstable and has no error", "[analysis]") {
+  // (w T)^2 = 6.9 > 4; with two steps a frame 1.7.
+  const auto study = study_work_precision(Swing{20000}.scene(), standard_nodes(),
+                                          {{"explicit", "passive"}, {48_kHz}, {1, 2}, 1});
+  REQUIRE(study);
+  CHECK(find(*study, "explicit", 1).unstable);
+  CHECK(find(*study, "explicit", 1).errors.empty());
+  CHECK_FALSE(find(*study, "explicit", 2).unstable);
+  CHECK_FALSE(find(*study, "passive", 1).unstable);
+}
+
+TEST_CASE("work and precision: the front holds what nothing cheaper beats, and advice keeps to it",
+          "[analysis]") {
+  const auto study = study_work_precision(Swing{1000}.scene(), standard_nodes(),
+                                          {{"explicit", "passive"}, {48_kHz}, {1, 4, 16}, 3});
+  REQUIRE(study);
+  const auto& points = study->points;
+  for (const auto& point : points) {
+    REQUIRE(point.known());
+    CHECK(point.ns_per_frame > 0.0);
+    for (const auto& other : points)
+      if (point.front[0] && other.load() < point.load()) CHECK(other.errors[0] > point.errors[0]);
+  }
+  const auto on_front = [](const WorkPoint& point) { return point.front[0]; };
+  CHECK(std::any_of(points.begin(), points.end(), on_front));
+  const auto* cheapest = study->cheapest(0.1);
+  REQUIRE(cheapest != nullptr);
+  CHECK(cheapest->errors[1] <= 0.1);
+  CHECK(study->cheapest(1e-30) == nullptr);
+}
+
+TEST_CASE("work and precision: a plot for each line, with a front and the end of real time", "[analysis]") {
+  const auto study =
+      study_work_precision(Swing{1000}.scene(), standard_nodes(), {{"passive"}, {48_kHz}, {1, 2}, 1});
+  REQUIRE(study);
+  const auto plots = plots_of(*study);
+  REQUIRE(plots.size() == 2);
+  REQUIRE(plots[0].series.size() == 3);
+  CHECK(plots[0].series[0].label == "passive, 48 kHz");
+  CHECK(plots[0].series[0].x.size() == 2);
+  CHECK(plots[0].series[2].x[0] == Approx(1.0 / 48000));
+}
+
+TEST_CASE("work and precision: a scene that compares nothing is told so", "[analysis]") {
+  Swing swing{1000};
+  auto scene = swing.scene();
+  scene.accuracy.clear();
+  const auto study = study_work_precision(scene, standard_nodes());
+  REQUIRE_FALSE(study);
+  CHECK(study.error().front().what == "the scene does not say what must come out right");
+}
+
+TEST_CASE("work and precision: the solver is set in parts of parts, and not in the instrument",
+          "[analysis]") {
+  TemporaryFolder folder;
+  const std::string network =
+      "format = 1\n[networks.n]\nsolver = \"passive\"\ntip = { type = \"mass\", mass = \"1 g\" }\n";
+  folder.write("inner.toml", network + "[outputs]\nx = { from = \"n.tip\", unit = \"m\" }\n");
+  folder.write(
+      "plant.toml",
+      "format = 1\n[nodes]\ninner = { use = \"inner.toml\" }\n[outputs]\nx = { from = \"inner\", unit "
+      "= \"m\" }\n");
+  folder.write("instrument.toml", network + "[outputs]\ny = { from = \"n.tip / 1 m\" }\n");
+  folder.write("scene.toml",
+               "format = 1\nduration = \"10 ms\"\n[parts]\ninstrument = { use = \"instrument.toml\" }\n"
+               "plant = { use = \"plant.toml\" }\n");
+  const auto loaded = load_scene(folder.path());
+  REQUIRE(loaded);
+  const auto changed = with_solver(*loaded, {"explicit", 4, 48_kHz});
+  const auto solver = [](const GraphSpec& graph) {
+    return *find(graph.networks.front().options, "solver")->text();
+  };
+  const auto& inner = *changed.part("plant")->graph->parts.at("inner.toml");
+  CHECK(solver(inner) == "explicit");
+  CHECK(*find(inner.networks.front().options, "oversample")->number() == 4.0);
+  CHECK(solver(*changed.part("instrument")->graph) == "passive");
+  CHECK(solver(*loaded->part("plant")->graph->parts.at("inner.toml")) == "passive");
+}
