@@ -17,7 +17,6 @@ namespace {
 
 constexpr int kSettle = 4099;  ///< frames before the impulse; odd, to lie on no grid
 constexpr double kRate = 48000;
-constexpr double kPi = 3.14159265358979323846;
 
 /// Where z stands: on the unit circle, where something vibrates, and outside, where it grows.
 struct Place {

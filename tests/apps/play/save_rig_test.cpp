@@ -14,7 +14,7 @@ using namespace tactus::app;
 
 namespace {
 
-const char* const kRoot = std::string{TACTUS_SOURCE_DIR} + "/instruments";
+const std::string kRoot{TACTUS_SOURCE_DIR "/instruments"};
 
 std::shared_ptr<const GraphSpec> drum() { return *load_graph(kRoot + "/haptic_drum/instrument.toml", kRoot); }
 

@@ -15,7 +15,6 @@ using namespace tactus;
 namespace {
 
 constexpr Hertz kRate = 48_kHz;
-constexpr double kPi = 3.141592653589793;
 
 /// The moving mass of travel.h by Runge and Kutta's fourth-order method, four steps to a frame; in metres.
 class FineMass {

@@ -14,7 +14,6 @@ using namespace tactus;
 namespace {
 
 constexpr Hertz kRate = 48_kHz;
-constexpr double kPi = 3.141592653589793;
 
 double logarithmic(std::mt19937& random, double low, double high) {
   return low * std::pow(high / low, std::uniform_real_distribution<double>{0, 1}(random));

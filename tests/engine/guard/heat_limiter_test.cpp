@@ -15,7 +15,6 @@ using namespace tactus;
 namespace {
 
 constexpr Hertz kRate = 48_kHz;
-constexpr double kPi = 3.141592653589793;
 
 /// The equations of heat.h by Runge and Kutta's fourth-order method, `steps` to a frame.
 class FineHeat {

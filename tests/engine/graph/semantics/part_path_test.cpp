@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/graph/file/load.h"
-#include "temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using test::TemporaryFolder;

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
-#include "temporary_folder.h"
 #include "tests/support/graph_runner.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 using test::TemporaryFolder;
