@@ -1,34 +1,41 @@
 #pragma once
+// Thread: [any]
 
+#include <cmath>
 #include <cstdint>
 
 namespace tactus {
 
-/// A gain that moves on a straight line between two absolute frames, so that no block size enters:
-///   g(n) = from + (to - from) (n - start) / length,   g = to from n = start + length on.
-class GainRamp {
- public:
-  explicit GainRamp(double gain) : from_(gain), to_(gain) {}
+/// A value that moves on a straight line between two absolute frames, so that the block size has no effect:
+///   v(n) = from + (to - from) p(n),   p(n) = (n - start) / length,   v = to from n = start + length on.
+struct Ramp {
+  double from = 0.0, to = 0.0;
+  std::int64_t start = 0, length = 0;
 
-  /// [realtime] From the gain at `frame` to `target` in `length` frames.
-  void begin(std::int64_t frame, std::int64_t length, double target) noexcept {
-    from_ = at(frame);
-    to_ = target;
-    start_ = frame;
-    length_ = length;
+  static Ramp constant(double value) noexcept { return {value, value, 0, 0}; }
+  /// From the value at `frame` to `target` in `frames`.
+  void move_to(double target, std::int64_t frame, std::int64_t frames) noexcept {
+    *this = {at(frame), target, frame, frames};
   }
+  bool done(std::int64_t frame) const noexcept { return frame - start >= length; }
   double at(std::int64_t frame) const noexcept {
-    const auto elapsed = frame - start_;
-    if (elapsed < 0) return from_;
-    if (elapsed >= length_) return to_;
-    return from_ + (to_ - from_) * (static_cast<double>(elapsed) / static_cast<double>(length_));
+    if (frame < start) return from;
+    return done(frame) ? to : at_progress(progress(frame));
   }
-  bool at_rest(std::int64_t frame) const noexcept { return frame - start_ >= length_; }
-  double target() const noexcept { return to_; }
+  /// A straight line in decibels; the same as `at` unless both ends are positive.
+  double decibel_at(std::int64_t frame) const noexcept {
+    if (!(from > 0 && to > 0) || done(frame)) return at(frame);
+    return from * std::pow(to / from, progress(frame));
+  }
+  double at_progress(double progress) const noexcept { return from + (to - from) * progress; }
+  /// p(n), and 1 - p(n) rounded once; for frames of the ramp.
+  double progress(std::int64_t frame) const noexcept { return share(frame - start); }
+  double remaining(std::int64_t frame) const noexcept { return share(start + length - frame); }
 
  private:
-  double from_, to_;
-  std::int64_t start_ = 0, length_ = 0;
+  double share(std::int64_t frames) const noexcept {
+    return static_cast<double>(frames) / static_cast<double>(length);
+  }
 };
 
 }  // namespace tactus

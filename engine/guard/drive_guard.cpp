@@ -47,11 +47,11 @@ DriveGuard::DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate)
 void DriveGuard::set_open(bool open, std::int64_t frame) noexcept {
   if (open == is_open()) return;
   if (open) howl_.forget();
-  gain_.begin(frame, open ? rise_frames_ : fall_frames_, open ? 1.0 : 0.0);
+  gain_.move_to(open ? 1.0 : 0.0, frame, open ? rise_frames_ : fall_frames_);
 }
 
 void DriveGuard::stop() noexcept {
-  gain_ = GainRamp{0.0};
+  gain_ = {};
   last_ = 0.0;
 }
 
@@ -88,7 +88,7 @@ void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) 
 /// True if no stage can have anything to do in this piece: one look at all of it.
 bool DriveGuard::passes(const double* samples, int frames, std::int64_t first_frame,
                         double sum_of_absolutes) const noexcept {
-  if (!gain_.at_rest(first_frame) || gain_.target() != 1.0) return false;
+  if (!gain_.done(first_frame) || gain_.to != 1.0) return false;
   if (!direct_.gain().idle() || (heat_ && !heat_->gain().idle())) return false;
   GroupSum bad;
   bad.add(0, frames, [=, this](int n) { return beyond(samples[n], ceiling_); });
@@ -154,7 +154,7 @@ void DriveGuard::end_group(std::int64_t frame) noexcept {
   if (travel_) travel_->end_group();
   direct_.end_group();
   if (!howl_.end_group(frame) || !is_open()) return;
-  gain_.begin(frame, fall_frames_, 0.0);
+  gain_.move_to(0.0, frame, fall_frames_);
   howled_ = frame;
 }
 

@@ -43,10 +43,10 @@ class DriveGuard {
   /// [realtime] Lets sound through from `frame` on (soft start), or fades it out. Asking twice changes
   /// nothing.
   void set_open(bool open, std::int64_t frame) noexcept;
-  bool is_open() const noexcept { return gain_.target() > 0.0; }
+  bool is_open() const noexcept { return gain_.to > 0.0; }
   /// [realtime] As if it had been asked to open long ago.
   void skip_soft_start() noexcept {
-    if (is_open()) gain_ = GainRamp{1.0};
+    if (is_open()) gain_ = Ramp::constant(1.0);
   }
   /// [realtime] The last sample was followed by zeros outside of `process`: closed, at once.
   void stop() noexcept;
@@ -83,7 +83,7 @@ class DriveGuard {
   double largest_step_;
   std::int64_t rise_frames_, fall_frames_;
   std::int64_t crest_frames_, swing_frames_;  ///< that a limited frame counts for; slew: two full swings
-  GainRamp gain_{0.0};
+  Ramp gain_;
   std::optional<Heat> heat_;
   std::optional<Travel> travel_;
   Direct direct_;

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/core/ramp.h"
+
 namespace tactus {
 
 /// The guard's models move on in groups of this many frames, which lie on the absolute frame grid: however
@@ -42,22 +44,18 @@ struct GroupSum {
   double& at(int place) noexcept { return lanes[static_cast<std::size_t>(place & (kLanes - 1))]; }
 };
 
-/// A gain that is set once a group and moves to its new value on a straight line through the next one.
+/// A gain that is set once per group and moves to its new value on a ramp through the next group.
 class GroupGain {
  public:
-  void move_to(double gain) noexcept {
-    from_ = to_;
-    to_ = gain;
-  }
+  void move_to(double gain) noexcept { ramp_ = {ramp_.to, gain}; }
   double at(int position) const noexcept {
-    if (from_ == to_) return to_;
-    return from_ + (to_ - from_) * (static_cast<double>(position + 1) / kGuardGroup);
+    return ramp_.at_progress(static_cast<double>(position + 1) / kGuardGroup);
   }
-  bool idle() const noexcept { return from_ == 1.0 && to_ == 1.0; }
-  double now() const noexcept { return to_; }
+  bool idle() const noexcept { return ramp_.from == 1.0 && ramp_.to == 1.0; }
+  double now() const noexcept { return ramp_.to; }
 
  private:
-  double from_ = 1.0, to_ = 1.0;
+  Ramp ramp_ = Ramp::constant(1.0);
 };
 
 }  // namespace tactus

@@ -53,11 +53,11 @@ void Running::start(int max_frames) {
   for (auto& node : schedule->nodes) node->reset();
   std::fill(silent_until.begin(), silent_until.end(), 0);
   for (std::size_t i = 0; i < controls.size(); ++i) {
-    controls[i].value = MovingValue::resting(schedule->controls[i].control.value);
+    controls[i].value = Ramp::constant(schedule->controls[i].control.value);
     rest(controls[i], true);
   }
   for (auto& ramp : ramps) {
-    ramp.mover.value = MovingValue::resting(ramp.mover.value.to);
+    ramp.mover.value = Ramp::constant(ramp.mover.value.to);
     rest(ramp.mover, true);
   }
   at_rest.assign(schedule->can_rest.size(), 0);
@@ -73,7 +73,7 @@ void Running::move_control(std::size_t control, std::int64_t now, double target,
   const auto frames =
       static_cast<std::int64_t>(std::lround(scheduled.control.smooth_s * schedule->sample_rate.value));
   auto& mover = controls[control];
-  mover.value = {mover.value.at(now, mover.decibel), std::clamp(target, range.low, range.high), now,
+  mover.value = {mover.at(now), std::clamp(target, range.low, range.high), now,
                  std::max(frames, least_frames)};
   rest(mover, false);
 }
@@ -100,7 +100,7 @@ void Running::take_values(const Running& before, std::int64_t now, std::int64_t 
     const auto start = value;
     if (ramp.before >= 0) value = before.ramps[static_cast<std::size_t>(ramp.before)].mover.value;
     if (ramp.before < 0 || value.to != start.to)
-      value = {ramp.before < 0 ? start.from : value.at(now, false), start.to, now, fade_frames};
+      value = {ramp.before < 0 ? start.from : value.at(now), start.to, now, fade_frames};
     rest(ramp.mover, value.done(now));
   }
 }
@@ -140,8 +140,7 @@ void Running::advance(Mover& mover, const Pace* pace, std::int64_t now, int fram
   if (mover.value.done(now)) return rest(mover, true);
   if (mover.buffer == nullptr) return;
   const int samples = pace == nullptr ? frames : pace->count(frames);
-  for (int i = 0; i < samples; ++i)
-    mover.buffer[i] = mover.value.at(now + (pace == nullptr ? i : pace->place(i)), mover.decibel);
+  for (int i = 0; i < samples; ++i) mover.buffer[i] = mover.at(now + (pace == nullptr ? i : pace->place(i)));
 }
 
 }  // namespace tactus

@@ -5,11 +5,23 @@
 #include <memory>
 #include <vector>
 
+#include "engine/core/ramp.h"
 #include "engine/graph/plan/schedule.h"
-#include "engine/runtime/moving_value.h"
 #include "engine/runtime/pace.h"
 
 namespace tactus {
+
+/// A moving value that steps of a schedule read: one number with stride 0 while it rests, a sample a frame
+/// while it moves.
+struct Mover {
+  Ramp value;
+  double* buffer = nullptr;  ///< nullptr: nobody reads it
+  Readers readers;
+  bool decibel = false;
+  bool resting = true;
+
+  double at(std::int64_t frame) const noexcept { return decibel ? value.decibel_at(frame) : value.at(frame); }
+};
 
 /// A constant of the file that is read at one place and will move to a new value when the schedule takes
 /// over.

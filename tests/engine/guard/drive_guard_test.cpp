@@ -122,9 +122,9 @@ TEST_CASE("drive_guard: soft start and fade out are straight lines in absolute f
 }
 
 TEST_CASE("drive_guard: a reversed ramp starts where the first one was", "[core]") {
-  GainRamp ramp{0.0};
-  ramp.begin(0, 100, 1.0);
-  ramp.begin(30, 10, 0.0);
+  Ramp ramp;
+  ramp.move_to(1.0, 0, 100);
+  ramp.move_to(0.0, 30, 10);
   CHECK(ramp.at(30) == Approx(0.3).epsilon(1e-15));
   CHECK(ramp.at(35) == Approx(0.15).epsilon(1e-15));
   CHECK(ramp.at(40) == 0.0);
