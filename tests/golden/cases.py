@@ -17,8 +17,8 @@ HERE = pathlib.Path(__file__).parent
 ROOT = HERE.parent.parent
 BLOCKS = [256, 1, 37, 64, 1024]
 # Scenes whose loops take from 6 to 60 s to judge; some of them are checked, without the runs.
-SLOW_TO_CHECK = re.compile(r"monochord/|cellomobo/|active_string/")
-CHECKED_SLOWLY = re.compile(r"cellomobo/(flat|scene|instrument|plant)|active_string/scene|monochord/plant")
+SLOW_TO_CHECK = re.compile(r"monochord/|cellomobo/|active_string/|bar/plant")
+CHECKED_SLOWLY = re.compile(r"cellomobo/(flat|scene|instrument|plant)|active_string/scene|monochord/plant|bar/plant")
 DELAYS = ["0 ms", "5 ms", "20 ms"]
 
 
