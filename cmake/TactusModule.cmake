@@ -40,7 +40,8 @@ endfunction()
 # tactus_optimise(app 1): -O1 for code whose compile time counts more than its speed; never for the real-time path.
 function(tactus_optimise target level)
   if(TACTUS_MIXED_OPTIMISATION)
-    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-O${level}>)
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-O${level}>
+                                             $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # for ccache
   endif()
 endfunction()
 
@@ -63,7 +64,7 @@ function(tactus_module name)
   endif()
   set(targets tactus_${name})
   set(control tactus_${name})
-  if(ARG_CONTROL)
+  if(ARG_CONTROL AND TACTUS_MIXED_OPTIMISATION)
     set(control tactus_${name}_control)
     list(JOIN ARG_CONTROL "|" pattern)
     set(selected ${sources})
