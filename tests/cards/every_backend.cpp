@@ -32,7 +32,6 @@ Subject live_subject(std::unique_ptr<Backend> backend, std::shared_ptr<void> sta
 template <class AnyBackend>
 std::optional<Subject> on_jack_server() {
   std::shared_ptr<SoundServer> server = start_sound_server();
-  if (!server) return std::nullopt;
   auto subject = live_subject(std::make_unique<AnyBackend>(), std::move(server));
   // No other device; without any name PortAudio would abort.
   subject.stands_on.push_back(std::make_shared<AlsaConfig>("pcm.absent { type hw card 9 }\n"));
@@ -42,10 +41,11 @@ std::optional<Subject> on_jack_server() {
 /// One that plays to ALSA's default device before any other.
 template <class AnyBackend>
 std::optional<Subject> on_alsa() {
-  std::shared_ptr<CardOnServer> rig = has_alsa() ? start_card() : nullptr;
-  if (!rig) return std::nullopt;
+  if (!has_alsa()) return std::nullopt;
+  std::shared_ptr<CardOnServer> rig = start_card();
   return live_subject(std::make_unique<AnyBackend>(), std::move(rig));
 }
+
 }  // namespace
 
 std::vector<MakeSubject> every_backend() {

@@ -1,11 +1,12 @@
 #include "tests/cards/jack_delay.h"
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
+
+#include "tests/support/skip.h"
 
 namespace tactus::test {
 namespace {
@@ -35,7 +36,7 @@ std::unique_ptr<JackDelay> start_jack_delay(SoundServer& server, const std::stri
   }
   if (process->wait(std::chrono::seconds{1}) != ChildProcess::kCannotRun)
     throw std::runtime_error{"jack_delay does not start; it says:\n" + process->log()};
-  WARN("SKIPPED beside jack_delay: it is not installed (Debian: apt-get install jack-delay)");
+  skip_part("jack_delay is not installed (Debian: apt-get install jack-delay)");
   return nullptr;
 }
 

@@ -25,7 +25,6 @@ TEST_CASE("sound server: is the default one while it is there, and leaves nothin
   std::string name;
   {
     const auto server = test::start_sound_server();
-    if (!server) return;
     name = server->name();
     CHECK(std::string{std::getenv("JACK_DEFAULT_SERVER")} == name);
   }
@@ -38,7 +37,6 @@ TEST_CASE("sound server: begins again under its name after it was killed, and le
   std::string name;
   {
     const auto server = test::start_sound_server();
-    if (!server) return;
     name = server->name();
     server->kill();
     server->restart();
@@ -50,7 +48,6 @@ TEST_CASE("sound server: begins again under its name after it was killed, and le
 
 TEST_CASE("sound server: a card can be connected, disconnected, and told to be late", "[cards]") {
   const auto server = test::start_sound_server();
-  if (!server) return;
   test::DelayClient card;
   const auto capture = card.name() + ":capture_1", playback = card.name() + ":playback_1";
   server->connect(capture, playback);

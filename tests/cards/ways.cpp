@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <fstream>
+
+#include "tests/support/skip.h"
 
 #ifdef TACTUS_HAS_rtaudio
 #include "backends/rtaudio/rtaudio.h"
@@ -48,7 +49,7 @@ std::string alsa_config(const std::string& client, int channels) {
 
 bool has_alsa() {
   if (fs::exists(jack_plugin)) return true;
-  WARN("SKIPPED over ALSA: its JACK plugin is missing (Debian: apt-get install libasound2-plugins)");
+  test::skip_part("ALSA's JACK plugin is not installed (Debian: apt-get install libasound2-plugins)");
   return false;
 }
 
@@ -67,8 +68,7 @@ std::vector<Way> every_way() {
 
 std::unique_ptr<CardOnServer> start_card(const DelayClient::Settings& card,
                                          const SoundServer::Settings& server) {
-  auto begun = start_sound_server(server);
-  return begun ? std::make_unique<CardOnServer>(std::move(begun), card) : nullptr;
+  return std::make_unique<CardOnServer>(start_sound_server(server), card);
 }
 
 AlsaConfig::AlsaConfig(const std::string& text)

@@ -16,7 +16,7 @@ struct Way {
   std::unique_ptr<Backend> (*backend)();
   bool alsa = false;
 };
-/// Is ALSA's JACK plugin there? If not, the test's output says so.
+/// Whether ALSA's JACK plugin is installed; if not, a part of the test case is skipped.
 bool has_alsa();
 /// Those whose libraries are there: RtAudio and PortAudio, each over JACK and ALSA.
 std::vector<Way> every_way();
@@ -49,7 +49,7 @@ class CardOnServer {
   AlsaConfig alsa_;
 };
 
-/// nullptr: there can be none here, and the test's output says why.
+/// Skips the test case where no JACK server can run.
 std::unique_ptr<CardOnServer> start_card(const DelayClient::Settings& card = {},
                                          const SoundServer::Settings& server = {});
 

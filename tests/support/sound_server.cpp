@@ -6,10 +6,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
+
+#include "tests/support/skip.h"
 
 namespace tactus::test {
 namespace {
@@ -72,14 +73,15 @@ std::unique_ptr<SoundServer> start_sound_server(const SoundServer::Settings& set
   server->settings_ = settings;
   server->name_ = free_name(server->lock_);
   if (server->name_.empty()) {
-    WARN("SKIPPED: " << kNames << " other tests have a sound server at this moment");
-    return nullptr;
+    server.reset();
+    skip(to_string(kNames) + " other tests have a sound server at this moment");
   }
   server->first_of_user_ = !fs::exists(metadata());
   ::setenv(kDefaultServer, server->name_.c_str(), 1);
   if (server->begin()) return server;
-  WARN("SKIPPED: " << server->why_not());
-  return nullptr;
+  const auto reason = server->why_not();
+  server.reset();
+  skip(reason);
 }
 
 SoundServer::~SoundServer() {

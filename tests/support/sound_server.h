@@ -56,7 +56,7 @@ class SoundServer {
   std::unique_ptr<ChildProcess> hand_;  ///< a client that does to others what it is told
 };
 
-/// nullptr: there can be none here, and the test's output says why.
+/// Skips the test case where no JACK server can run.
 std::unique_ptr<SoundServer> start_sound_server(const SoundServer::Settings& settings = {});
 
 /// A sound card of known delay: a JACK client in a process of its own. What goes into `NAME:playback_1` comes

@@ -58,7 +58,6 @@ struct OnServer {
 }  // namespace
 
 TEST_CASE_METHOD(OnServer, "play: drives are silent until a key arms them", "[cards]") {
-  if (!server) return;
   const test::DelayClient card;
   for (const bool armed : {false, true}) {
     CAPTURE(armed);
@@ -79,7 +78,6 @@ TEST_CASE_METHOD(OnServer, "play: drives are silent until a key arms them", "[ca
 TEST_CASE_METHOD(OnServer,
                  "play: an edit is heard while it plays, and a broken one is told and changes nothing",
                  "[cards]") {
-  if (!server) return;
   const test::DelayClient card;
   folder.write("tone.toml", constant("0"));
   Playing play{{tone, "--device", card.name(), "--arm", "--json", "--duration", "4 s"}};
@@ -94,7 +92,6 @@ TEST_CASE_METHOD(OnServer,
 }
 
 TEST_CASE_METHOD(OnServer, "play: ports go to the channels that were asked for", "[cards]") {
-  if (!server) return;
   Playing play{{tone, "--device", "jack:system", "--inputs", "2", "--outputs", "5"}};
   REQUIRE(play.says("delay "));
   CHECK(server->connections("system:capture_2") == "tactus:in_1\n");
@@ -107,7 +104,6 @@ TEST_CASE_METHOD(OnServer, "play: ports go to the channels that were asked for",
 TEST_CASE_METHOD(OnServer,
                  "play: it waits for a server that died, plays on when it is back, and ends when told",
                  "[cards]") {
-  if (!server) return;
   Playing play{{tone, "--device", "jack:system"}};
   REQUIRE(play.says("delay "));
   server->kill();
@@ -121,7 +117,6 @@ TEST_CASE_METHOD(OnServer,
 TEST_CASE_METHOD(OnServer,
                  "play: a device that is not there, or not one alone, is refused with those that are",
                  "[cards]") {
-  if (!server) return;
   const test::DelayClient one{{.name = "twin"}}, two{{.name = "twins"}};
   const auto refused = [&](const std::string& device) {
     Playing play{{tone, "--device", device}};
@@ -137,7 +132,6 @@ TEST_CASE_METHOD(OnServer,
 }
 
 TEST_CASE_METHOD(OnServer, "play: a simulated world is heard, and space strikes in it", "[cards]") {
-  if (!server) return;
   const std::string scene = TACTUS_SOURCE_DIR "/instruments/haptic_drum/single_strike.toml";
   Playing play{{scene, "--listen", "--device", "jack:system", "--json", "--duration", "1 s"}};
   REQUIRE(play.says("block "));
@@ -151,7 +145,6 @@ TEST_CASE_METHOD(
     OnServer,
     "play: what was recorded while it was armed, turned, edited and lost its server replays bit for bit",
     "[cards]") {
-  if (!server) return;
   const auto wav = in_folder("take.wav");
   folder.write("tone.toml", constant("0.1"));
   Playing play{{tone, "--device", "loopback", "--backend", "jack", "--record", wav}};
@@ -176,7 +169,6 @@ TEST_CASE_METHOD(
 }
 
 TEST_CASE_METHOD(OnServer, "play: a rig is made from what is proposed, and plays", "[cards]") {
-  if (!server) return;
   const auto rig = in_folder("rig.toml");
   Playing first{{tone, "--device", "jack:system", "--save-rig", rig, "--yes", "--duration", "0.2 s"}};
   CHECK(first.ends() == 0);
@@ -190,7 +182,6 @@ TEST_CASE_METHOD(OnServer, "play: a rig is made from what is proposed, and plays
 }
 
 TEST_CASE_METHOD(OnServer, "play: five soft hits teach the rig how sensitive a sensor is", "[cards]") {
-  if (!server) return;
   // Somebody else plays the hits: five bursts, half a second apart, 30 dB below full scale.
   folder.write("hits.toml", R"(format = 1
 name = "hits"
@@ -217,7 +208,6 @@ out = { from = "0.0316 * hit * wave", kind = "audio" }
 
 TEST_CASE_METHOD(OnServer, "play: what was pressed while the device was away holds when it is back",
                  "[cards]") {
-  if (!server) return;
   Playing play{{tone, "--device", "jack:loopback", "--arm", "--json"}};
   REQUIRE(play.says("delay "));
   server->kill();
@@ -235,7 +225,6 @@ TEST_CASE_METHOD(OnServer, "play: what was pressed while the device was away hol
 }
 
 TEST_CASE_METHOD(OnServer, "play: with standard input closed nothing is taken for a key", "[cards]") {
-  if (!server) return;
   const auto command =
       std::string{"exec "} + TACTUS_PROGRAM + " play " + tone + " --device jack:system --duration '1 s' <&-";
   test::ChildProcess play{{"sh", "-c", command}, test::ChildProcess::Stdout::Logged};
@@ -245,7 +234,6 @@ TEST_CASE_METHOD(OnServer, "play: with standard input closed nothing is taken fo
 }
 
 TEST_CASE_METHOD(OnServer, "play: nothing goes around a rig", "[cards]") {
-  if (!server) return;
   folder.write(
       "rig.toml",
       "format = 1\n[device]\noutput = \"jack:system\"\nblock = 64\n[inputs]\nheard = { channel = 1 }\n"
@@ -271,7 +259,6 @@ TEST_CASE_METHOD(
     OnServer,
     "play: what only a sound card has is refused without one, and ports that share a channel always",
     "[cards]") {
-  if (!server) return;
   folder.write("two.toml", "format = 1\n[outputs]\na = { from = \"0.1\" }\nb = { from = \"0.2\" }\n");
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{"--arm"}, {"--record", "take.wav"}, {"--device", ""}}) {

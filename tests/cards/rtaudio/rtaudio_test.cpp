@@ -22,7 +22,6 @@ std::optional<Device> listed(const std::string& client) {
 
 TEST_CASE("rtaudio: a JACK client is never taken for another whose name has its own in it", "[cards]") {
   const auto server = test::start_sound_server();
-  if (!server) return;
   {
     const test::DelayClient card{{.name = "card", .channels = 2}}, other{{.name = "my-card", .channels = 3}};
     REQUIRE(listed(card.name()));
