@@ -183,7 +183,7 @@ const NodeType& align_type() {
                     .fallback = {},
                     .optional = true}},
       .make = Align::make,
-      .range = {}};
+      .compensation = PhaseCompensation{.port = kDelay, .period = kPeriod, .sign = 1}};
   return type;
 }
 

@@ -217,7 +217,7 @@ const NodeType& delay_type() {
             .fallback = {},
             .optional = true}},
       .make = make,
-      .range = {}};
+      .compensation = PhaseCompensation{.port = kTime, .period = kTime, .sign = -1}};
   return type;
 }
 

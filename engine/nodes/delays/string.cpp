@@ -107,7 +107,7 @@ const NodeType& string_type() {
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
         return std::make_unique<StringNode>(setup);
       },
-      .range = {}};
+      .resonant = true};
   return type;
 }
 

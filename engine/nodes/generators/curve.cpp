@@ -107,7 +107,8 @@ const NodeType& curve_type() {
                     .doc = "unit of the values; left out: a plain number",
                     .choices = {},
                     .fallback = "",
-                    .optional = true}},
+                    .optional = true,
+                    .unit = true}},
       .make = make,
       .range = range,
   };

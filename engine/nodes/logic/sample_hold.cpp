@@ -42,6 +42,7 @@ const NodeType& sample_hold_type() {
       .outputs = {{.name = "out", .unit = "=in", .doc = "held value", .range = {}}},
       .settings = {},
       .make = make_node<SampleHold>,
+      .small_signal_gain = 1,
       .range = [](int,
                   const NodeSetup& setup) { return setup.input("in").range.joined(Interval::exactly(0)); },
   };

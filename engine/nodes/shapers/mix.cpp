@@ -30,6 +30,7 @@ const NodeType& mix_type() {
         return std::make_unique<ElementwiseNode<Copy>>(Copy{});
       },
       .stateless = true,
+      .reduces_lanes = true,
       .range = {},
   };
   return type;

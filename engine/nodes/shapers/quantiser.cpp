@@ -55,6 +55,7 @@ const NodeType& quantiser_type() {
         return std::make_unique<Quantiser>(setup.setting("rounding").text == "nearest");
       },
       .stateless = true,
+      .small_signal_gain = 1,
       .range =
           [](int, const NodeSetup& setup) {
             const Interval step = max(setup.input("step").range, Interval::exactly(0));

@@ -44,6 +44,7 @@ const NodeType& slew_type() {
       .outputs = {{.name = "out", .unit = "=in", .doc = "signal without jumps", .range = {}}},
       .settings = {},
       .make = make_node<Slew>,
+      .small_signal_gain = 1,
       // It starts at 0 and then lies between where it was and where it goes.
       .range =
           [](int, const NodeSetup& setup) {
