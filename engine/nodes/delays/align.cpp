@@ -1,5 +1,3 @@
-#include "engine/nodes/delays/align.h"
-
 #include <cmath>
 
 #include "engine/dsp/delays/delay_line.h"
@@ -7,6 +5,7 @@
 #include "engine/dsp/delays/taps.h"
 #include "engine/dsp/envelopes/rise.h"
 #include "engine/nodes/delays/delay_taps.h"
+#include "engine/nodes/delays/delays.h"
 
 namespace tactus {
 namespace {
@@ -148,17 +147,15 @@ const NodeType& align_type() {
           "Steiner & Oldham, NIME 2008, section 7.2",
       .example = "{ type = \"align\", in = \"string\", period = \"1 / pitch\", delay = \"system.delay\" }",
       .inputs =
-          {{.name = "in", .unit = "any", .doc = "signal that goes around", .fallback = std::nullopt},
+          {{.name = "in", .unit = "any", .doc = "signal that goes around"},
            {.name = "period",
             .unit = "s",
             .doc = "of the note; at most 0.1 s",
-            .fallback = std::nullopt,
             .low = 0,
             .high = kLongestPeriod_s},
            {.name = "delay",
             .unit = "s",
             .doc = "what the loop takes already; of an instrument system.delay",
-            .fallback = std::nullopt,
             .low = 0,
             .high = 1000},
            {.name = "phase",
@@ -173,14 +170,12 @@ const NodeType& align_type() {
             .unit = "",
             .doc = "below 0.5 nothing is padded: what comes in goes out",
             .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in, so much later", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in, so much later"}},
       .settings = {{.name = "compensate",
                     .kind = Setting::Kind::Names,
                     .doc =
                         "filters in the same loop, or models of what lies outside; their phase delays at the "
                         "pitch count as part of the loop",
-                    .choices = {},
-                    .fallback = {},
                     .optional = true}},
       .make = Align::make,
       .compensation = PhaseCompensation{.port = kDelay, .period = kPeriod, .sign = 1}};

@@ -6,12 +6,8 @@
 namespace tactus {
 
 inline InputPort pitch_input(std::string doc) {
-  return {.name = "pitch",
-          .unit = "Hz",
-          .doc = std::move(doc),
-          .fallback = std::nullopt,
-          .low = StringLoop::kLowestPitch,
-          .high = 20000};
+  return {
+      .name = "pitch", .unit = "Hz", .doc = std::move(doc), .low = StringLoop::kLowestPitch, .high = 20000};
 }
 
 inline InputPort loss_input() {

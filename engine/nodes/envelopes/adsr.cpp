@@ -1,9 +1,9 @@
-#include "engine/nodes/envelopes/adsr.h"
+#include "engine/dsp/envelopes/adsr.h"
 
 #include <algorithm>
 
-#include "engine/dsp/envelopes/adsr.h"
 #include "engine/dsp/envelopes/time_constant.h"
+#include "engine/nodes/envelopes/envelopes.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -49,7 +49,7 @@ const NodeType& adsr_type() {
       .source = "Moore, Elements of Computer Music, 1990",
       .example = "shape = { type = \"adsr\", gate = \"touch\", attack = \"5 ms\", release = \"80 ms\" }",
       .inputs =
-          {{.name = "gate", .unit = "", .doc = "high from 0.5 on", .fallback = {}},
+          {{.name = "gate", .unit = "", .doc = "high from 0.5 on"},
            {.name = "attack",
             .unit = "s",
             .doc = "time of the way from 0 to 1; 0: at once",
@@ -68,9 +68,7 @@ const NodeType& adsr_type() {
             .high = 1},
            {.name = "release", .unit = "s", .doc = "time constant towards 0", .fallback = 0.100, .low = 0}},
       .outputs = {{.name = "out", .unit = "", .doc = "the envelope", .range = {0, 1}}},
-      .settings = {},
       .make = make_node<AdsrNode>,
-      .range = {},
   };
   return type;
 }

@@ -1,10 +1,9 @@
-#include "engine/nodes/envelopes/decay.h"
-
 #include <algorithm>
 
 #include "engine/dsp/envelopes/pulse.h"
 #include "engine/dsp/envelopes/rise.h"
 #include "engine/dsp/envelopes/time_constant.h"
+#include "engine/nodes/envelopes/envelopes.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -66,20 +65,16 @@ const NodeType& decay_type() {
       .equation = "out(t) = level exp(-t / time), t since the last trigger; 0 for t >= length > 0",
       .source = "elementary",
       .example = "pulse = { type = \"decay\", trigger = \"hit\", time = \"12 ms\" }",
-      .inputs = {{.name = "trigger", .unit = "", .doc = "starts the pulse in its own frame", .fallback = {}},
-                 {.name = "time",
-                  .unit = "s",
-                  .doc = "time constant: the pulse falls to 37 % in it",
-                  .fallback = {},
-                  .low = 0},
-                 {.name = "level", .unit = "any", .doc = "height, taken over at the trigger", .fallback = 1},
-                 {.name = "length",
-                  .unit = "s",
-                  .doc = "the pulse ends after this time; 0: never",
-                  .fallback = 0,
-                  .low = 0}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the pulse", .range = {}}},
-      .settings = {},
+      .inputs =
+          {{.name = "trigger", .unit = "", .doc = "starts the pulse in its own frame"},
+           {.name = "time", .unit = "s", .doc = "time constant: the pulse falls to 37 % in it", .low = 0},
+           {.name = "level", .unit = "any", .doc = "height, taken over at the trigger", .fallback = 1},
+           {.name = "length",
+            .unit = "s",
+            .doc = "the pulse ends after this time; 0: never",
+            .fallback = 0,
+            .low = 0}},
+      .outputs = {{.name = "out", .unit = "=level", .doc = "the pulse"}},
       .make = make_node<Decay>,
       .range = [](int,
                   const NodeSetup& setup) { return setup.input("level").range.joined(Interval::exactly(0)); },

@@ -1,7 +1,6 @@
-#include "engine/nodes/envelopes/envelope.h"
-
 #include "engine/dsp/envelopes/envelope_follower.h"
 #include "engine/dsp/envelopes/time_constant.h"
+#include "engine/nodes/envelopes/envelopes.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -39,7 +38,7 @@ const NodeType& envelope_type() {
       .source = "Zölzer (ed.), DAFX: Digital Audio Effects, 2nd ed. 2011, section 4.2",
       .example =
           "loudness = { type = \"envelope\", in = \"microphone\", attack = \"0.5 ms\", release = \"20 ms\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
                  {.name = "attack",
                   .unit = "s",
                   .doc = "time constant while the signal is above the envelope; 0: at once",
@@ -52,7 +51,6 @@ const NodeType& envelope_type() {
                   .low = 0}},
       .outputs =
           {{.name = "out", .unit = "=in", .doc = "envelope, never negative", .range = {0, kUnlimited}}},
-      .settings = {},
       .make = make_node<Envelope>,
       .range =
           [](int, const NodeSetup& setup) {

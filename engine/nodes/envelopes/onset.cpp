@@ -1,8 +1,8 @@
-#include "engine/nodes/envelopes/onset.h"
+#include "engine/dsp/envelopes/onset.h"
 
 #include <algorithm>
 
-#include "engine/dsp/envelopes/onset.h"
+#include "engine/nodes/envelopes/envelopes.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -53,7 +53,7 @@ const NodeType& onset_type() {
           "ringing, and e > noise_margin * mean noise; then none for hold",
       .source = "Bello et al., IEEE Trans. Speech Audio Process. 13, 2005",
       .example = "hit = { type = \"onset\", in = \"microphone\", threshold = \"-34 dB\", hold = \"15 ms\" }",
-      .inputs = {{.name = "in", .unit = "full scale", .doc = "microphone", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "full scale", .doc = "microphone"},
                  {.name = "threshold",
                   .unit = "",
                   .doc = "softest hit, its peak",
@@ -106,10 +106,8 @@ const NodeType& onset_type() {
                    .unit = "=in",
                    .doc = "highest envelope of the last hit: so far in its first 5 ms, then held to the next",
                    .event_level = true},
-                  {.name = "envelope", .unit = "=in", .doc = "fast envelope above 30 Hz", .range = {}}},
-      .settings = {},
+                  {.name = "envelope", .unit = "=in", .doc = "fast envelope above 30 Hz"}},
       .make = make_node<Onset>,
-      .range = {},
   };
   return type;
 }

@@ -1,14 +1,13 @@
-#include "engine/nodes/filters/difference.h"
-
 #include "engine/nodes/filters/filter_ports.h"
-#include "engine/nodes/group_steps.h"
+#include "engine/nodes/filters/filters.h"
+#include "engine/nodes/make.h"
 
 namespace tactus {
 namespace {
 
 class DifferenceNode : public Node {
  public:
-  explicit DifferenceNode(Hertz sample_rate) : sample_rate_(sample_rate) {}
+  explicit DifferenceNode(const NodeSetup& setup) : sample_rate_(setup.sample_rate) {}
 
   void process(const NodeBlock& block) noexcept override {
     const auto in = block.in[0];
@@ -43,12 +42,8 @@ const NodeType& difference_type() {
       .source = "backward difference",
       .example = "{ type = \"difference\", in = \"position\" }",
       .inputs = {filtered_input("signal, usually a position")},
-      .outputs = {{.name = "out", .unit = "=in/s", .doc = "rate of change, half a frame late", .range = {}}},
-      .settings = {},
-      .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
-        return std::make_unique<DifferenceNode>(setup.sample_rate);
-      },
-      .range = {}};
+      .outputs = {{.name = "out", .unit = "=in/s", .doc = "rate of change, half a frame late"}},
+      .make = make_node<DifferenceNode>};
   return type;
 }
 

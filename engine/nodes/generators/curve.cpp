@@ -1,9 +1,8 @@
-#include "engine/nodes/generators/curve.h"
-
 #include <cmath>
 
 #include "engine/dsp/curves/breakpoints.h"
 #include "engine/dsp/envelopes/rise.h"
+#include "engine/nodes/generators/generators.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -91,12 +90,11 @@ const NodeType& curve_type() {
                   .unit = "",
                   .doc = "starts the curve over; if it is connected, the curve waits for the first one",
                   .fallback = 0}},
-      .outputs = {{.name = "out", .unit = "=unit", .doc = "value of the curve", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=unit", .doc = "value of the curve"}},
       .settings = {{.name = "points",
                     .kind = Setting::Kind::Points,
                     .doc = "[[time, value], ...], times ascending; two points at one time are a jump",
-                    .choices = {"s", "=unit"},
-                    .fallback = ""},
+                    .choices = {"s", "=unit"}},
                    {.name = "curve",
                     .kind = Setting::Kind::Choice,
                     .doc = "way between two points",
@@ -105,8 +103,6 @@ const NodeType& curve_type() {
                    {.name = "unit",
                     .kind = Setting::Kind::Text,
                     .doc = "unit of the values; left out: a plain number",
-                    .choices = {},
-                    .fallback = "",
                     .optional = true,
                     .unit = true}},
       .make = make,

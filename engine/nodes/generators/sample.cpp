@@ -1,9 +1,8 @@
-#include "engine/nodes/generators/sample.h"
-
 #include <algorithm>
 
 #include "engine/dsp/envelopes/rise.h"
 #include "engine/dsp/generators/sample_player.h"
+#include "engine/nodes/generators/generators.h"
 #include "engine/nodes/generators/sound_file.h"
 
 namespace tactus {
@@ -56,10 +55,7 @@ const NodeType& sample_type() {
       .equation = "out[n] = level s(p[n]); p = 0 at a trigger, p[n+1] = p[n] + speed[n] file rate / rate",
       .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
       .example = "thud = { type = \"sample\", file = \"thud.wav\", trigger = \"hit\" }",
-      .inputs = {{.name = "trigger",
-                  .unit = "",
-                  .doc = "starts the file; 1 starts it in the first frame",
-                  .fallback = {}},
+      .inputs = {{.name = "trigger", .unit = "", .doc = "starts the file; 1 starts it in the first frame"},
                  {.name = "speed",
                   .unit = "",
                   .doc = "1 is the recorded speed; not band-limited above it",
@@ -67,16 +63,13 @@ const NodeType& sample_type() {
                   .low = 0,
                   .high = kMaxSpeed},
                  {.name = "level", .unit = "any", .doc = "output at full scale of the file", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the recording", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=level", .doc = "the recording"}},
       .settings = {{.name = "file",
                     .kind = Setting::Kind::File,
-                    .doc = "WAV, AIFF or FLAC; played at its own rate whatever the engine's",
-                    .choices = {},
-                    .fallback = ""},
+                    .doc = "WAV, AIFF or FLAC; played at its own rate whatever the engine's"},
                    {.name = "channel",
                     .kind = Setting::Kind::Integer,
                     .doc = "which channel of the file; 1 is the first",
-                    .choices = {},
                     .fallback = "1",
                     .low = 1,
                     .high = 1024},
@@ -86,7 +79,6 @@ const NodeType& sample_type() {
                     .choices = {"linear", "cubic"},
                     .fallback = "cubic"}},
       .make = make,
-      .range = {},
   };
   return type;
 }

@@ -1,8 +1,7 @@
-#include "engine/nodes/generators/sine.h"
-
 #include <cmath>
 
 #include "engine/dsp/generators/phasor.h"
+#include "engine/nodes/generators/generators.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -38,14 +37,10 @@ const NodeType& sine_type() {
       .equation = "out[n] = level sin(2 pi p[n] + phase); p[0] = 0, p[n+1] = p[n] + frequency[n] / rate",
       .source = "elementary",
       .example = "tone = { type = \"sine\", frequency = \"80 Hz\", level = \"0.5 N\" }",
-      .inputs = {{.name = "frequency",
-                  .unit = "Hz",
-                  .doc = "turns a second; negative turns backwards",
-                  .fallback = {}},
+      .inputs = {{.name = "frequency", .unit = "Hz", .doc = "turns a second; negative turns backwards"},
                  {.name = "phase", .unit = "rad", .doc = "added to the running phase", .fallback = 0},
                  {.name = "level", .unit = "any", .doc = "amplitude", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the sine", .range = {}}},
-      .settings = {},
+      .outputs = {{.name = "out", .unit = "=level", .doc = "the sine"}},
       .make = make_node<Sine>,
       .range =
           [](int, const NodeSetup& setup) {

@@ -1,9 +1,8 @@
-#include "engine/nodes/generators/wavetable.h"
-
 #include <cmath>
 
 #include "engine/dsp/generators/phasor.h"
 #include "engine/dsp/generators/wave_table.h"
+#include "engine/nodes/generators/generators.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -55,25 +54,19 @@ const NodeType& wavetable_type() {
           "frequency[n] / rate",
       .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
       .example = "buzz = { type = \"wavetable\", table = [0, 1, 0.5, -0.5, -1], frequency = \"60 Hz\" }",
-      .inputs = {{.name = "frequency",
-                  .unit = "Hz",
-                  .doc = "periods a second; negative runs backwards",
-                  .fallback = {}},
+      .inputs = {{.name = "frequency", .unit = "Hz", .doc = "periods a second; negative runs backwards"},
                  {.name = "phase", .unit = "rad", .doc = "added to the running phase", .fallback = 0},
                  {.name = "level", .unit = "any", .doc = "multiplies the table", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the wave", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=level", .doc = "the wave"}},
       .settings = {{.name = "table",
                     .kind = Setting::Kind::Numbers,
-                    .doc = "one period at even distances, at least one number",
-                    .choices = {},
-                    .fallback = ""},
+                    .doc = "one period at even distances, at least one number"},
                    {.name = "interpolation",
                     .kind = Setting::Kind::Choice,
                     .doc = "between two numbers",
                     .choices = {"linear", "cubic"},
                     .fallback = "linear"}},
       .make = make,
-      .range = {},
   };
   return type;
 }

@@ -1,8 +1,7 @@
-#include "engine/nodes/logic/counter.h"
-
 #include <cmath>
 
 #include "engine/dsp/envelopes/rise.h"
+#include "engine/nodes/logic/logic.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -50,14 +49,13 @@ const NodeType& counter_type() {
       .source = "elementary",
       .example = "step = { type = \"counter\", trigger = \"hit\", count = 4 }",
       .inputs =
-          {{.name = "trigger", .unit = "", .doc = "counts one up in its own frame", .fallback = {}},
+          {{.name = "trigger", .unit = "", .doc = "counts one up in its own frame"},
            {.name = "reset",
             .unit = "",
             .doc = "trigger that goes back to 0; wins in a frame with `trigger`",
             .fallback = 0},
            {.name = "count", .unit = "", .doc = "starts over here; below 1: never", .fallback = 0, .low = 0}},
       .outputs = {{.name = "out", .unit = "", .doc = "whole number from 0 on", .range = {0, kUnlimited}}},
-      .settings = {},
       .make = make_node<Counter>,
       .range = range,
   };

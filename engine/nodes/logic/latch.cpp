@@ -1,6 +1,5 @@
-#include "engine/nodes/logic/latch.h"
-
 #include "engine/dsp/envelopes/rise.h"
+#include "engine/nodes/logic/logic.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -39,12 +38,10 @@ const NodeType& latch_type() {
       .equation = "out = 1 from a trigger at `set` until one at `reset`",
       .source = "elementary",
       .example = "playing = { type = \"latch\", set = \"start\", reset = \"stop\" }",
-      .inputs = {{.name = "set", .unit = "", .doc = "trigger that switches on", .fallback = {}},
+      .inputs = {{.name = "set", .unit = "", .doc = "trigger that switches on"},
                  {.name = "reset", .unit = "", .doc = "trigger that switches off", .fallback = 0}},
       .outputs = {{.name = "out", .unit = "", .doc = "0 or 1", .range = {0, 1}}},
-      .settings = {},
       .make = make_node<Latch>,
-      .range = {},
   };
   return type;
 }

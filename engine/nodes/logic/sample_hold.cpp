@@ -1,6 +1,5 @@
-#include "engine/nodes/logic/sample_hold.h"
-
 #include "engine/dsp/envelopes/rise.h"
+#include "engine/nodes/logic/logic.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -37,10 +36,9 @@ const NodeType& sample_hold_type() {
       .equation = "out[n] = in[m], m <= n the frame of the last trigger",
       .source = "elementary",
       .example = "velocity = { type = \"sample_hold\", in = \"speed\", trigger = \"hit\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
-                 {.name = "trigger", .unit = "", .doc = "when to take the value over", .fallback = {}}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "held value", .range = {}}},
-      .settings = {},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
+                 {.name = "trigger", .unit = "", .doc = "when to take the value over"}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "held value"}},
       .make = make_node<SampleHold>,
       .small_signal_gain = 1,
       .range = [](int,

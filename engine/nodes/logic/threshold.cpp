@@ -1,9 +1,8 @@
-#include "engine/nodes/logic/threshold.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "engine/dsp/curves/comparator.h"
+#include "engine/nodes/logic/logic.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -87,8 +86,8 @@ const NodeType& threshold_type() {
       .source = "Schmitt, J. Sci. Instrum. 15, 1938",
       .example =
           "touched = { type = \"threshold\", in = \"pressure\", level = \"0.5 N\", hysteresis = \"0.1 N\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
-                 {.name = "level", .unit = "=in", .doc = "level to reach", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
+                 {.name = "level", .unit = "=in", .doc = "level to reach"},
                  {.name = "hysteresis",
                   .unit = "=in",
                   .doc = "how far below `level` it lets go",
@@ -107,10 +106,8 @@ const NodeType& threshold_type() {
                    .kind = OutputKind::Trigger,
                    .range = {0, 1}},
                   {.name = "gate", .unit = "", .doc = "1 while high", .range = {0, 1}}},
-      .settings = {},
       .make = make_node<Threshold>,
       .skips_unread = true,
-      .range = {},
   };
   return type;
 }

@@ -1,9 +1,8 @@
-#include "engine/nodes/mechanics/damper.h"
-
 #include <algorithm>
 
 #include "engine/dsp/curves/mechanics.h"
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/mechanics/mechanics.h"
 
 namespace tactus {
 namespace {
@@ -24,17 +23,10 @@ const NodeType& damper_type() {
       .equation = "out = -damping in",
       .source = "Berdahl, Steiner & Oldham, NIME 2008, section 6.1.1",
       .example = "drag = { type = \"damper\", in = \"speed\", damping = \"0.5 N s/m\" }",
-      .inputs = {{.name = "in", .unit = "m/s", .doc = "velocity of the device", .fallback = {}},
-                 {.name = "damping",
-                  .unit = "N s/m",
-                  .doc = "force for a metre a second",
-                  .fallback = {},
-                  .low = 0}},
-      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device", .range = {}}},
-      .settings = {},
-      .make = [](const NodeSetup&) -> Result<std::unique_ptr<Node>> {
-        return std::make_unique<ElementwiseNode<Damper>>(Damper{});
-      },
+      .inputs = {{.name = "in", .unit = "m/s", .doc = "velocity of the device"},
+                 {.name = "damping", .unit = "N s/m", .doc = "force for a metre a second", .low = 0}},
+      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device"}},
+      .make = make_elementwise<Damper>,
       .stateless = true,
       .range =
           [](int, const NodeSetup& setup) {

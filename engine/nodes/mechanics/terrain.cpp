@@ -1,9 +1,9 @@
-#include "engine/nodes/mechanics/terrain.h"
+#include "engine/dsp/curves/terrain.h"
 
 #include <algorithm>
 
 #include "engine/dsp/curves/cubic_curve.h"
-#include "engine/dsp/curves/terrain.h"
+#include "engine/nodes/mechanics/mechanics.h"
 
 namespace tactus {
 namespace {
@@ -101,7 +101,7 @@ const NodeType& terrain_type() {
       .example =
           "notch = { type = \"terrain\", position = \"fader\", weight = \"1 N\", height = \"1 mm\", length = "
           "\"2 mm\" }",
-      .inputs = {{.name = "position", .unit = "m", .doc = "position of the device", .fallback = {}},
+      .inputs = {{.name = "position", .unit = "m", .doc = "position of the device"},
                  {.name = "weight",
                   .unit = "N",
                   .doc = "presses the device onto the profile",
@@ -117,8 +117,8 @@ const NodeType& terrain_type() {
                   .doc = "distance of a detent's strongest force from its centre, period of the sine",
                   .fallback = 0.002,
                   .low = kShortest}},
-      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device", .range = {}},
-                  {.name = "z", .unit = "m", .doc = "height of the profile at the position", .range = {}}},
+      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device"},
+                  {.name = "z", .unit = "m", .doc = "height of the profile at the position"}},
       .settings = {{.name = "profile",
                     .kind = Setting::Kind::Choice,
                     .doc = "shape of the ground; `points` makes no use of height and length",
@@ -128,11 +128,9 @@ const NodeType& terrain_type() {
                     .kind = Setting::Kind::Points,
                     .doc = "[[x, z], ...], x ascending",
                     .choices = {"m", "m"},
-                    .fallback = "",
                     .optional = true}},
       .make = make,
       .stateless = true,
-      .range = {},
   };
   return type;
 }

@@ -1,9 +1,8 @@
-#include "engine/nodes/mechanics/wall.h"
-
 #include <algorithm>
 
 #include "engine/dsp/curves/mechanics.h"
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/mechanics/mechanics.h"
 
 namespace tactus {
 namespace {
@@ -44,25 +43,17 @@ const NodeType& wall_type() {
           "(b + damping) / (T / 2 + delay): Gil et al., J. Comput. Inf. Sci. Eng. 9, 2009",
       .example = "stop = { type = \"wall\", position = \"lever\", stiffness = \"800 N/m\", at = \"20 mm\" }",
       .inputs =
-          {{.name = "position", .unit = "m", .doc = "position of the device", .fallback = {}},
+          {{.name = "position", .unit = "m", .doc = "position of the device"},
            {.name = "velocity", .unit = "m/s", .doc = "its velocity; needed for the damper", .fallback = 0},
-           {.name = "stiffness",
-            .unit = "N/m",
-            .doc = "force for a metre of depth",
-            .fallback = {},
-            .low = 0},
+           {.name = "stiffness", .unit = "N/m", .doc = "force for a metre of depth", .low = 0},
            {.name = "damping", .unit = "N s/m", .doc = "force for a metre a second", .fallback = 0, .low = 0},
            {.name = "at", .unit = "m", .doc = "where the wall begins", .fallback = 0}},
       .outputs = {{.name = "out",
                    .unit = "N",
                    .doc = "force on the device, never positive",
                    .range = {-kUnlimited, 0}}},
-      .settings = {},
-      .make = [](const NodeSetup&) -> Result<std::unique_ptr<Node>> {
-        return std::make_unique<ElementwiseNode<WallLaw>>(WallLaw{});
-      },
+      .make = make_elementwise<WallLaw>,
       .stateless = true,
-      .range = {},
   };
   return type;
 }

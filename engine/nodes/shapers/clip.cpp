@@ -1,8 +1,7 @@
-#include "engine/nodes/shapers/clip.h"
-
 #include <algorithm>
 
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
 namespace {
@@ -30,14 +29,13 @@ const NodeType& clip_type() {
       .equation = "out = max(low, min(high, in))",
       .source = "elementary",
       .example = "safe = { type = \"clip\", in = \"force\", low = \"-2 N\", high = \"2 N\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
                  {.name = "low",
                   .unit = "=in",
                   .doc = "least output; wins where it is above `high`",
                   .fallback = -1},
                  {.name = "high", .unit = "=in", .doc = "largest output", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "limited signal", .range = {}}},
-      .settings = {},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "limited signal"}},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
         const auto low = setup.input("low").constant, high = setup.input("high").constant;
         if (low && high && *low > *high)

@@ -1,7 +1,6 @@
-#include "engine/nodes/shapers/quantiser.h"
-
 #include "engine/dsp/curves/quantise.h"
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
 namespace {
@@ -36,13 +35,12 @@ const NodeType& quantiser_type() {
       .source = "Widrow & Kollar, Quantization Noise, 2008",
       .example =
           "encoder = { type = \"quantiser\", in = \"angle\", step = \"0.09 deg\", rounding = \"floor\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
                  {.name = "step",
                   .unit = "=in",
                   .doc = "distance of the steps; where a signal makes it 0, nothing is rounded",
-                  .fallback = {},
                   .low = 0}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "rounded signal", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "rounded signal"}},
       .settings = {{.name = "rounding",
                     .kind = Setting::Kind::Choice,
                     .doc = "which multiple of the step",

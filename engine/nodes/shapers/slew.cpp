@@ -1,8 +1,7 @@
-#include "engine/nodes/shapers/slew.h"
-
 #include <algorithm>
 
 #include "engine/nodes/make.h"
+#include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
 namespace {
@@ -38,11 +37,10 @@ const NodeType& slew_type() {
       .equation = "out[n] = max(out[n - 1] - fall / rate, min(out[n - 1] + rise / rate, in[n]))",
       .source = "the slew rate of an amplifier, Horowitz & Hill, The Art of Electronics, 3rd ed. 2015",
       .example = "push = { type = \"slew\", in = \"target\", rise = \"20 N/s\", fall = \"5 N/s\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
-                 {.name = "rise", .unit = "=in/s", .doc = "fastest way up", .fallback = {}, .low = 0},
-                 {.name = "fall", .unit = "=in/s", .doc = "fastest way down", .fallback = {}, .low = 0}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "signal without jumps", .range = {}}},
-      .settings = {},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
+                 {.name = "rise", .unit = "=in/s", .doc = "fastest way up", .low = 0},
+                 {.name = "fall", .unit = "=in/s", .doc = "fastest way down", .low = 0}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "signal without jumps"}},
       .make = make_node<Slew>,
       .small_signal_gain = 1,
       // It starts at 0 and then lies between where it was and where it goes.
