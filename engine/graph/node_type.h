@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]. A declaration is made once and constant from then on: reading it is [any].
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -18,8 +20,6 @@
 namespace tactus {
 
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
-
-// Thread: [control]. Declarations are made once and constant from then on: reading them is [any].
 
 /// A port that takes a signal: an expression, a name, a quantity or a number.
 struct InputPort {
@@ -77,11 +77,10 @@ struct InputInfo {
   Interval range;                  ///< guaranteed by interval arithmetic; unbounded if nothing is known
   std::optional<double> constant;  ///< the value, if it never changes
   bool connected = false;          ///< named in the file
-  mutable bool asked = false;      ///< what was made depends on it
+  mutable bool asked = false;      ///< the node that was made depends on it
 };
 
-/// Settings with their values, as declared: `setup.choice("interpolation")`. Asking for what was not declared
-/// is a mistake of ours (an assertion), since the compiler checked the file against the declaration.
+/// The value of a setting, in the order of the declaration.
 struct SettingValue {
   std::string text;                               ///< Choice, Text; File: the resolved path
   double number = 0;                              ///< Integer, Quantity (SI), Flag
@@ -93,11 +92,11 @@ struct SettingValue {
 
 struct NodeType;
 
-/// What the nodes of a graph may keep between them: a line of a file can ask for more than a machine has.
+/// Memory limit of all nodes of a graph: a line of a file can ask for more than a machine has.
 class MemoryBudget {
  public:
   explicit MemoryBudget(std::size_t bytes) : bytes_(bytes), left_(bytes) {}
-  /// [control] Errors: OutOfRange if so many more numbers are too many.
+  /// [control] Errors: OutOfRange where the limit is exceeded.
   Status take(std::size_t numbers);
 
  private:
@@ -114,9 +113,9 @@ struct NodeSetup {
   int lanes = 1;
   MemoryBudget* memory = nullptr;  ///< nullptr: as much as there is
 
-  /// [control] To be asked before a node keeps more numbers than stand in its settings.
+  /// [control] Must be called before a node allocates more numbers than its settings hold.
   Status take_memory(std::size_t numbers) const;
-  /// It is noted (`asked`) that the node depends on what it is told here. Fixed ports may be read directly.
+  /// Marks the input as `asked`: the node depends on the result. Fixed ports may be read directly.
   const InputInfo& input(std::string_view name) const;
   const SettingValue& setting(std::string_view name) const;
 };
@@ -141,7 +140,7 @@ struct NodeType {
   std::vector<OutputPort> outputs;  ///< the first is what the node's bare name means
   std::vector<Setting> settings = {};
   MakeNode make;
-  /// A node without memory whose inputs are constant is evaluated once, when the graph is compiled.
+  /// No memory: with constant inputs it is evaluated once, when the graph is compiled.
   bool stateless = false;
   /// All lanes of the input are summed into one lane of output: the compiler makes additions of the node.
   bool reduces_lanes = false;
@@ -152,11 +151,11 @@ struct NodeType {
   /// Of an input without `Node::response`: the gain from the first input that the node comes close to while
   /// its signal moves far enough. nullopt: such an input is event-driven and has no small-signal gain.
   std::optional<double> small_signal_gain = {};
-  /// Outputs that nobody reads may be given as nullptr (networks: hundreds of outputs, few of them read).
+  /// Unread outputs may be given as nullptr (networks: hundreds of outputs, few of them read).
   bool skips_unread = false;
   /// Tells declarations of one name apart (networks).
   std::uint64_t fingerprint = 0;
-  /// What an output can be, given what is known of the inputs; empty: OutputPort::range.
+  /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.
   std::function<Interval(int output, const NodeSetup&)> range = {};
 
   /// Index in `inputs` / `outputs`, or -1.
