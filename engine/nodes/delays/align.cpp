@@ -3,7 +3,7 @@
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/loop_pad.h"
 #include "engine/dsp/delays/taps.h"
-#include "engine/dsp/envelopes/rise.h"
+#include "engine/dsp/envelopes/rise_kernel.h"
 #include "engine/nodes/delays/delay_taps.h"
 #include "engine/nodes/delays/delays.h"
 
@@ -89,7 +89,7 @@ class Align final : public Node {
     const bool on = block.in[kOn][n] >= 0.5;
     const bool jumped =
         std::max(period, period_) > (1 + kHalfSemitone) * std::min(period, period_) && started_;
-    note_ |= rise_.step(block.in[kTrigger][n]) || jumped;
+    note_ |= tactus_rise_step(&rise_, block.in[kTrigger][n]) != 0 || jumped;
     period_ = period;
     const bool moves = !started_ || note_ || on != on_ || !pad_.serves(turns_, period, rest);
     // While one move is under way, a new note waits where the note before it was.
@@ -122,7 +122,7 @@ class Align final : public Node {
   DelayTaps<kOrder> taps_;
   DelayLine line_;
   int fade_frames_;
-  Rise rise_;
+  tactus_rise rise_{};
   bool started_ = false, note_ = false, on_ = false;
   double period_ = 0, pad_s_ = 0, turns_ = 0;
   int fading_ = 0;  ///< frames left

@@ -1,3 +1,4 @@
+#include "engine/nodes/filters/difference_kernel.h"
 #include "engine/nodes/filters/filter_ports.h"
 #include "engine/nodes/filters/filters.h"
 #include "engine/nodes/make.h"
@@ -11,15 +12,13 @@ class DifferenceNode : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     const auto in = block.in[0];
-    double before = before_;
-    for (int n = 0; n < block.frames; ++n) {
-      block.out[0][n] = (in[n] - before) * sample_rate_.value;
-      before = in[n];
-    }
-    before_ = before;
+    auto state = state_;
+    for (int n = 0; n < block.frames; ++n)
+      block.out[0][n] = tactus_difference_step(&state, in[n], sample_rate_.value);
+    state_ = state;
   }
 
-  void reset() noexcept override { before_ = 0; }
+  void reset() noexcept override { state_ = {}; }
 
   std::optional<std::complex<double>> response(int, int, std::complex<double> z,
                                                std::span<const double>) const override {
@@ -28,7 +27,7 @@ class DifferenceNode : public Node {
 
  private:
   Hertz sample_rate_;
-  double before_ = 0;
+  tactus_difference state_{};
 };
 
 }  // namespace

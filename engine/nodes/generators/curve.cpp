@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "engine/dsp/curves/breakpoints.h"
-#include "engine/dsp/envelopes/rise.h"
+#include "engine/dsp/envelopes/rise_kernel.h"
 #include "engine/nodes/generators/generators.h"
 #include "engine/nodes/make.h"
 
@@ -34,7 +34,7 @@ class Curve final : public Node {
   void process(const NodeBlock& block) noexcept override {
     for (int i = 0; i < block.frames; ++i) {
       const std::int64_t frame = block.first_frame + i;
-      if (rise_.step(block.in[0][i])) {
+      if (tactus_rise_step(&rise_, block.in[0][i]) != 0) {
         start_ = frame;
         started_ = true;
       }
@@ -51,7 +51,7 @@ class Curve final : public Node {
  private:
   Breakpoints points_;
   bool waits_;
-  Rise rise_;
+  tactus_rise rise_{};
   std::int64_t start_ = 0;
   bool started_ = false;
 };

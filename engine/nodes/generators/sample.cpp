@@ -1,8 +1,7 @@
 #include <algorithm>
 
-#include "engine/dsp/envelopes/rise.h"
-#include "engine/dsp/generators/sample_player.h"
 #include "engine/nodes/generators/generators.h"
+#include "engine/nodes/generators/sample_kernel.h"
 #include "engine/nodes/generators/sound_file.h"
 
 namespace tactus {
@@ -20,22 +19,20 @@ class Sample final : public Node {
   void process(const NodeBlock& block) noexcept override {
     const Signal trigger = block.in[0], speed = block.in[1], level = block.in[2];
     for (int i = 0; i < block.frames; ++i) {
-      if (rise_.step(trigger[i])) player_.start();
+      if (tactus_rise_step(&player_.rise, trigger[i]) != 0) tactus_sample_start(&player_);
       const double increment = std::clamp(speed[i], 0.0, kMaxSpeed) * samples_per_frame_;
-      block.out[0][i] = level[i] * player_.step(recording_.samples, increment, cubic_);
+      block.out[0][i] =
+          level[i] * tactus_sample_read(&player_, recording_.samples.data(),
+                                        static_cast<int>(recording_.samples.size()), increment, cubic_);
     }
   }
-  void reset() noexcept override {
-    rise_ = {};
-    player_ = {};
-  }
+  void reset() noexcept override { player_ = {}; }
 
  private:
   Recording recording_;
   double samples_per_frame_;
   bool cubic_;
-  Rise rise_;
-  SamplePlayer player_;
+  tactus_sample player_{};
 };
 
 Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {

@@ -1,14 +1,9 @@
-#include <cmath>
-
-#include "engine/dsp/generators/phasor.h"
-#include "engine/dsp/generators/wave_table.h"
 #include "engine/nodes/generators/generators.h"
+#include "engine/nodes/generators/wavetable_kernel.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 class Wavetable final : public Node {
  public:
@@ -19,19 +14,18 @@ class Wavetable final : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     const Signal frequency = block.in[0], phase = block.in[1], level = block.in[2];
-    for (int i = 0; i < block.frames; ++i) {
-      double turns = phasor_.step(frequency[i] / sample_rate_) + phase[i] / kTwoPi;
-      turns -= std::floor(turns);
-      block.out[0][i] = level[i] * (cubic_ ? table_.cubic(turns) : table_.linear(turns));
-    }
+    const int count = static_cast<int>(table_.size());
+    for (int i = 0; i < block.frames; ++i)
+      block.out[0][i] = tactus_wavetable_step(&phasor_, table_.data(), count, cubic_, frequency[i], phase[i],
+                                              level[i], sample_rate_);
   }
   void reset() noexcept override { phasor_ = {}; }
 
  private:
   double sample_rate_;
-  WaveTable table_;
+  std::vector<double> table_;
   bool cubic_;
-  Phasor phasor_;
+  tactus_phasor phasor_{};
 };
 
 Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {

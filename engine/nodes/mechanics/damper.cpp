@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "engine/dsp/curves/mechanics.h"
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/mechanics/damper_kernel.h"
 #include "engine/nodes/mechanics/mechanics.h"
 
 namespace tactus {
@@ -9,7 +9,7 @@ namespace {
 
 struct Damper {
   static constexpr int kInputs = 2;
-  double value(const double* in) const { return damper_force(in[0], std::max(0.0, in[1])); }
+  double value(const double* in) const { return tactus_damper_force(in[0], in[1]); }
   double slope(int input, const double* in) const { return input == 0 ? -std::max(0.0, in[1]) : -in[0]; }
 };
 

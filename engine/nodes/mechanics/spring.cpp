@@ -1,15 +1,15 @@
 #include <algorithm>
 
-#include "engine/dsp/curves/mechanics.h"
 #include "engine/nodes/elementwise.h"
 #include "engine/nodes/mechanics/mechanics.h"
+#include "engine/nodes/mechanics/spring_kernel.h"
 
 namespace tactus {
 namespace {
 
 struct Spring {
   static constexpr int kInputs = 3;
-  double value(const double* in) const { return spring_force(in[0], std::max(0.0, in[1]), in[2]); }
+  double value(const double* in) const { return tactus_spring_force(in[0], in[1], in[2]); }
   double slope(int input, const double* in) const {
     const double stiffness = std::max(0.0, in[1]);
     return input == 0 ? -stiffness : input == 1 ? -(in[0] - in[2]) : stiffness;

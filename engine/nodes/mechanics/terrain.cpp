@@ -1,9 +1,9 @@
-#include "engine/dsp/curves/terrain.h"
 
 #include <algorithm>
 
 #include "engine/dsp/curves/cubic_curve.h"
 #include "engine/nodes/mechanics/mechanics.h"
+#include "engine/nodes/mechanics/terrain_kernel.h"
 
 namespace tactus {
 namespace {
@@ -12,22 +12,14 @@ constexpr double kShortest = 1e-6;
 enum Input { kPosition, kWeight, kHeight, kLength };
 enum Output { kForce, kZ };
 
-struct Shape {
-  double height, slope, curvature;
-};
+using Shape = tactus_terrain_shape;
 
 /// Each profile: what it looks like at a place, given `height` and `length`.
 struct Detent {
-  Shape at(double x, double height, double length) const {
-    const DetentProfile profile{height, length};
-    return {profile.height(x), profile.slope(x), profile.curvature(x)};
-  }
+  Shape at(double x, double height, double length) const { return tactus_terrain_detent(x, height, length); }
 };
 struct Sine {
-  Shape at(double x, double height, double length) const {
-    const SineProfile profile{height, length};
-    return {profile.height(x), profile.slope(x), profile.curvature(x)};
-  }
+  Shape at(double x, double height, double length) const { return tactus_terrain_sine(x, height, length); }
 };
 struct Drawn {
   CubicCurve curve;
@@ -41,9 +33,8 @@ class Terrain final : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     for (int i = 0; i < block.frames; ++i) {
-      const double weight = std::max(0.0, block.in[kWeight][i]);
       const Shape shape = at(block.in[kPosition][i], block.in[kHeight][i], block.in[kLength][i]);
-      block.out[kForce][i] = terrain_force(weight, shape.slope);
+      block.out[kForce][i] = tactus_terrain_force(block.in[kWeight][i], shape.slope);
       block.out[kZ][i] = shape.height;
     }
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/shapers/clip_kernel.h"
 #include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
@@ -8,11 +9,8 @@ namespace {
 
 struct Clip {
   static constexpr int kInputs = 3;
-  template <class Number>
-  Number value(const Number* in) const {
-    using std::max, std::min;
-    return max(in[1], min(in[2], in[0]));
-  }
+  double value(const double* in) const { return tactus_clip(in[0], in[1], in[2]); }
+  Lanes value(const Lanes* in) const { return max(in[1], min(in[2], in[0])); }
   double slope(int input, const double* in) const {
     const int decides = in[1] >= std::min(in[2], in[0]) ? 1 : in[0] > in[2] ? 2 : 0;
     return input == decides ? 1 : 0;

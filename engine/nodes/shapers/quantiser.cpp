@@ -1,4 +1,4 @@
-#include "engine/dsp/curves/quantise.h"
+#include "engine/dsp/curves/quantise_kernel.h"
 #include "engine/nodes/elementwise.h"
 #include "engine/nodes/shapers/shapers.h"
 
@@ -13,7 +13,7 @@ class Quantiser final : public Node {
   void process(const NodeBlock& block) noexcept override {
     for (int i = 0; i < block.frames; ++i) {
       const double in = block.in[0][i], step = block.in[1][i];
-      block.out[0][i] = nearest_ ? quantise_nearest(in, step) : quantise_floor(in, step);
+      block.out[0][i] = nearest_ ? tactus_quantise_nearest(in, step) : tactus_quantise_floor(in, step);
     }
   }
   void reset() noexcept override {}
