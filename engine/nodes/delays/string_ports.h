@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include "engine/dsp/strings/string_loop.h"
 #include "engine/graph/node_type.h"
 

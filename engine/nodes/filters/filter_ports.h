@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include "engine/graph/node_type.h"
 
 namespace tactus {

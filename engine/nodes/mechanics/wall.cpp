@@ -12,7 +12,7 @@ struct WallLaw {
 
   double value(const double* in) const { return tactus_wall_force(in[0], in[1], in[2], in[3], in[4]); }
   Lanes value(const Lanes* in) const {
-    const auto zero = Lanes::same(0.0);
+    const auto zero = Lanes::broadcast(0.0);
     const auto push = max(zero, in[2]) * (in[0] - in[4]) + max(zero, in[3]) * in[1];
     return where_above(in[0], in[4], -max(zero, push));
   }
