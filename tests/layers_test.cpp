@@ -60,6 +60,7 @@ struct ThirdParty {
 };
 const std::vector<ThirdParty> kThirdParty = {
     {"tl/expected.hpp", {"engine/core/"}},
+    {"math.h", {"engine/dsp/kernel.h"}},
     {"Eigen/", {"engine/physics/", "engine/study/", "latency/"}},
     {"unsupported/Eigen/", {"engine/physics/", "engine/study/", "latency/"}},
     {"toml++/", {"engine/graph/file/", "engine/rig/"}},

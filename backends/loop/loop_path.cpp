@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/dsp/curves/quantise.h"
-#include "engine/dsp/envelopes/time_constant.h"
+#include "engine/dsp/curves/quantise_kernel.h"
+#include "engine/dsp/envelopes/time_constant_kernel.h"
 #include "engine/dsp/filters/one_pole_design.h"
 
 namespace tactus {
@@ -34,8 +34,8 @@ LoopPath::LoopPath(const LoopCard& card, const LoopTiming& timing, int lane)
       line_(line_frames(timing)),
       heard_(card.monitor.frames + timing.buffer_frames),
       noise_(1, static_cast<std::uint64_t>(lane)),
-      attack_keep_(TimeConstant{timing.sample_rate}.keep(kAgcAttack.value)),
-      release_keep_(TimeConstant{timing.sample_rate}.keep(kAgcRelease.value)),
+      attack_keep_(tactus_keep(kAgcAttack.value, timing.sample_rate.value)),
+      release_keep_(tactus_keep(kAgcRelease.value, timing.sample_rate.value)),
       step_(card.bits > 0 ? std::ldexp(1.0, 1 - card.bits) : 0.0),
       monitor_frames_(std::max(1, card.monitor.frames) +
                       (card.monitor.in_software ? timing.buffer_frames : 0)) {
@@ -70,11 +70,11 @@ void LoopPath::play(std::int64_t frame, double sample) noexcept {
 }
 
 double LoopPath::converted(double sample) const noexcept {
-  return std::clamp(quantise_nearest(sample, step_), -1.0, 1.0);
+  return std::clamp(tactus_quantise_nearest(sample, step_), -1.0, 1.0);
 }
 
 double LoopPath::controlled(double sample) noexcept {
-  const double level = level_.step(sample, attack_keep_, release_keep_);
+  const double level = tactus_follower_step(&level_, sample, attack_keep_, release_keep_);
   return sample * std::min(kAgcMostGain, kAgcPeak / std::max(level, 1e-9));
 }
 

@@ -6,7 +6,7 @@
 #include "backends/loop/echo_canceller.h"
 #include "backends/loop/loop_card.h"
 #include "backends/loop/sinc_line.h"
-#include "engine/dsp/envelopes/envelope_follower.h"
+#include "engine/dsp/envelopes/follower_kernel.h"
 #include "engine/dsp/filters/linear_filter.h"
 #include "engine/dsp/generators/counter_noise.h"
 
@@ -42,7 +42,7 @@ class LoopPath {
   CounterNoise noise_;
   std::optional<LinearFilter<1>> high_pass_;
   std::optional<EchoCanceller> canceller_;
-  EnvelopeFollower level_;
+  tactus_follower level_{};
   double attack_keep_, release_keep_;
   double step_;
   int monitor_frames_;

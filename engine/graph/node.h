@@ -14,15 +14,14 @@
 
 namespace tactus {
 
-/// No node is ever given more frames at once, whatever the block size: the signals of a piece stay in the
-/// cache.
+/// Longest sub-block that a node is given, whatever the block size: its signals stay in the cache.
 inline constexpr int kMaxPiece = 64;
 
-/// As many lanes of a signal stand side by side in the vector registers (see Node::widened).
+/// Lanes that one vectorised node processes (see Node::widened).
 inline constexpr int kWide = 8;
 
-/// One input of a node for one piece of a block. A constant (or a control at rest) is one number with stride
-/// 0, so that a node can see that nothing changes; anything else has one sample a frame.
+/// One input of a node for one sub-block. A constant (or a control at rest) is one number with stride 0, so
+/// that a node can see that nothing changes; anything else has one sample per frame.
 struct Signal {
   const double* data = nullptr;
   std::ptrdiff_t stride = 0;
@@ -31,8 +30,8 @@ struct Signal {
   bool constant() const { return stride == 0; }
 };
 
-/// What a node works on: `frames` frames at its own rate, the first of which is number `first_frame` since
-/// the engine started. Inputs and outputs stand in the order of the declaration.
+/// One sub-block of a node: `frames` frames at its own rate, the first of which is number `first_frame` since
+/// the engine started. Inputs and outputs are in the order of the declaration.
 struct NodeBlock {
   const Signal* in = nullptr;
   double* const* out = nullptr;
@@ -40,7 +39,7 @@ struct NodeBlock {
   std::int64_t first_frame = 0;
 };
 
-/// z = e^(j 2 pi f / rate): a steady vibration of frequency f.
+/// [any] z = e^(j 2 pi f / rate): the unit circle at frequency f.
 inline std::complex<double> on_circle(Hertz frequency, Hertz sample_rate) {
   return std::polar(1.0, 2 * std::numbers::pi * frequency.value / sample_rate.value);
 }
@@ -54,9 +53,8 @@ struct DelayRange {
 /// A running node: one lane of one node of a graph, with its state. Made, ready to run, by `NodeType::make`.
 ///
 /// The contract, kept by tests/conformance for every registered type:
-///  - The output does not depend on how the frames are cut into blocks. Vectorised recurrences and
-///  coefficient
-///    updates therefore lie on the absolute frame grid (`first_frame`), and nothing depends on `frames`.
+///  - The output does not depend on how the frames are cut into blocks. Vectorised recurrences and updates of
+///    coefficients therefore lie on the absolute frame grid (`first_frame`); nothing depends on `frames`.
 ///  - `process` never allocates, locks, waits, logs or throws.
 ///  - After `reset` the same input gives the same output again.
 ///  - Finite inputs within their declared ranges give finite outputs; a parameter outside is clamped.
@@ -71,44 +69,43 @@ class Node {
 
   /// [realtime] Fills every output for the frames of `block`.
   virtual void process(const NodeBlock& block) noexcept TACTUS_NONBLOCKING = 0;
-  /// [realtime] Back to the state after `make`, except for what was learnt at load time (tables, designs).
+  /// [realtime] Back to the state after `make`; tables and designs of load time stay.
   virtual void reset() noexcept TACTUS_NONBLOCKING = 0;
 
   /// [realtime] After an edit: takes over, as far as it fits, the state of the node of the same type and path
-  /// that was made from other things (another longest delay, another stiffness). May use what is in `before`
-  /// up.
+  /// that was made from other parameters (longest delay, stiffness). May consume `before`.
   virtual void adopt(Node& /*before*/) noexcept {}
 
   /// [realtime] First half, for nodes with late inputs: outputs without the late inputs.
   virtual void emit(const NodeBlock&) noexcept TACTUS_NONBLOCKING {}
-  /// [realtime] Second half: takes in the late inputs of the frames last emitted.
+  /// [realtime] Second half: reads the late inputs of the frames last emitted.
   virtual void absorb(const NodeBlock&) noexcept TACTUS_NONBLOCKING {}
 
   /// [any] Guaranteed for the ranges that the node was made with. `most` < 0: unbounded (an infinite response
-  /// has the delay of its first answer).
+  /// has the delay of its first sample).
   virtual DelayRange delay(int /*input*/, int /*output*/) const { return {}; }
 
   /// [any] H(z) from `input` to `output` of the node, linear or linearised, with every input held at `at`
-  /// (declaration order): what the node makes of z^n, |z| >= 1. At a frequency f, z = e^(j 2 pi f / rate)
-  /// (see `on_circle`). nullopt where no such thing exists. Does not touch the state.
+  /// (declaration order), |z| >= 1; at a frequency f see `on_circle`. nullopt: no linearisation exists (see
+  /// NodeType::small_signal_gain). Does not touch the state.
   virtual std::optional<std::complex<double>> response(int /*input*/, int /*output*/,
                                                        std::complex<double> /*z*/,
                                                        std::span<const double> /*at*/) const {
     return std::nullopt;
   }
 
-  /// [control] One node that does the work of these side by side, as if each were just made; nullptr if there
-  /// is no such form. `lanes` are kWide nodes of the same declaration and settings, nullptr where a lane is
-  /// not used: it then does what this node does, the first that is used. In a wide node every output has
-  /// kWide numbers a frame, and an input's stride says what it is: kWide, as many; 1, one number for all
-  /// lanes; 0, kWide numbers that rest. Everything else in the contract holds, delays are those of all lanes,
-  /// and each lane gives what its node would give but for rounding (its recurrence runs in another order).
+  /// [control] One vectorised node that replaces these, in their initial state; nullptr if there is none.
+  /// `lanes` are kWide nodes of the same declaration and settings, nullptr where a lane is not used: it then
+  /// equals this node, the first that is used. In a vectorised node every output has kWide numbers per frame,
+  /// and the stride of an input is kWide (as many numbers), 1 (one number for all lanes) or 0 (kWide constant
+  /// numbers). The rest of the contract applies; delays are those of all lanes, and each lane gives the
+  /// output of its node except for rounding (its recurrence runs in another order).
   virtual std::unique_ptr<Node> widened(std::span<const Node* const> /*lanes*/) const { return nullptr; }
 
-  /// [any] What a person may want to know about how the node was made (`tactus explain`); may be empty.
+  /// [any] Notes on how the node was made, for `tactus explain`; may be empty.
   virtual std::string about() const { return {}; }
 
-  /// [any] How often something was asked of the node that it had to refuse (a delay beyond its range, say).
+  /// [any] How many frames an input was clamped (a delay beyond its range, say).
   virtual std::int64_t clamped() const { return 0; }
 };
 

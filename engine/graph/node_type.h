@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]. A declaration is made once and constant from then on: reading it is [any].
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -26,11 +28,12 @@ struct InputPort {
   /// Bare numbers count in the SI unit of the dimension.
   std::string unit;
   std::string doc;
-  std::optional<double> fallback;  ///< when the file does not name the port; nullopt: the file must
-  double low = -kUnlimited;        ///< valid range, SI; constants and controls outside it are an error in the
-  double high = kUnlimited;        ///< file, signals outside it are clamped by the node
-  bool late = false;               ///< may close a loop: read by `absorb` (see Node)
-  bool fixed = false;              ///< must be constant: it is needed when the node is made
+  std::optional<double> fallback = {};  ///< when the file does not name the port; nullopt: it must
+  double low = -kUnlimited;  ///< valid range, SI; constants and controls outside it are an error in the
+  double high = kUnlimited;  ///< file, signals outside it are clamped by the node
+  bool late = false;         ///< may close a loop: read by `absorb` (see Node)
+  bool fixed = false;        ///< must be constant: it is needed when the node is made
+  bool hold = false;         ///< least time between two events of the node (event-driven nodes)
 };
 
 enum class OutputKind { Signal, Trigger };
@@ -41,7 +44,8 @@ struct OutputPort {
   std::string unit;
   std::string doc;
   OutputKind kind = OutputKind::Signal;
-  Interval range;  ///< guaranteed
+  bool event_level = false;  ///< how strong the last event of the node was
+  Interval range = {};       ///< guaranteed
 };
 
 /// A value that is read once, when the file is loaded: a word, a table, a file's name.
@@ -55,14 +59,15 @@ struct Setting {
     File,      ///< path of a file, relative to the graph file, never outside the instruments' folder
     Points,    ///< [[x, y], …], quantities allowed; the units are those named in `choices` (x, then y)
     Numbers,   ///< [a, b, …], quantities allowed; the unit is `choices[0]` if there
-    Names,     ///< [node, node, …]
+    Names,     ///< [node, node, …]: nodes whose phase delay is compensated (see NodeType::compensation)
   };
   std::string name;
   Kind kind;
   std::string doc;
-  std::vector<std::string> choices;
-  std::string fallback;   ///< as written in a file; empty: required unless `optional`
-  bool optional = false;  ///< may be left out although it has no fallback
+  std::vector<std::string> choices = {};
+  std::string fallback = {};  ///< as written in a file; empty: required unless `optional`
+  bool optional = false;      ///< may be left out although it has no fallback
+  bool unit = false;          ///< Text: must be a unit
   double low = -kUnlimited;
   double high = kUnlimited;
 };
@@ -72,11 +77,10 @@ struct InputInfo {
   Interval range;                  ///< guaranteed by interval arithmetic; unbounded if nothing is known
   std::optional<double> constant;  ///< the value, if it never changes
   bool connected = false;          ///< named in the file
-  mutable bool asked = false;      ///< what was made depends on it
+  mutable bool asked = false;      ///< the node that was made depends on it
 };
 
-/// Settings with their values, as declared: `setup.choice("interpolation")`. Asking for what was not declared
-/// is a mistake of ours (an assertion), since the compiler checked the file against the declaration.
+/// The value of a setting, in the order of the declaration.
 struct SettingValue {
   std::string text;                               ///< Choice, Text; File: the resolved path
   double number = 0;                              ///< Integer, Quantity (SI), Flag
@@ -88,11 +92,11 @@ struct SettingValue {
 
 struct NodeType;
 
-/// What the nodes of a graph may keep between them: a line of a file can ask for more than a machine has.
+/// Memory limit of all nodes of a graph: a line of a file can ask for more than a machine has.
 class MemoryBudget {
  public:
   explicit MemoryBudget(std::size_t bytes) : bytes_(bytes), left_(bytes) {}
-  /// [control] Errors: OutOfRange if so many more numbers are too many.
+  /// [control] Errors: OutOfRange where the limit is exceeded.
   Status take(std::size_t numbers);
 
  private:
@@ -109,11 +113,17 @@ struct NodeSetup {
   int lanes = 1;
   MemoryBudget* memory = nullptr;  ///< nullptr: as much as there is
 
-  /// [control] To be asked before a node keeps more numbers than stand in its settings.
+  /// [control] Must be called before a node allocates more numbers than its settings hold.
   Status take_memory(std::size_t numbers) const;
-  /// It is noted (`asked`) that the node depends on what it is told here. Fixed ports may be read directly.
+  /// Marks the input as `asked`: the node depends on the result. Fixed ports may be read directly.
   const InputInfo& input(std::string_view name) const;
   const SettingValue& setting(std::string_view name) const;
+};
+
+/// Where the phase delays of other nodes are added to a time of a node.
+struct PhaseCompensation {
+  int port, period;  ///< inputs, both [s]: the time that is changed; the period at which phase is taken
+  double sign;       ///< +1: the phase delays are added to the time; -1: they are subtracted
 };
 
 using MakeNode = std::function<Result<std::unique_ptr<Node>>(const NodeSetup&)>;
@@ -128,16 +138,25 @@ struct NodeType {
   std::string example;   ///< one line of a graph file
   std::vector<InputPort> inputs;
   std::vector<OutputPort> outputs;  ///< the first is what the node's bare name means
-  std::vector<Setting> settings;
+  std::vector<Setting> settings = {};
   MakeNode make;
-  /// A node without memory whose inputs are constant is evaluated once, when the graph is compiled.
+  /// No memory: with constant inputs it is evaluated once, when the graph is compiled.
   bool stateless = false;
-  /// Outputs that nobody reads may be given as nullptr (networks: hundreds of outputs, few of them read).
+  /// All lanes of the input are summed into one lane of output: the compiler makes additions of the node.
+  bool reduces_lanes = false;
+  /// Near its pitch its phase turns by a full circle, so that it has no phase delay to compensate.
+  bool resonant = false;
+  /// The node compensates the phase delays of the nodes that its `Names` setting lists.
+  std::optional<PhaseCompensation> compensation = {};
+  /// Of an input without `Node::response`: the gain from the first input that the node comes close to while
+  /// its signal moves far enough. nullopt: such an input is event-driven and has no small-signal gain.
+  std::optional<double> small_signal_gain = {};
+  /// Unread outputs may be given as nullptr (networks: hundreds of outputs, few of them read).
   bool skips_unread = false;
   /// Tells declarations of one name apart (networks).
   std::uint64_t fingerprint = 0;
-  /// What an output can be, given what is known of the inputs; empty: OutputPort::range.
-  std::function<Interval(int output, const NodeSetup&)> range;
+  /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.
+  std::function<Interval(int output, const NodeSetup&)> range = {};
 
   /// Index in `inputs` / `outputs`, or -1.
   int input_index(std::string_view port) const;

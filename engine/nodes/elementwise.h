@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime] what engine/graph/node.h says so; constructors [control].
+
 #include <algorithm>
 #include <array>
 #include <complex>
@@ -8,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "engine/graph/node_type.h"
 #include "engine/nodes/wide_signal.h"
 
 namespace tactus {
@@ -81,7 +84,13 @@ class ElementwiseNode final : public Node {
   Law law_;
 };
 
-/// Eight ElementwiseNodes side by side.
+/// `make` of a node type whose law has no settings.
+template <class Law>
+Result<std::unique_ptr<Node>> make_elementwise(const NodeSetup&) {
+  return std::make_unique<ElementwiseNode<Law>>(Law{});
+}
+
+/// Eight ElementwiseNodes in one vector register.
 template <class Law>
 class WideElementwiseNode final : public Node {
  public:

@@ -4,7 +4,7 @@
 
 namespace tactus {
 
-/// Every node type that comes with Tactus. A new node is its own files and one line in table.cpp.
+/// [any] Every node type that comes with Tactus, by family.
 const NodeTable& standard_nodes();
 
 }  // namespace tactus

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/simd/lanes.h"
 #include "engine/graph/node.h"
 
@@ -15,7 +17,7 @@ class WideSignal {
   /// All lanes of a frame.
   Lanes operator[](int frame) const noexcept {
     const double* const at = data_ + frame * stride_;
-    return stride_ == 1 ? Lanes::same(*at) : Lanes::load(at);
+    return stride_ == 1 ? Lanes::broadcast(*at) : Lanes::load(at);
   }
   double lane(int lane, int frame) const noexcept {
     return data_[frame * stride_ + (stride_ == 1 ? 0 : lane)];

@@ -295,9 +295,8 @@ std::vector<std::string> event_taps(const GraphSpec& graph, const NodeTable& tab
     const auto* type = table.find(node.type);
     if (type == nullptr) continue;
     for (const auto& output : type->outputs)
-      if (output.kind == OutputKind::Trigger) taps.push_back(node.name + "." + output.name);
-    if (!taps.empty() && taps.back().starts_with(node.name + ".") && type->output_index("level") >= 0)
-      taps.push_back(node.name + ".level");
+      if (output.kind == OutputKind::Trigger || output.event_level)
+        taps.push_back(node.name + "." + output.name);
   }
   return taps;
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/core/median.h"
+#include "engine/dsp/delays/resample.h"
 
 namespace tactus {
 namespace {
@@ -50,16 +51,6 @@ Means means(std::span<const DelayPoint> points, const std::vector<std::size_t>& 
   return mean;
 }
 
-/// Modified Bessel function I0, by its power series.
-double bessel(double x) {
-  double sum = 1.0, term = 1.0;
-  for (int k = 1; term > 1e-17 * sum; ++k) {
-    term *= (x / (2 * k)) * (x / (2 * k));
-    sum += term;
-  }
-  return sum;
-}
-
 }  // namespace
 
 DelayTrend DelayTrend::of(std::span<const DelayPoint> points, double least_step) {
@@ -102,7 +93,7 @@ std::vector<double> at_speed(std::span<const double> samples, double speed) {
   constexpr double kBeta = 9.0;
   const auto kernel = [](double x) {
     if (std::abs(x) >= kHalf) return 0.0;
-    const double window = bessel(kBeta * std::sqrt(1.0 - (x / kHalf) * (x / kHalf))) / bessel(kBeta);
+    const double window = bessel_i0(kBeta * std::sqrt(1.0 - (x / kHalf) * (x / kHalf))) / bessel_i0(kBeta);
     return window * (x == 0.0 ? 1.0 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x));
   };
   // Row r holds the weights of the 64 samples around a place r / kSteps behind the 32nd of them.

@@ -17,16 +17,6 @@ constexpr double kRolloff = 0.95;
 constexpr std::int64_t kMostPhases = 1000;  // 44.1 and 48 kHz meet in 160, 44.1 and 96 in 147
 constexpr int kTableSteps = 1024;           // per zero crossing, interpolated linearly
 
-double bessel_i0(double x) {
-  double sum = 1;
-  double term = 1;
-  for (int k = 1; term > 1e-17 * sum; ++k) {
-    term *= (x / (2 * k)) * (x / (2 * k));
-    sum += term;
-  }
-  return sum;
-}
-
 /// sinc(kRolloff u) · Kaiser(u / kZeros) for u = 0 … kZeros zero crossings.
 std::vector<double> kernel() {
   std::vector<double> table;
@@ -113,6 +103,16 @@ class Weights {
 };
 
 }  // namespace
+
+double bessel_i0(double x) {
+  double sum = 1;
+  double term = 1;
+  for (int k = 1; term > 1e-17 * sum; ++k) {
+    term *= (x / (2 * k)) * (x / (2 * k));
+    sum += term;
+  }
+  return sum;
+}
 
 std::vector<double> resample(std::span<const double> input, Hertz from, Hertz to, std::int64_t first,
                              std::int64_t count) {

@@ -16,6 +16,9 @@ namespace tactus {
 std::vector<double> resample(std::span<const double> input, Hertz from, Hertz to, std::int64_t first,
                              std::int64_t count);
 
+/// [any] Modified Bessel function I0 by its power series, for Kaiser windows.
+double bessel_i0(double x);
+
 /// [any] How many input frames before and behind an output frame it is made from.
 std::int64_t resampling_reach(Hertz from, Hertz to);
 

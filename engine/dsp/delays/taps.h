@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include <array>
 #include <cstddef>
 
@@ -28,13 +30,13 @@ void tap_sums(const double* newest, const std::array<double, Count>& weight, con
   int n = 0;
   for (; n + Lanes::kCount <= frames; n += Lanes::kCount) {
     const double* at = newest + n;
-    auto even = fused_multiply_add(Lanes::same(weight[0]), Lanes::load(at),
-                                   start != nullptr ? Lanes::load(start + n) : Lanes::same(0));
-    auto odd = Lanes::same(0);
-    if constexpr (Count > 1) odd = Lanes::same(weight[1]) * Lanes::load(at - 1);
+    auto even = fused_multiply_add(Lanes::broadcast(weight[0]), Lanes::load(at),
+                                   start != nullptr ? Lanes::load(start + n) : Lanes::broadcast(0));
+    auto odd = Lanes::broadcast(0);
+    if constexpr (Count > 1) odd = Lanes::broadcast(weight[1]) * Lanes::load(at - 1);
     for (std::size_t k = 2; k < Count; ++k) {
       auto& chain = k % 2 == 0 ? even : odd;
-      chain = fused_multiply_add(Lanes::same(weight[k]), Lanes::load(at - k), chain);
+      chain = fused_multiply_add(Lanes::broadcast(weight[k]), Lanes::load(at - k), chain);
     }
     (even + odd).store(y + n);
   }

@@ -52,7 +52,7 @@ class WideTaps {
 
   /// As tap_sum.
   Lanes sum(const std::array<Lanes, Count>& weight, Lanes start) const noexcept {
-    auto even = fused_multiply_add(weight[0], at_[0], start), odd = Lanes::same(0);
+    auto even = fused_multiply_add(weight[0], at_[0], start), odd = Lanes::broadcast(0);
     if constexpr (Count > 1) odd = weight[1] * at_[1];
     for (std::size_t k = 2; k < Count; ++k) {
       auto& chain = k % 2 == 0 ? even : odd;

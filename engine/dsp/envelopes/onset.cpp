@@ -61,7 +61,7 @@ Four OnsetDetector::ringing(const State& state) const noexcept {
   };
   Four ring{}, ring_low{};
   for (int k = window_ - 1; k >= kNewest; --k) {
-    ring = larger(ring * kRingFall, past(k));
+    ring = max(ring * kRingFall, past(k));
     if (k == kNewest + kNewestLow) ring_low = ring;
   }
   for (int k = 0; k < kNewestLow; ++k) ring_low *= kRingFall;
@@ -71,24 +71,24 @@ Four OnsetDetector::ringing(const State& state) const noexcept {
 
 // What began in the hold belongs to the hit, also where the bars are older than that.
 void OnsetDetector::end_hold(State& state, const Sensitivity& sensitivity) const noexcept {
-  state.mask_ = state.last_ = larger(state.last_, state.group_);
+  state.mask_ = state.last_ = max(state.last_, state.group_);
   state.groups_free_ = 0;
-  state.bar_ = larger(state.bar_, state.mask_ * sensitivity.margin);
+  state.bar_ = max(state.bar_, state.mask_ * sensitivity.margin);
 }
 
 void OnsetDetector::close_group(State& state, const Sensitivity& sensitivity) const noexcept {
   state.frame_ = 0;
   state.slot_ = (state.slot_ + 1) & (kPast - 1);
   state.past_[static_cast<std::size_t>(state.slot_)] = state.group_;
-  if (state.hold_ > 0) state.mask_ = state.last_ = larger(state.last_, state.group_);
+  if (state.hold_ > 0) state.mask_ = state.last_ = max(state.last_, state.group_);
   if (state.groups_free_ >= mask_stays_) state.mask_ *= mask_fall_;
   if (state.groups_since_ > kFloorHeld) state.floor_ *= floor_rise_;
-  state.floor_ = state.groups_ < kFloorStart ? state.mean_ : smaller(state.mean_, state.floor_);
-  state.floor_ = larger(state.floor_, kQuietest);
+  state.floor_ = state.groups_ < kFloorStart ? state.mean_ : min(state.mean_, state.floor_);
+  state.floor_ = max(state.floor_, kQuietest);
   const Four ring = ringing(state) * kRingMargin * sensitivity.margin;
-  const Four stroke = larger(ring, smaller(ring * kSoftMargin, state.last_ * kSoft));
-  state.bar_ = larger(larger(stroke, state.mask_ * sensitivity.margin),
-                      larger(state.floor_ * sensitivity.noise_margin, kThreshold * sensitivity.threshold));
+  const Four stroke = max(ring, min(ring * kSoftMargin, state.last_ * kSoft));
+  state.bar_ = max(max(stroke, state.mask_ * sensitivity.margin),
+                   max(state.floor_ * sensitivity.noise_margin, kThreshold * sensitivity.threshold));
   for (int b = 0; b < 4; ++b)
     if (state.groups_since_ < deaf_[b]) state.bar_[b] = std::numeric_limits<double>::infinity();
   state.group_ = state.fast_;

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime]; constructors [control].
+
 #include <algorithm>
 #include <array>
 
@@ -106,13 +108,13 @@ inline bool OnsetDetector::step(State& state, double in, const Sensitivity& sens
   state.started_ = true;
   const Four first = feedback_ * (state.first_ + (in - state.previous_));
   const Four second = feedback_ * (state.second_ + (first - state.first_));
-  const Four size = size_of(second);
+  const Four size = abs(second);
   state.previous_ = in;
   state.first_ = first;
   state.second_ = second;
-  state.fast_ = larger(size, state.fast_ * fast_fall_);
+  state.fast_ = max(size, state.fast_ * fast_fall_);
   state.mean_ += mean_rise_ * (size - state.mean_);
-  state.group_ = larger(state.group_, state.fast_);
+  state.group_ = max(state.group_, state.fast_);
   bool hit = false;
   if (state.hold_ > 0) {
     if (--state.hold_ == 0) end_hold(state, sensitivity);

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime]; constructors [control].
+
 #include <algorithm>
 #include <array>
 #include <complex>
@@ -68,14 +70,14 @@ class Fir {
   /// `oldest`: the input that the last tap of the first frame is for.
   Lanes eight_frames(const double* oldest) const noexcept {
     std::array<Lanes, kSums> sums;
-    sums.fill(Lanes::same(0));
+    sums.fill(Lanes::broadcast(0));
     for (std::size_t k = 0; k < taps_.size(); k += kSums)
       for (std::size_t i = 0; i < kSums; ++i)
-        sums[i] = fused_multiply_add(Lanes::same(taps_[k + i]), Lanes::load(oldest + k + i), sums[i]);
+        sums[i] = fused_multiply_add(Lanes::broadcast(taps_[k + i]), Lanes::load(oldest + k + i), sums[i]);
     return total(sums);
   }
   double one_frame(const double* oldest) const noexcept {
-    auto eight = Lanes::same(0);
+    auto eight = Lanes::broadcast(0);
     for (std::size_t k = 0; k < taps_.size(); k += kSums)
       eight = fused_multiply_add(Lanes::load(&taps_[k]), Lanes::load(oldest + k), eight);
     std::array<double, kSums> sums;

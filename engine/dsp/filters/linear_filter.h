@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include <algorithm>
 #include <array>
 #include <complex>
@@ -81,7 +83,7 @@ class LinearFilter {
       oldest = Order == 2 ? before : x[i];
       before = x[i];
     }
-    const std::array<Lanes, 3> wide{Lanes::same(b[0]), Lanes::same(b[1]), Lanes::same(b[2])};
+    const std::array<Lanes, 3> wide{Lanes::broadcast(b[0]), Lanes::broadcast(b[1]), Lanes::broadcast(b[2])};
     for (; i + Lanes::kCount <= frames; i += Lanes::kCount)
       weighted(Lanes::load(x + i), Lanes::load(x + i - 1), Lanes::load(x + i - Order), wide).store(v + i);
     for (; i < frames; ++i) v[i] = weighted(x[i], x[i - 1], x[i - Order], b);

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [any].
+
 #include <cmath>
 
 #include "engine/dsp/filters/linear_filter.h"

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -77,7 +79,7 @@ class Recurrence {
   double run_single(double v, int position) noexcept {
     const auto k = static_cast<std::size_t>(position);
     double y = position == 0 ? 0.0 : sums_[k];
-    fused_multiply_add(column(position), Lanes::same(v), sums_before(position)).store(sums_.data());
+    fused_multiply_add(column(position), Lanes::broadcast(v), sums_before(position)).store(sums_.data());
     y = fused_multiply_add(columns_[k][k], v, y);
     if constexpr (Order == 2) y = fused_multiply_add(free_[1][k], last_[1], y);
     y = fused_multiply_add(free_[0][k], last_[0], y);
@@ -105,7 +107,7 @@ class Recurrence {
 
   LastOutputs remembered() const noexcept {
     LastOutputs last;
-    for (std::size_t i = 0; i < Order; ++i) last[i] = Lanes::same(last_[i]);
+    for (std::size_t i = 0; i < Order; ++i) last[i] = Lanes::broadcast(last_[i]);
     return last;
   }
 
@@ -117,28 +119,29 @@ class Recurrence {
 
   void whole(const double* v, double* y, int groups) noexcept {
     auto last = remembered();
-    auto outputs = Lanes::same(0.0);
+    auto outputs = Lanes::broadcast(0.0);
     for (int g = 0; g < groups; ++g, v += kGroup, y += kGroup) {
-      auto sums = Lanes::same(0.0);
-      for (int j = 0; j < kGroup; ++j) sums = fused_multiply_add(column(j), Lanes::same(v[j]), sums);
+      auto sums = Lanes::broadcast(0.0);
+      for (int j = 0; j < kGroup; ++j) sums = fused_multiply_add(column(j), Lanes::broadcast(v[j]), sums);
       outputs = with_free_response(sums, last);
       last = last_of(outputs);
-      (outputs + Lanes::same(0.0)).store(y);
+      (outputs + Lanes::broadcast(0.0)).store(y);
     }
     remember(outputs);
   }
 
   Lanes sums_before(int position) const noexcept {
-    return position == 0 ? Lanes::same(0.0) : Lanes::load(sums_.data());
+    return position == 0 ? Lanes::broadcast(0.0) : Lanes::load(sums_.data());
   }
 
   void part(const double* v, double* y, int frames, int position) noexcept {
     auto sums = sums_before(position);
-    for (int j = 0; j < frames; ++j) sums = fused_multiply_add(column(position + j), Lanes::same(v[j]), sums);
+    for (int j = 0; j < frames; ++j)
+      sums = fused_multiply_add(column(position + j), Lanes::broadcast(v[j]), sums);
     sums.store(sums_.data());
     const auto outputs = with_free_response(sums, remembered());
     Group ready;
-    (outputs + Lanes::same(0.0)).store(ready.data());
+    (outputs + Lanes::broadcast(0.0)).store(ready.data());
     for (int n = 0; n < frames; ++n) y[n] = ready[static_cast<std::size_t>(position + n)];
     if (position + frames == kGroup) remember(outputs);
   }

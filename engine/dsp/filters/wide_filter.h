@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include <array>
 
 #include "engine/dsp/filters/linear_filter.h"

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <cmath>
 #include <span>
 #include <vector>

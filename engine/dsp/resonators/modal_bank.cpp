@@ -97,7 +97,7 @@ void ModalBank::advance(Bundle* bundles, const double* x, Sums& sums, int frames
   InRegisters<Count> modes(bundles);
   for (int n = 0; n < frames; ++n) {
     double* sum = sums.rows[static_cast<std::size_t>(n)].data();
-    modes.step(Lanes::same(x[n]), Lanes::load(sum)).store(sum);
+    modes.step(Lanes::broadcast(x[n]), Lanes::load(sum)).store(sum);
   }
   modes.store(bundles);
 }

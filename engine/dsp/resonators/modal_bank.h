@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime]; constructors [control].
+
 #include <array>
 #include <complex>
 #include <vector>

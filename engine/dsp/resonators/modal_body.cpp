@@ -54,8 +54,8 @@ ModalBody::Answer ModalBody::step(double wave) noexcept {
   const double velocity = fused_multiply_add(by_wave_, wave, by_state_ * free_velocity_);
   const double out = fused_multiply_add(-impedance_, velocity, wave);
   const double force = wave + out;
-  const auto push = Lanes::same(force);
-  auto free = Lanes::same(0), held = Lanes::same(0);
+  const auto push = Lanes::broadcast(force);
+  auto free = Lanes::broadcast(0), held = Lanes::broadcast(0);
   for (auto& bundle : bundles_) {
     const auto mass = Lanes::load(bundle.mass.data()), spring = Lanes::load(bundle.spring.data());
     const auto v = fused_multiply_add(Lanes::load(bundle.give.data()), push, mass - spring);
@@ -72,7 +72,7 @@ ModalBody::Answer ModalBody::step(double wave) noexcept {
 }
 
 void ModalBody::sum_states() noexcept {
-  auto free = Lanes::same(0);
+  auto free = Lanes::broadcast(0);
   for (const auto& bundle : bundles_)
     free = free + (Lanes::load(bundle.mass.data()) - Lanes::load(bundle.spring.data()));
   free_velocity_ = free.sum();
@@ -93,7 +93,7 @@ void ModalBody::adopt(const ModalBody& other) noexcept {
 }
 
 double ModalBody::energy() const noexcept {
-  auto sum = Lanes::same(0);
+  auto sum = Lanes::broadcast(0);
   for (const auto& bundle : bundles_) {
     const auto mass = Lanes::load(bundle.mass.data()), spring = Lanes::load(bundle.spring.data());
     sum = fused_multiply_add(Lanes::load(bundle.mass_energy.data()) * mass, mass, sum);

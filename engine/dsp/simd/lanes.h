@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [any].
+
 #include <cstddef>
 
 #include "engine/core/realtime.h"
@@ -20,7 +22,7 @@ struct Lanes {
   static constexpr bool kInRegisters = true;
   __m512d all;
 
-  static Lanes same(double x) noexcept { return {_mm512_set1_pd(x)}; }
+  static Lanes broadcast(double x) noexcept { return {_mm512_set1_pd(x)}; }
   static Lanes load(const double* x) noexcept { return {_mm512_loadu_pd(x)}; }
   /// A number from each of kCount places, `offset` behind each.
   static Lanes gather(const double* const* x, std::ptrdiff_t offset) noexcept {
@@ -66,7 +68,7 @@ struct Lanes {
   static constexpr bool kInRegisters = true;
   __m256d low, high;
 
-  static Lanes same(double x) noexcept { return {_mm256_set1_pd(x), _mm256_set1_pd(x)}; }
+  static Lanes broadcast(double x) noexcept { return {_mm256_set1_pd(x), _mm256_set1_pd(x)}; }
   static Lanes load(const double* x) noexcept { return {_mm256_loadu_pd(x), _mm256_loadu_pd(x + 4)}; }
   static Lanes gather(const double* const* x, std::ptrdiff_t offset) noexcept {
     return {_mm256_set_pd(x[3][offset], x[2][offset], x[1][offset], x[0][offset]),
@@ -127,7 +129,7 @@ struct Lanes {
     for (int i = 0; i < kCount; ++i) result.lane[i] = f(i);
     return result;
   }
-  static Lanes same(double x) noexcept {
+  static Lanes broadcast(double x) noexcept {
     return each([x](int) { return x; });
   }
   static Lanes load(const double* x) noexcept {
@@ -141,7 +143,7 @@ struct Lanes {
   }
   template <int Lane>
   Lanes spread() const noexcept {
-    return same(lane[Lane]);
+    return broadcast(lane[Lane]);
   }
   Lanes moved_up(const Lanes& before) const noexcept {
     return each([&](int i) { return i == 0 ? before.lane[kCount - 1] : lane[i - 1]; });
@@ -177,7 +179,7 @@ struct Lanes {
 #endif
 };
 
-inline Lanes operator-(Lanes a) noexcept { return Lanes::same(-0.0) - a; }
+inline Lanes operator-(Lanes a) noexcept { return Lanes::broadcast(-0.0) - a; }
 
 /// For the short runs of signals, which would wait longer for the library's copy than for their samples.
 inline void copy_samples(const double* from, int count, double* to) noexcept {

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime]; constructors [control].
+
 #include "engine/dsp/strings/string_loop.h"
 
 namespace tactus {

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime]; constructors [control].
+
 #include <array>
 
 #include "engine/dsp/delays/wide_delay_line.h"
@@ -57,7 +59,7 @@ class WideStringLoop {
       if (filter_ == LossFilter::OneZero) {
         taps.sum(weights, x[n]).store(y);
       } else {
-        loss = fused_multiply_add(pole, loss, taps.sum(weights, Lanes::same(0)));
+        loss = fused_multiply_add(pole, loss, taps.sum(weights, Lanes::broadcast(0)));
         (x[n] + loss).store(y);
       }
     }

@@ -129,7 +129,7 @@ class Lowering {
     for (std::size_t n = 0; n < flat_.nodes.size(); ++n) {
       const auto& node = flat_.nodes[n];
       first_vertex_.push_back(static_cast<int>(graph_.vertices.size()));
-      if (node.type->name == "mix") {  // a sum of lanes: plain additions
+      if (node.type->reduces_lanes) {  // a sum of lanes: plain additions
         const int output = node.outputs.front();
         wires_[static_cast<std::size_t>(output)][0] =
             make_source(flat_.signals[static_cast<std::size_t>(output)], 0);
@@ -156,7 +156,7 @@ class Lowering {
     for (std::size_t n = 0; n < flat_.nodes.size(); ++n) {
       const auto& node = flat_.nodes[n];
       every_ = node.every;
-      if (node.type->name == "mix") {
+      if (node.type->reduces_lanes) {
         connect_mix(node);
         continue;
       }
@@ -175,7 +175,7 @@ class Lowering {
   /// A time less the phase delays of other nodes, or with them: a vertex for each, that reads all inputs of
   /// that node, since those decide what the delay is.
   void compensate(const FlatNode& node, int lane, std::vector<Wire>& in) {
-    const auto where = compensation_of(*node.type);
+    const auto& where = *node.type->compensation;
     const auto time = static_cast<std::size_t>(where.port), period = static_cast<std::size_t>(where.period);
     for (const int other_index : node.compensate) {
       const auto& other = flat_.nodes[static_cast<std::size_t>(other_index)];

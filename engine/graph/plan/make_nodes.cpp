@@ -167,7 +167,7 @@ class Maker {
 
   /// False if a node that is compensated for could not be made: nothing is known of its delay.
   bool shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
-    const auto where = compensation_of(*node.type);
+    const auto& where = *node.type->compensation;
     const auto time = static_cast<std::size_t>(where.port);
     auto tuned = node.ranges[static_cast<std::size_t>(where.period)];
     if (!tuned.bounded()) return true;  // the node itself asks for bounds

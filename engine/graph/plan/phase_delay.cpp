@@ -6,13 +6,6 @@
 
 namespace tactus {
 
-Compensation compensation_of(const NodeType& type) {
-  const int period = type.input_index("period");
-  if (period >= 0) return {type.input_index("delay"), period, 1};
-  const int time = type.input_index("time");
-  return {time, time, -1};
-}
-
 std::optional<double> PhaseDelay::phase_delay(double tuned) const noexcept {
   if (!(tuned > 0)) return std::nullopt;
   const double frequency = 1 / tuned;

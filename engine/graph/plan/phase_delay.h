@@ -6,18 +6,9 @@
 #include <vector>
 
 #include "engine/graph/node.h"
-#include "engine/graph/node_type.h"
 #include "engine/graph/semantics/interval.h"
 
 namespace tactus {
-
-/// Where the phase delays of the nodes named under `compensate` go. A node with a `period` has them added to
-/// its `delay`, at that period; of others they are taken off the `time`, which is the period as well.
-struct Compensation {
-  int port, period;  ///< inputs, both [s]
-  double sign;
-};
-Compensation compensation_of(const NodeType& type);
 
 /// Takes the phase delay of another node off a delay time, or adds it, at the frequency that the loop is
 /// tuned to:

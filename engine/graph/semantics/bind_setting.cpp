@@ -50,7 +50,7 @@ struct Reader {
       return complain(Errc::UnknownName, value.at, "cannot be \"" + *text + "\"",
                       near.empty() ? "choose one of " + choices() : "did you mean \"" + near + "\"?");
     }
-    if (setting.name == "unit" && !parse_unit(*text))
+    if (setting.unit && !parse_unit(*text))
       return complain(Errc::UnknownName, value.at, "is no unit: \"" + *text + "\"",
                       "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"");
     result.text = *text;

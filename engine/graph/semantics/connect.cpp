@@ -13,11 +13,6 @@ std::filesystem::path folder_of(const GraphSpec& spec) {
   return spec.file.file ? std::filesystem::path{*spec.file.file}.parent_path() : std::filesystem::path{};
 }
 
-/// A resonator: near its pitch its phase turns all the way around, and is no delay.
-bool rings(const FlatNode& node) {
-  return node.type->group == "delays" && node.type->input_index("pitch") >= 0;
-}
-
 }  // namespace
 
 void Instance::connect_top(const std::vector<std::string>& taps) {
@@ -51,7 +46,7 @@ void Instance::connect_node(const EntrySpec& entry, FlatNode& node) {
   for (const auto& setting : type.settings) {
     node.settings.push_back(
         bind_setting(setting, entry.fields, folder_of(spec_), owner, entry.at, mistakes_));
-    if (setting.name == "compensate") connect_compensation(entry, node);
+    if (setting.kind == Setting::Kind::Names) connect_compensation(entry, setting.name, node);
   }
 }
 
@@ -70,8 +65,8 @@ void Instance::connect_ports(const EntrySpec& entry, FlatNode& node, const std::
   }
 }
 
-void Instance::connect_compensation(const EntrySpec& entry, FlatNode& node) {
-  const auto* value = find(entry.fields, "compensate");
+void Instance::connect_compensation(const EntrySpec& entry, const std::string& field, FlatNode& node) {
+  const auto* value = find(entry.fields, field);
   std::set<std::string> named;
   for (const auto& name : node.settings.back().names) {
     if (!named.insert(name).second) {
@@ -80,7 +75,7 @@ void Instance::connect_compensation(const EntrySpec& entry, FlatNode& node) {
     }
     const auto known = nodes_by_name_.find(name);
     if (known != nodes_by_name_.end()) {
-      if (name == entry.name || rings(flat_.nodes[static_cast<std::size_t>(known->second)]))
+      if (name == entry.name || flat_.nodes[static_cast<std::size_t>(known->second)].type->resonant)
         mistakes_.add(Errc::BadArgument, value->at, "'" + name + "' cannot be compensated: it is no filter",
                       "leave it out; name what only turns the phase");
       node.compensate.push_back(known->second);

@@ -151,8 +151,8 @@ void Instance::declare_outputs(const EntrySpec& entry, std::shared_ptr<const Nod
   node.path = prefix_ + entry.name;
   node.at = entry.at;
   node.type = type;
-  // A mix adds the lanes that there are, in a part with voices too.
-  node.voices = type->name == "mix" ? 1 : voices_;
+  // A sum adds the lanes that there are, in a part with voices too.
+  node.voices = type->reduces_lanes ? 1 : voices_;
   node.every = every_;
   for (std::size_t port = 0; port < type->outputs.size(); ++port) {
     const int id = add_signal(entry.name + "." + type->outputs[port].name, entry.at,

@@ -114,7 +114,7 @@ class Inference {
     for (const auto& input : node.inputs)
       if (input) changed |= widen(node.lanes, lanes_of(graph_, *input));
     for (const int other : node.outputs)
-      changed |= widen(signal(other).lanes, node.type->name == "mix" ? 1 : node.lanes);
+      changed |= widen(signal(other).lanes, node.type->reduces_lanes ? 1 : node.lanes);
     return changed;
   }
 

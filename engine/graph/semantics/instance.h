@@ -73,7 +73,7 @@ class Instance {
   void connect_inside();
   void connect_node(const EntrySpec& entry, FlatNode& node);
   void connect_ports(const EntrySpec& entry, FlatNode& node, const std::string& owner);
-  void connect_compensation(const EntrySpec& entry, FlatNode& node);
+  void connect_compensation(const EntrySpec& entry, const std::string& field, FlatNode& node);
   void connect_part(const PendingPart& pending);
   void check_part_fields(const NodeSpec& node, const Instance& part);
   void bind_output(const EntrySpec& entry, FlatSignal& signal);

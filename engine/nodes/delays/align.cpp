@@ -1,12 +1,11 @@
-#include "engine/nodes/delays/align.h"
-
 #include <cmath>
 
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/loop_pad.h"
 #include "engine/dsp/delays/taps.h"
-#include "engine/dsp/envelopes/rise.h"
+#include "engine/dsp/envelopes/rise_kernel.h"
 #include "engine/nodes/delays/delay_taps.h"
+#include "engine/nodes/delays/delays.h"
 
 namespace tactus {
 namespace {
@@ -90,7 +89,7 @@ class Align final : public Node {
     const bool on = block.in[kOn][n] >= 0.5;
     const bool jumped =
         std::max(period, period_) > (1 + kHalfSemitone) * std::min(period, period_) && started_;
-    note_ |= rise_.step(block.in[kTrigger][n]) || jumped;
+    note_ |= tactus_rise_step(&rise_, block.in[kTrigger][n]) != 0 || jumped;
     period_ = period;
     const bool moves = !started_ || note_ || on != on_ || !pad_.serves(turns_, period, rest);
     // While one move is under way, a new note waits where the note before it was.
@@ -123,7 +122,7 @@ class Align final : public Node {
   DelayTaps<kOrder> taps_;
   DelayLine line_;
   int fade_frames_;
-  Rise rise_;
+  tactus_rise rise_{};
   bool started_ = false, note_ = false, on_ = false;
   double period_ = 0, pad_s_ = 0, turns_ = 0;
   int fading_ = 0;  ///< frames left
@@ -148,17 +147,15 @@ const NodeType& align_type() {
           "Steiner & Oldham, NIME 2008, section 7.2",
       .example = "{ type = \"align\", in = \"string\", period = \"1 / pitch\", delay = \"system.delay\" }",
       .inputs =
-          {{.name = "in", .unit = "any", .doc = "signal that goes around", .fallback = std::nullopt},
+          {{.name = "in", .unit = "any", .doc = "signal that goes around"},
            {.name = "period",
             .unit = "s",
             .doc = "of the note; at most 0.1 s",
-            .fallback = std::nullopt,
             .low = 0,
             .high = kLongestPeriod_s},
            {.name = "delay",
             .unit = "s",
             .doc = "what the loop takes already; of an instrument system.delay",
-            .fallback = std::nullopt,
             .low = 0,
             .high = 1000},
            {.name = "phase",
@@ -173,17 +170,15 @@ const NodeType& align_type() {
             .unit = "",
             .doc = "below 0.5 nothing is padded: what comes in goes out",
             .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in, so much later", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in, so much later"}},
       .settings = {{.name = "compensate",
                     .kind = Setting::Kind::Names,
                     .doc =
                         "filters in the same loop, or models of what lies outside; their phase delays at the "
                         "pitch count as part of the loop",
-                    .choices = {},
-                    .fallback = {},
                     .optional = true}},
       .make = Align::make,
-      .range = {}};
+      .compensation = PhaseCompensation{.port = kDelay, .period = kPeriod, .sign = 1}};
   return type;
 }
 

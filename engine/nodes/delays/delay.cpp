@@ -1,11 +1,10 @@
-#include "engine/nodes/delays/delay.h"
-
 #include <cmath>
 #include <utility>
 
 #include "engine/core/dimension.h"
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/taps.h"
+#include "engine/nodes/delays/delays.h"
 #include "engine/nodes/delays/wide_delay_node.h"
 #include "engine/nodes/group_steps.h"
 
@@ -186,10 +185,9 @@ const NodeType& delay_type() {
           "time is never below a frame",
       .source = "Laakso, Valimaki, Karjalainen & Laine, IEEE SP Magazine 13, 1996",
       .example = "{ type = \"delay\", in = \"string\", time = \"20 ms\" }",
-      .inputs =
-          {{.name = "in", .unit = "any", .doc = "signal to delay", .fallback = std::nullopt, .late = true},
-           {.name = "time", .unit = "s", .doc = "how much later", .fallback = std::nullopt, .low = 0}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in `time` ago", .range = {}}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal to delay", .late = true},
+                 {.name = "time", .unit = "s", .doc = "how much later", .low = 0}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in `time` ago"}},
       .settings =
           {{.name = "interpolation",
             .kind = Setting::Kind::Choice,
@@ -200,24 +198,18 @@ const NodeType& delay_type() {
            {.name = "min",
             .kind = Setting::Kind::Text,
             .doc = "shortest time, where the graph does not tell",
-            .choices = {},
-            .fallback = {},
             .optional = true},
            {.name = "max",
             .kind = Setting::Kind::Text,
             .doc = "longest time, where the graph does not tell",
-            .choices = {},
-            .fallback = {},
             .optional = true},
            {.name = "compensate",
             .kind = Setting::Kind::Names,
             .doc = "filters in the same loop; their phase delays at the frequency 1/time are taken off the "
                    "time, so that the loop is in tune",
-            .choices = {},
-            .fallback = {},
             .optional = true}},
       .make = make,
-      .range = {}};
+      .compensation = PhaseCompensation{.port = kTime, .period = kTime, .sign = -1}};
   return type;
 }
 

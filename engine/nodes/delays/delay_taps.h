@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime]; constructors and `response` [control].
+
 #include <algorithm>
 #include <array>
 #include <cmath>

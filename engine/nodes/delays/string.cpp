@@ -1,12 +1,12 @@
-#include "engine/nodes/delays/string.h"
-
 #include <algorithm>
 
 #include "engine/dsp/strings/string_loop.h"
+#include "engine/nodes/delays/delays.h"
 #include "engine/nodes/delays/string_ports.h"
 #include "engine/nodes/delays/wide_string_node.h"
 #include "engine/nodes/filters/filter_ports.h"
 #include "engine/nodes/group_steps.h"
+#include "engine/nodes/make.h"
 
 namespace tactus {
 namespace {
@@ -104,10 +104,8 @@ const NodeType& string_type() {
                  loss_input()},
       .outputs = {filtered_output("out", "the string where it is driven")},
       .settings = {loss_filter_setting()},
-      .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
-        return std::make_unique<StringNode>(setup);
-      },
-      .range = {}};
+      .make = make_node<StringNode>,
+      .resonant = true};
   return type;
 }
 

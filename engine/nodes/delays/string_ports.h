@@ -1,17 +1,15 @@
 #pragma once
 
+// Thread: [control].
+
 #include "engine/dsp/strings/string_loop.h"
 #include "engine/graph/node_type.h"
 
 namespace tactus {
 
 inline InputPort pitch_input(std::string doc) {
-  return {.name = "pitch",
-          .unit = "Hz",
-          .doc = std::move(doc),
-          .fallback = std::nullopt,
-          .low = StringLoop::kLowestPitch,
-          .high = 20000};
+  return {
+      .name = "pitch", .unit = "Hz", .doc = std::move(doc), .low = StringLoop::kLowestPitch, .high = 20000};
 }
 
 inline InputPort loss_input() {

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime] what engine/graph/node.h says so; constructors [control].
+
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -110,7 +112,7 @@ class WideDelayNode final : public Node {
     WideTaps<Order + 1> taps{places};
     for (int n = 0; n < frames; ++n, y += kWide) {
       taps.next(places, n);
-      (Order == 0 ? taps.newest() : taps.sum(weight, Lanes::same(0))).store(y);
+      (Order == 0 ? taps.newest() : taps.sum(weight, Lanes::broadcast(0))).store(y);
     }
   }
 

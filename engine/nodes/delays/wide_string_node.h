@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime] what engine/graph/node.h says so; constructors [control].
+
 #include <algorithm>
 
 #include "engine/dsp/strings/wide_string_loop.h"

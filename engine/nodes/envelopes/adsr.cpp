@@ -1,37 +1,18 @@
-#include "engine/nodes/envelopes/adsr.h"
 
-#include <algorithm>
-
-#include "engine/dsp/envelopes/adsr.h"
-#include "engine/dsp/envelopes/time_constant.h"
+#include "engine/nodes/envelopes/adsr_kernel.h"
+#include "engine/nodes/envelopes/envelopes.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
 namespace {
 
-class AdsrNode final : public Node {
- public:
-  explicit AdsrNode(const NodeSetup& setup)
-      : sample_rate_(setup.sample_rate.value), decay_(setup.sample_rate), release_(setup.sample_rate) {}
+struct Adsr {
+  static constexpr int kInputs = 5;
+  explicit Adsr(const NodeSetup& setup) : rate(setup.sample_rate.value) {}
+  double step(const double* in) { return tactus_adsr_step(&state, in[0], in[1], in[2], in[3], in[4], rate); }
 
-  void process(const NodeBlock& block) noexcept override {
-    const Signal gate = block.in[0], attack = block.in[1], decay = block.in[2], sustain = block.in[3],
-                 release = block.in[4];
-    for (int i = 0; i < block.frames; ++i) {
-      const double attack_frames = attack[i] * sample_rate_;
-      const Adsr::Rates rates = {.rise = attack_frames > 1 ? 1 / attack_frames : 1,
-                                 .decay_keep = decay_.keep(decay[i]),
-                                 .sustain = std::clamp(sustain[i], 0.0, 1.0),
-                                 .release_keep = release_.keep(release[i])};
-      block.out[0][i] = adsr_.step(gate[i], rates);
-    }
-  }
-  void reset() noexcept override { adsr_ = {}; }
-
- private:
-  double sample_rate_;
-  TimeConstant decay_, release_;
-  Adsr adsr_;
+  double rate;
+  tactus_adsr state{};
 };
 
 }  // namespace
@@ -49,7 +30,7 @@ const NodeType& adsr_type() {
       .source = "Moore, Elements of Computer Music, 1990",
       .example = "shape = { type = \"adsr\", gate = \"touch\", attack = \"5 ms\", release = \"80 ms\" }",
       .inputs =
-          {{.name = "gate", .unit = "", .doc = "high from 0.5 on", .fallback = {}},
+          {{.name = "gate", .unit = "", .doc = "high from 0.5 on"},
            {.name = "attack",
             .unit = "s",
             .doc = "time of the way from 0 to 1; 0: at once",
@@ -68,9 +49,7 @@ const NodeType& adsr_type() {
             .high = 1},
            {.name = "release", .unit = "s", .doc = "time constant towards 0", .fallback = 0.100, .low = 0}},
       .outputs = {{.name = "out", .unit = "", .doc = "the envelope", .range = {0, 1}}},
-      .settings = {},
-      .make = make_node<AdsrNode>,
-      .range = {},
+      .make = make_node<KernelNode<Adsr>>,
   };
   return type;
 }

@@ -1,10 +1,7 @@
-#include "engine/nodes/envelopes/decay.h"
-
 #include <algorithm>
 
-#include "engine/dsp/envelopes/pulse.h"
-#include "engine/dsp/envelopes/rise.h"
-#include "engine/dsp/envelopes/time_constant.h"
+#include "engine/nodes/envelopes/decay_kernel.h"
+#include "engine/nodes/envelopes/envelopes.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -12,7 +9,7 @@ namespace {
 
 class Decay final : public Node {
  public:
-  explicit Decay(const NodeSetup& setup) : sample_rate_(setup.sample_rate.value), time_(setup.sample_rate) {}
+  explicit Decay(const NodeSetup& setup) : sample_rate_(setup.sample_rate.value) {}
 
   void process(const NodeBlock& block) noexcept override {
     if (block.frames == 1)
@@ -20,10 +17,7 @@ class Decay final : public Node {
     else
       process_row(block);
   }
-  void reset() noexcept override {
-    rise_ = {};
-    pulse_ = {};
-  }
+  void reset() noexcept override { state_ = {}; }
 
  private:
   static constexpr int kAtOnce = 8;
@@ -34,8 +28,10 @@ class Decay final : public Node {
     const bool resting = time.constant() && length.constant() && !trigger.constant();
     for (int n = 0; n < block.frames;) {
       int count = block.frames - n;
-      if (resting && rise_.indifferent(trigger.data + n, count))
-        pulse_.run(block.out[0] + n, count, time_.keep(time[0]), length[0] * sample_rate_);
+      if (resting && tactus_rise_indifferent(&state_.rise, trigger.data + n, count) != 0)
+        tactus_pulse_run(&state_.pulse, block.out[0] + n, count,
+                         tactus_time_constant_keep(&state_.time, time[0], sample_rate_),
+                         length[0] * sample_rate_);
       else
         step(block, n, count = std::min(kAtOnce, count));
       n += count;
@@ -44,16 +40,12 @@ class Decay final : public Node {
 
   void step(const NodeBlock& block, int from, int count) noexcept {
     const Signal trigger = block.in[0], time = block.in[1], level = block.in[2], length = block.in[3];
-    for (int n = from; n < from + count; ++n) {
-      if (rise_.step(trigger[n])) pulse_.start(level[n]);
-      block.out[0][n] = pulse_.step(time_.keep(time[n]), length[n] * sample_rate_);
-    }
+    for (int n = from; n < from + count; ++n)
+      block.out[0][n] = tactus_decay_step(&state_, trigger[n], time[n], level[n], length[n], sample_rate_);
   }
 
   double sample_rate_;
-  TimeConstant time_;
-  Rise rise_;
-  Pulse pulse_;
+  tactus_decay state_{};
 };
 
 }  // namespace
@@ -66,20 +58,16 @@ const NodeType& decay_type() {
       .equation = "out(t) = level exp(-t / time), t since the last trigger; 0 for t >= length > 0",
       .source = "elementary",
       .example = "pulse = { type = \"decay\", trigger = \"hit\", time = \"12 ms\" }",
-      .inputs = {{.name = "trigger", .unit = "", .doc = "starts the pulse in its own frame", .fallback = {}},
-                 {.name = "time",
-                  .unit = "s",
-                  .doc = "time constant: the pulse falls to 37 % in it",
-                  .fallback = {},
-                  .low = 0},
-                 {.name = "level", .unit = "any", .doc = "height, taken over at the trigger", .fallback = 1},
-                 {.name = "length",
-                  .unit = "s",
-                  .doc = "the pulse ends after this time; 0: never",
-                  .fallback = 0,
-                  .low = 0}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the pulse", .range = {}}},
-      .settings = {},
+      .inputs =
+          {{.name = "trigger", .unit = "", .doc = "starts the pulse in its own frame"},
+           {.name = "time", .unit = "s", .doc = "time constant: the pulse falls to 37 % in it", .low = 0},
+           {.name = "level", .unit = "any", .doc = "height, taken over at the trigger", .fallback = 1},
+           {.name = "length",
+            .unit = "s",
+            .doc = "the pulse ends after this time; 0: never",
+            .fallback = 0,
+            .low = 0}},
+      .outputs = {{.name = "out", .unit = "=level", .doc = "the pulse"}},
       .make = make_node<Decay>,
       .range = [](int,
                   const NodeSetup& setup) { return setup.input("level").range.joined(Interval::exactly(0)); },

@@ -1,7 +1,6 @@
-#include "engine/nodes/envelopes/envelope.h"
-
-#include "engine/dsp/envelopes/envelope_follower.h"
-#include "engine/dsp/envelopes/time_constant.h"
+#include "engine/dsp/envelopes/follower_kernel.h"
+#include "engine/dsp/envelopes/time_constant_kernel.h"
+#include "engine/nodes/envelopes/envelopes.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -9,21 +8,27 @@ namespace {
 
 class Envelope final : public Node {
  public:
-  explicit Envelope(const NodeSetup& setup) : attack_(setup.sample_rate), release_(setup.sample_rate) {}
+  explicit Envelope(const NodeSetup& setup) : rate_(setup.sample_rate.value) {}
 
   void process(const NodeBlock& block) noexcept override {
     const Signal in = block.in[0], attack = block.in[1], release = block.in[2];
     if (attack.constant() && release.constant() && !in.constant())
-      return follower_.run(in.data, block.out[0], block.frames, attack_.keep(attack[0]),
-                           release_.keep(release[0]));
+      return tactus_follower_run(&follower_, in.data, block.out[0], block.frames, keep(attack_, attack[0]),
+                                 keep(release_, release[0]));
     for (int i = 0; i < block.frames; ++i)
-      block.out[0][i] = follower_.step(in[i], attack_.keep(attack[i]), release_.keep(release[i]));
+      block.out[0][i] =
+          tactus_follower_step(&follower_, in[i], keep(attack_, attack[i]), keep(release_, release[i]));
   }
   void reset() noexcept override { follower_ = {}; }
 
  private:
-  TimeConstant attack_, release_;
-  EnvelopeFollower follower_;
+  double keep(tactus_time_constant& time, double seconds) const noexcept {
+    return tactus_time_constant_keep(&time, seconds, rate_);
+  }
+
+  double rate_;
+  tactus_time_constant attack_{}, release_{};
+  tactus_follower follower_{};
 };
 
 }  // namespace
@@ -39,7 +44,7 @@ const NodeType& envelope_type() {
       .source = "Zölzer (ed.), DAFX: Digital Audio Effects, 2nd ed. 2011, section 4.2",
       .example =
           "loudness = { type = \"envelope\", in = \"microphone\", attack = \"0.5 ms\", release = \"20 ms\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
                  {.name = "attack",
                   .unit = "s",
                   .doc = "time constant while the signal is above the envelope; 0: at once",
@@ -52,7 +57,6 @@ const NodeType& envelope_type() {
                   .low = 0}},
       .outputs =
           {{.name = "out", .unit = "=in", .doc = "envelope, never negative", .range = {0, kUnlimited}}},
-      .settings = {},
       .make = make_node<Envelope>,
       .range =
           [](int, const NodeSetup& setup) {

@@ -1,8 +1,8 @@
-#include "engine/nodes/envelopes/onset.h"
+#include "engine/dsp/envelopes/onset.h"
 
 #include <algorithm>
 
-#include "engine/dsp/envelopes/onset.h"
+#include "engine/nodes/envelopes/envelopes.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -53,7 +53,7 @@ const NodeType& onset_type() {
           "ringing, and e > noise_margin * mean noise; then none for hold",
       .source = "Bello et al., IEEE Trans. Speech Audio Process. 13, 2005",
       .example = "hit = { type = \"onset\", in = \"microphone\", threshold = \"-34 dB\", hold = \"15 ms\" }",
-      .inputs = {{.name = "in", .unit = "full scale", .doc = "microphone", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "full scale", .doc = "microphone"},
                  {.name = "threshold",
                   .unit = "",
                   .doc = "softest hit, its peak",
@@ -64,7 +64,8 @@ const NodeType& onset_type() {
                   .doc = "time from a hit in which no other counts",
                   .fallback = 0.015,
                   .low = 0.001,
-                  .high = 10},
+                  .high = 10,
+                  .hold = true},
                  {.name = "margin",
                   .unit = "",
                   .doc = "how far a hit must stand out of what rings; larger misses more and doubles less",
@@ -104,11 +105,9 @@ const NodeType& onset_type() {
                   {.name = "level",
                    .unit = "=in",
                    .doc = "highest envelope of the last hit: so far in its first 5 ms, then held to the next",
-                   .range = {}},
-                  {.name = "envelope", .unit = "=in", .doc = "fast envelope above 30 Hz", .range = {}}},
-      .settings = {},
+                   .event_level = true},
+                  {.name = "envelope", .unit = "=in", .doc = "fast envelope above 30 Hz"}},
       .make = make_node<Onset>,
-      .range = {},
   };
   return type;
 }

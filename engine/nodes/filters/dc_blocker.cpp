@@ -1,8 +1,7 @@
-#include "engine/nodes/filters/dc_blocker.h"
-
 #include "engine/dsp/filters/one_pole_design.h"
 #include "engine/nodes/filters/filter_node.h"
 #include "engine/nodes/filters/filter_ports.h"
+#include "engine/nodes/filters/filters.h"
 
 namespace tactus {
 namespace {
@@ -25,9 +24,7 @@ const NodeType& dc_blocker_type() {
       .example = "{ type = \"dc_blocker\", in = \"piezo\" }",
       .inputs = {filtered_input(), cutoff_input("-3 dB here while it is far below the sample rate", 10)},
       .outputs = {filtered_output("out", "without its mean")},
-      .settings = {},
-      .make = DcBlockerNode::maker(design),
-      .range = {}};
+      .make = DcBlockerNode::maker(design)};
   return type;
 }
 

@@ -1,26 +1,24 @@
-#include "engine/nodes/filters/difference.h"
-
+#include "engine/nodes/filters/difference_kernel.h"
 #include "engine/nodes/filters/filter_ports.h"
-#include "engine/nodes/group_steps.h"
+#include "engine/nodes/filters/filters.h"
+#include "engine/nodes/make.h"
 
 namespace tactus {
 namespace {
 
 class DifferenceNode : public Node {
  public:
-  explicit DifferenceNode(Hertz sample_rate) : sample_rate_(sample_rate) {}
+  explicit DifferenceNode(const NodeSetup& setup) : sample_rate_(setup.sample_rate) {}
 
   void process(const NodeBlock& block) noexcept override {
     const auto in = block.in[0];
-    double before = before_;
-    for (int n = 0; n < block.frames; ++n) {
-      block.out[0][n] = (in[n] - before) * sample_rate_.value;
-      before = in[n];
-    }
-    before_ = before;
+    auto state = state_;
+    for (int n = 0; n < block.frames; ++n)
+      block.out[0][n] = tactus_difference_step(&state, in[n], sample_rate_.value);
+    state_ = state;
   }
 
-  void reset() noexcept override { before_ = 0; }
+  void reset() noexcept override { state_ = {}; }
 
   std::optional<std::complex<double>> response(int, int, std::complex<double> z,
                                                std::span<const double>) const override {
@@ -29,7 +27,7 @@ class DifferenceNode : public Node {
 
  private:
   Hertz sample_rate_;
-  double before_ = 0;
+  tactus_difference state_{};
 };
 
 }  // namespace
@@ -43,12 +41,8 @@ const NodeType& difference_type() {
       .source = "backward difference",
       .example = "{ type = \"difference\", in = \"position\" }",
       .inputs = {filtered_input("signal, usually a position")},
-      .outputs = {{.name = "out", .unit = "=in/s", .doc = "rate of change, half a frame late", .range = {}}},
-      .settings = {},
-      .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
-        return std::make_unique<DifferenceNode>(setup.sample_rate);
-      },
-      .range = {}};
+      .outputs = {{.name = "out", .unit = "=in/s", .doc = "rate of change, half a frame late"}},
+      .make = make_node<DifferenceNode>};
   return type;
 }
 

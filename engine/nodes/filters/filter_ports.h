@@ -1,11 +1,13 @@
 #pragma once
 
+// Thread: [control].
+
 #include "engine/graph/node_type.h"
 
 namespace tactus {
 
 inline InputPort filtered_input(std::string doc = "signal to filter") {
-  return {.name = "in", .unit = "any", .doc = std::move(doc), .fallback = std::nullopt};
+  return {.name = "in", .unit = "any", .doc = std::move(doc)};
 }
 
 /// Clamped to [1e-6 fs, 0.49 fs]; changes at the start of a group of eight frames.
@@ -18,7 +20,7 @@ inline InputPort q_input(std::string doc, double fallback) {
 }
 
 inline OutputPort filtered_output(std::string name, std::string doc) {
-  return {.name = std::move(name), .unit = "=in", .doc = std::move(doc), .range = {}};
+  return {.name = std::move(name), .unit = "=in", .doc = std::move(doc)};
 }
 
 }  // namespace tactus

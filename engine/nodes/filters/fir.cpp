@@ -1,10 +1,10 @@
-#include "engine/nodes/filters/fir.h"
+#include "engine/dsp/filters/fir.h"
 
 #include <utility>
 
 #include "engine/dsp/delays/taps_at_rate.h"
-#include "engine/dsp/filters/fir.h"
 #include "engine/nodes/filters/filter_ports.h"
+#include "engine/nodes/filters/filters.h"
 #include "engine/nodes/group_steps.h"
 
 namespace tactus {
@@ -57,23 +57,17 @@ const NodeType& fir_type() {
       .example = "{ type = \"fir\", in = \"piezo\", rate = \"48 kHz\", taps = [0.25, 0.5, 0.25] }",
       .inputs = {filtered_input()},
       .outputs = {filtered_output("out", "filtered")},
-      .settings = {{.name = "taps",
-                    .kind = Setting::Kind::Numbers,
-                    .doc = "impulse response, one number a sample",
-                    .choices = {},
-                    .fallback = {}},
-                   {.name = "rate",
-                    .kind = Setting::Kind::Quantity,
-                    .doc =
-                        "sample rate that the taps were measured at: where the engine has another one they "
-                        "are resampled; left out: the engine's",
-                    .choices = {"Hz"},
-                    .fallback = {},
-                    .optional = true,
-                    .low = 1000,
-                    .high = 1e6}},
-      .make = make,
-      .range = {}};
+      .settings =
+          {{.name = "taps", .kind = Setting::Kind::Numbers, .doc = "impulse response, one number a sample"},
+           {.name = "rate",
+            .kind = Setting::Kind::Quantity,
+            .doc = "sample rate that the taps were measured at: where the engine has another one they "
+                   "are resampled; left out: the engine's",
+            .choices = {"Hz"},
+            .optional = true,
+            .low = 1000,
+            .high = 1e6}},
+      .make = make};
   return type;
 }
 

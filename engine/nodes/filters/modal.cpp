@@ -1,10 +1,9 @@
-#include "engine/nodes/filters/modal.h"
-
 #include <algorithm>
 #include <utility>
 
 #include "engine/dsp/resonators/modal_bank.h"
 #include "engine/nodes/filters/filter_ports.h"
+#include "engine/nodes/filters/filters.h"
 #include "engine/nodes/filters/mode_table.h"
 #include "engine/nodes/group_steps.h"
 
@@ -122,29 +121,21 @@ const NodeType& modal_type() {
       .example =
           "{ type = \"modal\", in = \"strike\", frequency = \"220 Hz\", series = \"bar\", modes = 12, "
           "decay = \"1 s\" }",
-      .inputs = {{.name = "in",
-                  .unit = "any",
-                  .doc = "what strikes or rubs",
-                  .fallback = std::nullopt,
-                  .late = true},
+      .inputs = {{.name = "in", .unit = "any", .doc = "what strikes or rubs", .late = true},
                  mode_frequency_input(false),
                  mode_decay_input(false)},
       .outputs = {filtered_output("out", "all modes together")},
       .settings = mode_settings({{.name = "gains",
                                   .kind = Setting::Kind::Numbers,
                                   .doc = "how loud each mode is; one for all, or one a mode; left out: 1",
-                                  .choices = {},
-                                  .fallback = {},
                                   .optional = true},
                                  {.name = "gain_slope",
                                   .kind = Setting::Kind::Quantity,
                                   .doc = "high modes are softer where it is above 0",
-                                  .choices = {},
                                   .fallback = "0",
                                   .low = -4,
                                   .high = 4}}),
-      .make = make,
-      .range = {}};
+      .make = make};
   return type;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]; frequencies and decays [realtime].
+
 #include <vector>
 
 #include "engine/graph/node_type.h"

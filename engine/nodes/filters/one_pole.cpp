@@ -1,8 +1,7 @@
-#include "engine/nodes/filters/one_pole.h"
-
 #include "engine/dsp/filters/one_pole_design.h"
 #include "engine/nodes/filters/filter_node.h"
 #include "engine/nodes/filters/filter_ports.h"
+#include "engine/nodes/filters/filters.h"
 
 namespace tactus {
 namespace {
@@ -42,8 +41,7 @@ const NodeType& one_pole_type() {
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
         return OnePoleNode::maker(setup.setting("form").text == "matched" ? matched : bilinear)(setup);
       },
-      .skips_unread = true,
-      .range = {}};
+      .skips_unread = true};
   return type;
 }
 

@@ -1,8 +1,7 @@
-#include "engine/nodes/filters/velocity.h"
-
 #include "engine/dsp/filters/one_pole_design.h"
 #include "engine/nodes/filters/filter_node.h"
 #include "engine/nodes/filters/filter_ports.h"
+#include "engine/nodes/filters/filters.h"
 
 namespace tactus {
 namespace {
@@ -29,10 +28,8 @@ const NodeType& velocity_type() {
       .example = "{ type = \"velocity\", in = \"position\", cutoff = \"200 Hz\" }",
       .inputs = {filtered_input("signal, usually a position"),
                  cutoff_input("of the low-pass behind the difference; at most 0.49 of the sample rate")},
-      .outputs = {{.name = "out", .unit = "=in/s", .doc = "filtered rate of change", .range = {}}},
-      .settings = {},
-      .make = VelocityNode::maker(design),
-      .range = {}};
+      .outputs = {{.name = "out", .unit = "=in/s", .doc = "filtered rate of change"}},
+      .make = VelocityNode::maker(design)};
   return type;
 }
 

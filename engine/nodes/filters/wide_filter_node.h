@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime] what engine/graph/node.h says so; constructors [control].
+
 #include <array>
 
 #include "engine/dsp/filters/wide_filter.h"

@@ -1,9 +1,8 @@
-#include "engine/nodes/generators/curve.h"
-
 #include <cmath>
 
 #include "engine/dsp/curves/breakpoints.h"
-#include "engine/dsp/envelopes/rise.h"
+#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/nodes/generators/generators.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -35,7 +34,7 @@ class Curve final : public Node {
   void process(const NodeBlock& block) noexcept override {
     for (int i = 0; i < block.frames; ++i) {
       const std::int64_t frame = block.first_frame + i;
-      if (rise_.step(block.in[0][i])) {
+      if (tactus_rise_step(&rise_, block.in[0][i]) != 0) {
         start_ = frame;
         started_ = true;
       }
@@ -52,7 +51,7 @@ class Curve final : public Node {
  private:
   Breakpoints points_;
   bool waits_;
-  Rise rise_;
+  tactus_rise rise_{};
   std::int64_t start_ = 0;
   bool started_ = false;
 };
@@ -91,12 +90,11 @@ const NodeType& curve_type() {
                   .unit = "",
                   .doc = "starts the curve over; if it is connected, the curve waits for the first one",
                   .fallback = 0}},
-      .outputs = {{.name = "out", .unit = "=unit", .doc = "value of the curve", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=unit", .doc = "value of the curve"}},
       .settings = {{.name = "points",
                     .kind = Setting::Kind::Points,
                     .doc = "[[time, value], ...], times ascending; two points at one time are a jump",
-                    .choices = {"s", "=unit"},
-                    .fallback = ""},
+                    .choices = {"s", "=unit"}},
                    {.name = "curve",
                     .kind = Setting::Kind::Choice,
                     .doc = "way between two points",
@@ -105,9 +103,8 @@ const NodeType& curve_type() {
                    {.name = "unit",
                     .kind = Setting::Kind::Text,
                     .doc = "unit of the values; left out: a plain number",
-                    .choices = {},
-                    .fallback = "",
-                    .optional = true}},
+                    .optional = true,
+                    .unit = true}},
       .make = make,
       .range = range,
   };

@@ -1,6 +1,5 @@
-#include "engine/nodes/generators/noise.h"
-
 #include "engine/dsp/generators/counter_noise.h"
+#include "engine/nodes/generators/generators.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -49,11 +48,10 @@ const NodeType& noise_type() {
                   .unit = "any",
                   .doc = "peak of uniform noise, standard deviation of gaussian noise",
                   .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the noise", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=level", .doc = "the noise"}},
       .settings = {{.name = "seed",
                     .kind = Setting::Kind::Integer,
                     .doc = "another seed, another noise",
-                    .choices = {},
                     .fallback = "1",
                     .low = 0,
                     .high = 9007199254740992},

@@ -1,9 +1,7 @@
-#include "engine/nodes/generators/sample.h"
-
 #include <algorithm>
 
-#include "engine/dsp/envelopes/rise.h"
-#include "engine/dsp/generators/sample_player.h"
+#include "engine/nodes/generators/generators.h"
+#include "engine/nodes/generators/sample_kernel.h"
 #include "engine/nodes/generators/sound_file.h"
 
 namespace tactus {
@@ -21,22 +19,20 @@ class Sample final : public Node {
   void process(const NodeBlock& block) noexcept override {
     const Signal trigger = block.in[0], speed = block.in[1], level = block.in[2];
     for (int i = 0; i < block.frames; ++i) {
-      if (rise_.step(trigger[i])) player_.start();
+      if (tactus_rise_step(&player_.rise, trigger[i]) != 0) tactus_sample_start(&player_);
       const double increment = std::clamp(speed[i], 0.0, kMaxSpeed) * samples_per_frame_;
-      block.out[0][i] = level[i] * player_.step(recording_.samples, increment, cubic_);
+      block.out[0][i] =
+          level[i] * tactus_sample_read(&player_, recording_.samples.data(),
+                                        static_cast<int>(recording_.samples.size()), increment, cubic_);
     }
   }
-  void reset() noexcept override {
-    rise_ = {};
-    player_ = {};
-  }
+  void reset() noexcept override { player_ = {}; }
 
  private:
   Recording recording_;
   double samples_per_frame_;
   bool cubic_;
-  Rise rise_;
-  SamplePlayer player_;
+  tactus_sample player_{};
 };
 
 Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
@@ -56,10 +52,7 @@ const NodeType& sample_type() {
       .equation = "out[n] = level s(p[n]); p = 0 at a trigger, p[n+1] = p[n] + speed[n] file rate / rate",
       .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
       .example = "thud = { type = \"sample\", file = \"thud.wav\", trigger = \"hit\" }",
-      .inputs = {{.name = "trigger",
-                  .unit = "",
-                  .doc = "starts the file; 1 starts it in the first frame",
-                  .fallback = {}},
+      .inputs = {{.name = "trigger", .unit = "", .doc = "starts the file; 1 starts it in the first frame"},
                  {.name = "speed",
                   .unit = "",
                   .doc = "1 is the recorded speed; not band-limited above it",
@@ -67,16 +60,13 @@ const NodeType& sample_type() {
                   .low = 0,
                   .high = kMaxSpeed},
                  {.name = "level", .unit = "any", .doc = "output at full scale of the file", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the recording", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=level", .doc = "the recording"}},
       .settings = {{.name = "file",
                     .kind = Setting::Kind::File,
-                    .doc = "WAV, AIFF or FLAC; played at its own rate whatever the engine's",
-                    .choices = {},
-                    .fallback = ""},
+                    .doc = "WAV, AIFF or FLAC; played at its own rate whatever the engine's"},
                    {.name = "channel",
                     .kind = Setting::Kind::Integer,
                     .doc = "which channel of the file; 1 is the first",
-                    .choices = {},
                     .fallback = "1",
                     .low = 1,
                     .high = 1024},
@@ -86,7 +76,6 @@ const NodeType& sample_type() {
                     .choices = {"linear", "cubic"},
                     .fallback = "cubic"}},
       .make = make,
-      .range = {},
   };
   return type;
 }

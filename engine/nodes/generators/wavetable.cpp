@@ -1,15 +1,9 @@
-#include "engine/nodes/generators/wavetable.h"
-
-#include <cmath>
-
-#include "engine/dsp/generators/phasor.h"
-#include "engine/dsp/generators/wave_table.h"
+#include "engine/nodes/generators/generators.h"
+#include "engine/nodes/generators/wavetable_kernel.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 class Wavetable final : public Node {
  public:
@@ -20,19 +14,18 @@ class Wavetable final : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     const Signal frequency = block.in[0], phase = block.in[1], level = block.in[2];
-    for (int i = 0; i < block.frames; ++i) {
-      double turns = phasor_.step(frequency[i] / sample_rate_) + phase[i] / kTwoPi;
-      turns -= std::floor(turns);
-      block.out[0][i] = level[i] * (cubic_ ? table_.cubic(turns) : table_.linear(turns));
-    }
+    const int count = static_cast<int>(table_.size());
+    for (int i = 0; i < block.frames; ++i)
+      block.out[0][i] = tactus_wavetable_step(&phasor_, table_.data(), count, cubic_, frequency[i], phase[i],
+                                              level[i], sample_rate_);
   }
   void reset() noexcept override { phasor_ = {}; }
 
  private:
   double sample_rate_;
-  WaveTable table_;
+  std::vector<double> table_;
   bool cubic_;
-  Phasor phasor_;
+  tactus_phasor phasor_{};
 };
 
 Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
@@ -55,25 +48,19 @@ const NodeType& wavetable_type() {
           "frequency[n] / rate",
       .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
       .example = "buzz = { type = \"wavetable\", table = [0, 1, 0.5, -0.5, -1], frequency = \"60 Hz\" }",
-      .inputs = {{.name = "frequency",
-                  .unit = "Hz",
-                  .doc = "periods a second; negative runs backwards",
-                  .fallback = {}},
+      .inputs = {{.name = "frequency", .unit = "Hz", .doc = "periods a second; negative runs backwards"},
                  {.name = "phase", .unit = "rad", .doc = "added to the running phase", .fallback = 0},
                  {.name = "level", .unit = "any", .doc = "multiplies the table", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the wave", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=level", .doc = "the wave"}},
       .settings = {{.name = "table",
                     .kind = Setting::Kind::Numbers,
-                    .doc = "one period at even distances, at least one number",
-                    .choices = {},
-                    .fallback = ""},
+                    .doc = "one period at even distances, at least one number"},
                    {.name = "interpolation",
                     .kind = Setting::Kind::Choice,
                     .doc = "between two numbers",
                     .choices = {"linear", "cubic"},
                     .fallback = "linear"}},
       .make = make,
-      .range = {},
   };
   return type;
 }

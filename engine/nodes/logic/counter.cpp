@@ -1,37 +1,18 @@
-#include "engine/nodes/logic/counter.h"
-
 #include <cmath>
 
-#include "engine/dsp/envelopes/rise.h"
+#include "engine/nodes/logic/counter_kernel.h"
+#include "engine/nodes/logic/logic.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
 namespace {
 
-class Counter final : public Node {
- public:
+struct Counter {
+  static constexpr int kInputs = 3;
   explicit Counter(const NodeSetup&) {}
+  double step(const double* in) { return tactus_counter_step(&state, in[0], in[1], in[2]); }
 
-  void process(const NodeBlock& block) noexcept override {
-    const Signal trigger = block.in[0], reset = block.in[1], count = block.in[2];
-    for (int i = 0; i < block.frames; ++i) {
-      if (trigger_.step(trigger[i])) {
-        ++counted_;
-        if (count[i] >= 1 && counted_ >= std::floor(count[i])) counted_ = 0;
-      }
-      if (reset_.step(reset[i])) counted_ = 0;
-      block.out[0][i] = counted_;
-    }
-  }
-  void reset() noexcept override {
-    trigger_ = {};
-    reset_ = {};
-    counted_ = 0;
-  }
-
- private:
-  Rise trigger_, reset_;
-  double counted_ = 0;  ///< whole: exact up to 2^53
+  tactus_counter state{};
 };
 
 Interval range(int, const NodeSetup& setup) {
@@ -50,15 +31,14 @@ const NodeType& counter_type() {
       .source = "elementary",
       .example = "step = { type = \"counter\", trigger = \"hit\", count = 4 }",
       .inputs =
-          {{.name = "trigger", .unit = "", .doc = "counts one up in its own frame", .fallback = {}},
+          {{.name = "trigger", .unit = "", .doc = "counts one up in its own frame"},
            {.name = "reset",
             .unit = "",
             .doc = "trigger that goes back to 0; wins in a frame with `trigger`",
             .fallback = 0},
            {.name = "count", .unit = "", .doc = "starts over here; below 1: never", .fallback = 0, .low = 0}},
       .outputs = {{.name = "out", .unit = "", .doc = "whole number from 0 on", .range = {0, kUnlimited}}},
-      .settings = {},
-      .make = make_node<Counter>,
+      .make = make_node<KernelNode<Counter>>,
       .range = range,
   };
   return type;

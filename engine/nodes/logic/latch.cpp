@@ -1,32 +1,16 @@
-#include "engine/nodes/logic/latch.h"
-
-#include "engine/dsp/envelopes/rise.h"
+#include "engine/nodes/logic/latch_kernel.h"
+#include "engine/nodes/logic/logic.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
 namespace {
 
-class Latch final : public Node {
- public:
+struct Latch {
+  static constexpr int kInputs = 2;
   explicit Latch(const NodeSetup&) {}
+  double step(const double* in) { return tactus_latch_step(&state, in[0], in[1]); }
 
-  void process(const NodeBlock& block) noexcept override {
-    const Signal set = block.in[0], reset = block.in[1];
-    for (int i = 0; i < block.frames; ++i) {
-      if (set_.step(set[i])) on_ = true;
-      if (reset_.step(reset[i])) on_ = false;
-      block.out[0][i] = on_ ? 1 : 0;
-    }
-  }
-  void reset() noexcept override {
-    set_ = {};
-    reset_ = {};
-    on_ = false;
-  }
-
- private:
-  Rise set_, reset_;
-  bool on_ = false;
+  tactus_latch state{};
 };
 
 }  // namespace
@@ -39,12 +23,10 @@ const NodeType& latch_type() {
       .equation = "out = 1 from a trigger at `set` until one at `reset`",
       .source = "elementary",
       .example = "playing = { type = \"latch\", set = \"start\", reset = \"stop\" }",
-      .inputs = {{.name = "set", .unit = "", .doc = "trigger that switches on", .fallback = {}},
+      .inputs = {{.name = "set", .unit = "", .doc = "trigger that switches on"},
                  {.name = "reset", .unit = "", .doc = "trigger that switches off", .fallback = 0}},
       .outputs = {{.name = "out", .unit = "", .doc = "0 or 1", .range = {0, 1}}},
-      .settings = {},
-      .make = make_node<Latch>,
-      .range = {},
+      .make = make_node<KernelNode<Latch>>,
   };
   return type;
 }

@@ -1,30 +1,16 @@
-#include "engine/nodes/logic/sample_hold.h"
-
-#include "engine/dsp/envelopes/rise.h"
+#include "engine/nodes/logic/logic.h"
+#include "engine/nodes/logic/sample_hold_kernel.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
 namespace {
 
-class SampleHold final : public Node {
- public:
+struct SampleHold {
+  static constexpr int kInputs = 2;
   explicit SampleHold(const NodeSetup&) {}
+  double step(const double* in) { return tactus_sample_hold_step(&state, in[0], in[1]); }
 
-  void process(const NodeBlock& block) noexcept override {
-    const Signal in = block.in[0], trigger = block.in[1];
-    for (int i = 0; i < block.frames; ++i) {
-      if (rise_.step(trigger[i])) held_ = in[i];
-      block.out[0][i] = held_;
-    }
-  }
-  void reset() noexcept override {
-    rise_ = {};
-    held_ = 0;
-  }
-
- private:
-  Rise rise_;
-  double held_ = 0;
+  tactus_sample_hold state{};
 };
 
 }  // namespace
@@ -37,11 +23,11 @@ const NodeType& sample_hold_type() {
       .equation = "out[n] = in[m], m <= n the frame of the last trigger",
       .source = "elementary",
       .example = "velocity = { type = \"sample_hold\", in = \"speed\", trigger = \"hit\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
-                 {.name = "trigger", .unit = "", .doc = "when to take the value over", .fallback = {}}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "held value", .range = {}}},
-      .settings = {},
-      .make = make_node<SampleHold>,
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
+                 {.name = "trigger", .unit = "", .doc = "when to take the value over"}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "held value"}},
+      .make = make_node<KernelNode<SampleHold>>,
+      .small_signal_gain = 1,
       .range = [](int,
                   const NodeSetup& setup) { return setup.input("in").range.joined(Interval::exactly(0)); },
   };

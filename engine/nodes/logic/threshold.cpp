@@ -1,9 +1,7 @@
-#include "engine/nodes/logic/threshold.h"
-
 #include <algorithm>
-#include <cmath>
 
-#include "engine/dsp/curves/comparator.h"
+#include "engine/nodes/logic/logic.h"
+#include "engine/nodes/logic/threshold_kernel.h"
 #include "engine/nodes/make.h"
 
 namespace tactus {
@@ -23,7 +21,7 @@ class Threshold final : public Node {
     else
       process_row(block);
   }
-  void reset() noexcept override { comparator_ = {}; }
+  void reset() noexcept override { state_ = {}; }
 
  private:
   static constexpr int kAtOnce = 8;
@@ -43,34 +41,35 @@ class Threshold final : public Node {
   }
 
   static double hysteresis(const NodeBlock& block, int n) { return std::max(0.0, block.in[kHysteresis][n]); }
-  std::int64_t hold(const NodeBlock& block, int n) const {
-    return std::llround(std::clamp(block.in[kHold][n], 0.0, kLongestHold) * sample_rate_);
+  double hold_frames(const NodeBlock& block, int n) const {
+    return std::clamp(block.in[kHold][n], 0.0, kLongestHold) * sample_rate_;
   }
 
   /// Most of the time nothing happens, which takes one look at several frames to see.
   bool skip(const NodeBlock& block, int from, int count) noexcept {
     const double* in = block.in[kIn].data + from;
-    if (!comparator_.indifferent(in, count, block.in[kLevel][0], hysteresis(block, 0))) return false;
-    comparator_.pass(count);
+    if (tactus_threshold_indifferent(&state_, in, count, block.in[kLevel][0], hysteresis(block, 0)) == 0)
+      return false;
+    tactus_threshold_pass(&state_, count);
     fill(block, from, count);
     return true;
   }
   void fill(const NodeBlock& block, int from, int count) const noexcept {
     if (block.out[0] != nullptr) std::fill_n(block.out[0] + from, count, 0.0);
-    if (block.out[1] != nullptr) std::fill_n(block.out[1] + from, count, comparator_.high ? 1.0 : 0.0);
+    if (block.out[1] != nullptr) std::fill_n(block.out[1] + from, count, static_cast<double>(state_.high));
   }
   void step(const NodeBlock& block, int from, int count) noexcept {
     const Signal in = block.in[kIn], level = block.in[kLevel];
     for (int n = from; n < from + count; ++n) {
-      const bool fired = comparator_.step(in[n], level[n], hysteresis(block, n));
-      if (fired) comparator_.wait = hold(block, n);
-      if (block.out[0] != nullptr) block.out[0][n] = fired ? 1 : 0;
-      if (block.out[1] != nullptr) block.out[1][n] = comparator_.high ? 1 : 0;
+      const int fired =
+          tactus_threshold_step(&state_, in[n], level[n], hysteresis(block, n), hold_frames(block, n));
+      if (block.out[0] != nullptr) block.out[0][n] = fired;
+      if (block.out[1] != nullptr) block.out[1][n] = state_.high;
     }
   }
 
   double sample_rate_;
-  Comparator comparator_;
+  tactus_threshold state_{};
 };
 
 }  // namespace
@@ -87,8 +86,8 @@ const NodeType& threshold_type() {
       .source = "Schmitt, J. Sci. Instrum. 15, 1938",
       .example =
           "touched = { type = \"threshold\", in = \"pressure\", level = \"0.5 N\", hysteresis = \"0.1 N\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
-                 {.name = "level", .unit = "=in", .doc = "level to reach", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
+                 {.name = "level", .unit = "=in", .doc = "level to reach"},
                  {.name = "hysteresis",
                   .unit = "=in",
                   .doc = "how far below `level` it lets go",
@@ -99,17 +98,16 @@ const NodeType& threshold_type() {
                   .doc = "time from a trigger in which no other comes",
                   .fallback = 0,
                   .low = 0,
-                  .high = kLongestHold}},
+                  .high = kLongestHold,
+                  .hold = true}},
       .outputs = {{.name = "out",
                    .unit = "",
                    .doc = "fires at the rise",
                    .kind = OutputKind::Trigger,
                    .range = {0, 1}},
                   {.name = "gate", .unit = "", .doc = "1 while high", .range = {0, 1}}},
-      .settings = {},
       .make = make_node<Threshold>,
       .skips_unread = true,
-      .range = {},
   };
   return type;
 }

@@ -1,16 +1,15 @@
-#include "engine/nodes/mechanics/damper.h"
-
 #include <algorithm>
 
-#include "engine/dsp/curves/mechanics.h"
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/mechanics/damper_kernel.h"
+#include "engine/nodes/mechanics/mechanics.h"
 
 namespace tactus {
 namespace {
 
 struct Damper {
   static constexpr int kInputs = 2;
-  double value(const double* in) const { return damper_force(in[0], std::max(0.0, in[1])); }
+  double value(const double* in) const { return tactus_damper_force(in[0], in[1]); }
   double slope(int input, const double* in) const { return input == 0 ? -std::max(0.0, in[1]) : -in[0]; }
 };
 
@@ -24,17 +23,10 @@ const NodeType& damper_type() {
       .equation = "out = -damping in",
       .source = "Berdahl, Steiner & Oldham, NIME 2008, section 6.1.1",
       .example = "drag = { type = \"damper\", in = \"speed\", damping = \"0.5 N s/m\" }",
-      .inputs = {{.name = "in", .unit = "m/s", .doc = "velocity of the device", .fallback = {}},
-                 {.name = "damping",
-                  .unit = "N s/m",
-                  .doc = "force for a metre a second",
-                  .fallback = {},
-                  .low = 0}},
-      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device", .range = {}}},
-      .settings = {},
-      .make = [](const NodeSetup&) -> Result<std::unique_ptr<Node>> {
-        return std::make_unique<ElementwiseNode<Damper>>(Damper{});
-      },
+      .inputs = {{.name = "in", .unit = "m/s", .doc = "velocity of the device"},
+                 {.name = "damping", .unit = "N s/m", .doc = "force for a metre a second", .low = 0}},
+      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device"}},
+      .make = make_elementwise<Damper>,
       .stateless = true,
       .range =
           [](int, const NodeSetup& setup) {

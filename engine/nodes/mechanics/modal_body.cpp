@@ -1,10 +1,10 @@
-#include "engine/nodes/mechanics/modal_body.h"
+#include "engine/dsp/resonators/modal_body.h"
 
 #include <utility>
 
-#include "engine/dsp/resonators/modal_body.h"
 #include "engine/nodes/filters/mode_table.h"
 #include "engine/nodes/group_steps.h"
+#include "engine/nodes/mechanics/mechanics.h"
 
 namespace tactus {
 namespace {
@@ -129,12 +129,10 @@ const NodeType& modal_body_type() {
           "= \"220 Hz\", series = \"bar\", modes = 12, decay = \"1 s\", mass = \"50 g\" }",
       .inputs = {{.name = "wave",
                   .unit = "N",
-                  .doc = "force wave that comes in, as `wave` of a network's port",
-                  .fallback = std::nullopt},
+                  .doc = "force wave that comes in, as `wave` of a network's port"},
                  {.name = "impedance",
                   .unit = "N s/m",
                   .doc = "that of the port on the other side",
-                  .fallback = std::nullopt,
                   .low = 1e-9,
                   .high = 1e9,
                   .fixed = true},
@@ -147,20 +145,18 @@ const NodeType& modal_body_type() {
                   .low = 1e-9,
                   .high = 1e9,
                   .fixed = true}},
-      .outputs = {{.name = "wave", .unit = "N", .doc = "force wave that goes out", .range = {}},
-                  {.name = "velocity", .unit = "m/s", .doc = "of the point that is touched", .range = {}},
-                  {.name = "position", .unit = "m", .doc = "of the point that is touched", .range = {}},
-                  {.name = "force", .unit = "N", .doc = "on the body", .range = {}}},
+      .outputs = {{.name = "wave", .unit = "N", .doc = "force wave that goes out"},
+                  {.name = "velocity", .unit = "m/s", .doc = "of the point that is touched"},
+                  {.name = "position", .unit = "m", .doc = "of the point that is touched"},
+                  {.name = "force", .unit = "N", .doc = "on the body"}},
       .settings = mode_settings({{.name = "masses",
                                   .kind = Setting::Kind::Numbers,
                                   .doc = "of the modes, as felt at the point that is touched; one for all, "
                                          "or one a mode",
                                   .choices = {"kg"},
-                                  .fallback = {},
                                   .optional = true}}),
       .make = make,
-      .skips_unread = true,
-      .range = {}};
+      .skips_unread = true};
   return type;
 }
 

@@ -1,16 +1,15 @@
-#include "engine/nodes/mechanics/spring.h"
-
 #include <algorithm>
 
-#include "engine/dsp/curves/mechanics.h"
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/mechanics/mechanics.h"
+#include "engine/nodes/mechanics/spring_kernel.h"
 
 namespace tactus {
 namespace {
 
 struct Spring {
   static constexpr int kInputs = 3;
-  double value(const double* in) const { return spring_force(in[0], std::max(0.0, in[1]), in[2]); }
+  double value(const double* in) const { return tactus_spring_force(in[0], in[1], in[2]); }
   double slope(int input, const double* in) const {
     const double stiffness = std::max(0.0, in[1]);
     return input == 0 ? -stiffness : input == 1 ? -(in[0] - in[2]) : stiffness;
@@ -30,14 +29,11 @@ const NodeType& spring_type() {
           "stiffness < "
           "b / (T / 2 + delay): Gil et al., J. Comput. Inf. Sci. Eng. 9, 2009",
       .example = "pull = { type = \"spring\", in = \"lever\", stiffness = \"200 N/m\" }",
-      .inputs = {{.name = "in", .unit = "m", .doc = "position of the device", .fallback = {}},
-                 {.name = "stiffness", .unit = "N/m", .doc = "force for a metre", .fallback = {}, .low = 0},
+      .inputs = {{.name = "in", .unit = "m", .doc = "position of the device"},
+                 {.name = "stiffness", .unit = "N/m", .doc = "force for a metre", .low = 0},
                  {.name = "rest", .unit = "m", .doc = "position without force", .fallback = 0}},
-      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device", .range = {}}},
-      .settings = {},
-      .make = [](const NodeSetup&) -> Result<std::unique_ptr<Node>> {
-        return std::make_unique<ElementwiseNode<Spring>>(Spring{});
-      },
+      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device"}},
+      .make = make_elementwise<Spring>,
       .stateless = true,
       .range =
           [](int, const NodeSetup& setup) {

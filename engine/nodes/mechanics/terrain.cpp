@@ -1,9 +1,9 @@
-#include "engine/nodes/mechanics/terrain.h"
 
 #include <algorithm>
 
 #include "engine/dsp/curves/cubic_curve.h"
-#include "engine/dsp/curves/terrain.h"
+#include "engine/nodes/mechanics/mechanics.h"
+#include "engine/nodes/mechanics/terrain_kernel.h"
 
 namespace tactus {
 namespace {
@@ -12,22 +12,14 @@ constexpr double kShortest = 1e-6;
 enum Input { kPosition, kWeight, kHeight, kLength };
 enum Output { kForce, kZ };
 
-struct Shape {
-  double height, slope, curvature;
-};
+using Shape = tactus_terrain_shape;
 
 /// Each profile: what it looks like at a place, given `height` and `length`.
 struct Detent {
-  Shape at(double x, double height, double length) const {
-    const DetentProfile profile{height, length};
-    return {profile.height(x), profile.slope(x), profile.curvature(x)};
-  }
+  Shape at(double x, double height, double length) const { return tactus_terrain_detent(x, height, length); }
 };
 struct Sine {
-  Shape at(double x, double height, double length) const {
-    const SineProfile profile{height, length};
-    return {profile.height(x), profile.slope(x), profile.curvature(x)};
-  }
+  Shape at(double x, double height, double length) const { return tactus_terrain_sine(x, height, length); }
 };
 struct Drawn {
   CubicCurve curve;
@@ -41,9 +33,8 @@ class Terrain final : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     for (int i = 0; i < block.frames; ++i) {
-      const double weight = std::max(0.0, block.in[kWeight][i]);
       const Shape shape = at(block.in[kPosition][i], block.in[kHeight][i], block.in[kLength][i]);
-      block.out[kForce][i] = terrain_force(weight, shape.slope);
+      block.out[kForce][i] = tactus_terrain_force(block.in[kWeight][i], shape.slope);
       block.out[kZ][i] = shape.height;
     }
   }
@@ -101,7 +92,7 @@ const NodeType& terrain_type() {
       .example =
           "notch = { type = \"terrain\", position = \"fader\", weight = \"1 N\", height = \"1 mm\", length = "
           "\"2 mm\" }",
-      .inputs = {{.name = "position", .unit = "m", .doc = "position of the device", .fallback = {}},
+      .inputs = {{.name = "position", .unit = "m", .doc = "position of the device"},
                  {.name = "weight",
                   .unit = "N",
                   .doc = "presses the device onto the profile",
@@ -117,8 +108,8 @@ const NodeType& terrain_type() {
                   .doc = "distance of a detent's strongest force from its centre, period of the sine",
                   .fallback = 0.002,
                   .low = kShortest}},
-      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device", .range = {}},
-                  {.name = "z", .unit = "m", .doc = "height of the profile at the position", .range = {}}},
+      .outputs = {{.name = "out", .unit = "N", .doc = "force on the device"},
+                  {.name = "z", .unit = "m", .doc = "height of the profile at the position"}},
       .settings = {{.name = "profile",
                     .kind = Setting::Kind::Choice,
                     .doc = "shape of the ground; `points` makes no use of height and length",
@@ -128,11 +119,9 @@ const NodeType& terrain_type() {
                     .kind = Setting::Kind::Points,
                     .doc = "[[x, z], ...], x ascending",
                     .choices = {"m", "m"},
-                    .fallback = "",
                     .optional = true}},
       .make = make,
       .stateless = true,
-      .range = {},
   };
   return type;
 }

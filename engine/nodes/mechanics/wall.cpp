@@ -1,9 +1,8 @@
-#include "engine/nodes/mechanics/wall.h"
-
 #include <algorithm>
 
-#include "engine/dsp/curves/mechanics.h"
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/mechanics/mechanics.h"
+#include "engine/nodes/mechanics/wall_kernel.h"
 
 namespace tactus {
 namespace {
@@ -11,21 +10,17 @@ namespace {
 struct WallLaw {
   static constexpr int kInputs = 5;  ///< position, velocity, stiffness, damping, at
 
-  static Wall wall(const double* in) {
-    return {
-        .stiffness_n_per_m = std::max(0.0, in[2]), .damping_n_s_per_m = std::max(0.0, in[3]), .at_m = in[4]};
-  }
-  double value(const double* in) const { return wall(in).force(in[0], in[1]); }
+  double value(const double* in) const { return tactus_wall_force(in[0], in[1], in[2], in[3], in[4]); }
   Lanes value(const Lanes* in) const {
-    const auto zero = Lanes::same(0.0);
+    const auto zero = Lanes::broadcast(0.0);
     const auto push = max(zero, in[2]) * (in[0] - in[4]) + max(zero, in[3]) * in[1];
     return where_above(in[0], in[4], -max(zero, push));
   }
   double slope(int input, const double* in) const {
-    const Wall w = wall(in);
-    if (!w.touched(in[0], in[1])) return 0;
-    const double slopes[kInputs] = {-w.stiffness_n_per_m, -w.damping_n_s_per_m, -(in[0] - w.at_m), -in[1],
-                                    w.stiffness_n_per_m};
+    const bool touched = in[0] > in[4] && tactus_wall_push(in[0], in[1], in[2], in[3], in[4]) > 0;
+    if (!touched) return 0;
+    const double stiffness = std::max(0.0, in[2]), damping = std::max(0.0, in[3]);
+    const double slopes[kInputs] = {-stiffness, -damping, -(in[0] - in[4]), -in[1], stiffness};
     return slopes[input];
   }
 };
@@ -44,25 +39,17 @@ const NodeType& wall_type() {
           "(b + damping) / (T / 2 + delay): Gil et al., J. Comput. Inf. Sci. Eng. 9, 2009",
       .example = "stop = { type = \"wall\", position = \"lever\", stiffness = \"800 N/m\", at = \"20 mm\" }",
       .inputs =
-          {{.name = "position", .unit = "m", .doc = "position of the device", .fallback = {}},
+          {{.name = "position", .unit = "m", .doc = "position of the device"},
            {.name = "velocity", .unit = "m/s", .doc = "its velocity; needed for the damper", .fallback = 0},
-           {.name = "stiffness",
-            .unit = "N/m",
-            .doc = "force for a metre of depth",
-            .fallback = {},
-            .low = 0},
+           {.name = "stiffness", .unit = "N/m", .doc = "force for a metre of depth", .low = 0},
            {.name = "damping", .unit = "N s/m", .doc = "force for a metre a second", .fallback = 0, .low = 0},
            {.name = "at", .unit = "m", .doc = "where the wall begins", .fallback = 0}},
       .outputs = {{.name = "out",
                    .unit = "N",
                    .doc = "force on the device, never positive",
                    .range = {-kUnlimited, 0}}},
-      .settings = {},
-      .make = [](const NodeSetup&) -> Result<std::unique_ptr<Node>> {
-        return std::make_unique<ElementwiseNode<WallLaw>>(WallLaw{});
-      },
+      .make = make_elementwise<WallLaw>,
       .stateless = true,
-      .range = {},
   };
   return type;
 }

@@ -1,11 +1,10 @@
-#include "engine/nodes/mechanics/waveguide.h"
-
 #include <algorithm>
 
 #include "engine/dsp/strings/wave_line.h"
 #include "engine/nodes/delays/string_ports.h"
 #include "engine/nodes/group_steps.h"
 #include "engine/nodes/make.h"
+#include "engine/nodes/mechanics/mechanics.h"
 
 namespace tactus {
 namespace {
@@ -81,28 +80,24 @@ const NodeType& waveguide_type() {
           "J. O. Smith, Physical Audio Signal Processing, 2010; Jaffe & Smith, Computer Music Journal "
           "7(2), 1983",
       .example = "{ type = \"waveguide\", wave = \"bridge.nut.wave\", pitch = \"220 Hz\", gain = 0.998 }",
-      .inputs = {{.name = "wave",
-                  .unit = "any",
-                  .doc = "what goes in: `wave` of a network's port",
-                  .fallback = std::nullopt,
-                  .late = true},
-                 pitch_input("one over the time to the far end and back; at most 0.2 of the sample rate"),
-                 {.name = "gain",
-                  .unit = "",
-                  .doc = "to the far end and back; 0: an endless line, that swallows all",
-                  .fallback = 0.998,
-                  .low = 0,
-                  .high = WaveLine::kMostGain},
-                 loss_input()},
-      .outputs = {{.name = "out", .unit = "=wave", .doc = "what comes back", .range = {}}},
+      .inputs =
+          {{.name = "wave", .unit = "any", .doc = "what goes in: `wave` of a network's port", .late = true},
+           pitch_input("one over the time to the far end and back; at most 0.2 of the sample rate"),
+           {.name = "gain",
+            .unit = "",
+            .doc = "to the far end and back; 0: an endless line, that swallows all",
+            .fallback = 0.998,
+            .low = 0,
+            .high = WaveLine::kMostGain},
+           loss_input()},
+      .outputs = {{.name = "out", .unit = "=wave", .doc = "what comes back"}},
       .settings = {{.name = "end",
                     .kind = Setting::Kind::Choice,
                     .doc = "what holds the far end",
                     .choices = {"fixed", "free"},
                     .fallback = "fixed"},
                    loss_filter_setting()},
-      .make = make_node<WaveguideNode>,
-      .range = {}};
+      .make = make_node<WaveguideNode>};
   return type;
 }
 

@@ -1,19 +1,16 @@
-#include "engine/nodes/shapers/clip.h"
-
 #include <algorithm>
 
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/shapers/clip_kernel.h"
+#include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
 namespace {
 
 struct Clip {
   static constexpr int kInputs = 3;
-  template <class Number>
-  Number value(const Number* in) const {
-    using std::max, std::min;
-    return max(in[1], min(in[2], in[0]));
-  }
+  double value(const double* in) const { return tactus_clip(in[0], in[1], in[2]); }
+  Lanes value(const Lanes* in) const { return max(in[1], min(in[2], in[0])); }
   double slope(int input, const double* in) const {
     const int decides = in[1] >= std::min(in[2], in[0]) ? 1 : in[0] > in[2] ? 2 : 0;
     return input == decides ? 1 : 0;
@@ -30,14 +27,13 @@ const NodeType& clip_type() {
       .equation = "out = max(low, min(high, in))",
       .source = "elementary",
       .example = "safe = { type = \"clip\", in = \"force\", low = \"-2 N\", high = \"2 N\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
                  {.name = "low",
                   .unit = "=in",
                   .doc = "least output; wins where it is above `high`",
                   .fallback = -1},
                  {.name = "high", .unit = "=in", .doc = "largest output", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "limited signal", .range = {}}},
-      .settings = {},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "limited signal"}},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
         const auto low = setup.input("low").constant, high = setup.input("high").constant;
         if (low && high && *low > *high)

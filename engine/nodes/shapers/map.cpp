@@ -1,7 +1,6 @@
-#include "engine/nodes/shapers/map.h"
-
 #include "engine/dsp/curves/breakpoints.h"
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
 namespace {
@@ -49,13 +48,12 @@ const NodeType& map_type() {
           "pitch = { type = \"map\", in = \"ribbon\", points = [[\"0 mm\", \"110 Hz\"], [\"200 mm\", \"440 "
           "Hz\"]], "
           "unit = \"Hz\", curve = \"exponential\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}}},
-      .outputs = {{.name = "out", .unit = "=unit", .doc = "translated signal", .range = {}}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"}},
+      .outputs = {{.name = "out", .unit = "=unit", .doc = "translated signal"}},
       .settings = {{.name = "points",
                     .kind = Setting::Kind::Points,
                     .doc = "[[in, out], ...], in ascending; two points at one place are a jump",
-                    .choices = {"=in", "=unit"},
-                    .fallback = ""},
+                    .choices = {"=in", "=unit"}},
                    {.name = "curve",
                     .kind = Setting::Kind::Choice,
                     .doc = "way between two points; exponential needs outputs of one sign",
@@ -64,9 +62,8 @@ const NodeType& map_type() {
                    {.name = "unit",
                     .kind = Setting::Kind::Text,
                     .doc = "unit of the output; left out: a plain number",
-                    .choices = {},
-                    .fallback = "",
-                    .optional = true}},
+                    .optional = true,
+                    .unit = true}},
       .make = make,
       .stateless = true,
       .range = range,

@@ -1,6 +1,5 @@
-#include "engine/nodes/shapers/mix.h"
-
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
 namespace {
@@ -23,14 +22,11 @@ const NodeType& mix_type() {
           "added in halves: k and k + 4, k and k + 2, k and k + 1",
       .source = "elementary",
       .example = "sum = { type = \"mix\", in = \"voices\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal of any number of lanes", .fallback = {}}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "sum, one lane", .range = {}}},
-      .settings = {},
-      .make = [](const NodeSetup&) -> Result<std::unique_ptr<Node>> {
-        return std::make_unique<ElementwiseNode<Copy>>(Copy{});
-      },
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal of any number of lanes"}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "sum, one lane"}},
+      .make = make_elementwise<Copy>,
       .stateless = true,
-      .range = {},
+      .reduces_lanes = true,
   };
   return type;
 }

@@ -1,7 +1,6 @@
-#include "engine/nodes/shapers/quantiser.h"
-
-#include "engine/dsp/curves/quantise.h"
+#include "engine/dsp/curves/quantise_kernel.h"
 #include "engine/nodes/elementwise.h"
+#include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
 namespace {
@@ -14,7 +13,7 @@ class Quantiser final : public Node {
   void process(const NodeBlock& block) noexcept override {
     for (int i = 0; i < block.frames; ++i) {
       const double in = block.in[0][i], step = block.in[1][i];
-      block.out[0][i] = nearest_ ? quantise_nearest(in, step) : quantise_floor(in, step);
+      block.out[0][i] = nearest_ ? tactus_quantise_nearest(in, step) : tactus_quantise_floor(in, step);
     }
   }
   void reset() noexcept override {}
@@ -36,13 +35,12 @@ const NodeType& quantiser_type() {
       .source = "Widrow & Kollar, Quantization Noise, 2008",
       .example =
           "encoder = { type = \"quantiser\", in = \"angle\", step = \"0.09 deg\", rounding = \"floor\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal", .fallback = {}},
+      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
                  {.name = "step",
                   .unit = "=in",
                   .doc = "distance of the steps; where a signal makes it 0, nothing is rounded",
-                  .fallback = {},
                   .low = 0}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "rounded signal", .range = {}}},
+      .outputs = {{.name = "out", .unit = "=in", .doc = "rounded signal"}},
       .settings = {{.name = "rounding",
                     .kind = Setting::Kind::Choice,
                     .doc = "which multiple of the step",
@@ -55,6 +53,7 @@ const NodeType& quantiser_type() {
         return std::make_unique<Quantiser>(setup.setting("rounding").text == "nearest");
       },
       .stateless = true,
+      .small_signal_gain = 1,
       .range =
           [](int, const NodeSetup& setup) {
             const Interval step = max(setup.input("step").range, Interval::exactly(0));

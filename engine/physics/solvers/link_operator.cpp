@@ -123,7 +123,7 @@ void LinkOperator::apply_chain(const double* q, const double* u, double* y) cons
   const auto &own = diagonals_[1], &next = diagonals_[2];
   const ChainPass pass{constant_.data(), own.k.data(), own.b.data(), next.k.data(), next.b.data(), q, u, y};
   const int last = own.count - 1, wide = in_lanes(last);
-  Lanes below = Lanes::same(0.0);
+  Lanes below = Lanes::broadcast(0.0);
   for (int i = 0; i < wide; i += Lanes::kCount) below = pass.apply<BelowFirst>(i, i + Lanes::kCount, below);
   double up = highest(below);
   for (int i = wide; i <= last; ++i) up = pass.apply<BelowFirst>(i, std::min(i + 1, last), up);

@@ -110,7 +110,7 @@ void MassRow::fill(const double* rest, double* push) const noexcept {
 void MassRow::step(double* q, const double* u, double* u_next, const double* push) const noexcept {
   using Kind = Run::Kind;
   const Pass pass{k_.data(), b_.data(), own_k_.data(), own_b_.data(), scale_.data(), u, push, q, u_next};
-  Lanes below = Lanes::same(0.0);
+  Lanes below = Lanes::broadcast(0.0);
   for (const auto& run : runs_)
     below = run.kind == Kind::Alike ? step_lanes<Kind::Alike>(pass, run, below)
             : run.kind == Kind::Own ? step_lanes<Kind::Own>(pass, run, below)

@@ -27,7 +27,7 @@ inline Lanes moved_up(const Lanes& here, const Lanes& below) noexcept { return h
 /// register is read as one again: from two halves it would have to wait until both have left for the cache.
 inline double moved_down(double, const double* next) noexcept { return *next; }
 inline Lanes moved_down(const Lanes& here, const double* next) noexcept {
-  return here.moved_down(Lanes::same(*next));
+  return here.moved_down(Lanes::broadcast(*next));
 }
 
 inline double highest(const Lanes& x) noexcept {

@@ -4,7 +4,7 @@
 
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/semantics/bind.h"
-#include "engine/nodes/filters/fir.h"
+#include "engine/nodes/filters/filters.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig_text.h"
 
@@ -40,7 +40,7 @@ class PathReader {
   const NodeSpec* the_node() {
     const NodeSpec* path = nullptr;
     for (const auto& node : graph_.nodes)
-      if (node.name == "path" && node.type == "fir")
+      if (node.name == "path" && node.type == fir_type().name)
         path = &node;
       else
         other(node.at, "'" + node.name + "' is more than a path");

@@ -196,9 +196,9 @@ class ScheduleReader {
                     .every = every(step)};
     const auto response = node->response(input, output, kSomewhere, at);
     if (!response) {
-      if (const auto instead = stands_for(schedule_.whats[index(step.node)], input)) {
+      if (type != nullptr && input == 0 && type->small_signal_gain) {
         edge.kind = LinearEdge::Kind::Gain;
-        edge.gain = *instead;
+        edge.gain = *type->small_signal_gain;
       } else {
         edge.kind = LinearEdge::Kind::Event;
         note_event(edge, type, at);
@@ -223,8 +223,8 @@ class ScheduleReader {
 
   void note_event(const LinearEdge& edge, const NodeType* type, const std::vector<double>& at) {
     EventPlace place{edge.path, type != nullptr ? type->name : "phase delay", {}};
-    const int hold = type != nullptr ? type->input_index("hold") : -1;
-    if (hold >= 0) place.hold_s = at[index(hold)];
+    for (std::size_t i = 0; type != nullptr && i < type->inputs.size(); ++i)
+      if (type->inputs[i].hold) place.hold_s = at[i];
     const bool known = std::any_of(graph_.events.begin(), graph_.events.end(),
                                    [&](const auto& e) { return e.path == place.path; });
     if (!known) graph_.events.push_back(std::move(place));

@@ -116,9 +116,4 @@ SteepPlace steepest(const Node& node, const NodeType& type, const std::vector<do
   return best;
 }
 
-std::optional<double> stands_for(std::string_view type, int input) {
-  const bool follows = type == "quantiser" || type == "slew" || type == "sample_hold";
-  return follows && input == 0 ? std::optional{1.0} : std::nullopt;
-}
-
 }  // namespace tactus

@@ -3,7 +3,6 @@
 #include <array>
 #include <functional>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "engine/graph/node.h"
@@ -51,9 +50,5 @@ Summit summit(const std::function<double(double)>& height, double start, const s
 /// a wall or a notch begins), one moving input at a time.
 SteepPlace steepest(const Node& node, const NodeType& type, const std::vector<double>& at,
                     const std::vector<bool>& moves);
-
-/// [any] The gain of what has no linearisation but comes close to one when little moves far enough: an
-/// encoder's steps, a limit of speed that is not reached, a value held from one trigger to the next.
-std::optional<double> stands_for(std::string_view type, int input);
 
 }  // namespace tactus

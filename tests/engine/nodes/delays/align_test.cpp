@@ -1,7 +1,6 @@
-#include "engine/nodes/delays/align.h"
-
 #include <catch2/catch.hpp>
 
+#include "engine/nodes/delays/delays.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/measured_response.h"
 

@@ -1,7 +1,6 @@
-#include "engine/nodes/delays/delay.h"
-
 #include <catch2/catch.hpp>
 
+#include "engine/nodes/delays/delays.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;

@@ -1,10 +1,9 @@
-#include "engine/nodes/delays/string.h"
-
 #include <catch2/catch.hpp>
 
 #include "engine/core/units.h"
 #include "engine/dsp/pitch/pitch_detector.h"
 #include "engine/dsp/strings/string_loop.h"
+#include "engine/nodes/delays/delays.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;

@@ -1,9 +1,8 @@
+#include "engine/nodes/envelopes/envelopes.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/nodes/envelopes/adsr.h"
-#include "engine/nodes/envelopes/decay.h"
-#include "engine/nodes/envelopes/envelope.h"
 #include "tests/support/play_node.h"
 
 using namespace tactus;

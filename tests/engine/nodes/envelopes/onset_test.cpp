@@ -1,8 +1,7 @@
-#include "engine/nodes/envelopes/onset.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/nodes/envelopes/envelopes.h"
 #include "tests/support/node_runner.h"
 
 namespace tactus {

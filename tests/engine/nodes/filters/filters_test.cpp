@@ -1,14 +1,8 @@
+#include "engine/nodes/filters/filters.h"
+
 #include <catch2/catch.hpp>
 
 #include "engine/dsp/filters/linear_filter.h"
-#include "engine/nodes/filters/band_pass.h"
-#include "engine/nodes/filters/dc_blocker.h"
-#include "engine/nodes/filters/difference.h"
-#include "engine/nodes/filters/fir.h"
-#include "engine/nodes/filters/high_pass.h"
-#include "engine/nodes/filters/low_pass.h"
-#include "engine/nodes/filters/one_pole.h"
-#include "engine/nodes/filters/velocity.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;

@@ -1,11 +1,10 @@
-#include "engine/nodes/filters/fir.h"
-
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/dsp/delays/taps_at_rate.h"
+#include "engine/nodes/filters/filters.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/measured_response.h"
 

@@ -1,9 +1,8 @@
-#include "engine/nodes/filters/modal.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
+#include "engine/nodes/filters/filters.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/play_node.h"
 

@@ -1,3 +1,5 @@
+#include "engine/nodes/generators/generators.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
@@ -6,11 +8,6 @@
 #include <fstream>
 #include <numeric>
 
-#include "engine/nodes/generators/curve.h"
-#include "engine/nodes/generators/noise.h"
-#include "engine/nodes/generators/sample.h"
-#include "engine/nodes/generators/sine.h"
-#include "engine/nodes/generators/wavetable.h"
 #include "tests/support/play_node.h"
 
 using namespace tactus;

@@ -1,14 +1,9 @@
+#include "engine/nodes/logic/logic.h"
+
 #include <catch2/catch.hpp>
 
-#include "engine/nodes/generators/curve.h"
-#include "engine/nodes/logic/counter.h"
-#include "engine/nodes/logic/latch.h"
-#include "engine/nodes/logic/sample_hold.h"
-#include "engine/nodes/logic/threshold.h"
-#include "engine/nodes/shapers/clip.h"
-#include "engine/nodes/shapers/map.h"
-#include "engine/nodes/shapers/mix.h"
-#include "engine/nodes/shapers/quantiser.h"
+#include "engine/nodes/generators/generators.h"
+#include "engine/nodes/shapers/shapers.h"
 #include "tests/support/play_node.h"
 
 using namespace tactus;

@@ -1,10 +1,8 @@
+#include "engine/nodes/mechanics/mechanics.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/nodes/mechanics/damper.h"
-#include "engine/nodes/mechanics/spring.h"
-#include "engine/nodes/mechanics/terrain.h"
-#include "engine/nodes/mechanics/wall.h"
 #include "tests/support/play_node.h"
 
 using namespace tactus;

@@ -1,10 +1,8 @@
-#include "engine/nodes/mechanics/waveguide.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
-#include "engine/nodes/mechanics/modal_body.h"
+#include "engine/nodes/mechanics/mechanics.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/measured_response.h"
 #include "tests/support/play_node.h"

@@ -1,7 +1,6 @@
-#include "engine/nodes/shapers/slew.h"
-
 #include <catch2/catch.hpp>
 
+#include "engine/nodes/shapers/shapers.h"
 #include "tests/support/play_node.h"
 
 using namespace tactus;

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/nodes/mechanics/wall.h"
-#include "engine/nodes/shapers/clip.h"
+#include "engine/nodes/mechanics/mechanics.h"
+#include "engine/nodes/shapers/shapers.h"
 #include "engine/nodes/table.h"
 
 using namespace tactus;

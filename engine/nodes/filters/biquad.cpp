@@ -1,0 +1,63 @@
+#include "engine/dsp/filters/biquad_design.h"
+#include "engine/nodes/filters/filter_node.h"
+#include "engine/nodes/filters/filter_ports.h"
+#include "engine/nodes/filters/filters.h"
+
+namespace tactus {
+namespace {
+
+using BiquadNode = FilterNode<2, 2>;
+
+/// A node whose coefficients are those of one of the cookbook's designs.
+template <FilterCoefficients<2> (BiquadDesign::*Shape)() const>
+NodeType biquad(const char* name, const char* summary, const char* transfer, const char* example,
+                InputPort corner, InputPort q) {
+  return {.name = name,
+          .group = "filters",
+          .summary = summary,
+          .equation = transfer,
+          .source = "R. Bristow-Johnson, Cookbook formulae for audio EQ biquad filter coefficients",
+          .example = example,
+          .inputs = {filtered_input(), std::move(corner), std::move(q)},
+          .outputs = {filtered_output("out", "filtered")},
+          .make = BiquadNode::maker([](const BiquadNode::Parameters& p, Hertz sample_rate) {
+            return (BiquadDesign{clamped_radians(p[0], sample_rate), clamped_q(p[1])}.*Shape)();
+          })};
+}
+
+InputPort resonant_cutoff() {
+  return cutoff_input("gain q here (-3.01 dB for q = 0.7071); at most 0.49 of the sample rate");
+}
+InputPort resonance() {
+  return q_input("gain at the cutoff; 0.7071 is flattest (Butterworth)", 0.7071067811865476);
+}
+
+}  // namespace
+
+const NodeType& low_pass_type() {
+  static const NodeType type = biquad<&BiquadDesign::low_pass>(
+      "low_pass", "A resonant low-pass, 12 dB an octave.",
+      "H(s) = 1 / (s^2 + s/q + 1), bilinear, s = j at the cutoff",
+      "{ type = \"low_pass\", in = \"string\", cutoff = \"3 kHz\" }", resonant_cutoff(), resonance());
+  return type;
+}
+
+const NodeType& high_pass_type() {
+  static const NodeType type = biquad<&BiquadDesign::high_pass>(
+      "high_pass", "A resonant high-pass, 12 dB an octave.",
+      "H(s) = s^2 / (s^2 + s/q + 1), bilinear, s = j at the cutoff",
+      "{ type = \"high_pass\", in = \"string\", cutoff = \"3 kHz\" }", resonant_cutoff(), resonance());
+  return type;
+}
+
+const NodeType& band_pass_type() {
+  static const NodeType type = biquad<&BiquadDesign::band_pass>(
+      "band_pass", "A band-pass with gain 1 at its centre, 6 dB an octave to both sides.",
+      "H(s) = (s/q) / (s^2 + s/q + 1), bilinear, s = j at the frequency",
+      "{ type = \"band_pass\", in = \"piezo\", frequency = \"3 kHz\", q = 10 }",
+      {.name = "frequency", .unit = "Hz", .doc = "gain 1 here; at most 0.49 of the sample rate", .low = 0},
+      q_input("frequency / bandwidth", 1));
+  return type;
+}
+
+}  // namespace tactus

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "engine/dsp/curves/catmull_rom_kernel.h"
+#include "engine/dsp/generators/phasor_kernel.h"
+
+/// [realtime] One period of a wave, read at any phase, 0 <= turns <= 1. Not band-limited: partials above half
+/// the sample rate fold back, so a table for high notes must hold few partials. count > 0.
+static inline tactus_real tactus_wavetable_at(const tactus_real* period, int count, tactus_real turns,
+                                              int cubic) {
+  const tactus_real position = turns * (tactus_real)count;
+  const int index = (int)position;
+  const tactus_real at = position - (tactus_real)index;
+  const tactus_real here = period[index % count], next = period[(index + 1) % count];
+  if (!cubic) return here + at * (next - here);
+  return tactus_catmull_rom(period[(index + count - 1) % count], here, next, period[(index + 2) % count], at);
+}
+
+/// Frequency in Hz, phase in radians.
+static inline tactus_real tactus_wavetable_step(tactus_phasor* s, const tactus_real* period, int count,
+                                                int cubic, tactus_real frequency, tactus_real phase,
+                                                tactus_real level, tactus_real rate) {
+  tactus_real turns = tactus_phasor_step(s, frequency / rate) + phase / 6.283185307179586;
+  turns -= floor(turns);
+  return level * tactus_wavetable_at(period, count, turns, cubic);
+}

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "engine/dsp/kernel.h"
+
+/// [realtime] A comparator with hysteresis (Schmitt trigger): high from the frame in which `in` reaches
+/// `level`, low from the frame in which it falls below `level - hysteresis`. It fires once for each time it
+/// was low: when `in` is at `level` or above and `hold` is over.
+typedef struct tactus_threshold {
+  int high, fired;  ///< `fired`: not low since it last fired
+  long long wait;   ///< frames until it may fire again
+} tactus_threshold;
+
+/// 1 in the frame in which it fires. hold_frames: 0 and above.
+static inline int tactus_threshold_step(tactus_threshold* s, tactus_real in, tactus_real level,
+                                        tactus_real hysteresis, tactus_real hold_frames) {
+  const int reached = in >= level, released = !(in >= level - hysteresis);
+  int fires;
+  if (s->wait > 0) --s->wait;
+  s->high = s->high ? !released : reached;
+  s->fired = s->fired && !released;
+  fires = !s->fired && reached && s->wait == 0;
+  if (fires) {
+    s->fired = 1;
+    s->wait = llround(hold_frames);
+  }
+  return fires;
+}
+
+/// Whether none of `count` frames changes anything; then they may be left out, but for
+/// `tactus_threshold_pass`.
+static inline int tactus_threshold_indifferent(const tactus_threshold* s, const tactus_real* in, int count,
+                                               tactus_real level, tactus_real hysteresis) {
+  int beyond = 0;
+  if (s->high == !s->fired) return 0;
+  if (s->high)
+    for (int n = 0; n < count; ++n) beyond += !(in[n] >= level - hysteresis);
+  else
+    for (int n = 0; n < count; ++n) beyond += in[n] >= level;
+  return beyond == 0;
+}
+static inline void tactus_threshold_pass(tactus_threshold* s, int count) {
+  s->wait = s->wait > count ? s->wait - count : 0;
+}

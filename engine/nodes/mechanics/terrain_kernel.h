@@ -1,0 +1,38 @@
+#pragma once
+
+#include "engine/dsp/kernel.h"
+
+/// [realtime] Height z of a profile at a place, and its first two derivatives.
+typedef struct tactus_terrain_shape {
+  tactus_real height, slope, curvature;
+} tactus_terrain_shape;
+
+/// z = -h exp(-x^2 / 2 s^2): a valley of depth h. With weight w it feels like a spring of stiffness k = w h /
+/// s^2 near its centre, F = -k x exp(-x^2 / 2 s^2); the peak force 0.60653 k s lies at x = +-s.
+static inline tactus_terrain_shape tactus_terrain_detent(tactus_real x, tactus_real depth,
+                                                         tactus_real sigma) {
+  const tactus_real u = x / sigma, bell = exp(-0.5 * u * u);
+  tactus_terrain_shape shape;
+  shape.height = -depth * bell;
+  shape.slope = depth * x / (sigma * sigma) * bell;
+  shape.curvature = depth / (sigma * sigma) * (1 - u * u) * bell;
+  return shape;
+}
+
+/// z = h cos(2 pi x / l): the force is (2 pi w h / l) sin(2 pi x / l), the largest stiffness 4 pi^2 w h /
+/// l^2.
+static inline tactus_terrain_shape tactus_terrain_sine(tactus_real x, tactus_real height,
+                                                       tactus_real length) {
+  const tactus_real k = 6.283185307179586 / length;
+  tactus_terrain_shape shape;
+  shape.height = height * cos(k * x);
+  shape.slope = -height * k * sin(k * x);
+  shape.curvature = -k * k * shape.height;
+  return shape;
+}
+
+/// F = -w dz/dx: what a mass of weight `w` feels that slides without friction over the profile. Berdahl,
+/// Steiner & Oldham, NIME 2008, section 6.1.3.
+static inline tactus_real tactus_terrain_force(tactus_real weight, tactus_real slope) {
+  return -tactus_max(0.0, weight) * slope;
+}

@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "engine/nodes/table.h"
+
+// Behaviour is a field of a table: generic code must not compare the names of what a table registers.
+
+using namespace tactus;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Found {
+  std::string file;
+  int line;
+  std::string name;
+};
+
+/// Places where a registered name means something else.
+struct Exception {
+  std::string file, name, reason;
+};
+const std::vector<Exception> kExceptions = {
+    {"engine/rig/profile.cpp", "slew", "a limit of an actuator"},
+    {"engine/study/work_precision/accuracy_error.cpp", "decay", "an accuracy of a scene"},
+};
+
+std::vector<std::string> sources() {
+  const fs::path root = TACTUS_SOURCE_DIR;
+  std::vector<std::string> files;
+  for (const auto* folder : {"engine", "backends", "latency", "apps"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+      if (entry.path().extension() == ".h" || entry.path().extension() == ".cpp")
+        files.push_back(fs::relative(entry.path(), root).generic_string());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Types may compare their own settings; their table and the reference may not.
+bool declares_types(const std::string& file) {
+  return std::regex_match(file, std::regex("engine/nodes/[a-z]+/.*")) &&
+         !file.starts_with("engine/nodes/networks/");
+}
+
+std::string text_of(const std::string& file) {
+  std::ifstream in{fs::path{TACTUS_SOURCE_DIR} / file};
+  return {std::istreambuf_iterator<char>{in}, {}};
+}
+
+/// What `pattern`, one group of which is a name, finds in `text`.
+std::vector<Found> matches(const std::string& file, const std::string& text, const std::regex& pattern) {
+  std::vector<Found> found;
+  for (std::sregex_iterator match{text.begin(), text.end(), pattern}, end; match != end; ++match)
+    for (std::size_t group = 1; group < match->size(); ++group)
+      if ((*match)[group].matched)
+        found.push_back(
+            {file, 1 + static_cast<int>(std::count(text.begin(), text.begin() + match->position(), '\n')),
+             (*match)[group]});
+  return found;
+}
+
+/// Literals beside ==, != and inside starts_with("…").
+std::vector<Found> compared(const std::string& file, const std::string& text) {
+  static const std::regex pattern{
+      "[=!]=\\s*\"([a-z_0-9.]+)\"|\"([a-z_0-9.]+)\"\\s*[=!]=|(?:starts|ends)_with\\(\"([a-z_0-9.]+)\""};
+  return matches(file, text, pattern);
+}
+
+/// Ports that are looked up by a literal name.
+std::vector<Found> looked_up(const std::string& file, const std::string& text) {
+  static const std::regex pattern{"(?:in|out)put_index\\(\"([a-z_0-9]+)\""};
+  return matches(file, text, pattern);
+}
+
+bool allowed(const Found& found) {
+  return std::any_of(kExceptions.begin(), kExceptions.end(), [&](const Exception& exception) {
+    return exception.file == found.file && exception.name == found.name;
+  });
+}
+
+std::set<std::string> registered_types() {
+  std::set<std::string> names;
+  for (const auto* type : standard_nodes().types) names.insert(type->name);
+  return names;
+}
+
+std::string listed(const std::vector<Found>& all) {
+  std::string text;
+  for (const auto& one : all) text += one.file + ":" + std::to_string(one.line) + ": \"" + one.name + "\"\n";
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("tables: no generic code compares the name of a registered type", "[tables][layers]") {
+  const auto names = registered_types();
+  REQUIRE(names.size() > 30);
+  std::vector<Found> wrong;
+  for (const auto& file : sources()) {
+    if (declares_types(file)) continue;
+    for (const auto& found : compared(file, text_of(file)))
+      if (names.contains(found.name) && !allowed(found)) wrong.push_back(found);
+  }
+  INFO("make it a field of the table's entry:\n" << listed(wrong));
+  CHECK(wrong.empty());
+}
+
+TEST_CASE("tables: no generic code looks a port up by its name", "[tables][layers]") {
+  std::vector<Found> wrong;
+  for (const auto& file : sources()) {
+    if (file.starts_with("engine/nodes/")) continue;
+    for (const auto& found : looked_up(file, text_of(file))) wrong.push_back(found);
+  }
+  INFO("make it a field of the port:\n" << listed(wrong));
+  CHECK(wrong.empty());
+}
+
+TEST_CASE("tables: comparisons are found in any form", "[tables][layers]") {
+  const std::string text = "if (a == \"mix\") b;\nif (\"hold\" != c) d;\n e = name.starts_with(\"delay\");";
+  const auto found = compared("a.cpp", text);
+  REQUIRE(found.size() == 3);
+  CHECK(found[0].name == "mix");
+  CHECK(found[1].name == "hold");
+  CHECK(found[1].line == 2);
+  CHECK(found[2].name == "delay");
+  CHECK(looked_up("a.cpp", "type.input_index(\"hold\")").front().name == "hold");
+}
