@@ -6,7 +6,7 @@
 
 namespace tactus {
 
-bool returns_in_time(std::function<void()> call, std::chrono::milliseconds patience) {
+bool call_with_timeout(std::function<void()> call, std::chrono::milliseconds patience) {
   auto done = std::make_shared<std::promise<void>>();
   auto returned = done->get_future();
   std::thread{[call = std::move(call), done]() mutable {

@@ -7,13 +7,16 @@
 namespace tactus {
 namespace {
 
-double seconds(KeptStream::Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+double seconds(ReconnectingStream::Clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
 
 }  // namespace
 
-Result<std::unique_ptr<KeptStream>> KeptStream::open(Backend& backend, const StreamRequest& request,
-                                                     Guarded& processor) {
-  std::unique_ptr<KeptStream> kept{new KeptStream{backend, request, processor}};
+Result<std::unique_ptr<ReconnectingStream>> ReconnectingStream::open(Backend& backend,
+                                                                     const StreamRequest& request,
+                                                                     Guarded& processor) {
+  std::unique_ptr<ReconnectingStream> kept{new ReconnectingStream{backend, request, processor}};
   if (auto status = kept->reopen(); !status) return tl::unexpected(status.error());
   // From now on it is this device, whichever becomes the default.
   kept->request_.device = kept->granted_.device;
@@ -22,17 +25,17 @@ Result<std::unique_ptr<KeptStream>> KeptStream::open(Backend& backend, const Str
   return kept;
 }
 
-Status KeptStream::start() {
+Status ReconnectingStream::start() {
   wanted_ = true;
   return stream_ ? stream_->start() : Status{};
 }
 
-Status KeptStream::stop() {
+Status ReconnectingStream::stop() {
   wanted_ = false;
   return stream_ ? stream_->stop() : Status{};
 }
 
-Status KeptStream::reopen() {
+Status ReconnectingStream::reopen() {
   auto stream = backend_.open(request_, processor_);
   if (!stream) return tl::unexpected(stream.error());
   granted_ = (*stream)->granted();
@@ -40,14 +43,14 @@ Status KeptStream::reopen() {
   return {};
 }
 
-void KeptStream::tick(Clock::time_point now) {
+void ReconnectingStream::tick(Clock::time_point now) {
   if (!stream_) return try_again(now);
   for (auto note = stream_->take_note(); !note.empty(); note = stream_->take_note()) tell(note);
   if (stream_->state() == StreamState::Lost) return lose(now);
   watch_stall(now);
 }
 
-void KeptStream::lose(Clock::time_point now) {
+void ReconnectingStream::lose(Clock::time_point now) {
   if (!wanted_) return;
   stalled_at_.reset();
   lost_at_ = now;
@@ -60,7 +63,7 @@ void KeptStream::lose(Clock::time_point now) {
   next_try_ = now;
 }
 
-void KeptStream::try_again(Clock::time_point now) {
+void ReconnectingStream::try_again(Clock::time_point now) {
   if (!wanted_ || now < next_try_) return;
   next_try_ = now + kRetry;
   const int block = granted_.block_frames;
@@ -82,7 +85,7 @@ void KeptStream::try_again(Clock::time_point now) {
   }
 }
 
-void KeptStream::watch_stall(Clock::time_point now) {
+void ReconnectingStream::watch_stall(Clock::time_point now) {
   const bool stalled = stream_->state() == StreamState::Stalled;
   if (stalled == stalled_at_.has_value()) return;
   if (stalled)
@@ -92,15 +95,17 @@ void KeptStream::watch_stall(Clock::time_point now) {
   stalled_at_ = stalled ? std::optional{now} : std::nullopt;
 }
 
-void KeptStream::tell(const std::string& what) { events_.push_back("'" + granted_.device + "': " + what); }
+void ReconnectingStream::tell(const std::string& what) {
+  events_.push_back("'" + granted_.device + "': " + what);
+}
 
-std::optional<std::string> KeptStream::take_event() {
+std::optional<std::string> ReconnectingStream::take_event() {
   if (events_.empty()) return std::nullopt;
   auto event = std::move(events_.front());
   events_.pop_front();
   return event;
 }
 
-Health KeptStream::health() const { return stream_ ? together(before_, stream_->health()) : before_; }
+Health ReconnectingStream::health() const { return stream_ ? together(before_, stream_->health()) : before_; }
 
 }  // namespace tactus

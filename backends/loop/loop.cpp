@@ -61,8 +61,8 @@ class LoopStream final : public Stream {
         granted_(std::move(granted)),
         in_map_(channels_of(request.in_map, request.in_channels)),
         out_map_(channels_of(request.out_map, request.out_channels)),
-        in_(in_map_.size(), timing.block_frames),
-        out_(out_map_.size(), timing.block_frames),
+        in_(static_cast<int>(in_map_.size()), timing.block_frames),
+        out_(static_cast<int>(out_map_.size()), timing.block_frames),
         frames_a_block_(std::clamp(static_cast<int>(std::lround(timing.block_frames * card.block_factor)), 1,
                                    timing.block_frames)),
         lateness_(card, timing.sample_rate,
@@ -114,7 +114,7 @@ class LoopStream final : public Stream {
 
   void block(bool last) noexcept {
     hear();
-    const BlockIo io{in_.pointers.data(), out_.pointers.data(), frames_a_block_};
+    const BlockIo io{in_.data(), out_.data(), frames_a_block_};
     if (!last) meter_.clock(static_cast<double>(frame_) / true_rate());
     const auto begin = Clock::now();
     if (last)
@@ -133,8 +133,8 @@ class LoopStream final : public Stream {
       const double later = lateness_.at(frame_ + n, gaps);
       std::array<double, kChannels> heard;
       for (std::size_t c = 0; c < kChannels; ++c) heard[c] = paths_[c].hear(frame_ + n, later);
-      for (std::size_t c = 0; c < in_map_.size(); ++c)
-        in_.pointers[c][n] = heard[static_cast<std::size_t>(in_map_[c])];
+      for (int c = 0; c < in_.size(); ++c)
+        in_[c][n] = heard[static_cast<std::size_t>(in_map_[static_cast<std::size_t>(c)])];
     }
     if (!card_.drops_told) return;
     for (int g = 0; g < gaps.count; ++g) meter_.gap(Gap::Input);
@@ -145,9 +145,10 @@ class LoopStream final : public Stream {
   void play() noexcept {
     if (card_.cable == LoopCard::Cable::None) return;
     const int crossed = card_.cable == LoopCard::Cable::Crossed ? 1 : 0;
-    for (std::size_t c = 0; c < out_map_.size(); ++c) {
-      auto& path = paths_[static_cast<std::size_t>((out_map_[c] + crossed) % kChannels)];
-      for (int n = 0; n < frames_a_block_; ++n) path.play(frame_ + n, out_.pointers[c][n]);
+    for (int c = 0; c < out_.size(); ++c) {
+      auto& path =
+          paths_[static_cast<std::size_t>((out_map_[static_cast<std::size_t>(c)] + crossed) % kChannels)];
+      for (int n = 0; n < frames_a_block_; ++n) path.play(frame_ + n, out_[c][n]);
     }
   }
 
@@ -156,7 +157,7 @@ class LoopStream final : public Stream {
   const LoopBackend::Pace pace_;
   StreamGranted granted_;
   std::vector<int> in_map_, out_map_;
-  Planes in_, out_;
+  ChannelBuffers in_, out_;
   int frames_a_block_;
   Lateness lateness_;
   std::vector<LoopPath> paths_;

@@ -190,14 +190,14 @@ std::vector<Device> devices_of(const std::vector<PortAudioDevice>& found) {
 }  // namespace
 
 Result<std::vector<Device>> PortAudioBackend::devices() {
-  silence_sound_libraries();
+  silence_library_logs();
   const auto session = PortAudioSession::enter("tactus-devices");
   if (!session) return tl::unexpected(session.error());
   return devices_of((*session)->devices());
 }
 
 Result<std::unique_ptr<Stream>> PortAudioBackend::open(const StreamRequest& request, Guarded& processor) {
-  silence_sound_libraries();
+  silence_library_logs();
   const auto session = PortAudioSession::enter(request.client_name);
   if (!session) return tl::unexpected(session.error());
   const auto found = (*session)->devices();

@@ -219,7 +219,7 @@ int Line::bring_block(void* out, void* in, unsigned frames, double, RtAudioStrea
 template <class Call>
 Status in_time(const std::shared_ptr<Line>& line, Call call) {
   const auto status = std::make_shared<Status>();
-  if (returns_in_time([line, status, call] { *status = call(*line); })) return *status;
+  if (call_with_timeout([line, status, call] { *status = call(*line); })) return *status;
   line->abandoned = true;
   return fail(Errc::Device, "", "RtAudio does not answer", "restart the sound server");
 }
@@ -227,7 +227,7 @@ Status in_time(const std::shared_ptr<Line>& line, Call call) {
 /// Devices close with the last who holds the line, on a thread that may hang.
 void close(std::shared_ptr<Line> line) {
   const auto patience = line->lost() ? kGiveUp : milliseconds{2000};
-  returns_in_time([line = std::move(line)] {}, patience);
+  call_with_timeout([line = std::move(line)] {}, patience);
 }
 
 /// A JACK stream that hung is never closed, for the rest of the program's life: by the time it could be, its
@@ -288,7 +288,7 @@ class RtAudioStream final : public Stream {
 }  // namespace
 
 Result<std::vector<Device>> RtAudioBackend::devices() {
-  silence_sound_libraries();
+  silence_library_logs();
   return rtaudio_devices().map([](const std::vector<RtAudioDevice>& found) {
     std::vector<Device> devices;
     for (const auto& one : found) devices.push_back(one.device);
@@ -297,7 +297,7 @@ Result<std::vector<Device>> RtAudioBackend::devices() {
 }
 
 Result<std::unique_ptr<Stream>> RtAudioBackend::open(const StreamRequest& request, Guarded& processor) {
-  silence_sound_libraries();
+  silence_library_logs();
   const auto found = rtaudio_devices(request.device);
   if (!found) return tl::unexpected(found.error());
   std::vector<Device> devices;

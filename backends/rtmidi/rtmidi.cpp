@@ -243,7 +243,7 @@ class RtMidiInputs final : public MidiInputs {
 }  // namespace
 
 std::unique_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings) {
-  silence_sound_libraries();
+  silence_library_logs();
   return std::make_unique<RtMidiInputs>(settings);
 }
 

@@ -39,7 +39,7 @@ struct TakeHeader {
   std::vector<GuardedChannel> guard;
   bool armed = true;                ///< as Guarded was made
   bool soft_start = true;           ///< false: Guarded::skip_soft_start
-  bool trusted_sensors = false;     ///< Guarded::trust_sensors
+  bool trusted_sensors = false;     ///< Guarded::disable_sensor_watch
   std::vector<JournalEntry> state;  ///< Guarded::state when the stream began
 };
 

@@ -30,7 +30,7 @@ class TakeRing final : public BlockTap {
 
   /// [realtime] Hears Guarded and Engine alike.
   void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING override;
-  void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override;
+  void observe(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override;
 
   /// Samples that lie one after the other, frame by frame: the inputs, then the outputs.
   struct Piece {

@@ -23,7 +23,7 @@ struct HeatLimits {
 
 /// What a mass on a spring stands in travel. A voltage y pushes it like a force that would hold it at
 /// `metres_at_full_scale` * y.
-struct TravelLimits {
+struct ExcursionLimits {
   double metres = 0.0;                ///< the limit; > 0
   double metres_at_full_scale = 0.0;  ///< Bl V / (R_e k) with V the volts of a sample of 1; > 0
   Hertz resonance{40.0};              ///< sqrt(k / m) / 2π; > 0
@@ -32,7 +32,7 @@ struct TravelLimits {
 
 /// How long direct current may last: the mean of the drive over half a second may lie beyond `level` for
 /// `time`.
-struct DirectLimits {
+struct DcLimits {
   double level = 1.0;  ///< what may last for ever; > 0, and 1 is no limit
   Seconds time{0.0};   ///< [0 s, an hour]
 };
@@ -44,8 +44,8 @@ struct DriveLimits {
   Seconds soft_start{0.0};  ///< gain rises 0 to 1 in this; [0 s, 60 s]
   Seconds fade_out{0.005};  ///< gain falls to 0 in this; [0 s, 1 s]
   std::optional<HeatLimits> heat = {};
-  std::optional<TravelLimits> travel = {};
-  DirectLimits direct = {};
+  std::optional<ExcursionLimits> excursion = {};
+  DcLimits dc = {};
 };
 
 /// [any] For a drive behind which nobody knows what there is. Why these: docs/decisions.md.

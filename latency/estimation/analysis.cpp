@@ -21,7 +21,7 @@ constexpr double kAnalysisRounding =
 constexpr Seconds kThroughActuator{0.00002};  // standard error: five of them are a tenth of a millisecond
 
 /// The gain of the bursts before the sweeps (the level ramp), for what changes with time.
-std::optional<double> knock_gain_db(const HeardPath& path) {
+std::optional<double> level_probe_gain_db(const LoopEstimator& path) {
   std::optional<double> highest;
   for (const auto& burst : path.bursts.others) {
     if (burst.at > path.bursts.repeated.front().at) continue;
@@ -42,7 +42,7 @@ std::optional<double> knock_gain_db(const HeardPath& path) {
 }
 
 /// Without the profile, where the model was fitted.
-double gain_range_db(const HeardPath& path) {
+double gain_range_db(const LoopEstimator& path) {
   double lowest = 1e300, highest = 0.0;
   const auto hertz = [&](std::size_t bin) {
     return static_cast<double>(bin) / static_cast<double>(path.mean.size) * path.rate().value;
@@ -57,7 +57,7 @@ double gain_range_db(const HeardPath& path) {
 }
 
 /// How strong signal and noise are, and what nobody could do better with them.
-void report_level(const HeardPath& path, Analysis& analysis) {
+void report_level(const LoopEstimator& path, Analysis& analysis) {
   const auto response = path.fitted.model.spectrum(path.mean.size, path.mean.profile);
   double heard_energy = 0.0, energy = 0.0, slope_energy = 0.0;  // of a burst of gain 1
   double played = 0.0, played_here = 0.0;
@@ -83,7 +83,7 @@ void report_level(const HeardPath& path, Analysis& analysis) {
   analysis.gain_db = 20.0 / std::numbers::ln10 * path.fitted.model.log_gain;
 }
 
-void report_delay(const HeardPath& path, Analysis& analysis) {
+void report_delay(const LoopEstimator& path, Analysis& analysis) {
   const double first = static_cast<double>(path.bursts.repeated.front().at);
   const double last = static_cast<double>(path.bursts.repeated.back().end());
   analysis.delay_frames = path.as_heard(path.constant(), 0.5 * (first + last));
@@ -99,7 +99,7 @@ void report_delay(const HeardPath& path, Analysis& analysis) {
   analysis.misfit = path.fitted.misfit;
 }
 
-void report_sweeps(const HeardPath& path, Analysis& analysis) {
+void report_sweeps(const LoopEstimator& path, Analysis& analysis) {
   analysis.drift_ppm = 1e6 * (path.speed * (1.0 + path.trend.slope) - 1.0);
   analysis.drift_standard_error_ppm = 1e6 * path.trend.slope_deviation;
   analysis.steps = path.steps;
@@ -113,14 +113,14 @@ void report_sweeps(const HeardPath& path, Analysis& analysis) {
 }
 
 /// Of the sweeps at full level alone: distortion depends on the level.
-HeardWindow loud_mean(HeardPath& path) {
+HeardWindow loud_mean(LoopEstimator& path) {
   std::vector<TrackedSweep> loud;
   for (const auto& sweep : path.steady)
     if (sweep.burst.gain > 0.75) loud.push_back(sweep);
   return path.windows.mean(path.steady_heard, path.at, loud.empty() ? path.steady : loud);
 }
 
-void report_details(HeardPath& path, const Response& response, Analysis& analysis) {
+void report_details(LoopEstimator& path, const Response& response, Analysis& analysis) {
   const double shift = path.as_heard(static_cast<double>(path.at), 0.0);
   analysis.spectrum = response.spectrum();
   analysis.group_delay = response.group_delay(shift);
@@ -142,7 +142,7 @@ void report_details(HeardPath& path, const Response& response, Analysis& analysi
 }
 
 /// All of it, and what stands against trusting it.
-void report(HeardPath& path, Analysis& analysis) {
+void report(LoopEstimator& path, Analysis& analysis) {
   Evidence evidence;
   evidence.coarse = path.coarse;
   evidence.overdriven = path.overdriven;
@@ -155,7 +155,7 @@ void report(HeardPath& path, Analysis& analysis) {
   else if (path.fitted.misfit > 1e-3)
     evidence.echo = response.echo();
   if (evidence.echo.frames != 0) analysis.echo_frames = evidence.echo.frames;
-  evidence.knock_gain_db = knock_gain_db(path);
+  evidence.level_probe_gain_db = level_probe_gain_db(path);
   evidence.gain_range_db = gain_range_db(path);
   report_sweeps(path, analysis);
   report_level(path, analysis);
@@ -188,7 +188,7 @@ Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings&
   if (const auto possible = check(recording, settings); !possible) return tl::unexpected{possible.error()};
   auto bursts = find_bursts(recording.played, recording.sample_rate);
   if (!bursts) return fail(Errc::BadArgument, "", "nothing was played", "give the probe that was played");
-  HeardPath path{recording, settings, std::move(*bursts)};
+  LoopEstimator path{recording, settings, std::move(*bursts)};
   Analysis analysis;
   analysis.sample_rate = recording.sample_rate;
   analysis.heard = path.find();

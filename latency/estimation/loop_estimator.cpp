@@ -89,7 +89,7 @@ std::vector<double> through(const std::vector<double>& played, std::span<const d
 
 }  // namespace
 
-HeardPath::HeardPath(const LoopRecording& of, const AnalysisSettings& with, PlayedBursts played)
+LoopEstimator::LoopEstimator(const LoopRecording& of, const AnalysisSettings& with, PlayedBursts played)
     : recording(of),
       settings(with),
       bursts(std::move(played)),
@@ -97,17 +97,17 @@ HeardPath::HeardPath(const LoopRecording& of, const AnalysisSettings& with, Play
       windows(bursts, of.sample_rate, profile_taps()),
       search_(through(of.played, profile_taps()), heard.size(), of.sample_rate) {}
 
-std::span<const double> HeardPath::profile_taps() const {
+std::span<const double> LoopEstimator::profile_taps() const {
   return settings.profile ? std::span<const double>{settings.profile->taps} : std::span<const double>{};
 }
 
-std::vector<CoarseDelay> HeardPath::every_channel() {
+std::vector<CoarseDelay> LoopEstimator::every_channel() {
   std::vector<CoarseDelay> all;
   for (const auto& channel : recording.heard) all.push_back(search_.find(channel));
   return all;
 }
 
-bool HeardPath::find() {
+bool LoopEstimator::find() {
   coarse = search_.find(heard);
   listen_to_quiet();
   if (!coarse.found()) return false;
@@ -122,7 +122,7 @@ bool HeardPath::find() {
 
 /// Where nothing of what was played is heard: the last half second before it; where that behind it, or the
 /// ends of the pauses, are far quieter or all there is, those. If nothing is heard at all, everything.
-NoiseFloor HeardPath::quiet() const {
+NoiseFloor LoopEstimator::quiet() const {
   const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, rate())); };
   const auto copy = [&](std::int64_t from, std::int64_t to) {
     const auto piece = stretch(heard, from, to);
@@ -151,7 +151,7 @@ NoiseFloor HeardPath::quiet() const {
   return best.value_or(NoiseFloor::of({}));
 }
 
-void HeardPath::listen_to_quiet() {
+void LoopEstimator::listen_to_quiet() {
   floor = quiet();
   const double rounding = rounding_variance(heard);  // in digital silence there is none, but beside a sweep
   floor.variance = std::max(floor.variance, rounding);
@@ -164,7 +164,7 @@ void HeardPath::listen_to_quiet() {
 
 /// The sweeps are compared with the loudest of them where no model fits, so that it does not matter what the
 /// path makes of a sweep.
-void HeardPath::follow_clock() {
+void LoopEstimator::follow_clock() {
   steady_heard = heard;
   for (const auto& burst : bursts.repeated) steady.push_back({.burst = burst});
   at = coarse.frames;
@@ -189,7 +189,7 @@ void HeardPath::follow_clock() {
   at = coarse.frames;
 }
 
-Spectrum HeardPath::loudest_sweep() {
+Spectrum LoopEstimator::loudest_sweep() {
   const auto loudest = std::max_element(bursts.repeated.begin(), bursts.repeated.end(),
                                         [](const Burst& a, const Burst& b) { return a.gain < b.gain; });
   const TrackedSweep sweep{.burst = *loudest};
@@ -197,20 +197,20 @@ Spectrum HeardPath::loudest_sweep() {
   return expected(window, fit_of(window));
 }
 
-std::int64_t HeardPath::reach() const { return coarse.clear() ? kLoopEstimatorSearch : 0; }
+std::int64_t LoopEstimator::reach() const { return coarse.clear() ? kLoopEstimatorSearch : 0; }
 
-PathFit HeardPath::fit_of(const HeardWindow& window) {
+PathFit LoopEstimator::fit_of(const HeardWindow& window) {
   // What a profile knows is not to be guessed again.
   return fit_path(window, windows.start_of(window, coarse.sign, reach()),
                   settings.profile ? PathShape::Kept : PathShape::Free);
 }
 
 /// The model where it fits: it has no noise.
-Spectrum HeardPath::expected(const HeardWindow& window, const PathFit& fit) const {
+Spectrum LoopEstimator::expected(const HeardWindow& window, const PathFit& fit) const {
   return fit.misfit < kFits ? windows.expected(fit.model) : SweepWindows::cleaned(window);
 }
 
-bool HeardPath::fit() {
+bool LoopEstimator::fit() {
   mean = windows.mean(steady_heard, at, steady);
   const auto off = windows.start_of(mean, coarse.sign, reach()).delay_frames;
   at += static_cast<std::int64_t>(off);
@@ -224,13 +224,13 @@ bool HeardPath::fit() {
   return fitted.strength >= CoarseDelay::kNothing && gain >= kFaintest && !nonsense;
 }
 
-double HeardPath::middle_delay() const {
+double LoopEstimator::middle_delay() const {
   std::vector<double> delays;
   for (const auto& sweep : steady) delays.push_back(sweep.delay_frames);
   return median(std::move(delays));
 }
 
-void HeardPath::compare_sweeps() {
+void LoopEstimator::compare_sweeps() {
   sweeps = windows.track(steady_heard, at, kLoopEstimatorSearch, expected(mean, fitted));
   const auto whole = whole_ones(sweeps);
   trend = DelayTrend::of(points_of(whole, constant()), least_step(whole));
@@ -238,7 +238,7 @@ void HeardPath::compare_sweeps() {
 }
 
 /// Sweeps and, behind them, the pilot in pieces.
-void HeardPath::find_steps(const std::vector<TrackedSweep>& whole) {
+void LoopEstimator::find_steps(const std::vector<TrackedSweep>& whole) {
   steps = trend.steps;
   const auto pilot = bursts.pilot(rate());
   if (pilot && fitted.misfit < kFits) {
@@ -257,7 +257,7 @@ void HeardPath::find_steps(const std::vector<TrackedSweep>& whole) {
 
 /// In a sweep that leaves more unexplained than the others, or has something else in it for a moment. What
 /// stands at the same place of two sweeps is no damage: loud and soft ones differ there.
-void HeardPath::find_damage() {
+void LoopEstimator::find_damage() {
   const double misfit = usual(&TrackedSweep::misfit, sweeps) + kTouched;
   const double chi_squared = kNoisier * usual(&TrackedSweep::chi_squared, sweeps);
   struct Damage {

@@ -18,12 +18,12 @@ namespace tactus {
 
 /// Finds the path in a recording, step by step: where the probe is heard, what is noise, how the clocks
 /// drift, the model of the path, and every sweep beside it. Each step needs those above it.
-class HeardPath {
+class LoopEstimator {
  public:
   static constexpr double kFits = 0.02;  ///< misfit of a path that the model describes
 
   /// [control] `recording` and `settings` outlive it.
-  HeardPath(const LoopRecording& recording, const AnalysisSettings& settings, PlayedBursts bursts);
+  LoopEstimator(const LoopRecording& recording, const AnalysisSettings& settings, PlayedBursts bursts);
 
   /// [control] Whether anything is heard. Bursts that were not recorded as a whole are forgotten; of three
   /// and more, three have to be left.

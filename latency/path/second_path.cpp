@@ -15,7 +15,7 @@ constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousa
 constexpr double kAside = 2.0;
 
 /// How much of what the path brings of a burst stands in `rest` at the delay `frames`, beside the path.
-double usual_level(const HeardPath& path, std::span<const double> first, std::span<const double> rest,
+double usual_level(const LoopEstimator& path, std::span<const double> first, std::span<const double> rest,
                    std::int64_t frames) {
   std::vector<double> levels;
   for (const auto& burst : path.bursts.repeated) {
@@ -29,7 +29,7 @@ double usual_level(const HeardPath& path, std::span<const double> first, std::sp
 
 }  // namespace
 
-std::optional<SecondPath> find_second_path(HeardPath& path) {
+std::optional<SecondPath> find_second_path(LoopEstimator& path) {
   if (!path.coarse.clear()) return std::nullopt;
   auto model = path.fitted.model;
   model.delay_frames = path.constant();

@@ -79,7 +79,7 @@ class Silence final : public BlockProcessor {
 struct Fixture {
   Fixture() { open(); }
   void open() {
-    stream = std::move(*KeptStream::open(backend, {}, guarded));
+    stream = std::move(*ReconnectingStream::open(backend, {}, guarded));
     REQUIRE(stream->start());
   }
   /// The application's loop, 20 times a second, on a clock of its own.
@@ -96,8 +96,8 @@ struct Fixture {
   FakeBackend backend{world};
   Silence silence;
   Guarded guarded{silence, {}};
-  std::unique_ptr<KeptStream> stream;
-  KeptStream::Clock::time_point now;
+  std::unique_ptr<ReconnectingStream> stream;
+  ReconnectingStream::Clock::time_point now;
 };
 
 using Events = std::vector<std::string>;
@@ -251,7 +251,7 @@ TEST_CASE("kept stream: an error of the first opening is the caller's", "[backen
   Guarded guarded{silence, {}};
   StreamRequest request;
   request.device = "fake:one";
-  const auto stream = KeptStream::open(backend, request, guarded);
+  const auto stream = ReconnectingStream::open(backend, request, guarded);
   REQUIRE_FALSE(stream);
   CHECK(to_string(stream.error()) == "there is no device 'fake:one'");
 }

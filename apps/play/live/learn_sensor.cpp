@@ -69,7 +69,7 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   request.out_map.clear();
   Listener listener;
   Guarded guarded{listener, {}};
-  guarded.trust_sensors();
+  guarded.disable_sensor_watch();
   auto stream = backend.open(request, guarded);
   if (!stream) return tl::unexpected(stream.error());
   if (auto started = (*stream)->start(); !started) return started;

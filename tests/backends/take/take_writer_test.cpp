@@ -35,7 +35,7 @@ struct Stream {
     }
     const double* from = in.data();
     double* to = out.data();
-    ring.hear({&from, &to, kFrames}, frame);
+    ring.observe({&from, &to, kFrames}, frame);
     frame += kFrames;
   }
   TakeRing& ring;
@@ -207,7 +207,7 @@ TEST_CASE("take: sensors finer than float32 are counted, and drives are what a c
   auto copy = drives;
   const double* from = in.data();
   double* to[] = {copy.data(), copy.data()};
-  ring.hear({&from, to, 4}, 0);
+  ring.observe({&from, to, 4}, 0);
   CHECK(ring.rounded_sensors() == 2);
   const auto piece = ring.front(ring.written());
   REQUIRE(piece.frames == 4);

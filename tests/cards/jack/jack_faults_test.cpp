@@ -51,7 +51,7 @@ struct Player {
     request.device = "jack:" + card->name();
     request.in_channels = request.out_channels = 1;
     request.client_name = name;
-    auto opened = KeptStream::open(jack, request, probe.guarded);
+    auto opened = ReconnectingStream::open(jack, request, probe.guarded);
     if (!opened) throw std::runtime_error{to_string(opened.error())};
     stream = std::move(*opened);
     if (auto status = stream->start(); !status) throw std::runtime_error{to_string(status.error())};
@@ -90,7 +90,7 @@ struct Player {
       std::make_unique<DelayClient>(DelayClient::Settings{.delay_frames = kDelay});
   GuardedProbe probe{1, 4800};
   JackBackend jack;
-  std::unique_ptr<KeptStream> stream;
+  std::unique_ptr<ReconnectingStream> stream;
   std::string events;
 };
 

@@ -22,10 +22,10 @@ class LevelMeter final : public BlockTap {
   void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING override {
     if (next_ != nullptr) next_->applied(entry);
   }
-  void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override {
+  void observe(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override {
     for (std::size_t c = 0; c < inputs_.size(); ++c) raise(inputs_[c], io.in[c], io.frames);
     for (std::size_t c = 0; c < outputs_.size(); ++c) raise(outputs_[c], io.out[c], io.frames);
-    if (next_ != nullptr) next_->hear(io, first_frame);
+    if (next_ != nullptr) next_->observe(io, first_frame);
   }
 
   /// [control, one thread] Full scale = 1; the next look starts anew.
