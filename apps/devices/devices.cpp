@@ -96,8 +96,9 @@ void add_devices(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("devices", "List the sound devices that instruments can play on");
   auto backend = std::make_shared<std::string>();
   auto as_json = std::make_shared<bool>(false);
-  command->add_option("--backend", *backend,
-                      "only those of one: jack, rtaudio or portaudio; loop: simulated cards");
+  command->add_option(
+      "--backend", *backend,
+      fmt::format("only those of one: {}; loop: simulated cards", fmt::join(card_backends(), ", ")));
   command->add_flag("--json", *as_json, "for machines");
   command->footer(
       "Examples:\n  tactus devices\n  tactus devices --backend jack --json\n"

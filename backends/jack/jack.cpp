@@ -164,4 +164,6 @@ Result<std::unique_ptr<Stream>> JackBackend::open(const StreamRequest& request, 
   return std::make_unique<JackStream>(*client, std::move(grant), std::move(to_connect));
 }
 
+std::unique_ptr<Backend> make_jack_backend() { return std::make_unique<JackBackend>(); }
+
 }  // namespace tactus

@@ -22,4 +22,7 @@ class JackBackend final : public Backend {
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override;
 };
 
+/// [control]
+std::unique_ptr<Backend> make_jack_backend();
+
 }  // namespace tactus

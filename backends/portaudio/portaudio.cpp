@@ -228,4 +228,6 @@ Result<std::unique_ptr<Stream>> PortAudioBackend::open(const StreamRequest& requ
   return std::make_unique<PortAudioStream>(std::move(line), std::move(granted));
 }
 
+std::unique_ptr<Backend> make_portaudio_backend() { return std::make_unique<PortAudioBackend>(); }
+
 }  // namespace tactus

@@ -23,4 +23,7 @@ class PortAudioBackend final : public Backend {
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override;
 };
 
+/// [control]
+std::unique_ptr<Backend> make_portaudio_backend();
+
 }  // namespace tactus

@@ -328,4 +328,6 @@ Result<std::unique_ptr<Stream>> RtAudioBackend::open(const StreamRequest& reques
   return std::make_unique<RtAudioStream>(std::move(line), *granted);
 }
 
+std::unique_ptr<Backend> make_rtaudio_backend() { return std::make_unique<RtAudioBackend>(); }
+
 }  // namespace tactus

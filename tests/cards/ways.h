@@ -18,7 +18,7 @@ struct Way {
 };
 /// Is ALSA's JACK plugin there? If not, the test's output says so.
 bool has_alsa();
-/// Those whose libraries are there: RtAudio and PortAudio, each over JACK and ALSA.
+/// Every library but JACK itself, over JACK and over ALSA.
 std::vector<Way> every_way();
 
 /// All that ALSA knows, while this is there.
