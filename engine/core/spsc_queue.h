@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [any], by one producer and one consumer
 
 #include <atomic>
 #include <bit>

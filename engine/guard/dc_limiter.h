@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [realtime] unless stated otherwise
 
 #include "engine/guard/drive_limits.h"
 #include "engine/guard/guard_group.h"

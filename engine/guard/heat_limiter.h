@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [realtime] unless stated otherwise
 
 #include "engine/core/matrix2.h"
 #include "engine/guard/drive_limits.h"
