@@ -11,7 +11,7 @@ bool call_with_timeout(std::function<void()> call, std::chrono::milliseconds pat
   auto returned = done->get_future();
   std::thread{[call = std::move(call), done]() mutable {
     call();
-    call = {};  // what it owned is gone before anyone hears that it is done
+    call = {};  // what it owned is freed before the caller returns
     done->set_value();
   }}.detach();
   return returned.wait_for(patience) == std::future_status::ready;

@@ -33,7 +33,7 @@ CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, con
   last_block_ns_ = nanoseconds(Clock::now());
 }
 
-// No block is being played, so nobody else looks at the clock.
+// No block is being played, so no other thread reads the clock.
 void CardCallback::play() noexcept {
   clock_ = FrameWatch{format_.sample_rate.value};
   frames_ = 0;

@@ -37,7 +37,7 @@ class CardCallback {
   /// `in` may be nullptr, as may any plane: silence. `device_outputs`: how many planes to fill.
   void block(const float* const* in, float* const* out, int device_outputs, int frames) noexcept;
 
-  /// [realtime, any thread] A gap that the library reported. [realtime] Frames that it says it lost.
+  /// [realtime, any thread] A gap that the library reported. [realtime] Frames that it reported lost.
   void gap(Gap gap) noexcept;
   void lost(std::int64_t frames) noexcept;
 

@@ -45,7 +45,7 @@ Status ReconnectingStream::reopen() {
 
 void ReconnectingStream::tick(Clock::time_point now) {
   if (!stream_) return try_again(now);
-  for (auto note = stream_->take_note(); !note.empty(); note = stream_->take_note()) tell(note);
+  for (auto note = stream_->take_note(); !note.empty(); note = stream_->take_note()) report(note);
   if (stream_->state() == StreamState::Lost) return lose(now);
   watch_stall(now);
 }
@@ -55,10 +55,10 @@ void ReconnectingStream::lose(Clock::time_point now) {
   stalled_at_.reset();
   lost_at_ = now;
   wanted_ = granted_.comes_back;
-  if (!wanted_) return tell("has gone away; it can only come back to a new start of this program");
+  if (!wanted_) return report("disconnected; start the program again to reopen it");
   before_ = health();
   stream_.reset();
-  tell("has gone away; until it is back there is silence");
+  report("disconnected; outputs are silent until it is back");
   last_refusal_.clear();
   next_try_ = now;
 }
@@ -72,15 +72,15 @@ void ReconnectingStream::try_again(Clock::time_point now) {
   if (status) status = stream_->start();
   if (status) {
     ++returns_;
-    tell(fmt::format("is back after {:.1f} s", seconds(now - lost_at_)));
+    report(fmt::format("reconnected after {:.1f} s", seconds(now - lost_at_)));
     if (granted_.block_frames != block)
-      tell(fmt::format("its blocks have {} frames now and had {}: the delay has changed",
-                       granted_.block_frames, block));
+      report(fmt::format("block size is now {} frames instead of {}: the delay has changed",
+                         granted_.block_frames, block));
     return;
   }
   stream_.reset();
   if (auto why = to_string(status.error()); why != last_refusal_) {
-    tell("is awaited: " + why);
+    report("waiting for it: " + why);
     last_refusal_ = std::move(why);
   }
 }
@@ -89,13 +89,13 @@ void ReconnectingStream::watch_stall(Clock::time_point now) {
   const bool stalled = stream_->state() == StreamState::Stalled;
   if (stalled == stalled_at_.has_value()) return;
   if (stalled)
-    tell("does not answer");
+    report("does not respond");
   else
-    tell(fmt::format("answers again after {:.1f} s", seconds(now - *stalled_at_)));
+    report(fmt::format("responds again after {:.1f} s", seconds(now - *stalled_at_)));
   stalled_at_ = stalled ? std::optional{now} : std::nullopt;
 }
 
-void ReconnectingStream::tell(const std::string& what) {
+void ReconnectingStream::report(const std::string& what) {
   events_.push_back("'" + granted_.device + "': " + what);
 }
 

@@ -51,7 +51,7 @@ class ReconnectingStream {
   void lose(Clock::time_point now);
   void try_again(Clock::time_point now);
   void watch_stall(Clock::time_point now);
-  void tell(const std::string& what);
+  void report(const std::string& what);
 
   Backend& backend_;
   StreamRequest request_;

@@ -84,7 +84,7 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
     const auto devices = made->devices();
     if (!devices || devices->empty()) {
       reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", called.name,
-                             devices ? "it sees no device" : to_string(devices.error()));
+                             devices ? "no device" : to_string(devices.error()));
       continue;
     }
     auto out = find_device(*devices, wanted);
@@ -99,8 +99,7 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
   }
   if (const auto missing = find_device(others, wanted); !others.empty() && !missing)
     return tl::unexpected(missing.error());
-  return fail(Errc::Device, "",
-              wanted.empty() ? "there is no sound device" : "there is no device '" + wanted + "'",
+  return fail(Errc::Device, "", wanted.empty() ? "no sound device" : "there is no device '" + wanted + "'",
               sound_backends().empty() ? no_card_backend() : reasons);
 }
 

@@ -92,7 +92,7 @@ class JackStream final : public Stream {
   std::shared_ptr<Client> client_;
   StreamGranted granted_;
   std::vector<Wire> wires_;
-  std::vector<bool> connected_;  ///< as it was told last
+  std::vector<bool> connected_;  ///< as last reported
   int told_block_ = 0, told_rewirings_ = 0;
   bool running_ = false;
 };

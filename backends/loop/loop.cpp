@@ -104,7 +104,7 @@ class LoopStream final : public Stream {
     const auto first = frame_;
     begun_ = Clock::now();
     while (running_) {
-      // A card that hears a block has waited for its last frame.
+      // A card that delivers a block has waited for its last frame.
       if (pace_ == LoopBackend::Pace::RealTime)
         std::this_thread::sleep_until(due(frame_ - first + frames_a_block_));
       block(false);
@@ -113,7 +113,7 @@ class LoopStream final : public Stream {
   }
 
   void block(bool last) noexcept {
-    hear();
+    record();
     const BlockIo io{in_.data(), out_.data(), frames_a_block_};
     if (!last) meter_.clock(static_cast<double>(frame_) / true_rate());
     const auto begin = Clock::now();
@@ -127,14 +127,14 @@ class LoopStream final : public Stream {
     frame_ += frames_a_block_;
   }
 
-  void hear() noexcept {
+  void record() noexcept {
     Lateness::Gaps gaps;
     for (int n = 0; n < frames_a_block_; ++n) {
       const double later = lateness_.at(frame_ + n, gaps);
-      std::array<double, kChannels> heard;
-      for (std::size_t c = 0; c < kChannels; ++c) heard[c] = paths_[c].hear(frame_ + n, later);
+      std::array<double, kChannels> recorded;
+      for (std::size_t c = 0; c < kChannels; ++c) recorded[c] = paths_[c].record(frame_ + n, later);
       for (int c = 0; c < in_.size(); ++c)
-        in_[c][n] = heard[static_cast<std::size_t>(in_map_[static_cast<std::size_t>(c)])];
+        in_[c][n] = recorded[static_cast<std::size_t>(in_map_[static_cast<std::size_t>(c)])];
     }
     if (!card_.drops_told) return;
     for (int g = 0; g < gaps.count; ++g) meter_.gap(Gap::Input);
@@ -206,7 +206,7 @@ Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, 
   const auto choice = choose(*devices(), request);
   if (!choice) return tl::unexpected(choice.error());
   if (choice->input.id != choice->output.id)
-    return fail(Errc::BadArgument, "", "a simulated card hears nothing of another",
+    return fail(Errc::BadArgument, "", "a simulated card has no path from another",
                 "leave out the input device");
   const auto card = this->card(choice->output.id);
   const auto timing = timing_of(card, choice->sample_rate, request.block_frames.value_or(kUsualBlock));

@@ -34,7 +34,7 @@ Status checked(PaError code) {
     words += std::string{": "} + host->errorText;
   if (code == paInvalidSampleRate)
     return fail(Errc::BadArgument, "", "the device does not run at this rate", "leave the rate out");
-  return fail(Errc::Device, "", "PortAudio says: " + words, "see tactus doctor");
+  return fail(Errc::Device, "", "PortAudio: " + words, "see tactus doctor");
 }
 
 std::string name_of(const PaHostApiInfo& api) {

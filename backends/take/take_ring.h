@@ -22,7 +22,7 @@ struct TakeEvent {
 };
 
 /// Where the audio thread puts what a take needs, and a writer fetches it. Room for samples and events is
-/// there from the beginning; when it is full, whole blocks are dropped and counted, and the place is told
+/// there from the beginning; when it is full, whole blocks are dropped and counted, and the gap is reported
 /// once there is room again. Neither side ever waits.
 class TakeRing final : public BlockTap {
  public:

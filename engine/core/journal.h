@@ -14,7 +14,7 @@ struct JournalEntry {
     Arm,            ///< `index`: output channel or kAllChannels; `value`: 1 lets the drive move, 0 does not
     Mute,           ///< `index`: output channel or kAllChannels; `value`: 1 silences, 0 releases
     SystemDelay,    ///< `value`: sensor voltage to actuator voltage [frames]; negative: no longer known, and
-                    ///< the last one stands
+                    ///< the last one is kept
     LostFrames,     ///< `value`: frames that went missing just before `frame`
     CoilHeat,       ///< `index`: output channel; `value`: its coil is at least so warm (ThermalState)
     BodyHeat,       ///< the same of what is around the coil

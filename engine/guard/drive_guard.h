@@ -34,7 +34,7 @@ class DriveGuard {
  public:
   enum class Kind {
     Drive,  ///< moves something: all stages
-    Audio,  ///< is only heard: finite, ramps, ceiling
+    Audio,  ///< for ears: finite, ramps, ceiling
   };
   /// A frame counts as limited by ceiling or excursion for this long after: crests of a loop above 10 Hz.
   static constexpr Seconds kCrest{0.015};

@@ -78,7 +78,7 @@ class Guarded final : public BlockProcessor {
   ~Guarded() override;
 
   /// [control & stopped] Prepares `inner` and starts again at frame 0, with every guard closed and its soft
-  /// start ahead of it. What was warm is as warm as it was: nobody knows how long the pause lasted. What was
+  /// start ahead of it. Thermal state is kept: the length of the pause is unknown. What was
   /// muted or not armed stays so, orders for now that still waited hold from frame 0, and entries for a frame
   /// are dropped. Errors: of `inner`; BadArgument for more guards than outputs; OutOfRange for a limit.
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
@@ -88,7 +88,7 @@ class Guarded final : public BlockProcessor {
   /// worlds alone, where nothing is there to be thrown.
   void skip_soft_start() noexcept;
   /// [realtime & prepared] The last block before a stop: zeros on every output. The processor inside does not
-  /// run and time stands still; if `process` is called again, every guard starts softly.
+  /// run and time does not advance; if `process` is called again, every guard starts softly.
   void finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;
 
   /// [control & stopped] The sensors are recordings, which may hold silence: none is ever found at fault.

@@ -22,7 +22,7 @@ double rise_on_the_way_down(const HeatLimits& limits, double ceiling, double sle
 
 /// [any] How warm it still is after `off` without a drive.
 ThermalState cooled(const HeatLimits& limits, const ThermalState& state, Seconds off) noexcept;
-/// [any] The warmest that the guard lets it become for long: what to start from when nobody knows better.
+/// [any] The warmest that the guard lets it become for long: the start value when nothing is known.
 inline ThermalState warmest(const HeatLimits& limits) noexcept { return {1.0, 1.0 - limits.coil_share}; }
 
 /// Thermal model of a coil that a drive feeds, and the gain that keeps its temperature within the limit.

@@ -10,7 +10,7 @@ namespace tactus {
 
 /// Looks after one sensor while it runs:
 ///   railed   at the same end of full scale (99.9 %) for 40 ms: a cable off, a supply gone
-///   stuck    the same value bit for bit for 40 ms, after noise was heard: a converter or a driver hangs
+///   stuck    the same value bit for bit for 40 ms, after noise was observed: a converter or a driver hangs
 /// Noise is what no resting signal of a calculation has: in one window of 512 frames the signal turns back in
 /// more than a third of them (white noise: two thirds; a tone at a tenth of the sample rate: a fifth). A
 /// sensor that was never noisy, such as one of a simulated world, may rest as long as it likes.

@@ -163,7 +163,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
   std::vector<std::filesystem::path> files_;
   BuiltScene built_;
   PortWatches ports_;
-  std::atomic<bool> watching_ = true;  ///< its signals stand where they stood
+  std::atomic<bool> watching_ = true;  ///< its signals lie where they did
   Guarded guarded_;
   ClosedLoop loop_;
   Monitor monitor_;

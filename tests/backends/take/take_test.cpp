@@ -94,10 +94,10 @@ TEST_CASE("take: what is no take says what it is", "[take]") {
   CHECK(folder.strip(to_string(read_take(folder.path() / "none.wav").error())) ==
         "none.wav: there is no such file; check the path");
   folder.write("foreign.wav", "");
-  CHECK(
-      folder.strip(to_string(read_take(folder.path() / "foreign.wav").error())) ==
-      "foreign.wav: there is no 'foreign.jsonl' beside it, so nobody knows what was played on it; a WAV file "
-      "of sensors alone is played with --in");
+  CHECK(folder.strip(to_string(read_take(folder.path() / "foreign.wav").error())) ==
+        "foreign.wav: there is no 'foreign.jsonl' beside it, so the graph that was played is unknown; a WAV "
+        "file "
+        "of sensors alone is played with --in");
   CHECK(message(folder, "") == "take.jsonl: it is empty; the take was cut off before it began");
   CHECK(message(folder, "hello\n") ==
         "take.jsonl: its first line is no JSON; give the .jsonl that was recorded with the WAV file");

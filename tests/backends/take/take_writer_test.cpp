@@ -192,7 +192,7 @@ TEST_CASE("take: a stream that begins again ends the take", "[take]") {
   CHECK((*recorder)->status().restarted);
   CHECK((*recorder)->status().words.size() == 1);
   CHECK((*recorder)->finish() ==
-        std::vector<std::string>{"the stream began again at 0.006 s, and the take ends there"});
+        std::vector<std::string>{"the stream restarted at 0.006 s; the take ends there"});
   const auto take = read_take(folder.path() / "take.wav");
   REQUIRE(take.has_value());
   CHECK(take->guard.empty());

@@ -314,7 +314,7 @@ TEST_CASE("jack: a server that does not answer is told, and nobody waits for it 
   Player player{*server};
   server->stop_answering();
   REQUIRE(player.run_until([&] { return player.stream->state() == StreamState::Stalled; }));
-  CHECK(player.is_told("does not answer"));
+  CHECK(player.is_told("does not respond"));
   const auto refused = player.stream->stop();
   REQUIRE_FALSE(refused);
   CHECK(to_string(refused.error()).find("the JACK server does not answer") == 0);
@@ -334,7 +334,7 @@ TEST_CASE("jack: a stall ends by itself, and is told", "[cards][jack]") {
   server->stop_answering();
   REQUIRE(player.run_until([&] { return player.stream->state() == StreamState::Stalled; }));
   server->go_on();
-  REQUIRE(player.run_until([&] { return player.is_told("answers again"); }));
+  REQUIRE(player.run_until([&] { return player.is_told("responds again"); }));
   CHECK(player.stream->state() == StreamState::Running);
   CHECK(player.stream->returns() == 0);
   CHECK(player.sounds());

@@ -17,7 +17,7 @@ class LevelMeter final : public BlockTap {
   LevelMeter(int inputs, int outputs)
       : inputs_(static_cast<std::size_t>(inputs)), outputs_(static_cast<std::size_t>(outputs)) {}
 
-  /// [control & stopped] It hears everything too, and outlives this or is taken away with nullptr.
+  /// [control & stopped] It observes everything too, and outlives this or is removed with nullptr.
   void set_next(BlockTap* next) { next_ = next; }
 
   void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING override {
