@@ -24,7 +24,7 @@ struct Device {
   std::vector<Hertz> sample_rates;  ///< empty: any
   Hertz default_rate;
   std::optional<int> block_frames;  ///< that it runs at now, or prefers
-  /// What the driver says of its own delay [frames], where it can be asked without opening the device.
+  /// The latency that the driver reports [frames], where it can be queried without opening the device.
   std::optional<double> input_latency_frames, output_latency_frames;
   bool is_default = false;
 };
@@ -32,7 +32,7 @@ struct Device {
 /// What is asked for. Whatever is left out, the backend chooses.
 struct StreamRequest {
   std::string device;                ///< Device::id; empty: the default device
-  std::string input_device;          ///< where another one listens; empty: `device`
+  std::string input_device;          ///< for inputs on another device; empty: `device`
   std::optional<Hertz> sample_rate;  ///< a rate that cannot be had is an error, never another rate
   int in_channels = 0;
   int out_channels = 0;
@@ -58,7 +58,7 @@ struct StreamGranted {
   StreamFormat format;
   int block_frames = 0;  ///< 0: changes from block to block
   int periods = 0;       ///< 0: not known
-  /// What the driver says about its own delay [frames]. It may be wrong: tactus latency measure tells.
+  /// The latency that the driver reports [frames]. It may be wrong: tactus latency measures it.
   std::optional<double> input_latency_frames;
   std::optional<double> output_latency_frames;
   bool xruns_move_delay = false;  ///< a gap may change the delay from then on
@@ -93,7 +93,7 @@ class Stream {
   virtual StreamState state() const = 0;
   /// [any]
   virtual Health health() const = 0;
-  /// [control] Something happened that neither state nor health tells: the next of it in words, or nothing.
+  /// [control] The next message about what neither state nor health shows; empty: none.
   virtual std::string take_note() { return {}; }
 };
 

@@ -6,12 +6,12 @@
 
 namespace tactus {
 
-bool returns_in_time(std::function<void()> call, std::chrono::milliseconds patience) {
+bool call_with_timeout(std::function<void()> call, std::chrono::milliseconds patience) {
   auto done = std::make_shared<std::promise<void>>();
   auto returned = done->get_future();
   std::thread{[call = std::move(call), done]() mutable {
     call();
-    call = {};  // what it owned is gone before anyone hears that it is done
+    call = {};  // what it owned is freed before the caller returns
     done->set_value();
   }}.detach();
   return returned.wait_for(patience) == std::future_status::ready;

@@ -28,15 +28,12 @@ CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, con
       in_map_(channels_of(request.in_map, granted.format.in_channels)),
       out_map_(channels_of(request.out_map, granted.format.out_channels)),
       clock_(granted.format.sample_rate.value) {
-  const std::vector<double> zeros(static_cast<std::size_t>(format_.max_frames));
-  in_samples_.assign(in_map_.size(), zeros);
-  out_samples_.assign(out_map_.size(), zeros);
-  for (auto& channel : in_samples_) in_.push_back(channel.data());
-  for (auto& channel : out_samples_) out_.push_back(channel.data());
+  in_.resize(static_cast<int>(in_map_.size()), format_.max_frames);
+  out_.resize(static_cast<int>(out_map_.size()), format_.max_frames);
   last_block_ns_ = nanoseconds(Clock::now());
 }
 
-// No block is being played, so nobody else looks at the clock.
+// No block is being played, so no other thread reads the clock.
 void CardCallback::play() noexcept {
   clock_ = FrameWatch{format_.sample_rate.value};
   frames_ = 0;
@@ -55,7 +52,7 @@ bool CardCallback::finish() {
   return true;
 }
 
-// `block` says that it is busy before it looks at the stage, so one of the two sees the other.
+// `block` sets busy_ before it reads the stage, so one of the two threads sees the other.
 void CardCallback::abandon() noexcept {
   stage_.store(Stage::Silent);
   while (busy_.load()) std::this_thread::yield();
@@ -69,12 +66,13 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
   if (stage != Stage::Silent && frames > 0) {
     const auto begin = Clock::now();
     if (std::exchange(first_, false)) meter_.realtime_priority(realtime_priority());
-    // What stood at full level before a stall must not be there again at once.
+    // After a stall the outputs must not jump back to full level.
     const bool resumes = stage == Stage::Playing && silence_at(begin) > patience_;
     watch(frames, begin);
     if (stage == Stage::Playing) meter_.clock(seconds_at(begin));
     for (int offset = 0; offset < frames; offset += format_.max_frames)
-      run(in, out, offset, std::min(format_.max_frames, frames - offset), resumes ? Stage::Finishing : stage);
+      process(in, out, offset, std::min(format_.max_frames, frames - offset),
+              resumes ? Stage::Finishing : stage);
     const std::chrono::duration<double> took = Clock::now() - begin;
     if (stage == Stage::Playing) meter_.block(frames, took.count() * format_.sample_rate.value / frames);
     if (stage == Stage::Finishing) stage_.store(Stage::Silent);
@@ -82,27 +80,27 @@ void CardCallback::block(const float* const* in, float* const* out, int device_o
   busy_.store(false);
 }
 
-void CardCallback::run(const float* const* in, float* const* out, int offset, int frames,
-                       Stage stage) noexcept {
-  take_input(in, offset, frames);
+void CardCallback::process(const float* const* in, float* const* out, int offset, int frames,
+                           Stage stage) noexcept {
+  convert_input(in, offset, frames);
   const BlockIo io{in_.data(), out_.data(), frames};
   if (stage == Stage::Finishing)
     processor_.finish(io);
   else
     processor_.process(io);
-  for (std::size_t c = 0; c < out_map_.size(); ++c) {
-    auto* plane = out[out_map_[c]];
+  for (int c = 0; c < out_.size(); ++c) {
+    auto* plane = out[out_map_[static_cast<std::size_t>(c)]];
     if (plane == nullptr) continue;
-    std::transform(out_samples_[c].data(), out_samples_[c].data() + frames, plane + offset,
+    std::transform(out_[c], out_[c] + frames, plane + offset,
                    [](double sample) { return static_cast<float>(sample); });
   }
 }
 
-void CardCallback::take_input(const float* const* in, int offset, int frames) noexcept {
+void CardCallback::convert_input(const float* const* in, int offset, int frames) noexcept {
   std::int64_t bad = 0;
-  for (std::size_t c = 0; c < in_map_.size(); ++c) {
-    const auto* plane = in == nullptr ? nullptr : in[in_map_[c]];
-    auto* samples = in_samples_[c].data();
+  for (int c = 0; c < in_.size(); ++c) {
+    const auto* plane = in == nullptr ? nullptr : in[in_map_[static_cast<std::size_t>(c)]];
+    double* const samples = in_[c];
     if (plane == nullptr) {
       std::fill_n(samples, frames, 0.0);
       continue;
@@ -116,8 +114,8 @@ void CardCallback::take_input(const float* const* in, int offset, int frames) no
   if (bad > 0) meter_.bad_input(bad);
 }
 
-/// The clock finds missing frames at the end of the half second after the gap: if none was reported in this
-/// time, nobody noticed.
+/// The clock finds missing frames at the end of the half second after a gap: if the library reported no gap
+/// in that time, it missed it.
 void CardCallback::watch(int frames, Clock::time_point now) noexcept {
   const auto now_ns = nanoseconds(now);
   last_block_ns_.store(now_ns, std::memory_order_relaxed);
@@ -137,7 +135,7 @@ double CardCallback::seconds_at(Clock::time_point now) noexcept {
 
 void CardCallback::lost(std::int64_t frames) noexcept {
   meter_.lost(frames);
-  frames_ += frames;  // the clock need not find them again
+  frames_ += frames;  // so that the clock does not count them again
 }
 
 void CardCallback::gap(Gap gap) noexcept {

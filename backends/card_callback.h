@@ -8,14 +8,16 @@
 #include "backends/backend.h"
 #include "backends/frame_watch.h"
 #include "backends/health.h"
+#include "engine/core/channels.h"
 
 namespace tactus {
 
-/// What the thread of a sound library works on, the same for every library: samples become doubles, the
-/// processor answers, and the answer goes out as floats. It holds nothing of the library.
+/// The audio callback of every sound library: cuts a block that is longer than was granted, turns float32
+/// into finite doubles, calls the processor and turns its outputs into float32. It holds nothing of the
+/// library.
 ///
-/// A library that hangs may call back long after its stream was given up: keep the callback by shared_ptr
-/// until the library is closed for sure. Once abandoned it gives out zeros and leaves the processor alone.
+/// A library that hangs may call back long after its stream was abandoned: keep the callback by shared_ptr
+/// until the library is certainly closed. Once abandoned, it outputs zeros and does not call the processor.
 class CardCallback {
  public:
   /// [control] `processor` is prepared for `granted.format` and outlives `abandon`. `request` has the channel
@@ -35,7 +37,7 @@ class CardCallback {
   /// `in` may be nullptr, as may any plane: silence. `device_outputs`: how many planes to fill.
   void block(const float* const* in, float* const* out, int device_outputs, int frames) noexcept;
 
-  /// [realtime, any thread] A gap that the library reported. [realtime] Frames that it says it lost.
+  /// [realtime, any thread] A gap that the library reported. [realtime] Frames that it reported lost.
   void gap(Gap gap) noexcept;
   void lost(std::int64_t frames) noexcept;
 
@@ -54,8 +56,8 @@ class CardCallback {
   };
   using Clock = std::chrono::steady_clock;
 
-  void run(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
-  void take_input(const float* const* in, int offset, int frames) noexcept;
+  void process(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
+  void convert_input(const float* const* in, int offset, int frames) noexcept;
   void watch(int frames, Clock::time_point now) noexcept;
   std::chrono::nanoseconds silence_at(Clock::time_point now) const noexcept;
   double seconds_at(Clock::time_point now) noexcept;
@@ -65,9 +67,7 @@ class CardCallback {
   const bool watch_clock_;
   const std::chrono::nanoseconds patience_;
   std::vector<int> in_map_, out_map_;
-  std::vector<std::vector<double>> in_samples_, out_samples_;
-  std::vector<const double*> in_;
-  std::vector<double*> out_;
+  ChannelBuffers in_, out_;
   std::atomic<Stage> stage_{Stage::Silent};
   std::atomic<bool> busy_{false};
   std::atomic<std::int64_t> last_block_ns_{0};  ///< of the steady clock; when `play` began, until the first

@@ -14,8 +14,8 @@ namespace tactus {
 enum class Gap : std::uint8_t {
   Input,   ///< the driver had to drop what came in
   Output,  ///< the driver ran out of what goes out
-  Server,  ///< the sound server says that somebody was late
-  Unsaid,  ///< nobody said anything, but frames are missing
+  Server,  ///< the sound server reported a late client
+  Unsaid,  ///< not reported, but frames are missing
 };
 inline constexpr std::size_t kGaps = 4;
 /// [any] "input", "output", "server", "unsaid".
@@ -26,7 +26,7 @@ struct Health {
   std::int64_t blocks = 0;
   std::int64_t frames = 0;
   double seconds = 0.0;                    ///< from the first block to the latest; 0: no clock is looked at
-  std::int64_t xruns = 0;                  ///< gaps, whoever noticed them
+  std::int64_t xruns = 0;                  ///< gaps of all causes
   std::array<std::int64_t, kGaps> gaps{};  ///< of them, by Gap
   std::int64_t lost_frames = 0;            ///< frames missing in those gaps, as far as they are known
   std::int64_t late_blocks = 0;            ///< that took longer to make than they last

@@ -7,13 +7,16 @@
 namespace tactus {
 namespace {
 
-double seconds(KeptStream::Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+double seconds(ReconnectingStream::Clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
 
 }  // namespace
 
-Result<std::unique_ptr<KeptStream>> KeptStream::open(Backend& backend, const StreamRequest& request,
-                                                     Guarded& processor) {
-  std::unique_ptr<KeptStream> kept{new KeptStream{backend, request, processor}};
+Result<std::unique_ptr<ReconnectingStream>> ReconnectingStream::open(Backend& backend,
+                                                                     const StreamRequest& request,
+                                                                     Guarded& processor) {
+  std::unique_ptr<ReconnectingStream> kept{new ReconnectingStream{backend, request, processor}};
   if (auto status = kept->reopen(); !status) return tl::unexpected(status.error());
   // From now on it is this device, whichever becomes the default.
   kept->request_.device = kept->granted_.device;
@@ -22,17 +25,17 @@ Result<std::unique_ptr<KeptStream>> KeptStream::open(Backend& backend, const Str
   return kept;
 }
 
-Status KeptStream::start() {
+Status ReconnectingStream::start() {
   wanted_ = true;
   return stream_ ? stream_->start() : Status{};
 }
 
-Status KeptStream::stop() {
+Status ReconnectingStream::stop() {
   wanted_ = false;
   return stream_ ? stream_->stop() : Status{};
 }
 
-Status KeptStream::reopen() {
+Status ReconnectingStream::reopen() {
   auto stream = backend_.open(request_, processor_);
   if (!stream) return tl::unexpected(stream.error());
   granted_ = (*stream)->granted();
@@ -40,27 +43,27 @@ Status KeptStream::reopen() {
   return {};
 }
 
-void KeptStream::tick(Clock::time_point now) {
+void ReconnectingStream::tick(Clock::time_point now) {
   if (!stream_) return try_again(now);
-  for (auto note = stream_->take_note(); !note.empty(); note = stream_->take_note()) tell(note);
+  for (auto note = stream_->take_note(); !note.empty(); note = stream_->take_note()) report(note);
   if (stream_->state() == StreamState::Lost) return lose(now);
   watch_stall(now);
 }
 
-void KeptStream::lose(Clock::time_point now) {
+void ReconnectingStream::lose(Clock::time_point now) {
   if (!wanted_) return;
   stalled_at_.reset();
   lost_at_ = now;
   wanted_ = granted_.comes_back;
-  if (!wanted_) return tell("has gone away; it can only come back to a new start of this program");
+  if (!wanted_) return report("disconnected; start the program again to reopen it");
   before_ = health();
   stream_.reset();
-  tell("has gone away; until it is back there is silence");
+  report("disconnected; outputs are silent until it is back");
   last_refusal_.clear();
   next_try_ = now;
 }
 
-void KeptStream::try_again(Clock::time_point now) {
+void ReconnectingStream::try_again(Clock::time_point now) {
   if (!wanted_ || now < next_try_) return;
   next_try_ = now + kRetry;
   const int block = granted_.block_frames;
@@ -69,38 +72,40 @@ void KeptStream::try_again(Clock::time_point now) {
   if (status) status = stream_->start();
   if (status) {
     ++returns_;
-    tell(fmt::format("is back after {:.1f} s", seconds(now - lost_at_)));
+    report(fmt::format("reconnected after {:.1f} s", seconds(now - lost_at_)));
     if (granted_.block_frames != block)
-      tell(fmt::format("its blocks have {} frames now and had {}: the delay has changed",
-                       granted_.block_frames, block));
+      report(fmt::format("block size is now {} frames instead of {}: the delay has changed",
+                         granted_.block_frames, block));
     return;
   }
   stream_.reset();
   if (auto why = to_string(status.error()); why != last_refusal_) {
-    tell("is awaited: " + why);
+    report("waiting for it: " + why);
     last_refusal_ = std::move(why);
   }
 }
 
-void KeptStream::watch_stall(Clock::time_point now) {
+void ReconnectingStream::watch_stall(Clock::time_point now) {
   const bool stalled = stream_->state() == StreamState::Stalled;
   if (stalled == stalled_at_.has_value()) return;
   if (stalled)
-    tell("does not answer");
+    report("does not respond");
   else
-    tell(fmt::format("answers again after {:.1f} s", seconds(now - *stalled_at_)));
+    report(fmt::format("responds again after {:.1f} s", seconds(now - *stalled_at_)));
   stalled_at_ = stalled ? std::optional{now} : std::nullopt;
 }
 
-void KeptStream::tell(const std::string& what) { events_.push_back("'" + granted_.device + "': " + what); }
+void ReconnectingStream::report(const std::string& what) {
+  events_.push_back("'" + granted_.device + "': " + what);
+}
 
-std::optional<std::string> KeptStream::take_event() {
+std::optional<std::string> ReconnectingStream::take_event() {
   if (events_.empty()) return std::nullopt;
   auto event = std::move(events_.front());
   events_.pop_front();
   return event;
 }
 
-Health KeptStream::health() const { return stream_ ? together(before_, stream_->health()) : before_; }
+Health ReconnectingStream::health() const { return stream_ ? together(before_, stream_->health()) : before_; }
 
 }  // namespace tactus

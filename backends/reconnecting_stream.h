@@ -14,14 +14,14 @@ namespace tactus {
 /// A stream that comes back: when its device is Lost it is destroyed, and opened again every 200 ms until the
 /// very same device is there, at the very same rate. Each time the processor is prepared anew, so the guards
 /// open softly. All functions are called from one control thread.
-class KeptStream {
+class ReconnectingStream {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kRetry{200};
 
   /// [control] `backend` and `processor` outlive it. Errors: those of Backend::open.
-  static Result<std::unique_ptr<KeptStream>> open(Backend& backend, const StreamRequest& request,
-                                                  Guarded& processor);
+  static Result<std::unique_ptr<ReconnectingStream>> open(Backend& backend, const StreamRequest& request,
+                                                          Guarded& processor);
 
   /// [control] `reopened` is called each time that the device came back, before blocks flow again.
   void on_return(std::function<void()> reopened) { reopened_ = std::move(reopened); }
@@ -44,14 +44,14 @@ class KeptStream {
   int returns() const { return returns_; }
 
  private:
-  KeptStream(Backend& backend, StreamRequest request, Guarded& processor)
+  ReconnectingStream(Backend& backend, StreamRequest request, Guarded& processor)
       : backend_(backend), request_(std::move(request)), processor_(processor) {}
 
   Status reopen();
   void lose(Clock::time_point now);
   void try_again(Clock::time_point now);
   void watch_stall(Clock::time_point now);
-  void tell(const std::string& what);
+  void report(const std::string& what);
 
   Backend& backend_;
   StreamRequest request_;

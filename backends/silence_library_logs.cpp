@@ -19,7 +19,7 @@ void ignore_jack(const char*) {}
 
 }  // namespace
 
-void silence_sound_libraries() {
+void silence_library_logs() {
 #if defined(TACTUS_HAS_ALSA)
   snd_lib_error_set_handler(ignore_alsa);
 #endif

@@ -29,7 +29,7 @@ std::uint32_t little_endian(const unsigned char* bytes) {
   return bytes[0] | (bytes[1] << 8) | (bytes[2] << 16) | (static_cast<std::uint32_t>(bytes[3]) << 24);
 }
 
-/// libsndfile reads what is there of a file that was cut off and says nothing, so the chunks are walked here.
+/// libsndfile reads a truncated file without an error, so the chunks are walked here.
 /// Only RIFF: an RF64 file keeps its sizes elsewhere.
 Status check_length(const fs::path& path) {
   std::error_code ignored;

@@ -8,20 +8,32 @@ find_package(tl-expected REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(SNDFILE REQUIRED IMPORTED_TARGET sndfile)
 
-# Libraries that reach sound cards and MIDI keyboards, and where pkg-config finds them. One that is not installed
+# Libraries for sound cards and MIDI, each with the name of its package in pkg-config. A line here registers the
+# backend in the folder of that name, in the order in which they are asked for a device; one that is not installed
 # is left out, and `tactus devices` says so.
-set(TACTUS_CARDS jack rtaudio portaudio rtmidi CACHE STRING "Libraries for sound cards and MIDI")
-set(TACTUS_PACKAGE_portaudio portaudio-2.0)
-foreach(card jack rtaudio portaudio rtmidi)
-  set(TACTUS_HAS_${card} OFF)
-  if(NOT card IN_LIST TACTUS_CARDS)
-    continue()
-  endif()
-  if(NOT DEFINED TACTUS_PACKAGE_${card})
-    set(TACTUS_PACKAGE_${card} ${card})
-  endif()
-  pkg_check_modules(${card} QUIET IMPORTED_TARGET ${TACTUS_PACKAGE_${card}})
-  set(TACTUS_HAS_${card} ${${card}_FOUND})
+set(sound_libraries
+  jack jack
+  rtaudio rtaudio
+  portaudio portaudio-2.0)
+set(midi_libraries
+  rtmidi rtmidi)
+
+set(TACTUS_CARDS "" CACHE STRING "Libraries for sound cards and MIDI to use; empty: all that are installed")
+set(TACTUS_SOUND_LIBRARIES "")  # those found
+set(TACTUS_MIDI_LIBRARIES "")
+foreach(kind sound midi)
+  string(TOUPPER ${kind} KIND)
+  while(${kind}_libraries)
+    list(POP_FRONT ${kind}_libraries library package)
+    if(TACTUS_CARDS AND NOT library IN_LIST TACTUS_CARDS)
+      continue()
+    endif()
+    pkg_check_modules(${library} QUIET IMPORTED_TARGET ${package})
+    if(${library}_FOUND)
+      list(APPEND TACTUS_${KIND}_LIBRARIES ${library})
+      set(TACTUS_HAS_${library} ON)
+    endif()
+  endwhile()
 endforeach()
 
 find_path(TOMLPLUSPLUS_INCLUDE_DIR toml++/toml.h REQUIRED)

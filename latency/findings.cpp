@@ -132,7 +132,7 @@ struct Gains {
 std::optional<Finding> moving_gain(const Analysis& analysis, const Evidence& evidence) {
   const Gains gains{analysis.sweeps};
   const double by_level = gains.by_level();
-  const double before = evidence.knock_gain_db ? *evidence.knock_gain_db - mean(gains.loud) : 0.0;
+  const double before = evidence.level_probe_gain_db ? *evidence.level_probe_gain_db - mean(gains.loud) : 0.0;
   const double fall = std::max(gains.fall(), before);
   const bool falls = fall > kCancelled;
   if (!falls && gains.rise() > kGainRises)

@@ -22,10 +22,10 @@ struct Evidence {
   Response::Echo echo;
   std::optional<SecondPath> second;  ///< further away
   bool with_profile = false;
-  bool overdriven = false;              ///< loud and soft sweeps differ in shape
-  double gain_range_db = 0.0;           ///< highest over lowest gain of the model in the band
-  double widest_error_frames = 0.1;     ///< standard error that is still called a result
-  std::optional<double> knock_gain_db;  ///< highest gain of bursts before the sweeps
+  bool overdriven = false;                    ///< loud and soft sweeps differ in shape
+  double gain_range_db = 0.0;                 ///< highest over lowest gain of the model in the band
+  double widest_error_frames = 0.1;           ///< standard error that is still called a result
+  std::optional<double> level_probe_gain_db;  ///< highest gain of bursts before the sweeps
 };
 
 /// [control] It was heard, but less than three sweeps from beginning to end.

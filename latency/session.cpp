@@ -20,8 +20,8 @@ constexpr std::size_t kEnoughGood = 3;
 using Findings = std::vector<Finding>;
 
 void add_outcome(Findings& findings, const ProbePlayer& player) {
-  if (player.outcome() == ProbePlayer::Outcome::Howl)
-    findings.push_back({Verdict::Howl,
+  if (player.outcome() == ProbePlayer::Outcome::Feedback)
+    findings.push_back({Verdict::Feedback,
                         "the input came near full scale and stayed there although the output had been muted: "
                         "what is heard is "
                         "played again",
@@ -40,9 +40,9 @@ void add_outcome(Findings& findings, const ProbePlayer& player) {
 
 void add_event(Findings& findings, const GuardEvent& event, int input, bool drive) {
   switch (event.kind) {
-    case GuardEvent::Kind::Howl:
+    case GuardEvent::Kind::Feedback:
       findings.push_back(
-          {Verdict::Howl,
+          {Verdict::Feedback,
            "the drive guard had to hold the output back for more than 100 ms and let it fade out",
            "measure at a lower level, or give the limits of the actuator that is there"});
       return;

@@ -10,7 +10,7 @@ const char* code(Verdict verdict) {
       return "NO_SIGNAL";
     case Verdict::WrongChannel:
       return "WRONG_CHANNEL";
-    case Verdict::Howl:
+    case Verdict::Feedback:
       return "HOWL";
     case Verdict::Clipping:
       return "CLIPPING";

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <string>
 
@@ -10,7 +11,7 @@ enum class Verdict {
   Ok,
   NoSignal,          ///< nothing of what was played came back
   WrongChannel,      ///< it came back on another input
-  Howl,              ///< the loop fed itself; the output was muted
+  Feedback,          ///< the loop fed itself; the output was muted
   Clipping,          ///< the input was at its end
   LostFrames,        ///< the driver dropped or repeated frames
   ApiMismatch,       ///< the stream does not run as it was granted

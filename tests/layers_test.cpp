@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -70,19 +71,7 @@ const std::vector<ThirdParty> kThirdParty = {
       "engine/study/", "backends/", "latency/", "apps/"}},
     {"nlohmann/", {"engine/study/", "backends/take/", "latency/", "apps/"}},
     {"CLI/", {"apps/"}},
-    {"jack/", {"backends/jack/", "backends/silence_library_logs.cpp"}},
-    {"RtAudio.h", {"backends/rtaudio/"}},
-    {"rtaudio/", {"backends/rtaudio/"}},
-    {"portaudio.h", {"backends/portaudio/"}},
-    {"pa_", {"backends/portaudio/"}},
-    {"alsa/", {"backends/silence_library_logs.cpp"}},
-    {"RtMidi.h", {"backends/rtmidi/"}},
-    {"rtmidi/", {"backends/rtmidi/"}},
 };
-
-/// Of the sound libraries only the .cpp may know, so that no user of a backend needs their headers.
-const std::vector<std::string> kOnlyInSources = {"sndfile.h",   "jack/", "RtAudio.h", "rtaudio/",
-                                                 "portaudio.h", "pa_",   "RtMidi.h",  "rtmidi/"};
 
 /// Vector intrinsics exist wherever the compiler's macros say so; the system's own headers only at the rim.
 const std::set<std::string> kIntrinsics = {"xmmintrin.h", "immintrin.h", "arm_neon.h"};
@@ -132,12 +121,26 @@ std::string judge_own(const std::string& file, const std::string& include) {
   return "";
 }
 
+/// The library of a backend: in its folder's .cpp files, so that no user of a backend needs its headers.
+std::string judge_in_backend(const std::string& file, const std::string& include) {
+  if (include.find_first_of("./") == std::string::npos) return "";
+  if (!file.ends_with(".cpp")) return "only a .cpp may include it";
+  if (file == "backends/silence_library_logs.cpp") return "";
+  if (backend_of(file).empty()) return "only the folder of its backend may include it";
+  std::string name = include;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const auto& entry : fs::directory_iterator(fs::path{TACTUS_SOURCE_DIR} / "backends"))
+    if (const auto folder = entry.path().filename().string();
+        entry.is_directory() && begins(name, folder) && "backends/" + folder != backend_of(file))
+      return "only the folder of its backend may include it";
+  return "";
+}
+
 std::string judge_foreign(const std::string& file, const std::string& include) {
   const auto matches = [&](const auto& beginning) { return begins(include, beginning); };
   for (const auto& library : kThirdParty) {
     if (!matches(library.header)) continue;
-    if (!file.ends_with(".cpp") && std::any_of(kOnlyInSources.begin(), kOnlyInSources.end(), matches))
-      return "only a .cpp may include it";
+    if (!file.ends_with(".cpp") && library.header == "sndfile.h") return "only a .cpp may include it";
     const bool allowed = std::any_of(library.allowed.begin(), library.allowed.end(),
                                      [&](const auto& place) { return begins(file, place); });
     return allowed ? "" : "not allowed in " + layer_of(file);
@@ -145,6 +148,7 @@ std::string judge_foreign(const std::string& file, const std::string& include) {
   if (kIntrinsics.contains(include)) return "";
   if (kSystem.contains(include))
     return begins(file, "engine/") ? "the engine must not know the operating system" : "";
+  if (begins(file, "backends/")) return judge_in_backend(file, include);
   const bool standard = include.find_first_of("./") == std::string::npos || include == "experimental/simd";
   return standard ? "" : "an unknown library: name it in tests/layers_test.cpp and say where it may be used";
 }
@@ -262,7 +266,11 @@ TEST_CASE("layers: a library outside its place is refused, with the reason", "[l
   CHECK(judge("engine/nodes/a.cpp", {"Eigen/Dense", false}) == "not allowed in engine/nodes");
   CHECK(judge("engine/runtime/a.cpp", {"toml++/toml.h", false}) == "not allowed in engine/runtime");
   CHECK(judge("backends/wav_file.h", {"sndfile.h", false}) == "only a .cpp may include it");
-  CHECK(judge("backends/portaudio/a.cpp", {"jack/jack.h", false}) == "not allowed in backends");
+  CHECK(judge("backends/portaudio/a.cpp", {"jack/jack.h", false}) ==
+        "only the folder of its backend may include it");
+  CHECK(judge("backends/health.cpp", {"jack/jack.h", false}) ==
+        "only the folder of its backend may include it");
+  CHECK(judge("backends/jack/a.h", {"jack/jack.h", false}) == "only a .cpp may include it");
   CHECK(judge("engine/core/a.cpp", {"unistd.h", false}) == "the engine must not know the operating system");
   CHECK(judge("engine/core/a.cpp", {"boost/any.hpp", false}) ==
         "an unknown library: name it in tests/layers_test.cpp and say where it may be used");

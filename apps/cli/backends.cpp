@@ -6,15 +6,7 @@
 
 #include "backends/find_device.h"
 #include "backends/loop/loop.h"
-#if defined(TACTUS_HAS_JACK)
-#include "backends/jack/jack.h"
-#endif
-#if defined(TACTUS_HAS_RTAUDIO)
-#include "backends/rtaudio/rtaudio.h"
-#endif
-#if defined(TACTUS_HAS_PORTAUDIO)
-#include "backends/portaudio/portaudio.h"
-#endif
+#include "backends/sound_backends.h"
 #if defined(TACTUS_HAS_RTMIDI)
 #include "backends/rtmidi/rtmidi.h"
 #endif
@@ -22,82 +14,60 @@
 namespace tactus::app {
 namespace {
 
-struct Maker {
-  const char* name;
-  std::unique_ptr<Backend> (*make)();
-};
-
-template <class Kind>
-std::unique_ptr<Backend> make() {
-  return std::make_unique<Kind>();
+/// The simulated cards: only used when they are named.
+const SoundBackend& simulated() {
+  static const SoundBackend loop{"loop", [] { return std::unique_ptr<Backend>{new LoopBackend}; }};
+  return loop;
 }
 
-const std::vector<Maker>& makers() {
-  static const std::vector<Maker> all = {
-#if defined(TACTUS_HAS_JACK)
-    {"jack", make<JackBackend>},
-#endif
-#if defined(TACTUS_HAS_RTAUDIO)
-    {"rtaudio", make<RtAudioBackend>},
-#endif
-#if defined(TACTUS_HAS_PORTAUDIO)
-    {"portaudio", make<PortAudioBackend>},
-#endif
-  };
-  return all;
-}
-
-/// The simulated cards are there for whoever names them, and never found by chance.
-constexpr Maker kSimulated{"loop", make<LoopBackend>};
-
-/// Those that `name` means: all for sound cards if it is empty.
-std::vector<Maker> makers_of(const std::string& name) {
-  if (name == kSimulated.name) return {kSimulated};
-  std::vector<Maker> meant;
-  std::copy_if(makers().begin(), makers().end(), std::back_inserter(meant),
-               [&](const Maker& maker) { return name.empty() || name == maker.name; });
-  return meant;
+/// The backend called `name`; all for sound cards if it is empty.
+std::vector<SoundBackend> backends_called(const std::string& name) {
+  if (name == simulated().name) return {simulated()};
+  std::vector<SoundBackend> found;
+  std::copy_if(sound_backends().begin(), sound_backends().end(), std::back_inserter(found),
+               [&](const SoundBackend& backend) { return name.empty() || name == backend.name; });
+  return found;
 }
 
 /// "jack" of "jack:system", if there is such a backend.
 std::string backend_of(const std::string& id) {
   const auto colon = id.find(':');
   const auto name = colon == std::string::npos ? "" : id.substr(0, colon);
-  return makers_of(name).size() == 1 ? name : "";
+  return backends_called(name).size() == 1 ? name : "";
 }
 
-/// What `maker` reaches, and, where it can, the device that `id` describes.
-std::unique_ptr<Backend> made(const Maker& maker, const std::string& id) {
-  if (maker.name != std::string{kSimulated.name}) return maker.make();
-  auto simulated = std::make_unique<LoopBackend>();
-  (void)simulated->add(id);
-  return simulated;
+/// A simulated card is made from its description in `id`.
+std::unique_ptr<Backend> make_backend(const SoundBackend& backend, const std::string& id) {
+  if (backend.name != simulated().name) return backend.make();
+  auto loop = std::make_unique<LoopBackend>();
+  (void)loop->add(id);
+  return loop;
 }
 
 }  // namespace
 
 std::vector<std::string> card_backends() {
   std::vector<std::string> names;
-  for (const auto& maker : makers()) names.emplace_back(maker.name);
+  for (const auto& backend : sound_backends()) names.push_back(backend.name);
   return names;
 }
 
 const char* no_card_backend() {
   return "this program was built without any library for sound cards: install JACK, RtAudio or PortAudio and "
-         "build it again";
+         "build again";
 }
 
 Result<std::unique_ptr<Backend>> make_card_backend(const std::string& name) {
   if (!name.empty())
-    for (const auto& maker : makers_of(name)) return maker.make();
-  return fail(
-      Errc::UnknownName, "--backend", "this program has no backend '" + name + "'",
-      makers().empty() ? no_card_backend() : fmt::format("it has {}", fmt::join(card_backends(), ", ")));
+    for (const auto& backend : backends_called(name)) return backend.make();
+  return fail(Errc::UnknownName, "--backend", "this program has no backend '" + name + "'",
+              sound_backends().empty() ? no_card_backend()
+                                       : fmt::format("it has {}", fmt::join(card_backends(), ", ")));
 }
 
 std::vector<BackendDevices> list_devices(const std::string& backend) {
   std::vector<BackendDevices> all;
-  for (const auto& maker : makers_of(backend)) all.push_back({maker.name, maker.make()->devices()});
+  for (const auto& called : backends_called(backend)) all.push_back({called.name, called.make()->devices()});
   return all;
 }
 
@@ -109,12 +79,12 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
   const auto named = backend.empty() ? backend_of(wanted) : backend;
   std::vector<Device> others;
   std::string reasons;
-  for (const auto& maker : makers_of(named)) {
-    auto there = made(maker, wanted);
-    const auto devices = there->devices();
+  for (const auto& called : backends_called(named)) {
+    auto made = make_backend(called, wanted);
+    const auto devices = made->devices();
     if (!devices || devices->empty()) {
-      reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", maker.name,
-                             devices ? "it sees no device" : to_string(devices.error()));
+      reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", called.name,
+                             devices ? "no device" : to_string(devices.error()));
       continue;
     }
     auto out = find_device(*devices, wanted);
@@ -125,13 +95,12 @@ Result<ChosenDevices> choose_devices(const std::string& backend, const std::stri
     }
     auto in = input.empty() ? out : find_device(*devices, input);
     if (!in) return tl::unexpected(in.error());
-    return ChosenDevices{std::move(there), std::move(*out), std::move(*in)};
+    return ChosenDevices{std::move(made), std::move(*out), std::move(*in)};
   }
   if (const auto missing = find_device(others, wanted); !others.empty() && !missing)
     return tl::unexpected(missing.error());
-  return fail(Errc::Device, "",
-              wanted.empty() ? "there is no sound device" : "there is no device '" + wanted + "'",
-              makers().empty() ? no_card_backend() : reasons);
+  return fail(Errc::Device, "", wanted.empty() ? "no sound device" : "there is no device '" + wanted + "'",
+              sound_backends().empty() ? no_card_backend() : reasons);
 }
 
 std::unique_ptr<MidiInputs> make_midi_inputs([[maybe_unused]] const std::string& api) {

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <memory>
 #include <string>
@@ -16,7 +17,7 @@ const char* no_card_backend();
 /// One of them, or "loop", the simulated cards. Errors: UnknownName, with what there is and how to have it.
 Result<std::unique_ptr<Backend>> make_card_backend(const std::string& name);
 
-/// All that a backend can open now, or why it cannot tell.
+/// All that a backend can open now, or why that is unknown.
 struct BackendDevices {
   std::string backend;
   Result<std::vector<Device>> devices;

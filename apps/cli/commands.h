@@ -1,10 +1,11 @@
 #pragma once
+// Thread: [control]
 
 #include <CLI/CLI.hpp>
 
 namespace tactus::app {
 
-/// What the program's exit status says.
+/// Exit codes of the program.
 enum Exit { kDone = 0, kNo = 1, kUsage = 2, kBadFile = 3, kDevice = 4, kInterrupted = 5 };
 
 /// Each command adds itself: its options, its help, and what it does (its result goes into `exit_code`).

@@ -49,7 +49,7 @@ Status raise(DriveBook& drives, const std::string& text, bool said) {
     fmt::print(
         stderr,
         "warning: the drive guard's limit '{}' is raised to {}, beyond what the profile or the cautious "
-        "default allows; keep hands away until you know what it does\n",
+        "default allows; keep hands away until its effect is known\n",
         name, value);
   return {};
 }
@@ -58,9 +58,9 @@ Status raise(DriveBook& drives, const std::string& text, bool said) {
 
 void add_guard_options(CLI::App& command, GuardOptions& options) {
   command.add_option("--profile", options.profile,
-                     "what every drive moves: woofer, bass_shaker, tactor_lra, voice_coil, … or a file");
+                     "actuator of every drive: woofer, bass_shaker, tactor_lra, voice_coil, … or a file");
   command.add_option("--volts-per-full-scale", options.volts,
-                     "what a sample of 1 puts on its terminals, such as 8 or \"8 V\"");
+                     "voltage at the actuator for a sample of 1, such as 8 or \"8 V\"");
   command.add_option(
       "--raise-limit", options.raise,
       "NAME=VALUE: a limit of the drive guard beyond the profile's, such as ceiling=0.8: ceiling, "
@@ -107,7 +107,7 @@ Json guard_json(const GuardReport& report, Hertz sample_rate) {
 
 void print_guard(const GuardReport& report, Hertz sample_rate) {
   auto lines = in_words(report, sample_rate);
-  if (lines.empty()) lines.push_back("had nothing to do");
+  if (lines.empty()) lines.push_back("no intervention");
   const char* heading = "drive guard";
   for (const auto& line : lines) fmt::print("  {:<18}  {}\n", std::exchange(heading, ""), line);
 }

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -11,7 +12,7 @@
 
 namespace tactus::app {
 
-/// What the command line says about the drive guard.
+/// Options of the drive guard.
 struct GuardOptions {
   std::string profile;             ///< "woofer", or a file; empty: as the scene says, else cautious
   std::string volts;               ///< volts per full scale

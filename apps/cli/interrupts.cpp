@@ -5,16 +5,22 @@
 namespace tactus::app {
 namespace {
 
-volatile std::sig_atomic_t came = 0;
-extern "C" void note_interrupt(int) { came = 1; }
+volatile std::sig_atomic_t signalled = 0;
+extern "C" void note_signal(int) { signalled = 1; }
 
 }  // namespace
 
-void heed_interrupts() {
-  std::signal(SIGINT, note_interrupt);
-  std::signal(SIGTERM, note_interrupt);
+void install_signal_handlers([[maybe_unused]] bool also_hangup) {
+  std::signal(SIGINT, note_signal);
+  std::signal(SIGTERM, note_signal);
+#if defined(SIGHUP)
+  if (!also_hangup) return;
+  std::signal(SIGHUP, note_signal);
+  std::signal(SIGQUIT, note_signal);
+  std::signal(SIGPIPE, SIG_IGN);
+#endif
 }
 
-bool interrupted() { return came != 0; }
+bool interrupted() { return signalled != 0; }
 
 }  // namespace tactus::app

@@ -7,7 +7,7 @@
 
 namespace tactus::app {
 
-/// What a system says about itself, as it says it; nothing where it says nothing.
+/// Facts of the operating system as it gives them; empty where it gives none.
 struct SystemFacts {
   using Text = std::optional<std::string>;
   struct Process {

@@ -51,7 +51,7 @@ void add_sounds(const GraphSpec& spec, const NodeTable& table, const fs::path& r
 Result<fs::path> inside(const fs::path& folder, const std::string& name) {
   const auto path = fs::path{name}.lexically_normal();
   if (!path.has_root_path() && !path.empty() && *path.begin() != "..") return folder / path;
-  return fail(Errc::BadFile, name, "a file of the take lies outside of its folder", "do not trust this take");
+  return fail(Errc::BadFile, name, "a file of the take is outside its folder", "do not trust this take");
 }
 
 }  // namespace
@@ -109,8 +109,8 @@ Result<fs::path> unpack(const TakeFiles& files, const fs::path& folder) {
     if (!path) return path;
     if (print_of(*source) != print)
       return fail(Errc::BadFile, source->string(),
-                  "this sound file is gone or not what it was when the take was recorded",
-                  "put the old one back");
+                  "this sound file is missing or has changed since the take was recorded",
+                  "restore the former file");
     fs::create_directories(path->parent_path(), error);
     fs::copy_file(*source, *path, fs::copy_options::overwrite_existing, error);
     if (error) return fail(Errc::BadFile, path->string(), "cannot be written", "check the space on the disk");

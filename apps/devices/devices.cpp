@@ -38,14 +38,14 @@ std::string latency_text(const Device& device) {
   const auto ms = [&](const std::optional<double>& frames) {
     return frames ? fmt::format("{:.2f}", 1e3 * *frames / device.default_rate.value) : std::string{"?"};
   };
-  return fmt::format(", driver says {} ms in, {} ms out", ms(device.input_latency_frames),
+  return fmt::format(", driver reports {} ms in, {} ms out", ms(device.input_latency_frames),
                      ms(device.output_latency_frames));
 }
 
 std::string measured_text(const Device& device, const MeasuredDelays& delays) {
   const auto* measured = delays.newest(device.id, device.id);
   if (measured == nullptr) return "";
-  return fmt::format("\n      measured here: {:.3f} ms with {} frames a block at {:g} kHz, {}",
+  return fmt::format("\n      measured here: {:.3f} ms, block {} frames, {:g} kHz, {}",
                      1e3 * measured->delay.value, measured->key.block_frames,
                      measured->key.sample_rate.value / 1e3, measured->when);
 }
@@ -75,10 +75,10 @@ int run(const std::string& backend, bool as_json) {
     if (!devices) {
       json["unavailable"].push_back(
           {{"backend", name}, {"reason", devices.error().what}, {"remedy", devices.error().remedy}});
-      if (!as_json) fmt::print("  not now: {}\n", to_string(devices.error()));
+      if (!as_json) fmt::print("  unavailable: {}\n", to_string(devices.error()));
       continue;
     }
-    if (!as_json && devices->empty()) fmt::print("  sees no device\n");
+    if (!as_json && devices->empty()) fmt::print("  no device\n");
     for (const auto& device : *devices) {
       any = true;
       json["devices"].push_back(json_of(device, delays));
@@ -96,8 +96,9 @@ void add_devices(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("devices", "List the sound devices that instruments can play on");
   auto backend = std::make_shared<std::string>();
   auto as_json = std::make_shared<bool>(false);
-  command->add_option("--backend", *backend,
-                      "only those of one: jack, rtaudio or portaudio; loop: simulated cards");
+  command->add_option(
+      "--backend", *backend,
+      fmt::format("only those of one: {}; loop: simulated cards", fmt::join(card_backends(), ", ")));
   command->add_flag("--json", *as_json, "for machines");
   command->footer(
       "Examples:\n  tactus devices\n  tactus devices --backend jack --json\n"

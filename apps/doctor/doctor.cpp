@@ -55,7 +55,8 @@ void add_doctor(CLI::App& app, int& exit_code) {
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "for machines");
   command->footer(
-      "Example:\n  tactus doctor\nIt changes nothing; under a finding stands the command that mends it, or "
+      "Example:\n  tactus doctor\nIt changes nothing; each finding is followed by the command that fixes it, "
+      "or "
       "that shows more.\nExit code 1: something warns.");
   command->callback([json, &exit_code] { exit_code = run(*json); });
 }

@@ -105,7 +105,7 @@ Status write_evidence(const CalibrateOptions& options, const Calibration& calibr
 int run(const CalibrateOptions& options) {
   auto loop = make_loop(options.loop);
   if (!loop) return report(loop.error().errors), loop.error().exit;
-  heed_interrupts();
+  install_signal_handlers();
   const auto measured = measure_now(*loop->devices.backend, loop->settings);
   if (!measured) return report(measured.error()), exit_of(measured.error());
   if (!*measured) return fmt::print(stderr, "interrupted\n"), kInterrupted;

@@ -39,7 +39,7 @@ int keep(LatencyReport& report, const Loop& loop, const MeasureOptions& options)
 int run(const MeasureOptions& options) {
   auto loop = make_loop(options.loop);
   if (!loop) return report(loop.error().errors), loop.error().exit;
-  heed_interrupts();
+  install_signal_handlers();
   auto measured = measure_now(*loop->devices.backend, loop->settings);
   if (!measured) return report(measured.error()), exit_of(measured.error());
   if (!*measured) return fmt::print(stderr, "interrupted: nothing was kept\n"), kInterrupted;

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <optional>
 
@@ -6,8 +7,8 @@
 
 namespace tactus::app {
 
-/// Measures with a bar on stderr. Errors: of `measure`. Nothing: the user ended it (after heed_interrupts);
-/// the stream is closed.
+/// Measures with a bar on stderr. Errors: of `measure`. Nothing: the user ended it (after
+/// install_signal_handlers); the stream is closed.
 Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings);
 
 /// "jack:system, 48 kHz, 64 frames a block, 2 periods; output 1 to input 1"

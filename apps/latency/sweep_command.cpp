@@ -145,7 +145,7 @@ int run(const SweepOptions& options) {
     rates.push_back(*rate);
   }
   if (rates.empty()) rates = {*loop->settings.request.sample_rate};
-  heed_interrupts();
+  install_signal_handlers();
   Sweep sweep{*loop, options, rates};
   if (const auto ended = sweep.run()) return fmt::print(stderr, "interrupted\n"), *ended;
   return publish(sweep.report(), options);

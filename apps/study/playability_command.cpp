@@ -174,7 +174,7 @@ int run(const Options& options) {
   if (!scene) return report(scene.error());
   auto studied = study_options(options, *scene);
   if (!studied) return report(studied.error()), kUsage;
-  heed_interrupts();
+  install_signal_handlers();
   std::optional<Progress> progress{"playing " + scene->name};
   studied->progress = [&](double share) { (*progress)(share); };
   studied->stop = interrupted;

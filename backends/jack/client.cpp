@@ -25,13 +25,13 @@ Client& client(void* self) { return *static_cast<Client*>(self); }
 }  // namespace
 
 Result<std::shared_ptr<Client>> Client::open(const std::string& name) {
-  silence_sound_libraries();
+  silence_library_logs();
   jack_status_t status{};
   jack_client_t* handle = jack_client_open(name.c_str(), JackNoStartServer, &status);
   if (handle == nullptr)
     return fail(Errc::Device, "", why(status), "start one, as in: jackd -d alsa -d hw:0 -r 48000 -p 64");
-  return std::shared_ptr<Client>(new Client(handle),
-                                 [](Client* client) { returns_in_time([client] { delete client; }); });
+  return std::shared_ptr<Client>(
+      new Client(handle), [](Client* client) { tactus::call_with_timeout([client] { delete client; }); });
 }
 
 Client::Client(jack_client_t* handle)

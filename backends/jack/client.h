@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control] unless stated otherwise
 
 #include <atomic>
 #include <cstdint>
@@ -21,8 +22,8 @@ struct Wire {
 };
 
 /// A client of the running server, closed with its last owner. Any call that waits for the server's answer
-/// may hang: such calls are made by `patiently` and own the client, and it closes itself with the same
-/// patience.
+/// may hang: such calls are made by `call_with_timeout` and own the client, and it closes itself with the
+/// same patience.
 class Client {
  public:
   /// [control, may hang] Errors: Device, if no server answers.
@@ -74,14 +75,14 @@ class Client {
   std::uint32_t next_frame_ = 0;  ///< where the next block should begin, on the server's clock
 };
 
-/// [control] No answer of the server. Errors: Device, always.
+/// [control] The server did not answer. Errors: Device, always.
 tl::unexpected<Error> no_answer();
 
-/// [control] Calls what may hang, and gives up after two seconds. `call` owns whatever it touches.
+/// [control] A call that may hang; gives up after two seconds. `call` owns whatever it touches.
 template <class T>
-Result<T> patiently(std::function<Result<T>()> call) {
+Result<T> call_with_timeout(std::function<Result<T>()> call) {
   auto answer = std::make_shared<Result<T>>(no_answer());
-  if (!returns_in_time([call = std::move(call), answer] { *answer = call(); })) return no_answer();
+  if (!tactus::call_with_timeout([call = std::move(call), answer] { *answer = call(); })) return no_answer();
   return std::move(*answer);
 }
 

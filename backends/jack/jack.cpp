@@ -12,8 +12,8 @@
 namespace tactus {
 namespace {
 
+using jack::call_with_timeout;
 using jack::Client;
-using jack::patiently;
 using jack::Wire;
 
 Status gone() {
@@ -38,7 +38,7 @@ class JackStream final : public Stream {
   Status start() override {
     if (running_) return {};
     if (client_->lost()) return gone();
-    auto started = patiently<void>([client = client_] { return client->activate(); });
+    auto started = call_with_timeout<void>([client = client_] { return client->activate(); });
     if (!started) {
       (void)deactivate();
       return started;
@@ -86,13 +86,13 @@ class JackStream final : public Stream {
 
  private:
   Status deactivate() {
-    return patiently<void>([client = client_]() -> Status { return client->deactivate(), Status{}; });
+    return call_with_timeout<void>([client = client_]() -> Status { return client->deactivate(), Status{}; });
   }
 
   std::shared_ptr<Client> client_;
   StreamGranted granted_;
   std::vector<Wire> wires_;
-  std::vector<bool> connected_;  ///< as it was told last
+  std::vector<bool> connected_;  ///< as last reported
   int told_block_ = 0, told_rewirings_ = 0;
   bool running_ = false;
 };
@@ -136,7 +136,7 @@ StreamRequest unmapped(StreamRequest request) {
 }  // namespace
 
 Result<std::vector<Device>> JackBackend::devices() {
-  return patiently<std::vector<Device>>([]() -> Result<std::vector<Device>> {
+  return call_with_timeout<std::vector<Device>>([]() -> Result<std::vector<Device>> {
     const auto client = Client::open("tactus-devices");
     if (!client) return tl::unexpected(client.error());
     return jack::devices(**client, jack::cards(**client));
@@ -145,7 +145,7 @@ Result<std::vector<Device>> JackBackend::devices() {
 
 Result<std::unique_ptr<Stream>> JackBackend::open(const StreamRequest& request, Guarded& processor) {
   using Opened = std::shared_ptr<Client>;
-  const auto client = patiently<Opened>([name = request.client_name] { return Client::open(name); });
+  const auto client = call_with_timeout<Opened>([name = request.client_name] { return Client::open(name); });
   if (!client) return tl::unexpected(client.error());
   const auto cards = jack::cards(**client);
   const auto devices = jack::devices(**client, cards);
@@ -154,7 +154,7 @@ Result<std::unique_ptr<Stream>> JackBackend::open(const StreamRequest& request, 
   const auto add_ports = [client = *client, in = request.in_channels, out = request.out_channels] {
     return client->add_ports(in, out);
   };
-  if (auto status = patiently<void>(add_ports); !status) return tl::unexpected(status.error());
+  if (auto status = call_with_timeout<void>(add_ports); !status) return tl::unexpected(status.error());
   auto grant = granted(request, *choice, **client);
   if (auto status = processor.prepare(grant.format); !status) return tl::unexpected(status.error());
   auto to_connect = wires(**client, request, card_of(cards, devices, choice->input),
@@ -163,5 +163,7 @@ Result<std::unique_ptr<Stream>> JackBackend::open(const StreamRequest& request, 
                           to_connect);
   return std::make_unique<JackStream>(*client, std::move(grant), std::move(to_connect));
 }
+
+std::unique_ptr<Backend> make_jack_backend() { return std::make_unique<JackBackend>(); }
 
 }  // namespace tactus

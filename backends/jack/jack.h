@@ -13,7 +13,7 @@ namespace tactus {
 /// block size for all: another rate is refused, another block is not granted. This never starts a server.
 ///
 /// A stream is Lost when the server or the device's ports go away, and Stalled while the server does not
-/// answer. What others do to its connections stays as they left it, and is told by `take_note`. A call that
+/// answer. Changes that others make to its connections are kept, and reported by `take_note`. A call that
 /// the server does not answer within two seconds is an error; what hangs is left to itself, silent.
 class JackBackend final : public Backend {
  public:
@@ -21,5 +21,8 @@ class JackBackend final : public Backend {
   Result<std::vector<Device>> devices() override;
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override;
 };
+
+/// [control]
+std::unique_ptr<Backend> make_jack_backend();
 
 }  // namespace tactus

@@ -7,7 +7,7 @@
 
 namespace tactus {
 
-/// Takes out of what is heard whatever it can make from what was played, as programs for talking do: an
+/// Removes from the recording what it can predict from what was played, as voice chat programs do: an
 /// adaptive filter by normalised least mean squares,
 ///   e[n] = y[n] - w·u[n],   w += mu e[n] u[n] / (u[n]·u[n] + eps),   u[n] = what was played around n - D.
 /// Source: S. Haykin, "Adaptive Filter Theory", 4th ed., chapter 6.

@@ -61,8 +61,8 @@ class LoopStream final : public Stream {
         granted_(std::move(granted)),
         in_map_(channels_of(request.in_map, request.in_channels)),
         out_map_(channels_of(request.out_map, request.out_channels)),
-        in_(in_map_.size(), timing.block_frames),
-        out_(out_map_.size(), timing.block_frames),
+        in_(static_cast<int>(in_map_.size()), timing.block_frames),
+        out_(static_cast<int>(out_map_.size()), timing.block_frames),
         frames_a_block_(std::clamp(static_cast<int>(std::lround(timing.block_frames * card.block_factor)), 1,
                                    timing.block_frames)),
         lateness_(card, timing.sample_rate,
@@ -104,7 +104,7 @@ class LoopStream final : public Stream {
     const auto first = frame_;
     begun_ = Clock::now();
     while (running_) {
-      // A card that hears a block has waited for its last frame.
+      // A card that delivers a block has waited for its last frame.
       if (pace_ == LoopBackend::Pace::RealTime)
         std::this_thread::sleep_until(due(frame_ - first + frames_a_block_));
       block(false);
@@ -113,8 +113,8 @@ class LoopStream final : public Stream {
   }
 
   void block(bool last) noexcept {
-    hear();
-    const BlockIo io{in_.pointers.data(), out_.pointers.data(), frames_a_block_};
+    record();
+    const BlockIo io{in_.data(), out_.data(), frames_a_block_};
     if (!last) meter_.clock(static_cast<double>(frame_) / true_rate());
     const auto begin = Clock::now();
     if (last)
@@ -127,14 +127,14 @@ class LoopStream final : public Stream {
     frame_ += frames_a_block_;
   }
 
-  void hear() noexcept {
+  void record() noexcept {
     Lateness::Gaps gaps;
     for (int n = 0; n < frames_a_block_; ++n) {
       const double later = lateness_.at(frame_ + n, gaps);
-      std::array<double, kChannels> heard;
-      for (std::size_t c = 0; c < kChannels; ++c) heard[c] = paths_[c].hear(frame_ + n, later);
-      for (std::size_t c = 0; c < in_map_.size(); ++c)
-        in_.pointers[c][n] = heard[static_cast<std::size_t>(in_map_[c])];
+      std::array<double, kChannels> recorded;
+      for (std::size_t c = 0; c < kChannels; ++c) recorded[c] = paths_[c].record(frame_ + n, later);
+      for (int c = 0; c < in_.size(); ++c)
+        in_[c][n] = recorded[static_cast<std::size_t>(in_map_[static_cast<std::size_t>(c)])];
     }
     if (!card_.drops_told) return;
     for (int g = 0; g < gaps.count; ++g) meter_.gap(Gap::Input);
@@ -145,9 +145,10 @@ class LoopStream final : public Stream {
   void play() noexcept {
     if (card_.cable == LoopCard::Cable::None) return;
     const int crossed = card_.cable == LoopCard::Cable::Crossed ? 1 : 0;
-    for (std::size_t c = 0; c < out_map_.size(); ++c) {
-      auto& path = paths_[static_cast<std::size_t>((out_map_[c] + crossed) % kChannels)];
-      for (int n = 0; n < frames_a_block_; ++n) path.play(frame_ + n, out_.pointers[c][n]);
+    for (int c = 0; c < out_.size(); ++c) {
+      auto& path =
+          paths_[static_cast<std::size_t>((out_map_[static_cast<std::size_t>(c)] + crossed) % kChannels)];
+      for (int n = 0; n < frames_a_block_; ++n) path.play(frame_ + n, out_[c][n]);
     }
   }
 
@@ -156,7 +157,7 @@ class LoopStream final : public Stream {
   const LoopBackend::Pace pace_;
   StreamGranted granted_;
   std::vector<int> in_map_, out_map_;
-  Planes in_, out_;
+  ChannelBuffers in_, out_;
   int frames_a_block_;
   Lateness lateness_;
   std::vector<LoopPath> paths_;
@@ -205,7 +206,7 @@ Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, 
   const auto choice = choose(*devices(), request);
   if (!choice) return tl::unexpected(choice.error());
   if (choice->input.id != choice->output.id)
-    return fail(Errc::BadArgument, "", "a simulated card hears nothing of another",
+    return fail(Errc::BadArgument, "", "a simulated card has no path from another",
                 "leave out the input device");
   const auto card = this->card(choice->output.id);
   const auto timing = timing_of(card, choice->sample_rate, request.block_frames.value_or(kUsualBlock));

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <map>
 #include <memory>
@@ -24,13 +25,14 @@ class LoopBackend final : public Backend {
 
   /// [control] One more device, called `id`, "loop:" included.
   void add(const std::string& id, const LoopCard& card) { cards_[id] = card; }
-  /// [control] The same for an id that says what it is, such as "loop:delay=960.25". Errors: UnknownName.
+  /// [control] The same for an id that describes the card, such as "loop:delay=960.25". Errors: UnknownName.
   Status add(const std::string& id);
 
   std::string name() const override { return "loop"; }
   Result<std::vector<Device>> devices() override;
-  /// [control] See Backend::open. Blocks are never longer than the delay, because a card cannot hear what has
-  /// not been made yet: `granted` says how long. Errors besides: OutOfRange for a delay that is too short.
+  /// [control] See Backend::open. Blocks are never longer than the delay, because a card cannot record what
+  /// has not been played yet: `granted` has the length. Errors besides: OutOfRange for a delay that is too
+  /// short.
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override;
 
  private:

@@ -9,11 +9,11 @@
 namespace tactus {
 
 /// A simulated sound card with a cable from its outputs to its inputs, and everything that can go wrong with
-/// one. What is played at frame n is heard at frame n + D:
+/// one. What is played at frame n is recorded at frame n + D:
 ///   D = delay + delay_frames + delay_blocks * block
 struct LoopCard {
   enum class Cable {
-    Straight,  ///< every output is heard on the input of its number
+    Straight,  ///< every output reaches the input of its number
     Crossed,   ///< on the next one
     None,
   };
@@ -57,7 +57,7 @@ struct LoopCard {
   double block_factor = 1.0;  ///< of the frames that a block truly has; (0, 1]
 };
 
-/// [any] What a device id says, without its "loop:": the name of one of `loop_cards`, or settings such as
+/// [any] A device id without its "loop:": the name of one of `loop_cards`, or settings such as
 ///   delay=960.25,gain=-20dB,noise=-80dB,ppm=50
 /// after the name of a card, or by themselves. Errors: UnknownName.
 Result<LoopCard> loop_card(const std::string& text);

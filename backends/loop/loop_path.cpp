@@ -44,7 +44,7 @@ LoopPath::LoopPath(const LoopCard& card, const LoopTiming& timing, int lane)
   if (card.echo_cancel) canceller_.emplace();
 }
 
-double LoopPath::hear(std::int64_t frame, double later) noexcept {
+double LoopPath::record(std::int64_t frame, double later) noexcept {
   if (card_.monitor.gain != 0.0) {
     line_.add(frame, card_.monitor.gain * heard_[frame - monitor_frames_]);
     played_ = true;

@@ -17,7 +17,7 @@ struct LoopTiming {
   Hertz sample_rate = 48_kHz;
   int block_frames = 64;
   int buffer_frames = 0;         ///< from the processor to the converter
-  double hardware_frames = 0.0;  ///< from the converter that plays to the one that hears
+  double hardware_frames = 0.0;  ///< from the output converter to the input converter
 };
 
 /// The way from one output to one input.
@@ -27,8 +27,8 @@ class LoopPath {
   LoopPath(const LoopCard& card, const LoopTiming& timing, int lane);
 
   /// [realtime] What comes in at `frame`, `later` frames later than usual. Frames come one after another.
-  double hear(std::int64_t frame, double later) noexcept;
-  /// [realtime] What goes out at `frame`; all of a block at once, after it was heard.
+  double record(std::int64_t frame, double later) noexcept;
+  /// [realtime] What goes out at `frame`; all of a block at once, after it was recorded.
   void play(std::int64_t frame, double sample) noexcept;
 
  private:

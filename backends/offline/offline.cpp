@@ -47,36 +47,35 @@ StreamFormat format_of(const OfflineJob& job) {
 }
 
 /// Non-finite samples among the first `frames` become 0; returns how many.
-std::int64_t make_finite(Planes& planes, int frames) {
+std::int64_t make_finite(const ChannelBuffers& channels, int frames) {
   std::int64_t bad = 0;
-  for (auto& channel : planes.samples) {
+  for (double* const samples : channels)
     for (int n = 0; n < frames; ++n) {
-      auto& sample = channel[static_cast<std::size_t>(n)];
-      if (std::isfinite(sample)) continue;
-      sample = 0.0;
+      if (std::isfinite(samples[n])) continue;
+      samples[n] = 0.0;
       ++bad;
     }
-  }
   return bad;
 }
 
 /// The frames of a job.
-Status play_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter, Planes& in, Planes& out) {
+Status play_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter, ChannelBuffers& in,
+                   ChannelBuffers& out) {
   using Clock = std::chrono::steady_clock;
   std::size_t turn = 0;
   for (std::int64_t done = 0; done < job.frames;) {
     const int size = job.block_frames[turn++ % job.block_frames.size()];
     const int frames = static_cast<int>(std::min<std::int64_t>(size, job.frames - done));
     if (job.source.read) {
-      if (auto status = job.source.read(in.pointers.data(), frames); !status) return status;
+      if (auto status = job.source.read(in.data(), frames); !status) return status;
       meter.bad_input(make_finite(in, frames));
     }
     const auto begin = Clock::now();
-    processor.process({in.pointers.data(), out.pointers.data(), frames});
+    processor.process({in.data(), out.data(), frames});
     const std::chrono::duration<double> busy = Clock::now() - begin;
     meter.block(frames, busy.count() * job.sample_rate.value / frames);
     if (job.sink.write)
-      if (auto status = job.sink.write(out.pointers.data(), frames); !status) return status;
+      if (auto status = job.sink.write(out.data(), frames); !status) return status;
     done += frames;
   }
   return {};
@@ -85,14 +84,12 @@ Status play_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter
 /// Runs the frames of a job through a processor that is prepared for it, and the zeros behind them.
 Status run_blocks(Guarded& processor, const OfflineJob& job, HealthMeter& meter) {
   const int longest = format_of(job).max_frames;
-  Planes in{static_cast<std::size_t>(job.in_channels), longest};
-  Planes out{static_cast<std::size_t>(job.out_channels), longest};
+  ChannelBuffers in{job.in_channels, longest}, out{job.out_channels, longest};
   processor.skip_soft_start();
-  if (job.source.read) processor.trust_sensors();
+  if (job.source.read) processor.disable_sensor_watch();
   const auto played = play_blocks(processor, job, meter, in, out);
-  processor.finish({in.pointers.data(), out.pointers.data(), job.block_frames.front()});
-  const auto finished =
-      job.sink.finish ? job.sink.finish(out.pointers.data(), job.block_frames.front()) : Status{};
+  processor.finish({in.data(), out.data(), job.block_frames.front()});
+  const auto finished = job.sink.finish ? job.sink.finish(out.data(), job.block_frames.front()) : Status{};
   return played ? finished : played;
 }
 

@@ -190,14 +190,14 @@ std::vector<Device> devices_of(const std::vector<PortAudioDevice>& found) {
 }  // namespace
 
 Result<std::vector<Device>> PortAudioBackend::devices() {
-  silence_sound_libraries();
+  silence_library_logs();
   const auto session = PortAudioSession::enter("tactus-devices");
   if (!session) return tl::unexpected(session.error());
   return devices_of((*session)->devices());
 }
 
 Result<std::unique_ptr<Stream>> PortAudioBackend::open(const StreamRequest& request, Guarded& processor) {
-  silence_sound_libraries();
+  silence_library_logs();
   const auto session = PortAudioSession::enter(request.client_name);
   if (!session) return tl::unexpected(session.error());
   const auto found = (*session)->devices();
@@ -227,5 +227,7 @@ Result<std::unique_ptr<Stream>> PortAudioBackend::open(const StreamRequest& requ
   line->card = std::make_unique<CardCallback>(processor, request, granted, true);
   return std::make_unique<PortAudioStream>(std::move(line), std::move(granted));
 }
+
+std::unique_ptr<Backend> make_portaudio_backend() { return std::make_unique<PortAudioBackend>(); }
 
 }  // namespace tactus

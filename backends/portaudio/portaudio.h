@@ -11,8 +11,8 @@ namespace tactus {
 /// length costs up to one block of delay. ALSA takes the wish and is granted as 0.
 ///
 /// PortAudio cannot leave a JACK server that died: its functions hang or abort the program. So when the
-/// server goes, no function of it is called any more, and every later call of this class is an Error that
-/// says so. That concerns streams of other APIs too, opened while a JACK server ran: `granted().comes_back`.
+/// server goes, no function of it is called any more, and every later call of this class returns that
+/// Error. That concerns streams of other APIs too, opened while a JACK server ran: `granted().comes_back`.
 class PortAudioBackend final : public Backend {
  public:
   std::string name() const override { return "portaudio"; }
@@ -22,5 +22,8 @@ class PortAudioBackend final : public Backend {
   /// [control] See Backend::open. Errors besides: BadArgument for devices of two APIs.
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override;
 };
+
+/// [control]
+std::unique_ptr<Backend> make_portaudio_backend();
 
 }  // namespace tactus

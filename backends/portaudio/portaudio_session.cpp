@@ -34,7 +34,7 @@ Status checked(PaError code) {
     words += std::string{": "} + host->errorText;
   if (code == paInvalidSampleRate)
     return fail(Errc::BadArgument, "", "the device does not run at this rate", "leave the rate out");
-  return fail(Errc::Device, "", "PortAudio says: " + words, "see tactus doctor");
+  return fail(Errc::Device, "", "PortAudio: " + words, "see tactus doctor");
 }
 
 std::string name_of(const PaHostApiInfo& api) {
@@ -105,7 +105,7 @@ void portaudio_lost_jack() {
 Status in_portaudio(std::function<int()> call) {
   if (portaudio_is_over()) return over();
   const auto code = std::make_shared<PaError>(paNoError);
-  if (returns_in_time([code, call = std::move(call)] { *code = call(); })) return checked(*code);
+  if (call_with_timeout([code, call = std::move(call)] { *code = call(); })) return checked(*code);
   program().over = "PortAudio does not answer any more";
   return over();
 }

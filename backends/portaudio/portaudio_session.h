@@ -29,7 +29,7 @@ class PortAudioSession {
   /// [control] Before a function that hangs or aborts if the JACK server is gone: is it there? If not, no
   /// function is called any more.
   bool answers();
-  /// [control] A stream is open: from now on nobody knows without asking.
+  /// [control] A stream is open: from now on the state must be queried.
   void occupied(bool yes) { occupied_ = yes; }
 
  private:

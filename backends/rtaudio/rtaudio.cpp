@@ -48,12 +48,12 @@ class Line {
     jack_ = which == RtAudio::UNIX_JACK;
     own_thread_ = which == RtAudio::LINUX_ALSA || which == RtAudio::LINUX_PULSE;
   }
-  /// [control] `granted` has the rate, and gets what the driver says.
+  /// [control] `granted` has the rate; the latencies of the driver are added.
   Status open(const RtAudioDevice& input, const RtAudioDevice& output, const StreamRequest& request,
               StreamGranted& granted);
   /// [control & stopped] Blocks begin to flow.
   Status start();
-  /// [control] They end. Waits until what has gone out was heard.
+  /// [control] Stops after the last block has been played.
   Status halt(milliseconds buffered);
   /// [control] Neither of the two may be called any more.
   bool lost() const {
@@ -74,7 +74,7 @@ class Line {
                          void* line) noexcept;
   static void on_error(RtAudioError::Type type, const std::string& text);
   template <class Call>
-  static Status heard(Call call);
+  static Status checked(Call call);
   void open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options);
   unsigned now_at(const std::string& name);
   bool keeps_pace(unsigned frames) noexcept;
@@ -108,7 +108,7 @@ void Line::on_error(RtAudioError::Type type, const std::string& text) {
 }
 
 template <class Call>
-Status Line::heard(Call call) {
+Status Line::checked(Call call) {
   std::string said;
   listener = &said;
   try {
@@ -118,7 +118,7 @@ Status Line::heard(Call call) {
   }
   listener = nullptr;
   if (said.empty()) return {};
-  return fail(Errc::Device, "", "RtAudio says: " + plain_words(said), "see tactus doctor");
+  return fail(Errc::Device, "", "RtAudio: " + plain_words(said), "see tactus doctor");
 }
 
 void Line::open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options) {
@@ -138,7 +138,7 @@ unsigned Line::now_at(const std::string& name) {
 
 Status Line::open(const RtAudioDevice& input, const RtAudioDevice& output, const StreamRequest& request,
                   StreamGranted& granted) {
-  return heard([&] {
+  return checked([&] {
     rate_ = static_cast<unsigned>(granted.format.sample_rate.value);
     auto block = static_cast<unsigned>(request.block_frames.value_or(kUsualBlock));
     RtAudio::StreamOptions options;
@@ -166,12 +166,12 @@ Status Line::open(const RtAudioDevice& input, const RtAudioDevice& output, const
 }
 
 Status Line::start() {
-  return heard([this] { library_.startStream(); });
+  return checked([this] { library_.startStream(); });
 }
 
 /// Never `stopStream`, which waits for blocks that may not come.
 Status Line::halt(milliseconds buffered) {
-  return heard([&] {
+  return checked([&] {
     if (own_thread_) std::this_thread::sleep_for(buffered);
     if (!lost() && library_.isStreamRunning()) library_.abortStream();
   });
@@ -219,7 +219,7 @@ int Line::bring_block(void* out, void* in, unsigned frames, double, RtAudioStrea
 template <class Call>
 Status in_time(const std::shared_ptr<Line>& line, Call call) {
   const auto status = std::make_shared<Status>();
-  if (returns_in_time([line, status, call] { *status = call(*line); })) return *status;
+  if (call_with_timeout([line, status, call] { *status = call(*line); })) return *status;
   line->abandoned = true;
   return fail(Errc::Device, "", "RtAudio does not answer", "restart the sound server");
 }
@@ -227,7 +227,7 @@ Status in_time(const std::shared_ptr<Line>& line, Call call) {
 /// Devices close with the last who holds the line, on a thread that may hang.
 void close(std::shared_ptr<Line> line) {
   const auto patience = line->lost() ? kGiveUp : milliseconds{2000};
-  returns_in_time([line = std::move(line)] {}, patience);
+  call_with_timeout([line = std::move(line)] {}, patience);
 }
 
 /// A JACK stream that hung is never closed, for the rest of the program's life: by the time it could be, its
@@ -288,7 +288,7 @@ class RtAudioStream final : public Stream {
 }  // namespace
 
 Result<std::vector<Device>> RtAudioBackend::devices() {
-  silence_sound_libraries();
+  silence_library_logs();
   return rtaudio_devices().map([](const std::vector<RtAudioDevice>& found) {
     std::vector<Device> devices;
     for (const auto& one : found) devices.push_back(one.device);
@@ -297,7 +297,7 @@ Result<std::vector<Device>> RtAudioBackend::devices() {
 }
 
 Result<std::unique_ptr<Stream>> RtAudioBackend::open(const StreamRequest& request, Guarded& processor) {
-  silence_sound_libraries();
+  silence_library_logs();
   const auto found = rtaudio_devices(request.device);
   if (!found) return tl::unexpected(found.error());
   std::vector<Device> devices;
@@ -327,5 +327,7 @@ Result<std::unique_ptr<Stream>> RtAudioBackend::open(const StreamRequest& reques
   line->card = std::make_unique<CardCallback>(processor, request, *granted, true);
   return std::make_unique<RtAudioStream>(std::move(line), *granted);
 }
+
+std::unique_ptr<Backend> make_rtaudio_backend() { return std::make_unique<RtAudioBackend>(); }
 
 }  // namespace tactus

@@ -18,4 +18,7 @@ class RtAudioBackend final : public Backend {
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override;
 };
 
+/// [control]
+std::unique_ptr<Backend> make_rtaudio_backend();
+
 }  // namespace tactus

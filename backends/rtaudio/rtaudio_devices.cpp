@@ -93,7 +93,7 @@ Result<std::vector<RtAudioDevice>> rtaudio_devices(const std::string& text) {
   std::string silent;
   for (const auto api : apis) {
     const auto found = std::make_shared<std::vector<RtAudioDevice>>();
-    if (!returns_in_time([api, found] { *found = probe(api); })) {
+    if (!call_with_timeout([api, found] { *found = probe(api); })) {
       silent = RtAudio::getApiDisplayName(api);
       continue;
     }

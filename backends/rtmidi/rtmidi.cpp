@@ -41,11 +41,11 @@ struct OpenPort {
   SpscQueue<MidiMessage> queue{1024};
   std::unique_ptr<RtMidiIn> in;
 
-  static void hear(double, std::vector<unsigned char>* bytes, void* self) {
+  static void receive(double, std::vector<unsigned char>* bytes, void* self) {
     auto message = parse_midi(*bytes);
     if (!message) return;
     message->time = std::chrono::steady_clock::now();
-    (void)static_cast<OpenPort*>(self)->queue.push(*message);  // full: nobody has polled for a thousand
+    (void)static_cast<OpenPort*>(self)->queue.push(*message);  // full: not polled for a thousand
   }
 };
 
@@ -64,7 +64,7 @@ struct Shared {
   bool stop = false;
   bool stopped = false;
 
-  void tell(const std::string& text) {
+  void report(const std::string& text) {
     const std::lock_guard lock{mutex};
     news.push_back(text);
   }
@@ -155,7 +155,7 @@ class Worker {
     const auto count = port->in->getPortCount();
     for (unsigned i = 0; i < count && !port->in->isPortOpen(); ++i) {
       if (port->in->getPortName(i) != name) continue;
-      port->in->setCallback(OpenPort::hear, port.get());
+      port->in->setCallback(OpenPort::receive, port.get());
       port->in->openPort(i, "in");
     }
     if (!port->in->isPortOpen()) return;
@@ -170,7 +170,7 @@ class Worker {
     const std::lock_guard lock{shared_->mutex};
     std::erase_if(shared_->ports, [&](const auto& port) {
       if (there.contains(port.first)) return false;
-      shared_->news.push_back("'" + port.first + "' is gone; it is heard again when it comes back");
+      shared_->news.push_back("'" + port.first + "' is disconnected; it is opened again when it comes back");
       closing.push_back(port.second);
       return true;
     });
@@ -188,7 +188,7 @@ class Worker {
   }
 
   void complain(const std::string& text) {
-    if (std::exchange(complained_, text) != text) shared_->tell("no MIDI: " + text);
+    if (std::exchange(complained_, text) != text) shared_->report("no MIDI: " + text);
   }
 
   const RtMidiSettings settings_;
@@ -243,7 +243,7 @@ class RtMidiInputs final : public MidiInputs {
 }  // namespace
 
 std::unique_ptr<MidiInputs> make_rtmidi(const RtMidiSettings& settings) {
-  silence_sound_libraries();
+  silence_library_logs();
   return std::make_unique<RtMidiInputs>(settings);
 }
 

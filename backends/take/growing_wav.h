@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <cstdint>
 #include <filesystem>
@@ -21,7 +22,7 @@ std::string wav_header(Hertz sample_rate, int channels, std::int64_t frames);
 std::string why_not_written();
 
 /// A WAV file that any program can open at any time while it is written, and after the writer was killed:
-/// `settle` makes the header tell what is there. libsndfile turns RF64 into RIFF only when it closes a file,
+/// `settle` updates the header. libsndfile turns RF64 into RIFF only when it closes a file,
 /// so that one that was cut would be RF64, which fewer programs read.
 class GrowingWav {
  public:

@@ -20,20 +20,19 @@ class Player {
         wav_(wav),
         host_(host),
         longest_(longest),
-        recorded_(take.header.inputs.size() + take.header.outputs.size(), longest),
+        recorded_(static_cast<int>(take.header.inputs.size() + take.header.outputs.size()), longest),
         silence_(1, longest),
-        out_(static_cast<std::size_t>(host.out_channels), longest),
+        out_(host.out_channels, longest),
         entries_(take.header.state) {
     entries_.insert(entries_.end(), take.guard.begin(), take.guard.end());
     std::stable_sort(entries_.begin(), entries_.end(),
                      [](const auto& a, const auto& b) { return a.frame < b.frame; });
-    for (const int sensor : host.sensors)
-      in_.push_back(sensor < 0 ? silence_.pointers[0] : recorded_.pointers[static_cast<std::size_t>(sensor)]);
+    for (const int sensor : host.sensors) in_.push_back(sensor < 0 ? silence_[0] : recorded_[sensor]);
   }
 
   Status prepare() {
     auto& guarded = host_.guarded;
-    if (take_.header.trusted_sensors) guarded.trust_sensors();
+    if (take_.header.trusted_sensors) guarded.disable_sensor_watch();
     const StreamFormat format{take_.header.sample_rate, static_cast<int>(in_.size()), host_.out_channels,
                               longest_};
     if (auto status = guarded.prepare(format); !status) return status;
@@ -46,16 +45,16 @@ class Player {
     if (auto status = between_blocks(); !status) return tl::unexpected(status.error());
     frames = static_cast<int>(std::min<std::int64_t>(frames, next_stop() - now_));
     if (auto status = post_until(now_ + frames); !status) return tl::unexpected(status.error());
-    if (wav_.read(recorded_.pointers.data(), frames) != frames)
+    if (wav_.read(recorded_.data(), frames) != frames)
       return fail(Errc::BadFile, "", "the samples end before their time", "restore the file from a copy");
-    host_.guarded.process({in_.data(), out_.pointers.data(), frames});
+    host_.guarded.process({in_.data(), out_.data(), frames});
     if (host_.same && !played_.first_difference) compare(frames);
     now_ += frames;
     played_.frames = now_;
     return frames;
   }
 
-  const double* const* out() const { return out_.pointers.data(); }
+  const double* const* out() const { return out_.data(); }
   const Replayed& played() const { return played_; }
 
  private:
@@ -64,7 +63,7 @@ class Player {
   Status between_blocks() {
     if (auto status = post_until(now_ + 1); !status) return status;
     while (next_entry_ < entries_.size() && is_halt(next_entry_) && entries_[next_entry_].frame <= now_) {
-      host_.guarded.finish({in_.data(), out_.pointers.data(), 1});
+      host_.guarded.finish({in_.data(), out_.data(), 1});
       ++next_entry_;
       if (auto status = post_until(now_ + 1); !status) return status;
     }
@@ -94,13 +93,13 @@ class Player {
   }
 
   void compare(int frames) {
-    const auto sensors = take_.header.inputs.size();
+    const int sensors = static_cast<int>(take_.header.inputs.size());
     for (int n = 0; n < frames; ++n)
-      for (std::size_t c = 0; c < out_.samples.size(); ++c) {
-        const auto recorded = static_cast<float>(recorded_.samples[sensors + c][static_cast<std::size_t>(n)]);
-        const auto replayed = as_recorded(out_.samples[c][static_cast<std::size_t>(n)]);
+      for (int c = 0; c < out_.size(); ++c) {
+        const auto recorded = static_cast<float>(recorded_[sensors + c][n]);
+        const auto replayed = as_recorded(out_[c][n]);
         if (std::bit_cast<std::uint32_t>(recorded) == std::bit_cast<std::uint32_t>(replayed)) continue;
-        played_.first_difference = {now_ + n, static_cast<int>(c), recorded, replayed};
+        played_.first_difference = {now_ + n, c, recorded, replayed};
         return;
       }
   }
@@ -109,7 +108,7 @@ class Player {
   WavReader& wav_;
   const ReplayHost& host_;
   int longest_;
-  Planes recorded_, silence_, out_;
+  ChannelBuffers recorded_, silence_, out_;
   std::vector<const double*> in_;
   std::vector<JournalEntry> entries_;  ///< of the guard
   std::size_t next_entry_ = 0, next_edit_ = 0;

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <cstdint>
 #include <functional>
@@ -15,7 +16,7 @@ namespace tactus {
 /// Engine::set_journal.
 struct ReplayHost {
   Guarded& guarded;          ///< the same: made with `guard` and `armed` of the header
-  std::vector<int> sensors;  ///< [input] the recorded sensor that it hears; -1: silence
+  std::vector<int> sensors;  ///< [input] its recorded sensor; -1: silence
   int out_channels = 0;
   std::function<Status(const TakeEdit&)>
       replace;       ///< puts it in place for the next block; empty: edits are left out

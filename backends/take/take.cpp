@@ -28,7 +28,7 @@ Result<Take> read_take(const fs::path& wav) {
     return fail(Errc::BadFile, wav.string(), "there is no such file", "check the path");
   if (!fs::exists(path, ignored))
     return fail(Errc::BadFile, wav.string(),
-                fmt::format("there is no '{}' beside it, so nobody knows what was played on it",
+                fmt::format("there is no '{}' beside it, so the graph that was played is unknown",
                             path.filename().string()),
                 "a WAV file of sensors alone is played with --in");
   std::ifstream file{path, std::ios::binary};

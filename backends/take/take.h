@@ -28,7 +28,7 @@ struct TakeHeader {
   std::vector<std::string> inputs, outputs;  ///< of the guarded processor, in order: the channels of the WAV
   std::vector<std::string> controls;         ///< names, by the number that journal entries use
   TakeFiles files;
-  std::map<std::string, double> settings;  ///< where controls started instead of where the file says, SI
+  std::map<std::string, double> settings;  ///< start values of controls that differ from the file, SI
   std::vector<std::string> taps;           ///< that the graph was compiled with
   Seconds system_delay;                    ///< that the graph was compiled with
   std::string rig;                         ///< text of the rig file, or empty
@@ -39,7 +39,7 @@ struct TakeHeader {
   std::vector<GuardedChannel> guard;
   bool armed = true;                ///< as Guarded was made
   bool soft_start = true;           ///< false: Guarded::skip_soft_start
-  bool trusted_sensors = false;     ///< Guarded::trust_sensors
+  bool trusted_sensors = false;     ///< Guarded::disable_sensor_watch
   std::vector<JournalEntry> state;  ///< Guarded::state when the stream began
 };
 
@@ -59,7 +59,7 @@ struct TakeGap {
   bool operator==(const TakeGap&) const = default;
 };
 
-/// What stands in the journal beside a WAV.
+/// The journal beside a WAV.
 struct Take {
   TakeHeader header;
   std::vector<JournalEntry> engine, guard;  ///< who applied them; in frame order

@@ -11,9 +11,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Kind = JournalEntry::Kind;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;  // 1: without fades
 constexpr std::array kKinds = {"control",   "arm",       "mute",        "system_delay", "lost_frames",
-                               "coil_heat", "body_heat", "replacement", "halt"};
+                               "coil_heat", "body_heat", "replacement", "halt",         "fade"};
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string line_of(const Json& json) {
@@ -30,7 +30,7 @@ Json json_of(const DriveLimits& limits) {
             {"slew_per_second", limits.slew_per_second},
             {"soft_start_s", limits.soft_start.value},
             {"fade_out_s", limits.fade_out.value},
-            {"direct", {{"level", limits.direct.level}, {"time_s", limits.direct.time.value}}}};
+            {"direct", {{"level", limits.dc.level}, {"time_s", limits.dc.time.value}}}};
   if (const auto& heat = limits.heat)
     json["heat"] = {{"watts_at_full_scale", heat->watts_at_full_scale},
                     {"watts_for_ever", heat->watts_for_ever},
@@ -38,7 +38,7 @@ Json json_of(const DriveLimits& limits) {
                     {"body_time_s", heat->body_time.value},
                     {"coil_share", heat->coil_share},
                     {"rise_kelvin", heat->rise_kelvin}};
-  if (const auto& travel = limits.travel)
+  if (const auto& travel = limits.excursion)
     json["travel"] = {{"metres", travel->metres},
                       {"metres_at_full_scale", travel->metres_at_full_scale},
                       {"resonance_hz", travel->resonance.value},
@@ -53,14 +53,14 @@ DriveLimits limits_of(const Json& json) {
   limits.soft_start = Seconds{number_of(json.at("soft_start_s"))};
   limits.fade_out = Seconds{number_of(json.at("fade_out_s"))};
   const auto& direct = json.at("direct");
-  limits.direct = {number_of(direct.at("level")), Seconds{number_of(direct.at("time_s"))}};
+  limits.dc = {number_of(direct.at("level")), Seconds{number_of(direct.at("time_s"))}};
   if (const auto heat = json.find("heat"); heat != json.end())
     limits.heat = {number_of(heat->at("watts_at_full_scale")),  number_of(heat->at("watts_for_ever")),
                    Seconds{number_of(heat->at("coil_time_s"))}, Seconds{number_of(heat->at("body_time_s"))},
                    number_of(heat->at("coil_share")),           number_of(heat->at("rise_kelvin"))};
   if (const auto travel = json.find("travel"); travel != json.end())
-    limits.travel = {number_of(travel->at("metres")), number_of(travel->at("metres_at_full_scale")),
-                     Hertz{number_of(travel->at("resonance_hz"))}, number_of(travel->at("q"))};
+    limits.excursion = {number_of(travel->at("metres")), number_of(travel->at("metres_at_full_scale")),
+                        Hertz{number_of(travel->at("resonance_hz"))}, number_of(travel->at("q"))};
   return limits;
 }
 
@@ -220,7 +220,7 @@ Result<TakeHeader> parse_header(const std::string& line) {
   };
   try {
     const auto json = Json::parse(line);
-    if (json.at("tactus_take") != kVersion)
+    if (const int version = json.at("tactus_take"); version < 1 || version > kVersion)
       return fail(Errc::BadFile, "", "a later version of the program recorded this take",
                   "replay it with that version");
     return header_of(json);

@@ -84,18 +84,17 @@ std::vector<std::string> TakeRecorder::in_words(const TakeStatus& status) const 
   if (!status.trouble.empty())
     words.push_back(fmt::format("the take ends at {:.3f} s: {}", status.recorded.value, status.trouble));
   else if (status.dropped_frames > 0)
-    words.push_back(fmt::format(
-        "the disk was too slow: {:.3f} s of the take are missing; their places are marked", dropped_s));
+    words.push_back(
+        fmt::format("the disk was too slow: {:.3f} s of the take are missing and marked as gaps", dropped_s));
   if (status.lost_entries > 0)
-    words.push_back(fmt::format("{} changes could not be kept: the take cannot be replayed bit for bit",
+    words.push_back(fmt::format("{} changes were not recorded: the take cannot be replayed bit for bit",
                                 status.lost_entries));
   if (status.restarted)
     words.push_back(
-        fmt::format("the stream began again at {:.3f} s, and the take ends there", status.recorded.value));
+        fmt::format("the stream restarted at {:.3f} s; the take ends there", status.recorded.value));
   if (ring_->rounded_sensors() > 0)
-    words.push_back(
-        fmt::format("{} samples of the sensors were rounded: the take cannot be replayed bit for bit",
-                    ring_->rounded_sensors()));
+    words.push_back(fmt::format("{} sensor samples were rounded: the take cannot be replayed bit for bit",
+                                ring_->rounded_sensors()));
   return words;
 }
 

@@ -22,7 +22,7 @@ void TakeRing::applied(const JournalEntry& entry) noexcept {
   if (!events_.push({TakeEvent::Kind::Entry, entry, 0})) lost_entries_.fetch_add(1, kRelaxed);
 }
 
-void TakeRing::hear(const BlockIo& io, std::int64_t first_frame) noexcept {
+void TakeRing::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
   if (first_frame < next_frame_) restarted_.store(true, kRelaxed);
   if (restarted()) return;
   if (gap_.frames == 0) gap_ = {next_frame_, first_frame - next_frame_};  // not there from the beginning

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control] unless stated otherwise; [writer]: the thread that reads the ring
 
 #include <atomic>
 #include <cstdint>
@@ -21,7 +22,7 @@ struct TakeEvent {
 };
 
 /// Where the audio thread puts what a take needs, and a writer fetches it. Room for samples and events is
-/// there from the beginning; when it is full, whole blocks are dropped and counted, and the place is told
+/// there from the beginning; when it is full, whole blocks are dropped and counted, and the gap is reported
 /// once there is room again. Neither side ever waits.
 class TakeRing final : public BlockTap {
  public:
@@ -30,7 +31,7 @@ class TakeRing final : public BlockTap {
 
   /// [realtime] Hears Guarded and Engine alike.
   void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING override;
-  void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override;
+  void observe(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override;
 
   /// Samples that lie one after the other, frame by frame: the inputs, then the outputs.
   struct Piece {

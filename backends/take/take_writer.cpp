@@ -74,7 +74,7 @@ void TakeWriter::write_gap(const TakeGap& gap) {
   if (trouble_.empty()) journal_ << gap_line(gap);
 }
 
-/// Silence stands for what is missing, so that frame n of the file is frame n of the stream.
+/// Missing frames are zeros, so that frame n of the file is frame n of the stream.
 Status TakeWriter::write_samples(std::int64_t written) {
   for (auto piece = ring_->front(written); piece.frames > 0 || !gaps_.empty();
        piece = ring_->front(written)) {

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <cstdint>
 #include <deque>
@@ -53,7 +54,7 @@ class TakeWriter {
   std::deque<TakeEdit> edits_;         ///< texts of versions that did not take over yet
   std::int64_t settle_every_;          ///< frames
   std::int64_t settled_ = 0;           ///< frames
-  Take progress_;                      ///< what the last line says of it
+  Take progress_;                      ///< as of the last line
   std::string trouble_;
 };
 

@@ -14,12 +14,13 @@ struct JournalEntry {
     Arm,            ///< `index`: output channel or kAllChannels; `value`: 1 lets the drive move, 0 does not
     Mute,           ///< `index`: output channel or kAllChannels; `value`: 1 silences, 0 releases
     SystemDelay,    ///< `value`: sensor voltage to actuator voltage [frames]; negative: no longer known, and
-                    ///< the last one stands
+                    ///< the last one is kept
     LostFrames,     ///< `value`: frames that went missing just before `frame`
     CoilHeat,       ///< `index`: output channel; `value`: its coil is at least so warm (ThermalState)
     BodyHeat,       ///< the same of what is around the coil
     Replacement,    ///< another version of the graph took over; `index`: how many there were so far
     Halt,           ///< the stream was stopped just before `frame`, with zeros, and went on without `prepare`
+    Fade,           ///< `index`: kAllChannels; `value`: 1 fades every output out, 0 lets it come back
   };
 
   static constexpr int kAllChannels = -1;
@@ -34,11 +35,11 @@ struct JournalEntry {
   bool operator==(const JournalEntry&) const = default;
 };
 
-/// Hears what was applied, as it is applied.
+/// Receives every entry when it is applied.
 class JournalTap {
  public:
   virtual ~JournalTap() = default;
-  /// [realtime] `entry` carries its true frame, which lies in the block that is being worked on.
+  /// [realtime] `entry` carries its true frame, which lies in the block being processed.
   virtual void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING = 0;
 };
 

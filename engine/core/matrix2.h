@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [any]
 
 #include <cmath>
 

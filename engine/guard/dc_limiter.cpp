@@ -5,14 +5,14 @@
 
 namespace tactus {
 
-Direct::Direct(const DirectLimits& limits, Hertz sample_rate)
+DcLimiter::DcLimiter(const DcLimits& limits, Hertz sample_rate)
     : limited_(limits.level < 1.0),
       level_(limits.level),
       time_s_(limits.time.value),
       step_s_(kGuardGroup / sample_rate.value),
       mean_share_(-std::expm1(-step_s_ / kMean_s)) {}
 
-void Direct::end_group() noexcept {
+void DcLimiter::end_group() noexcept {
   if (!limited_) return;
   mean_ += (sum_.take() / kGuardGroup - mean_) * mean_share_;
   const double size = std::abs(mean_);

@@ -1,28 +1,29 @@
 #pragma once
+// Thread: [realtime] unless stated otherwise
 
 #include "engine/guard/drive_limits.h"
 #include "engine/guard/guard_group.h"
 
 namespace tactus {
 
-/// Direct current for a limited time. Springs and walls need it, so it is not blocked; but what holds for
-/// longer than that is brought down to what may last for ever:
+/// Limits DC in time. Springs and walls need DC, so it is not blocked; but after `time` it is reduced to a
+/// level that may last indefinitely:
 ///
-///   m      mean of what is wanted (before this gain, below the ceiling), first order with τ = 0.5 s
+///   m      mean of the signal before this gain and below the ceiling, first order with τ = 0.5 s
 ///   spent  rises with time while |m| > level, falls with time while it is not; [0, time]
 ///   gain   1 while spent < time; then level / |m|, at most 2 a second up or down
 ///
-/// A train of one-sided pulses counts as what it is on average.
-class Direct {
+/// A train of one-sided pulses counts with its mean.
+class DcLimiter {
  public:
   static constexpr double kMean_s = 0.5;
   static constexpr double kGainPerSecond = 2.0;
 
   /// [control]
-  Direct(const DirectLimits& limits, Hertz sample_rate);
+  DcLimiter(const DcLimits& limits, Hertz sample_rate);
 
-  /// [realtime] What is wanted in a piece of a group.
-  void hear(const double* samples, int frames, int position) noexcept {
+  /// [realtime] The signal before this gain, in part of a group.
+  void observe(const double* samples, int frames, int position) noexcept {
     if (!limited_) return;
     sum_.add(position, frames, [samples](int n) { return samples[n]; });
   }

@@ -37,16 +37,16 @@ DriveGuard::DriveGuard(Kind kind, const DriveLimits& limits, Hertz sample_rate)
       crest_frames_(whole_frames(kCrest, sample_rate)),
       swing_frames_(1 + static_cast<std::int64_t>(
                             std::min(static_cast<double>(crest_frames_), 4.0 * ceiling_ / largest_step_))),
-      direct_(kind == Kind::Drive ? limits.direct : DirectLimits{}, sample_rate),
-      howl_(sample_rate) {
+      dc_(kind == Kind::Drive ? limits.dc : DcLimits{}, sample_rate),
+      feedback_(sample_rate) {
   if (kind != Kind::Drive) return;
   if (limits.heat) heat_.emplace(*limits.heat, ceiling_, limits.slew_per_second, sample_rate);
-  if (limits.travel) travel_.emplace(*limits.travel, largest_step_, sample_rate);
+  if (limits.excursion) excursion_.emplace(*limits.excursion, largest_step_, sample_rate);
 }
 
 void DriveGuard::set_open(bool open, std::int64_t frame) noexcept {
   if (open == is_open()) return;
-  if (open) howl_.forget();
+  if (open) feedback_.forget();
   gain_.move_to(open ? 1.0 : 0.0, frame, open ? rise_frames_ : fall_frames_);
 }
 
@@ -55,9 +55,9 @@ void DriveGuard::stop() noexcept {
   last_ = 0.0;
 }
 
-std::optional<std::int64_t> DriveGuard::take_howl() noexcept {
-  const auto frame = howled_;
-  howled_.reset();
+std::optional<std::int64_t> DriveGuard::take_feedback() noexcept {
+  const auto frame = feedback_frame_;
+  feedback_frame_.reset();
   return frame;
 }
 
@@ -65,19 +65,19 @@ void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) 
   while (frames > 0) {
     const int position = guard_position(first_frame);
     const int piece = std::min(frames, kGuardGroup - position);
-    const double sum = travel_ ? sum_of_absolutes(samples, piece) : 0.0;
+    const double sum = excursion_ ? sum_of_absolutes(samples, piece) : 0.0;
     if (passes(samples, piece, first_frame, sum)) {
-      direct_.hear(samples, piece, position);
+      dc_.observe(samples, piece, position);
       last_ = samples[piece - 1];
-      if (travel_) travel_->hear(samples, piece, position, sum);
+      if (excursion_) excursion_->observe(samples, piece, position, sum);
     } else {
       std::array<double, kGuardGroup> wanted;
       for (int n = 0; n < piece; ++n)
         samples[n] = shape(samples[n], wanted[static_cast<std::size_t>(n)], first_frame + n, position + n);
-      direct_.hear(wanted.data(), piece, position);
-      if (travel_) travel_->hear(samples, piece, position, sum_of_absolutes(samples, piece));
+      dc_.observe(wanted.data(), piece, position);
+      if (excursion_) excursion_->observe(samples, piece, position, sum_of_absolutes(samples, piece));
     }
-    if (heat_) heat_->hear(samples, piece, position);
+    if (heat_) heat_->observe(samples, piece, position);
     samples += piece;
     frames -= piece;
     first_frame += piece;
@@ -89,7 +89,7 @@ void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) 
 bool DriveGuard::passes(const double* samples, int frames, std::int64_t first_frame,
                         double sum_of_absolutes) const noexcept {
   if (!gain_.done(first_frame) || gain_.to != 1.0) return false;
-  if (!direct_.gain().idle() || (heat_ && !heat_->gain().idle())) return false;
+  if (!dc_.gain().idle() || (heat_ && !heat_->gain().idle())) return false;
   GroupSum bad;
   bad.add(0, frames, [=, this](int n) { return beyond(samples[n], ceiling_); });
   if (bad.take() != 0.0) return false;
@@ -98,7 +98,7 @@ bool DriveGuard::passes(const double* samples, int frames, std::int64_t first_fr
     bad.add(0, frames - 1, [=, this](int n) { return too_steep(samples[n], samples[n + 1], largest_step_); });
     if (bad.take() != 0.0) return false;
   }
-  return !travel_ || travel_->cannot_reach(sum_of_absolutes, ceiling_);
+  return !excursion_ || excursion_->stays_within(sum_of_absolutes, ceiling_);
 }
 
 /// One frame through all stages; `wanted`: what it is before the gain of direct current.
@@ -112,13 +112,13 @@ double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int 
   if (bounded != y) y = held_back(y, bounded, GuardStage::Ceiling, frame, crest_frames_);
   if (heat_) y = scaled(y, heat_->gain().at(position), GuardStage::Heat);
   wanted = y *= gain_.at(frame);
-  y = scaled(y, direct_.gain().at(position), GuardStage::Direct);
+  y = scaled(y, dc_.gain().at(position), GuardStage::Dc);
   const double steep = within(y);
   if (steep != y) y = held_back(y, steep, GuardStage::Slew, frame, swing_frames_);
-  if (travel_) {
-    const double allowed = within(travel_->allow(y, last_, position));
-    if (allowed != y) y = held_back(y, allowed, GuardStage::Travel, frame, crest_frames_);
-    travel_->went_out(y, position);
+  if (excursion_) {
+    const double allowed = within(excursion_->allow(y, last_, position));
+    if (allowed != y) y = held_back(y, allowed, GuardStage::Excursion, frame, crest_frames_);
+    excursion_->record(y, position);
   }
   return last_ = y;
 }
@@ -126,7 +126,7 @@ double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int 
 double DriveGuard::held_back(double from, double to, GuardStage stage, std::int64_t frame,
                              std::int64_t hold) noexcept {
   count(std::abs(from - to), stage);
-  if (kind_ == Kind::Drive) howl_.limited(frame, hold);
+  if (kind_ == Kind::Drive) feedback_.limited(frame, hold);
   return to;
 }
 
@@ -151,11 +151,11 @@ double DriveGuard::within(double x) const noexcept {
 void DriveGuard::end_group(std::int64_t frame) noexcept {
   if (kind_ != Kind::Drive) return;
   if (heat_) heat_->end_group();
-  if (travel_) travel_->end_group();
-  direct_.end_group();
-  if (!howl_.end_group(frame) || !is_open()) return;
+  if (excursion_) excursion_->end_group();
+  dc_.end_group();
+  if (!feedback_.end_group(frame) || !is_open()) return;
   gain_.move_to(0.0, frame, fall_frames_);
-  howled_ = frame;
+  feedback_frame_ = frame;
 }
 
 }  // namespace tactus

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [realtime] unless stated otherwise
 
 #include <cstdint>
 #include <optional>
@@ -17,24 +18,25 @@ namespace tactus {
 /// The fixed last stage of one output channel:
 ///   finite    a NaN or infinity becomes 0
 ///   ceiling   y = clamp(x, -ceiling, ceiling)
-///   gains     heat (heat.h), soft start, arm, mute, direct current (direct.h): all at most 1
+///   gains     heat (heat_limiter.h), soft start, arm, mute, DC (dc_limiter.h): all at most 1
 ///   slew      y[n] = clamp(x[n], y[n-1] - s, y[n-1] + s),  s = slew_per_second / sample_rate,  y[-1] = 0
-///   travel    travel.h
-/// The gains stand behind the ceiling: a gain on what is a thousand times too loud holds nothing back. Travel
-/// is worked out behind the others, because what it lets through depends on what they leave; whatever it
-/// gives lies within ceiling and slew again. Slew stays below the ceiling since it lies between two values
-/// that do. Within its limits, and with the ramps at 1, the output is the input bit for bit; there is no
-/// delay. How frames are cut into pieces does not matter.
+///   excursion excursion_limiter.h
+/// The gains follow the ceiling: a gain on a signal that is a thousand times too large limits nothing.
+/// Excursion is worked out behind the others, because what it lets through depends on what they leave;
+/// whatever it gives lies within ceiling and slew again. Slew stays below the ceiling since it lies between
+/// two values that do. Within its limits, and with the ramps at 1, the output is the input bit for bit; there
+/// is no delay. How frames are cut into pieces does not matter.
 ///
-/// A drive that is held back by the ceiling, the slew limit, the travel limit or for not being finite through
-/// more than half of 200 ms (howl.h) fades out and stays silent until it is opened again.
+/// A drive that is held back by the ceiling, the slew limit, the excursion limit or for not being finite
+/// through more than half of 200 ms (feedback_detector.h) fades out and stays silent until it is opened
+/// again.
 class DriveGuard {
  public:
   enum class Kind {
     Drive,  ///< moves something: all stages
-    Audio,  ///< is only heard: finite, ramps, ceiling
+    Audio,  ///< for ears: finite, ramps, ceiling
   };
-  /// A frame counts as held back by ceiling or travel for this long after: crests of a loop above 10 Hz.
+  /// A frame counts as limited by ceiling or excursion for this long after: crests of a loop above 10 Hz.
   static constexpr Seconds kCrest{0.015};
 
   /// [control] `limits` must have passed `check`.
@@ -54,8 +56,8 @@ class DriveGuard {
   /// [realtime] In place. `first_frame`: number of samples[0] since the start; frames come one after another.
   void process(double* samples, int frames, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING;
 
-  /// [realtime] The frame at which a howl made it fade, once.
-  std::optional<std::int64_t> take_howl() noexcept;
+  /// [realtime] The frame at which detected feedback made it fade, once.
+  std::optional<std::int64_t> take_feedback() noexcept;
   /// [realtime] Cold if there is no heat limit.
   ThermalState thermal_state() const noexcept { return heat_ ? heat_->state() : ThermalState{}; }
   /// [realtime] Only ever warmer.
@@ -84,11 +86,11 @@ class DriveGuard {
   std::int64_t rise_frames_, fall_frames_;
   std::int64_t crest_frames_, swing_frames_;  ///< that a limited frame counts for; slew: two full swings
   Ramp gain_;
-  std::optional<Heat> heat_;
-  std::optional<Travel> travel_;
-  Direct direct_;
-  Howl howl_;
-  std::optional<std::int64_t> howled_;
+  std::optional<HeatLimiter> heat_;
+  std::optional<ExcursionLimiter> excursion_;
+  DcLimiter dc_;
+  FeedbackDetector feedback_;
+  std::optional<std::int64_t> feedback_frame_;
   double last_ = 0.0;
   GuardCounts counts_;
   std::int64_t interventions_ = 0;

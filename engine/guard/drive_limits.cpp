@@ -36,7 +36,7 @@ Status check(const HeatLimits& heat, double ceiling, double slew_per_second, Her
   return {};
 }
 
-Status check(const TravelLimits& travel) {
+Status check(const ExcursionLimits& travel) {
   if (!positive(travel.metres) || !positive(travel.metres_at_full_scale) || !positive(travel.q))
     return refuse("a length or the quality factor in the travel limit of a drive is not positive");
   if (!positive(travel.resonance.value))
@@ -52,7 +52,7 @@ DriveLimits cautious_limits() {
   limits.slew_per_second = 1000.0;
   limits.soft_start = Seconds{0.5};
   limits.fade_out = Seconds{0.01};
-  limits.direct = {0.15, Seconds{5.0}};
+  limits.dc = {0.15, Seconds{5.0}};
   return limits;
 }
 
@@ -67,14 +67,14 @@ Status check(const DriveLimits& limits, Hertz sample_rate) {
     return refuse("the soft start of a drive lies outside 0 s to 60 s");
   if (!within(limits.fade_out.value, 0.0, 1.0))
     return refuse("the fade out of a drive lies outside 0 s to 1 s");
-  if (!positive(limits.direct.level)) return refuse("the level of direct current of a drive is not positive");
-  if (!within(limits.direct.time.value, 0.0, 3600.0))
+  if (!positive(limits.dc.level)) return refuse("the level of direct current of a drive is not positive");
+  if (!within(limits.dc.time.value, 0.0, 3600.0))
     return refuse("the time of direct current of a drive lies outside 0 s to an hour");
   if (limits.heat)
     if (auto status = check(*limits.heat, limits.ceiling, limits.slew_per_second, sample_rate); !status)
       return status;
-  if (limits.travel)
-    if (auto status = check(*limits.travel); !status) return status;
+  if (limits.excursion)
+    if (auto status = check(*limits.excursion); !status) return status;
   return {};
 }
 

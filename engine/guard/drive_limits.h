@@ -8,7 +8,7 @@
 
 namespace tactus {
 
-/// What a coil stands in heat: a network of two thermal masses, the coil and the body (magnet, can) around
+/// Thermal limits of a coil: a network of two thermal masses, the coil and the body (magnet, can) around
 /// it, in which a steady power brings the coil to its limit in the end, the share `coil_share` of the way
 /// from the body to the coil and the rest from the room to the body. Only power counts, V²/R, never a signed
 /// force.
@@ -21,9 +21,9 @@ struct HeatLimits {
   double rise_kelvin = 100.0;        ///< the limit: how much warmer than the room the coil may become; > 0
 };
 
-/// What a mass on a spring stands in travel. A voltage y pushes it like a force that would hold it at
+/// Excursion limit of a mass on a spring. A voltage y pushes it like a force that would hold it at
 /// `metres_at_full_scale` * y.
-struct TravelLimits {
+struct ExcursionLimits {
   double metres = 0.0;                ///< the limit; > 0
   double metres_at_full_scale = 0.0;  ///< Bl V / (R_e k) with V the volts of a sample of 1; > 0
   Hertz resonance{40.0};              ///< sqrt(k / m) / 2π; > 0
@@ -32,23 +32,23 @@ struct TravelLimits {
 
 /// How long direct current may last: the mean of the drive over half a second may lie beyond `level` for
 /// `time`.
-struct DirectLimits {
+struct DcLimits {
   double level = 1.0;  ///< what may last for ever; > 0, and 1 is no limit
   Seconds time{0.0};   ///< [0 s, an hour]
 };
 
-/// What an actuator stands, at the converter: full scale = 1.
+/// Limits of an actuator, at the converter: full scale = 1.
 struct DriveLimits {
   double ceiling = 1.0;                                              ///< |y| <= ceiling; (0, 1]
   double slew_per_second = std::numeric_limits<double>::infinity();  ///< |dy/dt| in full scales a second; > 0
   Seconds soft_start{0.0};  ///< gain rises 0 to 1 in this; [0 s, 60 s]
   Seconds fade_out{0.005};  ///< gain falls to 0 in this; [0 s, 1 s]
   std::optional<HeatLimits> heat = {};
-  std::optional<TravelLimits> travel = {};
-  DirectLimits direct = {};
+  std::optional<ExcursionLimits> excursion = {};
+  DcLimits dc = {};
 };
 
-/// [any] For a drive behind which nobody knows what there is. Why these: docs/decisions.md.
+/// [any] For a drive whose actuator is unknown. Why these: docs/decisions.md.
 DriveLimits cautious_limits();
 
 /// [control] OutOfRange, in words, if a limit makes no sense, or cannot be kept at this rate: no coil may go

@@ -16,7 +16,7 @@ double returned(double y, double step) noexcept {
 
 }  // namespace
 
-Travel::Travel(const TravelLimits& limits, double largest_step, Hertz sample_rate)
+ExcursionLimiter::ExcursionLimiter(const ExcursionLimits& limits, double largest_step, Hertz sample_rate)
     : static_(limits.metres_at_full_scale / limits.metres), largest_step_(largest_step) {
   const double turn = 2.0 * std::numbers::pi * limits.resonance.value / sample_rate.value;
   free_ = exponential({0.0, 1.0, -1.0, -1.0 / limits.q}, turn);
@@ -33,19 +33,21 @@ Travel::Travel(const TravelLimits& limits, double largest_step, Hertz sample_rat
   }
 }
 
-double Travel::sudden(Vector2 state, double y) const noexcept { return length(state) + return_push_ * y * y; }
+double ExcursionLimiter::sudden(Vector2 state, double y) const noexcept {
+  return length(state) + return_push_ * y * y;
+}
 
 /// `sudden` without its root.
-bool Travel::surely_within(Vector2 state, double y) const noexcept {
+bool ExcursionLimiter::surely_within(Vector2 state, double y) const noexcept {
   const double room = limit_ - kRounding - return_push_ * y * y;
   return room > 0.0 && state.x * state.x + state.y * state.y <= room * room;
 }
 
-double Travel::steady(Vector2 state, double y) const noexcept {
+double ExcursionLimiter::steady(Vector2 state, double y) const noexcept {
   return std::abs(static_ * y) + length({state.x - static_ * y, state.y});
 }
 
-double Travel::allow(double wanted, double previous, int position) noexcept {
+double ExcursionLimiter::allow(double wanted, double previous, int position) noexcept {
   catch_up(position);
   const auto there = after(wanted);
   if (surely_within(there, wanted)) return wanted;
@@ -60,20 +62,21 @@ double Travel::allow(double wanted, double previous, int position) noexcept {
   return back + most * (wanted - back);
 }
 
-void Travel::catch_up(int position) noexcept {
-  for (; known_ < position; ++known_) now_ = after(heard_[static_cast<std::size_t>(known_)]);
+void ExcursionLimiter::catch_up(int position) noexcept {
+  for (; known_ < position; ++known_) now_ = after(observed_[static_cast<std::size_t>(known_)]);
 }
 
-void Travel::hear(const double* samples, int frames, int position, double sum_of_absolutes) noexcept {
+void ExcursionLimiter::observe(const double* samples, int frames, int position,
+                               double sum_of_absolutes) noexcept {
   const double* x = weight_x_.data() + position;
   const double* y = weight_y_.data() + position;
   sum_x_.add(position, frames, [=](int n) { return x[n] * samples[n]; });
   sum_y_.add(position, frames, [=](int n) { return y[n] * samples[n]; });
-  std::copy_n(samples, frames, heard_.data() + position);
+  std::copy_n(samples, frames, observed_.data() + position);
   bound_ += push_ * sum_of_absolutes;
 }
 
-void Travel::end_group() noexcept {
+void ExcursionLimiter::end_group() noexcept {
   at_start_ = group_free_ * at_start_ + Vector2{sum_x_.take(), sum_y_.take()};
   now_ = at_start_;
   known_ = 0;

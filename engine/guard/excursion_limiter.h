@@ -8,7 +8,7 @@
 
 namespace tactus {
 
-/// Travel of a mass on a spring that a drive moves, and what may go out so that it stays within its limit.
+/// Limits the excursion of a mass on a spring that a drive moves.
 /// In lengths of the limit and times of 1/ω0, with k = metres_at_full_scale / metres:
 ///
 ///   x'' = k y - x - x'/Q          advanced exactly, frame by frame, for a y that is held through the frame
@@ -24,22 +24,22 @@ namespace tactus {
 /// Otherwise it goes only a share of the way from that return to where it wanted: both are convex in y, so
 /// the chord between the two ends never promises too much. The model is that of drive alone, without
 /// inductance (which would weaken the push); a hand or a stick can move the mass further.
-class Travel {
+class ExcursionLimiter {
  public:
   /// [control] `largest_step`: of the drive from frame to frame; infinity: none.
-  Travel(const TravelLimits& limits, double largest_step, Hertz sample_rate);
+  ExcursionLimiter(const ExcursionLimits& limits, double largest_step, Hertz sample_rate);
 
-  /// [realtime] True if no sample of a piece can reach the limit, whatever their order: only the sum of their
+  /// [realtime] True if no sample of a block can reach the limit, whatever their order: only the sum of their
   /// absolute values is known, and a bound for each. Cheap, and errs to the side of no.
-  bool cannot_reach(double sum_of_absolutes, double largest) const noexcept {
+  bool stays_within(double sum_of_absolutes, double largest) const noexcept {
     return bound_ + push_ * sum_of_absolutes + return_push_ * largest * largest <= limit_ - kRounding;
   }
   /// [realtime] What may go out instead of `wanted` behind `previous`, at `position` of the group.
   double allow(double wanted, double previous, int position) noexcept;
   /// [realtime] What went out at `position`.
-  void went_out(double y, int position) noexcept { heard_[static_cast<std::size_t>(position)] = y; }
+  void record(double y, int position) noexcept { observed_[static_cast<std::size_t>(position)] = y; }
   /// [realtime] The outputs of a piece of a group.
-  void hear(const double* samples, int frames, int position, double sum_of_absolutes) noexcept;
+  void observe(const double* samples, int frames, int position, double sum_of_absolutes) noexcept;
   /// [realtime] A group is over.
   void end_group() noexcept;
 
@@ -64,7 +64,7 @@ class Travel {
   double largest_step_;
   double limit_;                                         ///< 1 - h
   std::array<double, kGuardGroup> weight_x_, weight_y_;  ///< of the samples of a group in its end
-  std::array<double, kGuardGroup> heard_{};              ///< the outputs of this group so far
+  std::array<double, kGuardGroup> observed_{};           ///< the outputs of this group so far
   GroupSum sum_x_, sum_y_;
   Vector2 at_start_;  ///< of the group
   Vector2 now_;       ///< before frame `known_` of the group

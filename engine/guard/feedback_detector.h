@@ -11,12 +11,12 @@ namespace tactus {
 /// Hears a loop that runs away: it does not stop at the limits by itself, so the guard holds it there, turn
 /// by turn. A frame counts as limited for a while after, because a loop may touch the limit only at its
 /// crests. When more than half of the last 200 ms count, it is a howl.
-class Howl {
+class FeedbackDetector {
  public:
   static constexpr Seconds kWindow{0.2};
 
   /// [control]
-  explicit Howl(Hertz sample_rate)
+  explicit FeedbackDetector(Hertz sample_rate)
       : window_(static_cast<std::size_t>(frames_in(kWindow, sample_rate) / kGuardGroup) + 1) {}
 
   /// [realtime] Something was held back at `frame`, and counts for `hold` frames.

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [any]
 
 #include <array>
 #include <cstddef>
@@ -6,8 +7,7 @@
 
 namespace tactus {
 
-/// What a stage of the guard had to do: in how many frames it took something away, and the most, in full
-/// scale.
+/// How often a stage of the guard intervened: frames, and the largest reduction, in full scale.
 struct StageCount {
   std::int64_t frames = 0;
   double most = 0.0;
@@ -15,7 +15,7 @@ struct StageCount {
   bool operator==(const StageCount&) const = default;
 };
 
-enum class GuardStage { NonFinite, Heat, Direct, Travel, Ceiling, Slew };
+enum class GuardStage { NonFinite, Heat, Dc, Excursion, Ceiling, Slew };
 inline constexpr std::size_t kGuardStages = 6;
 
 /// All stages of the guard of one channel.

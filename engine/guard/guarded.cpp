@@ -28,16 +28,16 @@ struct Guarded::Channel {
   DriveGuard guard;
   bool armed;
   bool muted = false;
-  std::int64_t told = 0;  ///< DriveGuard::interventions when it was last published
+  std::int64_t published_interventions = 0;
   std::unique_ptr<Published> published = std::make_unique<Published>();
 
-  bool should_sound() const { return !muted && (armed || guard.kind() == DriveGuard::Kind::Audio); }
+  bool is_enabled() const { return !muted && (armed || guard.kind() == DriveGuard::Kind::Audio); }
   void publish() noexcept {
     const auto heat = guard.thermal_state();
     published->coil.store(heat.coil, kRelaxed);
     published->body.store(heat.body, kRelaxed);
-    if (told == guard.interventions()) return;
-    told = guard.interventions();
+    if (published_interventions == guard.interventions()) return;
+    published_interventions = guard.interventions();
     for (std::size_t s = 0; s < kGuardStages; ++s) {
       published->stages[s].frames.store(guard.counts().stages[s].frames, kRelaxed);
       published->stages[s].most.store(guard.counts().stages[s].most, kRelaxed);
@@ -61,12 +61,9 @@ Status Guarded::prepare(const StreamFormat& format) {
     if (auto status = check(channel.limits, format.sample_rate); !status) return status;
   if (auto status = inner_.prepare(format); !status) return status;
 
-  format_ = format;
   frame_ = 0;
   stopped_ = false;
-  in_.assign(static_cast<std::size_t>(format.in_channels), nullptr);
-  out_.assign(outputs, nullptr);
-  sensors_.assign(in_.size(), SensorWatch{format.sample_rate});
+  sensors_.assign(static_cast<std::size_t>(format.in_channels), SensorWatch{format.sample_rate});
   while (inbox_.front() != nullptr) inbox_.drop_front();
   std::vector<Channel> before;
   before.swap(channels_);
@@ -85,30 +82,44 @@ Status Guarded::prepare(const StreamFormat& format) {
     (void)applied_.push({0, JournalEntry::Kind::CoilHeat, static_cast<int>(c), warm.coil});
     (void)applied_.push({0, JournalEntry::Kind::BodyHeat, static_cast<int>(c), warm.body});
   }
-  for (; const JournalEntry* order = at_once_.front(); at_once_.drop_front()) (void)obey(*order);
-  open_guards(0);  // what the user ordered while no block came holds from the first frame on
+  take_pending([this](const JournalEntry& command) { (void)apply_command(command); });
+  open_guards(0);  // commands that came while no block did hold from the first frame on
   return {};
 }
 
+/// Entries for now, then the switches, which no queue can hold back.
+template <class Apply>
+void Guarded::take_pending(Apply apply) noexcept {
+  for (; const JournalEntry* entry = at_once_.front(); at_once_.drop_front()) apply(*entry);
+  const auto flip = [&](GuardSwitch& from, JournalEntry::Kind kind) {
+    if (const auto on = from.take())
+      apply(JournalEntry{JournalEntry::kNow, kind, JournalEntry::kAllChannels, *on ? 1.0 : 0.0});
+  };
+  flip(arm_, JournalEntry::Kind::Arm);
+  flip(mute_, JournalEntry::Kind::Mute);
+  flip(fade_, JournalEntry::Kind::Fade);
+}
+
 /// False: there is no such channel. The guards are still to be opened.
-bool Guarded::obey(const JournalEntry& order) noexcept {
+bool Guarded::apply_command(const JournalEntry& command) noexcept {
   using Kind = JournalEntry::Kind;
-  const bool all = order.index == JournalEntry::kAllChannels;
+  const bool all = command.index == JournalEntry::kAllChannels;
+  if (command.kind == Kind::Fade) faded_ = command.value > 0.5;
   bool known = all;
   for (std::size_t c = 0; c < channels_.size(); ++c) {
-    if (!all && order.index != static_cast<int>(c)) continue;
+    if (!all && command.index != static_cast<int>(c)) continue;
     known = true;
     auto& channel = channels_[c];
-    if (order.kind == Kind::Arm) channel.armed = order.value > 0.5;
-    if (order.kind == Kind::Mute) channel.muted = order.value > 0.5;
-    if (order.kind == Kind::CoilHeat) channel.guard.warm_to({order.value, 0.0});
-    if (order.kind == Kind::BodyHeat) channel.guard.warm_to({0.0, order.value});
+    if (command.kind == Kind::Arm) channel.armed = command.value > 0.5;
+    if (command.kind == Kind::Mute) channel.muted = command.value > 0.5;
+    if (command.kind == Kind::CoilHeat) channel.guard.warm_to({command.value, 0.0});
+    if (command.kind == Kind::BodyHeat) channel.guard.warm_to({0.0, command.value});
   }
   return known;
 }
 
 void Guarded::open_guards(std::int64_t frame) noexcept {
-  for (auto& channel : channels_) channel.guard.set_open(channel.should_sound(), frame);
+  for (auto& channel : channels_) channel.guard.set_open(!faded_ && channel.is_enabled(), frame);
 }
 
 void Guarded::skip_soft_start() noexcept {
@@ -121,14 +132,15 @@ void Guarded::process(const BlockIo& io) noexcept {
     const NoDenormals no_denormals;
     if (std::exchange(stopped_, false)) {
       open_guards(first_frame);
-      tell({first_frame, JournalEntry::Kind::Halt, 0, 0.0});
+      publish({first_frame, JournalEntry::Kind::Halt, 0, 0.0});
     }
-    for (int offset = 0; offset < io.frames; offset += format_.max_frames)
-      process_piece(io, offset, std::min(format_.max_frames, io.frames - offset));
+    inner_.process(io);
+    guard_block(io, first_frame);
+    frame_.store(first_frame + io.frames, kRelaxed);
     for (auto& channel : channels_) channel.publish();
   }
   // A tap turns samples into floats, and must not lose those that are no denormals as doubles.
-  if (tap_ != nullptr) tap_->hear(io, first_frame);
+  if (tap_ != nullptr) tap_->observe(io, first_frame);
 }
 
 void Guarded::finish(const BlockIo& io) noexcept {
@@ -139,52 +151,46 @@ void Guarded::finish(const BlockIo& io) noexcept {
   stopped_ = true;
 }
 
-void Guarded::process_piece(const BlockIo& io, int offset, int frames) noexcept {
-  for (std::size_t c = 0; c < in_.size(); ++c) in_[c] = io.in[c] + offset;
-  for (std::size_t c = 0; c < out_.size(); ++c) out_[c] = io.out[c] + offset;
-  inner_.process({in_.data(), out_.data(), frames});
-
-  const auto first = frame_.load(kRelaxed);
+void Guarded::guard_block(const BlockIo& io, std::int64_t first) noexcept {
   int done = 0;
-  for (; const JournalEntry* entry = at_once_.front(); at_once_.drop_front()) apply(*entry, first);
+  take_pending([&](const JournalEntry& entry) { apply(entry, first); });
   while (const JournalEntry* entry = inbox_.front()) {
     const auto due = std::max(entry->frame, first + done);
-    if (due >= first + frames) break;
-    guard_frames(done, static_cast<int>(due - first), first);
+    if (due >= first + io.frames) break;
+    guard_frames(io, done, static_cast<int>(due - first), first);
     done = static_cast<int>(due - first);
     apply(*entry, due);
     inbox_.drop_front();
   }
-  guard_frames(done, frames, first);
-  frame_.store(first + frames, kRelaxed);
+  guard_frames(io, done, io.frames, first);
 }
 
-void Guarded::guard_frames(int from, int to, std::int64_t first_frame) noexcept {
-  const int fault = first_sensor_fault(from, to, first_frame);
-  guard_outputs(from, fault, first_frame);
+void Guarded::guard_frames(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept {
+  const int fault = first_sensor_fault(io, from, to, first_frame);
+  guard_outputs(io, from, fault, first_frame);
   if (fault == to) return;
   disarm_drives(first_frame + fault);
-  guard_outputs(fault, to, first_frame);
+  guard_outputs(io, fault, to, first_frame);
 }
 
-void Guarded::guard_outputs(int from, int to, std::int64_t first_frame) noexcept {
+void Guarded::guard_outputs(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept {
   if (from == to) return;
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     auto& channel = channels_[c];
-    channel.guard.process(out_[c] + from, to - from, first_frame + from);
-    const auto howl = channel.guard.take_howl();
-    if (!howl) continue;
+    channel.guard.process(io.out[c] + from, to - from, first_frame + from);
+    const auto feedback = channel.guard.take_feedback();
+    if (!feedback) continue;
     channel.armed = false;
-    (void)events_.push({*howl, GuardEvent::Kind::Howl, static_cast<int>(c)});
+    (void)events_.push({*feedback, GuardEvent::Kind::Feedback, static_cast<int>(c)});
   }
 }
 
 /// The frame at which the first sensor is found at fault, or `to`.
-int Guarded::first_sensor_fault(int from, int to, std::int64_t first_frame) noexcept {
+int Guarded::first_sensor_fault(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept {
   int first = to;
-  if (trusting_) return first;
+  if (!watch_sensors_) return first;
   for (std::size_t c = 0; c < sensors_.size(); ++c) {
-    const auto found = sensors_[c].hear(in_[c] + from, to - from);
+    const auto found = sensors_[c].observe(io.in[c] + from, to - from);
     if (!found) continue;
     first = std::min(first, from + found->frame);
     const auto kind = found->fault == SensorWatch::Fault::Railed ? GuardEvent::Kind::SensorRailed
@@ -200,22 +206,23 @@ void Guarded::disarm_drives(std::int64_t frame) noexcept {
 }
 
 void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
-  const bool known = obey(entry);
+  const bool known = apply_command(entry);
   open_guards(frame);
   if (known && entry.kind == JournalEntry::Kind::Arm && entry.value > 0.5)
-    for (auto& sensor : sensors_) sensor.forgive();
+    for (auto& sensor : sensors_) sensor.rearm();
   entry.frame = frame;
-  tell(entry);
+  publish(entry);
 }
 
-void Guarded::tell(const JournalEntry& entry) noexcept {
-  (void)applied_.push(entry);  // nobody may be listening
+void Guarded::publish(const JournalEntry& entry) noexcept {
+  (void)applied_.push(entry);  // full when nobody reads it
   if (tap_ != nullptr) tap_->applied(entry);
 }
 
 std::vector<JournalEntry> Guarded::state() const {
   using Kind = JournalEntry::Kind;
   std::vector<JournalEntry> entries;
+  if (faded_) entries.push_back({0, Kind::Fade, JournalEntry::kAllChannels, 1.0});
   for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
     const auto& channel = channels_[static_cast<std::size_t>(c)];
     const auto heat = channel.guard.thermal_state();
@@ -229,8 +236,8 @@ std::vector<JournalEntry> Guarded::state() const {
 
 bool Guarded::post(const JournalEntry& entry) noexcept {
   using Kind = JournalEntry::Kind;
-  const bool ours = entry.kind == Kind::Arm || entry.kind == Kind::Mute || entry.kind == Kind::CoilHeat ||
-                    entry.kind == Kind::BodyHeat;
+  const bool ours = entry.kind == Kind::Arm || entry.kind == Kind::Mute || entry.kind == Kind::Fade ||
+                    entry.kind == Kind::CoilHeat || entry.kind == Kind::BodyHeat;
   return ours && (entry.frame == JournalEntry::kNow ? at_once_ : inbox_).push(entry);
 }
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/core/block_io.h"
@@ -13,39 +14,63 @@
 
 namespace tactus {
 
-/// What stands behind an output channel.
+/// What is connected to an output channel.
 struct GuardedChannel {
   DriveGuard::Kind kind = DriveGuard::Kind::Drive;
   DriveLimits limits;
 };
 
-/// Something that made drives fade out. They come back only when the user arms them again.
+/// Why drives faded out. They come back only when the user arms them again.
 struct GuardEvent {
   enum class Kind : std::uint8_t {
-    Howl,          ///< `channel`: the output that was held back for more than half of 200 ms
+    Feedback,      ///< `channel`: the output that was limited for more than half of 200 ms
     SensorRailed,  ///< `channel`: the input; all drives fade out
     SensorStuck,   ///< the same
   };
   std::int64_t frame = 0;
-  Kind kind = Kind::Howl;
+  Kind kind = Kind::Feedback;
   int channel = 0;
 
   bool operator==(const GuardEvent&) const = default;
 };
 
-/// Hears every block as it went by, for a take or a meter, and before it what the guard applied in it. A tap
-/// that hands on blocks hands on both.
+/// Observes every processed block, for a take or a meter, and before it the entries that the guard applied in
+/// it. A tap that forwards blocks forwards both.
 class BlockTap : public JournalTap {
  public:
   /// [realtime & prepared] What came in and what goes out behind the guard; its first frame since `prepare`.
-  virtual void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING = 0;
+  virtual void observe(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING = 0;
+};
+
+/// A state that any thread sets and the audio thread takes over at its next block: the last setting counts,
+/// and none can be lost or delayed. One word: its lowest bit is the state, the others count the settings.
+class GuardSwitch {
+ public:
+  /// [any]
+  void set(bool on) noexcept {
+    auto word = word_.load(std::memory_order_relaxed);
+    while (!word_.compare_exchange_weak(word, (word | 1) + (on ? 2 : 1), std::memory_order_release)) {
+    }
+  }
+  /// [realtime] The last setting since this was called before, if there was one.
+  std::optional<bool> take() noexcept {
+    const auto word = word_.load(std::memory_order_acquire);
+    if (word == taken_) return std::nullopt;
+    taken_ = word;
+    return (word & 1) != 0;
+  }
+
+ private:
+  std::atomic<std::uint32_t> word_{0};
+  std::uint32_t taken_ = 0;
 };
 
 /// Any BlockProcessor with the drive guard behind every output channel and a watch at every input. Backends
 /// accept nothing else, so nothing reaches an actuator unguarded. It also turns denormals off around
-/// `process`, and cuts a block that is longer than promised, so that the processor inside never sees one.
+/// `process`: processors inside need not.
 ///
-/// A drive sounds while it is armed and not muted, an audio output while it is not muted.
+/// A drive is open while it is armed, not muted and not faded; an audio output while it is neither muted nor
+/// faded. A user mutes; `fade` is for the program, which stops or has lost its user.
 class Guarded final : public BlockProcessor {
  public:
   /// [control] `inner` must outlive this. Channels beyond the list are drives with the cautious limits.
@@ -53,7 +78,7 @@ class Guarded final : public BlockProcessor {
   ~Guarded() override;
 
   /// [control & stopped] Prepares `inner` and starts again at frame 0, with every guard closed and its soft
-  /// start ahead of it. What was warm is as warm as it was: nobody knows how long the pause lasted. What was
+  /// start ahead of it. Thermal state is kept: the length of the pause is unknown. What was
   /// muted or not armed stays so, orders for now that still waited hold from frame 0, and entries for a frame
   /// are dropped. Errors: of `inner`; BadArgument for more guards than outputs; OutOfRange for a limit.
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
@@ -63,15 +88,19 @@ class Guarded final : public BlockProcessor {
   /// worlds alone, where nothing is there to be thrown.
   void skip_soft_start() noexcept;
   /// [realtime & prepared] The last block before a stop: zeros on every output. The processor inside does not
-  /// run and time stands still; if `process` is called again, every guard starts softly.
+  /// run and time does not advance; if `process` is called again, every guard starts softly.
   void finish(const BlockIo& io) noexcept TACTUS_NONBLOCKING;
 
   /// [control & stopped] The sensors are recordings, which may hold silence: none is ever found at fault.
-  void trust_sensors() noexcept { trusting_ = true; }
+  void disable_sensor_watch() noexcept { watch_sensors_ = false; }
   /// [control & stopped] `tap` outlives this, or is taken away with nullptr.
   void set_tap(BlockTap* tap) noexcept { tap_ = tap; }
-  /// [control, one thread] Kinds Arm, Mute, CoilHeat and BodyHeat, in frame order; an entry that comes late
-  /// holds at once, and one for kNow overtakes all that wait for their frame. A heat can only make warmer.
+  /// [any] For all channels from the next block on, whatever waits in a queue, and journalled with its frame.
+  void arm(bool on) noexcept { arm_.set(on); }
+  void mute(bool on) noexcept { mute_.set(on); }
+  void fade(bool on) noexcept { fade_.set(on); }
+  /// [control, one thread] Kinds Arm, Mute, Fade, CoilHeat and BodyHeat, in frame order; a late entry is
+  /// applied at once, and one for kNow before all that wait for their frame. A heat can only make warmer.
   /// False: the queue is full, try again after a block; or it is another kind.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
   /// [control, one thread] What was applied, with its true frame, oldest first. False: nothing new.
@@ -83,7 +112,7 @@ class Guarded final : public BlockProcessor {
   const std::vector<GuardedChannel>& channels() const noexcept { return config_; }
   bool armed_at_start() const noexcept { return armed_at_start_; }
   /// [control & stopped] What brings a new Guarded of the same channels to the state of this one, as entries
-  /// for frame 0: arms, mutes and heats that are not those of a fresh one.
+  /// for frame 0: arms, mutes, fades and heats that are not those of a fresh one.
   std::vector<JournalEntry> state() const;
 
   /// [any] As of the last whole block.
@@ -96,28 +125,28 @@ class Guarded final : public BlockProcessor {
  private:
   struct Channel;
 
-  void process_piece(const BlockIo& io, int offset, int frames) noexcept;
-  void guard_frames(int from, int to, std::int64_t first_frame) noexcept;
-  void guard_outputs(int from, int to, std::int64_t first_frame) noexcept;
-  int first_sensor_fault(int from, int to, std::int64_t first_frame) noexcept;
+  void guard_block(const BlockIo& io, std::int64_t first_frame) noexcept;
+  void guard_frames(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept;
+  void guard_outputs(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept;
+  int first_sensor_fault(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept;
+  template <class Apply>
+  void take_pending(Apply apply) noexcept;
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
-  void tell(const JournalEntry& entry) noexcept;
-  bool obey(const JournalEntry& order) noexcept;
+  void publish(const JournalEntry& entry) noexcept;
+  bool apply_command(const JournalEntry& command) noexcept;
   void disarm_drives(std::int64_t frame) noexcept;
   void open_guards(std::int64_t frame) noexcept;
 
   BlockProcessor& inner_;
   std::vector<GuardedChannel> config_;
   bool armed_at_start_;
-  bool stopped_ = false;
-  bool trusting_ = false;
+  bool stopped_ = false, faded_ = false;
+  bool watch_sensors_ = true;
   BlockTap* tap_ = nullptr;
-  StreamFormat format_;
   std::vector<Channel> channels_;
   std::vector<SensorWatch> sensors_;
-  std::vector<const double*> in_;  // the piece in hand
-  std::vector<double*> out_;
   std::atomic<std::int64_t> frame_{0};
+  GuardSwitch arm_, mute_, fade_;
   SpscQueue<JournalEntry> inbox_{256};
   SpscQueue<JournalEntry> at_once_{256};
   SpscQueue<JournalEntry> applied_{1024};

@@ -24,7 +24,7 @@ double rise_on_the_way_down(const HeatLimits& limits, double ceiling, double sle
   return fastest_rise(limits, ceiling) * ceiling / (3.0 * slew_per_second);
 }
 
-Heat::Heat(const HeatLimits& limits, double ceiling, double slew_per_second, Hertz sample_rate)
+HeatLimiter::HeatLimiter(const HeatLimits& limits, double ceiling, double slew_per_second, Hertz sample_rate)
     : free_(exponential(flow(limits), kGuardGroup / sample_rate.value)) {
   // A steady power of 1 ends at coil 1, body 1 - s; what a group adds is how far it goes from there to here.
   const Vector2 end{1.0, 1.0 - limits.coil_share};
@@ -33,20 +33,20 @@ Heat::Heat(const HeatLimits& limits, double ceiling, double slew_per_second, Her
   way_down_ = rise_on_the_way_down(limits, ceiling, slew_per_second);
 }
 
-void Heat::end_group() noexcept {
+void HeatLimiter::end_group() noexcept {
   const double mean_square = squares_.take() / kGuardGroup;
   const Vector2 next = free_ * Vector2{state_.coil, state_.body} + mean_square * per_square_;
   state_ = {next.x, next.y};
   gain_.move_to(allowed());
 }
 
-double Heat::allowed() const noexcept {
+double HeatLimiter::allowed() const noexcept {
   const double left = std::max(0.0, 1.0 - way_down_ - state_.coil);
   const double knee = std::min(1.0, left / kKnee);
   return 8.0 * largest_rise_ <= left ? knee : std::min(knee, std::sqrt(left / (8.0 * largest_rise_)));
 }
 
-void Heat::warm_to(const ThermalState& state) noexcept {
+void HeatLimiter::warm_to(const ThermalState& state) noexcept {
   // What comes from a file may be anything; ten times the limit is too warm for any drive.
   constexpr double kMost = 10.0;
   state_ = {std::max(state_.coil, std::min(state.coil, kMost)),

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [realtime] unless stated otherwise
 
 #include "engine/core/matrix2.h"
 #include "engine/guard/drive_limits.h"
@@ -21,10 +22,10 @@ double rise_on_the_way_down(const HeatLimits& limits, double ceiling, double sle
 
 /// [any] How warm it still is after `off` without a drive.
 ThermalState cooled(const HeatLimits& limits, const ThermalState& state, Seconds off) noexcept;
-/// [any] The warmest that the guard lets it become for long: what to start from when nobody knows better.
+/// [any] The warmest that the guard lets it become for long: the start value when nothing is known.
 inline ThermalState warmest(const HeatLimits& limits) noexcept { return {1.0, 1.0 - limits.coil_share}; }
 
-/// Heat of a coil that a drive feeds, and the gain that keeps it within its limit.
+/// Thermal model of a coil that a drive feeds, and the gain that keeps its temperature within the limit.
 ///
 ///   τ_c T_c' = s p - (T_c - T_b)                        T: rise over the limit; p: power over that which
 ///   τ_b T_b' = (1 - s)/s (T_c - T_b) - T_b              leads to the limit; s: the coil's share
@@ -38,15 +39,15 @@ inline ThermalState warmest(const HeatLimits& limits) noexcept { return {1.0, 1.
 /// down to 0, which takes time where there is a slew limit (`check` sees to both): T_c < 1 for ever. Sources:
 /// the two time constants of voice coil and magnet, W. Klippel, "Nonlinear modeling of the heat transfer in
 /// loudspeakers", JAES 52, 2004; the equations are those of two RC links in a chain.
-class Heat {
+class HeatLimiter {
  public:
   static constexpr double kKnee = 0.2;
 
   /// [control]
-  Heat(const HeatLimits& limits, double ceiling, double slew_per_second, Hertz sample_rate);
+  HeatLimiter(const HeatLimits& limits, double ceiling, double slew_per_second, Hertz sample_rate);
 
   /// [realtime] The outputs of a piece of a group.
-  void hear(const double* samples, int frames, int position) noexcept {
+  void observe(const double* samples, int frames, int position) noexcept {
     squares_.add(position, frames, [samples](int n) { return samples[n] * samples[n]; });
   }
   /// [realtime] A group is over.

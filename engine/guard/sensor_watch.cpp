@@ -28,18 +28,19 @@ Run follow(std::int64_t before, std::int64_t patience, int frames, Alike alike) 
 
 }  // namespace
 
-std::optional<SensorWatch::Found> SensorWatch::hear(const double* samples, int frames) noexcept {
+std::optional<SensorWatch::Found> SensorWatch::observe(const double* samples, int frames) noexcept {
   std::optional<Found> found;
   for (int done = 0; done < frames;) {
-    const int part = static_cast<int>(std::min<std::int64_t>({frames - done, kWindow - heard_, patience_}));
-    const auto here = hear_part(samples + done, part);
+    const int part =
+        static_cast<int>(std::min<std::int64_t>({frames - done, kWindow - observed_, patience_}));
+    const auto here = observe_part(samples + done, part);
     if (here && !found) found = Found{done + here->frame, here->fault};
     done += part;
   }
   return found;
 }
 
-std::optional<SensorWatch::Found> SensorWatch::hear_part(const double* samples, int frames) noexcept {
+std::optional<SensorWatch::Found> SensorWatch::observe_part(const double* samples, int frames) noexcept {
   const auto previous = [&](int n) { return n > 0 ? samples[n - 1] : last_; };
   const auto same = follow(same_, patience_, frames,
                            [&](int n) { return samples[n] == previous(n) || std::isnan(samples[n]); });
@@ -47,7 +48,7 @@ std::optional<SensorWatch::Found> SensorWatch::hear_part(const double* samples, 
     return std::abs(samples[n]) >= kRail && std::abs(previous(n) - samples[n]) < kRail;
   });
   const bool was_noisy = noisy_;
-  listen_for_noise(samples, frames);
+  detect_noise(samples, frames);
   same_ = same.at_end;
   railed_ = railed.at_end;
   before_ = frames > 1 ? samples[frames - 2] : last_;
@@ -61,7 +62,7 @@ std::optional<SensorWatch::Found> SensorWatch::hear_part(const double* samples, 
   return Found{static_cast<int>(same.full), Fault::Stuck};
 }
 
-void SensorWatch::listen_for_noise(const double* samples, int frames) noexcept {
+void SensorWatch::detect_noise(const double* samples, int frames) noexcept {
   if (noisy_) return;
   double last = last_, before = before_;
   for (int n = 0; n < frames; ++n) {
@@ -69,10 +70,10 @@ void SensorWatch::listen_for_noise(const double* samples, int frames) noexcept {
     before = last;
     last = samples[n];
   }
-  heard_ += frames;
-  if (heard_ < kWindow) return;
+  observed_ += frames;
+  if (observed_ < kWindow) return;
   noisy_ = 3 * turns_ > kWindow;
-  heard_ = turns_ = 0;
+  observed_ = turns_ = 0;
 }
 
 }  // namespace tactus

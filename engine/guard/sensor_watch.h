@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [realtime] unless stated otherwise
 
 #include <cstdint>
 #include <optional>
@@ -9,7 +10,7 @@ namespace tactus {
 
 /// Looks after one sensor while it runs:
 ///   railed   at the same end of full scale (99.9 %) for 40 ms: a cable off, a supply gone
-///   stuck    the same value bit for bit for 40 ms, after noise was heard: a converter or a driver hangs
+///   stuck    the same value bit for bit for 40 ms, after noise was observed: a converter or a driver hangs
 /// Noise is what no resting signal of a calculation has: in one window of 512 frames the signal turns back in
 /// more than a third of them (white noise: two thirds; a tone at a tenth of the sample rate: a fifth). A
 /// sensor that was never noisy, such as one of a simulated world, may rest as long as it likes.
@@ -26,11 +27,11 @@ class SensorWatch {
     int frame;  ///< of the piece
     Fault fault;
   };
-  /// [realtime] The first fault, once until `forgive`. Frames come one after another; how they are cut into
+  /// [realtime] The first fault, once until `rearm`. Frames come one after another; how they are cut into
   /// pieces does not matter.
-  std::optional<Found> hear(const double* samples, int frames) noexcept;
+  std::optional<Found> observe(const double* samples, int frames) noexcept;
   /// [realtime] The user takes it on: the 40 ms begin anew. What was learnt about noise stays.
-  void forgive() noexcept {
+  void rearm() noexcept {
     same_ = railed_ = 0;
     told_ = false;
   }
@@ -38,13 +39,13 @@ class SensorWatch {
  private:
   static constexpr int kWindow = 512;
 
-  std::optional<Found> hear_part(const double* samples, int frames) noexcept;
-  void listen_for_noise(const double* samples, int frames) noexcept;
+  std::optional<Found> observe_part(const double* samples, int frames) noexcept;
+  void detect_noise(const double* samples, int frames) noexcept;
 
   std::int64_t patience_;
   std::int64_t same_ = 0, railed_ = 0;  ///< frames so far
   double last_ = 0.0, before_ = 0.0;
-  int heard_ = 0, turns_ = 0;  ///< in this window
+  int observed_ = 0, turns_ = 0;  ///< in this window
   bool noisy_ = false, told_ = false;
 };
 

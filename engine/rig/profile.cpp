@@ -148,7 +148,7 @@ DriveLimits limits_for(const ActuatorProfile& profile, double volts) {
   if (profile.slew_volts_per_second) limits.slew_per_second = *profile.slew_volts_per_second / volts;
   limits.soft_start = profile.soft_start;
   limits.fade_out = profile.fade_out;
-  if (profile.direct) limits.direct = {profile.direct->volts / volts, profile.direct->time};
+  if (profile.direct) limits.dc = {profile.direct->volts / volts, profile.direct->time};
   if (const auto& heat = profile.heat)
     limits.heat = HeatLimits{volts * volts / profile.resistance_ohm,
                              heat->watts,
@@ -159,10 +159,10 @@ DriveLimits limits_for(const ActuatorProfile& profile, double volts) {
   if (const auto& t = profile.travel) {
     const double damping =
         t->damping_kg_per_s + t->force_factor_tm * t->force_factor_tm / profile.resistance_ohm;
-    limits.travel =
-        TravelLimits{t->metres, t->force_factor_tm * volts / profile.resistance_ohm / t->stiffness_n_per_m,
-                     Hertz{std::sqrt(t->stiffness_n_per_m / t->mass_kg) / (2.0 * std::numbers::pi)},
-                     std::sqrt(t->stiffness_n_per_m * t->mass_kg) / damping};
+    limits.excursion =
+        ExcursionLimits{t->metres, t->force_factor_tm * volts / profile.resistance_ohm / t->stiffness_n_per_m,
+                        Hertz{std::sqrt(t->stiffness_n_per_m / t->mass_kg) / (2.0 * std::numbers::pi)},
+                        std::sqrt(t->stiffness_n_per_m * t->mass_kg) / damping};
   }
   return limits;
 }
@@ -178,10 +178,10 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
   if (!value) return fail(value.error().code, where, value.error().what, value.error().remedy);
   double* limit = name == "ceiling"        ? &limits.ceiling
                   : name == "slew"         ? &limits.slew_per_second
-                  : name == "direct_level" ? &limits.direct.level
-                  : name == "direct_time"  ? &limits.direct.time.value
+                  : name == "direct_level" ? &limits.dc.level
+                  : name == "direct_time"  ? &limits.dc.time.value
                   : name == "power"        ? (limits.heat ? &limits.heat->watts_for_ever : nullptr)
-                                           : (limits.travel ? &limits.travel->metres : nullptr);
+                                           : (limits.excursion ? &limits.excursion->metres : nullptr);
   if (limit == nullptr || !std::isfinite(*limit))
     return fail(Errc::OutOfRange, where, "this drive has no limit on '" + name + "' to raise",
                 "leave it out");

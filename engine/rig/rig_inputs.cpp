@@ -15,27 +15,25 @@ bool RigInputs::needed(const std::vector<double>& scales, int padding_frames) {
 
 Status RigInputs::prepare(const StreamFormat& format) {
   inputs_.assign(static_cast<std::size_t>(format.in_channels), {});
-  in_.clear();
+  in_.resize(format.in_channels, format.max_frames);
   place_ = 0;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     auto& input = inputs_[i];
     if (i < scales_.size()) input.scale = scales_[i];
     input.past.assign(static_cast<std::size_t>(padding_frames_), 0.0);
-    input.values.assign(static_cast<std::size_t>(format.max_frames), 0.0);
-    in_.push_back(input.values.data());
   }
   return inner_.prepare(format);
 }
 
 void RigInputs::process(const BlockIo& io) noexcept {
-  for (std::size_t i = 0; i < inputs_.size(); ++i) read(inputs_[i], io.in[i], io.frames);
+  for (int i = 0; i < in_.size(); ++i)
+    read(inputs_[static_cast<std::size_t>(i)], io.in[i], in_[i], io.frames);
   if (padding_frames_ > 0)
     place_ = (place_ + static_cast<std::size_t>(io.frames)) % static_cast<std::size_t>(padding_frames_);
   inner_.process({in_.data(), io.out, io.frames});
 }
 
-void RigInputs::read(Input& input, const double* samples, int frames) const noexcept {
-  auto* values = input.values.data();
+void RigInputs::read(Input& input, const double* samples, double* values, int frames) const noexcept {
   for (int f = 0; f < frames; ++f) values[f] = input.scale * samples[f];
   if (input.past.empty()) return;
   auto place = place_;

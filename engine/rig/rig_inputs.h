@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/core/block_io.h"
+#include "engine/core/channels.h"
 
 namespace tactus {
 
@@ -29,18 +30,17 @@ class RigInputs final : public BlockProcessor {
  private:
   struct Input {
     double scale = 1.0;
-    std::vector<double> past;    ///< the last `padding` values, a ring
-    std::vector<double> values;  ///< of the block
+    std::vector<double> past;  ///< the last `padding` values, a ring
   };
 
-  void read(Input& input, const double* samples, int frames) const noexcept;
+  void read(Input& input, const double* samples, double* values, int frames) const noexcept;
 
   BlockProcessor& inner_;
   std::vector<double> scales_;
   int padding_frames_;
   std::size_t place_ = 0;  ///< in each ring: where the oldest value stands
   std::vector<Input> inputs_;
-  std::vector<const double*> in_;
+  ChannelBuffers in_;
 };
 
 }  // namespace tactus

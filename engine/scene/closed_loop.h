@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/core/block_io.h"
+#include "engine/core/channels.h"
 #include "engine/runtime/engine.h"
 #include "engine/scene/file/scene_spec.h"
 
@@ -32,8 +33,8 @@ class ClosedLoop {
   /// One piece as it went by: samples behind the converters.
   struct Piece {
     int frames;
-    const std::vector<const double*>& sensors;
-    const std::vector<const double*>& drives;  ///< as the instrument gave them, before the delay
+    const ChannelBuffers& sensors;
+    const ChannelBuffers& drives;  ///< of the instrument, before the delay
   };
   using Listener = std::function<void(const Piece&)>;
 
@@ -53,10 +54,8 @@ class ClosedLoop {
   Converters converters_;
   double steps_;  ///< quantisation steps from 0 to full scale
   int block_ = 0;
-  std::vector<std::vector<double>> sensors_, drives_, delayed_;
-  std::vector<const double*> sensor_in_, drive_view_, delayed_in_;
-  std::vector<double*> sensor_out_, drive_out_, spare_out_;
-  std::vector<std::vector<double>> spare_;
+  int sensor_count_, drive_count_;
+  ChannelBuffers sensors_, drives_, delayed_, unused_;
   std::vector<std::vector<double>> ring_;  ///< [drive][frame mod size]
   std::size_t written_ = 0;
   std::unique_ptr<Answer> answer_;

@@ -23,7 +23,7 @@ constexpr std::array<StageWords, kGuardStages> kWords = {{
 std::string event_in_words(const GuardReport& report, const GuardEvent& event, Hertz sample_rate) {
   const double at_s = static_cast<double>(event.frame) / sample_rate.value;
   const auto channel = static_cast<std::size_t>(event.channel);
-  if (event.kind == GuardEvent::Kind::Howl)
+  if (event.kind == GuardEvent::Kind::Feedback)
     return fmt::format(
         "{}: howl at {:.3f} s: the guard held it back for more than half of 200 ms and faded it; "
         "look for a loop that is too loud, and arm it again",

@@ -21,20 +21,20 @@ constexpr double kAnalysisRounding =
 constexpr Seconds kThroughActuator{0.00002};  // standard error: five of them are a tenth of a millisecond
 
 /// The gain of the bursts before the sweeps (the level ramp), for what changes with time.
-std::optional<double> knock_gain_db(const HeardPath& path) {
+std::optional<double> level_probe_gain_db(std::span<const double> all_played, const LoopEstimate& loop) {
   std::optional<double> highest;
-  for (const auto& burst : path.bursts.others) {
-    if (burst.at > path.bursts.repeated.front().at) continue;
-    const auto played = stretch(path.recording.played, burst.at, burst.end());
-    const auto heard = stretch(path.steady_heard, burst.at + path.at, burst.end() + path.at);
+  for (const auto& burst : loop.probe.bursts.others) {
+    if (burst.at > loop.probe.bursts.repeated.front().at) continue;
+    const auto played = stretch(all_played, burst.at, burst.end());
+    const auto heard = stretch(loop.clock.samples, burst.at + loop.path.at, burst.end() + loop.path.at);
     if (heard.size() < played.size()) continue;
     double common = 0.0, loudness = 0.0;
     for (std::size_t n = 0; n < played.size(); ++n) {
-      common += played[n] * (heard[n] - path.floor.mean);
+      common += played[n] * (heard[n] - loop.probe.floor.mean);
       loudness += played[n] * played[n];
     }
     // Only what stands 20 dB out of the noise tells its gain within a decibel.
-    if (common * common < 100.0 * loudness * path.floor.variance) continue;
+    if (common * common < 100.0 * loudness * loop.probe.floor.variance) continue;
     const double gain = power_to_db(common * common / (loudness * loudness));
     highest = std::max(highest.value_or(gain), gain);
   }
@@ -42,14 +42,14 @@ std::optional<double> knock_gain_db(const HeardPath& path) {
 }
 
 /// Without the profile, where the model was fitted.
-double gain_range_db(const HeardPath& path) {
+double gain_range_db(const LoopEstimate& loop, Hertz rate) {
   double lowest = 1e300, highest = 0.0;
   const auto hertz = [&](std::size_t bin) {
-    return static_cast<double>(bin) / static_cast<double>(path.mean.size) * path.rate().value;
+    return static_cast<double>(bin) / static_cast<double>(loop.path.mean.size) * rate.value;
   };
-  const double stop = measuring_sweep(path.rate()).stop.value;
-  for (auto b = path.mean.lowest_bin; hertz(b) < stop; ++b) {
-    const double gain = std::norm(path.fitted.model.at(angular_frequency(b, path.mean.size)));
+  const double stop = measuring_sweep(rate).stop.value;
+  for (auto b = loop.path.mean.lowest_bin; hertz(b) < stop; ++b) {
+    const double gain = std::norm(loop.path.fit.model.at(angular_frequency(b, loop.path.mean.size)));
     lowest = std::min(lowest, gain);
     highest = std::max(highest, gain);
   }
@@ -57,111 +57,114 @@ double gain_range_db(const HeardPath& path) {
 }
 
 /// How strong signal and noise are, and what nobody could do better with them.
-void report_level(const HeardPath& path, Analysis& analysis) {
-  const auto response = path.fitted.model.spectrum(path.mean.size, path.mean.profile);
+void report_level(const LoopEstimate& loop, Analysis& analysis) {
+  const auto response = loop.path.fit.model.spectrum(loop.path.mean.size, loop.path.mean.profile);
   double heard_energy = 0.0, energy = 0.0, slope_energy = 0.0;  // of a burst of gain 1
   double played = 0.0, played_here = 0.0;
-  const double per_bin = 2.0 / static_cast<double>(path.mean.size);
+  const double per_bin = 2.0 / static_cast<double>(loop.path.mean.size);
   for (std::size_t b = 1; b < response.size(); ++b) {
-    heard_energy += per_bin * (std::norm(path.mean.heard[b]) - path.mean.noise[b]);
-    played += std::norm(path.mean.played[b]);
-    if (b < path.mean.lowest_bin) continue;
-    const double w = angular_frequency(b, path.mean.size);
-    const double expected = per_bin * std::norm(response[b] * path.mean.played[b]);
-    played_here += std::norm(path.mean.played[b]);
+    heard_energy += per_bin * (std::norm(loop.path.mean.heard[b]) - loop.path.mean.noise[b]);
+    played += std::norm(loop.path.mean.played[b]);
+    if (b < loop.path.mean.lowest_bin) continue;
+    const double w = angular_frequency(b, loop.path.mean.size);
+    const double expected = per_bin * std::norm(response[b] * loop.path.mean.played[b]);
+    played_here += std::norm(loop.path.mean.played[b]);
     energy += expected;
     slope_energy += w * w * expected;
   }
   energy *= played / played_here;  // below the model's band as within
-  analysis.bound_frames = std::sqrt(path.noise / (total_power(path.steady) * slope_energy));
+  analysis.bound_frames = std::sqrt(loop.path.noise / (total_power(loop.clock.steady) * slope_energy));
   // Power that the model leaves over is phase that is wrong somewhere.
-  if (path.fitted.misfit > kAnalysisRounding)
-    analysis.misfit_frames = std::sqrt(0.5 * path.fitted.misfit * energy / slope_energy);
+  if (loop.path.fit.misfit > kAnalysisRounding)
+    analysis.misfit_frames = std::sqrt(0.5 * loop.path.fit.misfit * energy / slope_energy);
   analysis.snr_db =
-      power_to_db(std::max(energy, heard_energy) / static_cast<double>(path.bursts.waveform.size())) -
-      power_to_db(path.noise);
-  analysis.gain_db = 20.0 / std::numbers::ln10 * path.fitted.model.log_gain;
+      power_to_db(std::max(energy, heard_energy) / static_cast<double>(loop.probe.bursts.waveform.size())) -
+      power_to_db(loop.path.noise);
+  analysis.gain_db = 20.0 / std::numbers::ln10 * loop.path.fit.model.log_gain;
 }
 
-void report_delay(const HeardPath& path, Analysis& analysis) {
-  const double first = static_cast<double>(path.bursts.repeated.front().at);
-  const double last = static_cast<double>(path.bursts.repeated.back().end());
-  analysis.delay_frames = path.as_heard(path.constant(), 0.5 * (first + last));
-  analysis.spread_frames = path.trend.scatter;
+void report_delay(const LoopEstimate& loop, Analysis& analysis) {
+  const double first = static_cast<double>(loop.probe.bursts.repeated.front().at);
+  const double last = static_cast<double>(loop.probe.bursts.repeated.back().end());
+  analysis.delay_frames = loop.as_heard(loop.constant(), 0.5 * (first + last));
+  analysis.spread_frames = loop.compared.trend.scatter;
   const double by_scatter =
-      path.trend.scatter /
-      std::sqrt(static_cast<double>(std::max<std::size_t>(1, path.trend.longest.size())));
+      loop.compared.trend.scatter /
+      std::sqrt(static_cast<double>(std::max<std::size_t>(1, loop.compared.trend.longest.size())));
   // Noise that is there only while something sounds.
-  const double more = path.floor.variance > 1e-16 ? std::max(1.0, path.noise / path.floor.variance) : 1.0;
-  const double by_noise = path.fitted.delay_deviation * std::sqrt(std::max(1.0, path.fitted.chi_squared));
+  const double more =
+      loop.probe.floor.variance > 1e-16 ? std::max(1.0, loop.path.noise / loop.probe.floor.variance) : 1.0;
+  const double by_noise = loop.path.fit.delay_deviation * std::sqrt(std::max(1.0, loop.path.fit.chi_squared));
   analysis.standard_error_frames = std::max({by_scatter, by_noise * std::sqrt(more), analysis.misfit_frames});
-  analysis.polarity = path.fitted.model.sign < 0.0 ? -1 : 1;
-  analysis.misfit = path.fitted.misfit;
+  analysis.polarity = loop.path.fit.model.sign < 0.0 ? -1 : 1;
+  analysis.misfit = loop.path.fit.misfit;
 }
 
-void report_sweeps(const HeardPath& path, Analysis& analysis) {
-  analysis.drift_ppm = 1e6 * (path.speed * (1.0 + path.trend.slope) - 1.0);
-  analysis.drift_standard_error_ppm = 1e6 * path.trend.slope_deviation;
-  analysis.steps = path.steps;
-  analysis.compared = path.sweeps.size() >= 3;
-  for (const auto& sweep : path.sweeps)
+void report_sweeps(const LoopEstimate& loop, Analysis& analysis) {
+  analysis.drift_ppm = 1e6 * (loop.clock.speed * (1.0 + loop.compared.trend.slope) - 1.0);
+  analysis.drift_standard_error_ppm = 1e6 * loop.compared.trend.slope_deviation;
+  analysis.steps = loop.compared.steps;
+  analysis.compared = loop.compared.sweeps.size() >= 3;
+  for (const auto& sweep : loop.compared.sweeps)
     analysis.sweeps.push_back(
         {sweep.burst.at,
-         path.as_heard(path.constant() + sweep.delay_frames, static_cast<double>(sweep.burst.at)),
-         20.0 / std::numbers::ln10 * (path.fitted.model.log_gain + sweep.log_gain),
-         sweep.burst.gain * path.bursts.peak});
+         loop.as_heard(loop.constant() + sweep.delay_frames, static_cast<double>(sweep.burst.at)),
+         20.0 / std::numbers::ln10 * (loop.path.fit.model.log_gain + sweep.log_gain),
+         sweep.burst.gain * loop.probe.bursts.peak});
 }
 
 /// Of the sweeps at full level alone: distortion depends on the level.
-HeardWindow loud_mean(HeardPath& path) {
+HeardWindow loud_mean(const LoopEstimate& loop, SweepWindows& windows) {
   std::vector<TrackedSweep> loud;
-  for (const auto& sweep : path.steady)
+  for (const auto& sweep : loop.clock.steady)
     if (sweep.burst.gain > 0.75) loud.push_back(sweep);
-  return path.windows.mean(path.steady_heard, path.at, loud.empty() ? path.steady : loud);
+  return windows.mean(loop.clock.samples, loop.path.at, loud.empty() ? loop.clock.steady : loud);
 }
 
-void report_details(HeardPath& path, const Response& response, Analysis& analysis) {
-  const double shift = path.as_heard(static_cast<double>(path.at), 0.0);
+void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Response& response,
+                    Analysis& analysis) {
+  const double shift = loop.as_heard(static_cast<double>(loop.path.at), 0.0);
   analysis.spectrum = response.spectrum();
   analysis.group_delay = response.group_delay(shift);
   int first = 0;
   analysis.response = response.impulse(first);
-  analysis.response_at = path.at + first;
-  const auto sweep = measuring_sweep(path.rate());
-  if (repeats(path.bursts.waveform, sweep.samples(path.rate())))
-    analysis.harmonics_db =
-        harmonics(loud_mean(path), path.fitted.model, sweep, path.rate(), path.windows.fourier());
+  analysis.response_at = loop.path.at + first;
+  const auto sweep = measuring_sweep(estimator.rate());
+  if (repeats(loop.probe.bursts.waveform, sweep.samples(estimator.rate())))
+    analysis.harmonics_db = harmonics(loud_mean(loop, estimator.windows()), loop.path.fit.model, sweep,
+                                      estimator.rate(), estimator.windows().fourier());
   const auto within = [&](const ResponsePoint& point) { return point.gain_db > analysis.gain_db - 3.0; };
   const auto& points = analysis.spectrum;
   if (const auto low = std::find_if(points.begin(), points.end(), within); low != points.end())
     analysis.low_hz = low->frequency_hz;
   if (const auto high = std::find_if(points.rbegin(), points.rend(), within); high != points.rend())
     analysis.high_hz = high->frequency_hz;
-  analysis.high_pass_hz = std::max(
-      0.0, -path.fitted.model.high_pass[0] * PathModel::kScale * path.rate().value / (2 * std::numbers::pi));
+  analysis.high_pass_hz = std::max(0.0, -loop.path.fit.model.high_pass[0] * PathModel::kScale *
+                                            estimator.rate().value / (2 * std::numbers::pi));
 }
 
 /// All of it, and what stands against trusting it.
-void report(HeardPath& path, Analysis& analysis) {
+void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analysis) {
   Evidence evidence;
-  evidence.coarse = path.coarse;
-  evidence.overdriven = path.overdriven;
-  evidence.with_profile = path.settings.profile.has_value();
-  if (evidence.with_profile) evidence.widest_error_frames = frames_in(kThroughActuator, path.rate());
-  const Response response{path.mean, path.fitted.model, path.rate(), path.windows.fourier()};
-  evidence.second = find_second_path(path);
+  evidence.coarse = loop.clock.coarse;
+  evidence.overdriven = loop.compared.overdriven;
+  evidence.with_profile = estimator.settings().profile.has_value();
+  if (evidence.with_profile) evidence.widest_error_frames = frames_in(kThroughActuator, estimator.rate());
+  const Response response{loop.path.mean, loop.path.fit.model, estimator.rate(),
+                          estimator.windows().fourier()};
+  evidence.second = find_second_path(loop, estimator.search());
   if (evidence.second)
     analysis.echo_frames = static_cast<int>(evidence.second->frames);
-  else if (path.fitted.misfit > 1e-3)
+  else if (loop.path.fit.misfit > 1e-3)
     evidence.echo = response.echo();
   if (evidence.echo.frames != 0) analysis.echo_frames = evidence.echo.frames;
-  evidence.knock_gain_db = knock_gain_db(path);
-  evidence.gain_range_db = gain_range_db(path);
-  report_sweeps(path, analysis);
-  report_level(path, analysis);
-  report_delay(path, analysis);
-  if (path.settings.details) report_details(path, response, analysis);
-  analysis.finding = judge(analysis, evidence, path.heard);
+  evidence.level_probe_gain_db = level_probe_gain_db(estimator.recording().played, loop);
+  evidence.gain_range_db = gain_range_db(loop, estimator.rate());
+  report_sweeps(loop, analysis);
+  report_level(loop, analysis);
+  report_delay(loop, analysis);
+  if (estimator.settings().details) report_details(estimator, loop, response, analysis);
+  analysis.finding = judge(analysis, evidence, estimator.heard());
 }
 
 bool all_finite(const std::vector<double>& samples) {
@@ -188,22 +191,18 @@ Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings&
   if (const auto possible = check(recording, settings); !possible) return tl::unexpected{possible.error()};
   auto bursts = find_bursts(recording.played, recording.sample_rate);
   if (!bursts) return fail(Errc::BadArgument, "", "nothing was played", "give the probe that was played");
-  HeardPath path{recording, settings, std::move(*bursts)};
+  LoopEstimator estimator{recording, settings, *bursts};
+  const auto loop = estimator.estimate();
   Analysis analysis;
   analysis.sample_rate = recording.sample_rate;
-  analysis.heard = path.find();
-  analysis.dc = path.floor.mean;
-  analysis.noise_floor_dbfs = power_to_db(path.floor.variance);
-  if (analysis.heard) {
-    path.follow_clock();
-    analysis.heard = path.fit();
-  }
-  if (!analysis.heard) {
-    analysis.finding = path.cut_short ? not_whole() : not_heard(path.every_channel(), settings.channel);
-    return analysis;
-  }
-  if (path.coarse.clear()) path.compare_sweeps();
-  report(path, analysis);
+  analysis.heard = loop.found;
+  analysis.dc = loop.probe.floor.mean;
+  analysis.noise_floor_dbfs = power_to_db(loop.probe.floor.variance);
+  if (loop.found)
+    report(estimator, loop, analysis);
+  else
+    analysis.finding =
+        loop.probe.cut_short ? not_whole() : not_heard(estimator.every_channel(), settings.channel);
   return analysis;
 }
 

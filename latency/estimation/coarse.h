@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control] unless stated otherwise
 
 #include <cstdint>
 #include <span>

@@ -87,50 +87,74 @@ std::vector<double> through(const std::vector<double>& played, std::span<const d
   return heard;
 }
 
-}  // namespace
-
-HeardPath::HeardPath(const LoopRecording& of, const AnalysisSettings& with, PlayedBursts played)
-    : recording(of),
-      settings(with),
-      bursts(std::move(played)),
-      heard(of.heard[static_cast<std::size_t>(with.channel)]),
-      windows(bursts, of.sample_rate, profile_taps()),
-      search_(through(of.played, profile_taps()), heard.size(), of.sample_rate) {}
-
-std::span<const double> HeardPath::profile_taps() const {
-  return settings.profile ? std::span<const double>{settings.profile->taps} : std::span<const double>{};
+double middle_delay(const std::vector<TrackedSweep>& sweeps) {
+  return usual(&TrackedSweep::delay_frames, sweeps);
 }
 
-std::vector<CoarseDelay> HeardPath::every_channel() {
+std::int64_t reach(const CoarseDelay& coarse) { return coarse.clear() ? kLoopEstimatorSearch : 0; }
+
+}  // namespace
+
+LoopEstimator::LoopEstimator(const LoopRecording& recording, const AnalysisSettings& settings,
+                             const PlayedBursts& bursts)
+    : recording_(recording),
+      settings_(settings),
+      bursts_(bursts),
+      heard_(recording.heard[static_cast<std::size_t>(settings.channel)]),
+      windows_(bursts, recording.sample_rate, profile_taps()),
+      search_(through(recording.played, profile_taps()), heard_.size(), recording.sample_rate) {}
+
+std::span<const double> LoopEstimator::profile_taps() const {
+  return settings_.profile ? std::span<const double>{settings_.profile->taps} : std::span<const double>{};
+}
+
+std::vector<CoarseDelay> LoopEstimator::every_channel() {
   std::vector<CoarseDelay> all;
-  for (const auto& channel : recording.heard) all.push_back(search_.find(channel));
+  for (const auto& channel : recording_.heard) all.push_back(search_.find(channel));
   return all;
 }
 
-bool HeardPath::find() {
-  coarse = search_.find(heard);
-  listen_to_quiet();
-  if (!coarse.found()) return false;
-  const auto recorded = static_cast<std::int64_t>(heard.size());
-  const auto needed = std::min(bursts.repeated.size(), kLeastSweeps);
-  std::erase_if(bursts.repeated, [&](const Burst& burst) {
-    return burst.at + coarse.frames < 0 || burst.end() + coarse.frames > recorded;
-  });
-  cut_short = bursts.repeated.size() < needed;
-  return !cut_short;
+LoopEstimate LoopEstimator::estimate() {
+  LoopEstimate estimate;
+  estimate.probe = locate();
+  if (!estimate.probe.usable()) return estimate;
+  estimate.clock = align(estimate.probe);
+  estimate.path = fit(estimate.probe, estimate.clock);
+  estimate.found = estimate.path.plausible();
+  if (!estimate.found) return estimate;
+  if (estimate.clock.coarse.clear())
+    estimate.compared = compare(estimate);
+  else
+    estimate.compared.sweeps = estimate.clock.tracked;
+  return estimate;
 }
 
-/// Where nothing of what was played is heard: the last half second before it; where that behind it, or the
-/// ends of the pauses, are far quieter or all there is, those. If nothing is heard at all, everything.
-NoiseFloor HeardPath::quiet() const {
+LocatedProbe LoopEstimator::locate() {
+  LocatedProbe probe{search_.find(heard_), bursts_, {}};
+  probe.floor = noise_floor(probe.coarse);
+  windows_.set_noise(probe.floor);
+  if (!probe.coarse.found()) return probe;
+  const auto recorded = static_cast<std::int64_t>(heard_.size());
+  auto& repeated = probe.bursts.repeated;
+  const auto needed = std::min(repeated.size(), kLeastSweeps);
+  std::erase_if(repeated, [&](const Burst& burst) {
+    return burst.at + probe.coarse.frames < 0 || burst.end() + probe.coarse.frames > recorded;
+  });
+  probe.cut_short = repeated.size() < needed;
+  return probe;
+}
+
+/// The noise where nothing of the probe sounds: the last half second before it; where that behind it, or the
+/// ends of the pauses, are far quieter or all there is, those. If nothing was found at all, everything.
+NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
   const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, rate())); };
   const auto copy = [&](std::int64_t from, std::int64_t to) {
-    const auto piece = stretch(heard, from, to);
+    const auto piece = stretch(heard_, from, to);
     return std::vector<double>{piece.begin(), piece.end()};
   };
-  if (!coarse.found()) return NoiseFloor::of(heard);
-  auto all = bursts.repeated;
-  all.insert(all.end(), bursts.others.begin(), bursts.others.end());
+  if (!coarse.found()) return NoiseFloor::of(heard_);
+  auto all = bursts_.repeated;
+  all.insert(all.end(), bursts_.others.begin(), bursts_.others.end());
   std::sort(all.begin(), all.end(), [](const Burst& a, const Burst& b) { return a.at < b.at; });
   const auto begin = all.front().at + coarse.frames - frames(kAir);
   const auto end = all.back().end() + coarse.frames + frames(kRinging);
@@ -151,113 +175,120 @@ NoiseFloor HeardPath::quiet() const {
   return best.value_or(NoiseFloor::of({}));
 }
 
-void HeardPath::listen_to_quiet() {
-  floor = quiet();
-  const double rounding = rounding_variance(heard);  // in digital silence there is none, but beside a sweep
+NoiseFloor LoopEstimator::noise_floor(const CoarseDelay& coarse) const {
+  auto floor = quiet(coarse);
+  const double rounding = rounding_variance(heard_);  // in digital silence there is none, but beside a sweep
   floor.variance = std::max(floor.variance, rounding);
   for (auto& each : floor.per_frame) each = std::max(each, rounding);
-  const auto from = bursts.repeated.front().at + coarse.frames;
-  const double signal = power(stretch(heard, from, from + bursts.repeated.front().frames), floor.mean);
+  const auto from = bursts_.repeated.front().at + coarse.frames;
+  const double signal = power(stretch(heard_, from, from + bursts_.repeated.front().frames), floor.mean);
   for (auto& each : floor.per_frame) each = std::max(each, kLoopEstimatorSilence * signal + kNothing);
-  windows.set_noise(floor);
+  return floor;
 }
 
-/// The sweeps are compared with the loudest of them where no model fits, so that it does not matter what the
-/// path makes of a sweep.
-void HeardPath::follow_clock() {
-  steady_heard = heard;
-  for (const auto& burst : bursts.repeated) steady.push_back({.burst = burst});
-  at = coarse.frames;
-  for (int round = 0; coarse.clear() && round <= kDriftRounds; ++round) {
-    sweeps = windows.track(steady_heard, at, kLoopEstimatorSearch, loudest_sweep());
-    const auto whole = whole_ones(sweeps);
+/// Removes the drift between the clocks. The sweeps are compared with the loudest of them where no model
+/// fits, so that it does not matter what the path makes of a sweep.
+AlignedClock LoopEstimator::align(const LocatedProbe& probe) {
+  AlignedClock clock;
+  clock.samples.assign(heard_.begin(), heard_.end());
+  clock.coarse = probe.coarse;
+  clock.at = probe.coarse.frames;
+  for (const auto& burst : probe.bursts.repeated) clock.steady.push_back({.burst = burst});
+  for (int round = 0; probe.coarse.clear() && round <= kDriftRounds; ++round) {
+    clock.tracked = windows_.track(probe.bursts.repeated, clock.samples, clock.at, kLoopEstimatorSearch,
+                                   loudest_sweep(probe, clock));
+    const auto whole = whole_ones(clock.tracked);
     const auto line = DelayTrend::of(points_of(whole, 0.0), least_step(whole));
-    steady.clear();
-    for (const auto n : line.longest) steady.push_back(whole[n]);
+    clock.steady.clear();
+    for (const auto n : line.longest) clock.steady.push_back(whole[n]);
     const double length = static_cast<double>(whole.back().burst.end() - whole.front().burst.at);
     if (whole.size() < 3 || std::abs(line.slope) * length < 1e-3 ||
         std::abs(line.slope) < 3.0 * line.slope_deviation)
       break;
-    speed *= 1.0 + line.slope;
-    steadied_ = at_speed(heard, speed);
-    steady_heard = steadied_;
+    clock.speed *= 1.0 + line.slope;
+    clock.samples = at_speed(heard_, clock.speed);
   }
-  at += std::llround(middle_delay());
+  clock.at += std::llround(middle_delay(clock.steady));
   // Smeared over many frames, neither its place nor its sign was certain.
-  if (speed == 1.0) return;
-  coarse = search_.find(steady_heard);
-  at = coarse.frames;
+  if (clock.speed == 1.0) return clock;
+  clock.coarse = search_.find(clock.samples);
+  clock.at = clock.coarse.frames;
+  return clock;
 }
 
-Spectrum HeardPath::loudest_sweep() {
-  const auto loudest = std::max_element(bursts.repeated.begin(), bursts.repeated.end(),
+Spectrum LoopEstimator::loudest_sweep(const LocatedProbe& probe, const AlignedClock& clock) {
+  const auto& repeated = probe.bursts.repeated;
+  const auto loudest = std::max_element(repeated.begin(), repeated.end(),
                                         [](const Burst& a, const Burst& b) { return a.gain < b.gain; });
   const TrackedSweep sweep{.burst = *loudest};
-  const auto window = windows.mean(steady_heard, at, {&sweep, 1});
-  return expected(window, fit_of(window));
+  const auto window = windows_.mean(clock.samples, clock.at, {&sweep, 1});
+  return expected(window, fit_of(window, probe.coarse));
 }
 
-std::int64_t HeardPath::reach() const { return coarse.clear() ? kLoopEstimatorSearch : 0; }
-
-PathFit HeardPath::fit_of(const HeardWindow& window) {
+PathFit LoopEstimator::fit_of(const HeardWindow& window, const CoarseDelay& coarse) {
   // What a profile knows is not to be guessed again.
-  return fit_path(window, windows.start_of(window, coarse.sign, reach()),
-                  settings.profile ? PathShape::Kept : PathShape::Free);
+  return fit_path(window, windows_.start_of(window, coarse.sign, reach(coarse)),
+                  settings_.profile ? PathShape::Kept : PathShape::Free);
 }
 
 /// The model where it fits: it has no noise.
-Spectrum HeardPath::expected(const HeardWindow& window, const PathFit& fit) const {
-  return fit.misfit < kFits ? windows.expected(fit.model) : SweepWindows::cleaned(window);
+Spectrum LoopEstimator::expected(const HeardWindow& window, const PathFit& fit) const {
+  return fit.misfit < kFits ? windows_.expected(fit.model) : SweepWindows::cleaned(window);
 }
 
-bool HeardPath::fit() {
-  mean = windows.mean(steady_heard, at, steady);
-  const auto off = windows.start_of(mean, coarse.sign, reach()).delay_frames;
-  at += static_cast<std::int64_t>(off);
-  if (off != 0.0) mean = windows.mean(steady_heard, at, steady);
-  fitted = fit_of(mean);
-  noise = floor.variance;
-  if (steady.size() > 1) noise = std::max(noise, windows.scatter(steady_heard, at, steady, mean));
-  // A tone or a click may correlate with a sweep, but no path makes one from the other.
-  const double gain = fitted.model.log_gain;
-  const bool nonsense = gain > kStrongest && fitted.misfit > kHum;
-  return fitted.strength >= CoarseDelay::kNothing && gain >= kFaintest && !nonsense;
+FittedPath LoopEstimator::fit(const LocatedProbe& probe, const AlignedClock& clock) {
+  FittedPath path;
+  path.at = clock.at;
+  path.mean = windows_.mean(clock.samples, path.at, clock.steady);
+  const auto off = windows_.start_of(path.mean, clock.coarse.sign, reach(clock.coarse)).delay_frames;
+  path.at += static_cast<std::int64_t>(off);
+  if (off != 0.0) path.mean = windows_.mean(clock.samples, path.at, clock.steady);
+  path.fit = fit_of(path.mean, clock.coarse);
+  path.noise = probe.floor.variance;
+  if (clock.steady.size() > 1)
+    path.noise = std::max(path.noise, windows_.scatter(clock.samples, path.at, clock.steady, path.mean));
+  return path;
 }
 
-double HeardPath::middle_delay() const {
-  std::vector<double> delays;
-  for (const auto& sweep : steady) delays.push_back(sweep.delay_frames);
-  return median(std::move(delays));
+bool FittedPath::plausible() const {
+  const double gain = fit.model.log_gain;
+  const bool nonsense = gain > kStrongest && fit.misfit > kHum;
+  return fit.strength >= CoarseDelay::kNothing && gain >= kFaintest && !nonsense;
 }
 
-void HeardPath::compare_sweeps() {
-  sweeps = windows.track(steady_heard, at, kLoopEstimatorSearch, expected(mean, fitted));
-  const auto whole = whole_ones(sweeps);
-  trend = DelayTrend::of(points_of(whole, constant()), least_step(whole));
-  find_steps(whole);
+ComparedSweeps LoopEstimator::compare(const LoopEstimate& estimate) {
+  const auto& [probe, clock, path, none, found] = estimate;
+  ComparedSweeps compared;
+  compared.sweeps = windows_.track(probe.bursts.repeated, clock.samples, path.at, kLoopEstimatorSearch,
+                                   expected(path.mean, path.fit));
+  const auto whole = whole_ones(compared.sweeps);
+  compared.trend = DelayTrend::of(points_of(whole, estimate.constant()), least_step(whole));
+  compared.steps = compared.trend.steps;
+  if (const auto pilot = probe.bursts.pilot(rate()); pilot && path.fit.misfit < kFits)
+    add_pilot_steps(estimate, *pilot, whole, compared.steps);
+  if (compared.steps.empty()) find_damage(estimate, compared);
+  return compared;
 }
 
-/// Sweeps and, behind them, the pilot in pieces.
-void HeardPath::find_steps(const std::vector<TrackedSweep>& whole) {
-  steps = trend.steps;
-  const auto pilot = bursts.pilot(rate());
-  if (pilot && fitted.misfit < kFits) {
-    const auto heard_of_it =
-        track_pilot(recording.played, steady_heard, *pilot, at, fitted.model, profile_taps(), floor.variance);
-    std::vector<DelayPoint> points{points_of(whole, constant()).back()};
-    points.insert(points.end(), heard_of_it.points.begin(), heard_of_it.points.end());
-    const auto least = std::max(least_step(whole), heard_of_it.least_step);
-    const auto more = DelayTrend::of(points, least).steps;
-    steps.insert(steps.end(), more.begin(), more.end());
-    if (steps.empty() && fitted.misfit < kFitsWell && !settings.profile)
-      for (const auto place : heard_of_it.damage) steps.push_back({place, 0.0});
-  }
-  if (steps.empty()) find_damage();
+/// Steps behind the sweeps, where the pilot sounds.
+void LoopEstimator::add_pilot_steps(const LoopEstimate& estimate, const Burst& pilot,
+                                    const std::vector<TrackedSweep>& whole,
+                                    std::vector<DelayStep>& steps) const {
+  const auto& fit = estimate.path.fit;
+  const auto track = track_pilot(recording_.played, estimate.clock.samples, pilot, estimate.path.at,
+                                 fit.model, profile_taps(), estimate.probe.floor.variance);
+  std::vector<DelayPoint> points{points_of(whole, estimate.constant()).back()};
+  points.insert(points.end(), track.points.begin(), track.points.end());
+  const auto more = DelayTrend::of(points, std::max(least_step(whole), track.least_step)).steps;
+  steps.insert(steps.end(), more.begin(), more.end());
+  if (steps.empty() && fit.misfit < kFitsWell && !settings_.profile)
+    for (const auto place : track.damage) steps.push_back({place, 0.0});
 }
 
 /// In a sweep that leaves more unexplained than the others, or has something else in it for a moment. What
 /// stands at the same place of two sweeps is no damage: loud and soft ones differ there.
-void HeardPath::find_damage() {
+void LoopEstimator::find_damage(const LoopEstimate& estimate, ComparedSweeps& compared) {
+  const auto& sweeps = compared.sweeps;
   const double misfit = usual(&TrackedSweep::misfit, sweeps) + kTouched;
   const double chi_squared = kNoisier * usual(&TrackedSweep::chi_squared, sweeps);
   struct Damage {
@@ -266,7 +297,8 @@ void HeardPath::find_damage() {
   };
   std::vector<Damage> damage;
   for (std::size_t n = 0; n < sweeps.size(); ++n) {
-    const auto places = windows.damage(steady_heard, at, sweeps[n], mean, noise);
+    const auto places = windows_.damage(estimate.clock.samples, estimate.path.at, sweeps[n],
+                                        estimate.path.mean, estimate.path.noise);
     for (const auto place : places) damage.push_back({n, place});
     // Of a soft sweep, noise is a larger share.
     const bool touched = sweeps[n].misfit > misfit && sweeps[n].chi_squared > chi_squared;
@@ -278,9 +310,9 @@ void HeardPath::find_damage() {
       return other.sweep != one.sweep && std::abs(offset(other) - offset(one)) <= kSamePlace;
     });
     if (again)
-      overdriven = true;
+      compared.overdriven = true;
     else
-      steps.push_back({one.frame, 0.0});
+      compared.steps.push_back({one.frame, 0.0});
   }
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <cstdint>
 #include <optional>
@@ -16,70 +17,101 @@
 
 namespace tactus {
 
-/// Finds the path in a recording, step by step: where the probe is heard, what is noise, how the clocks
-/// drift, the model of the path, and every sweep beside it. Each step needs those above it.
-class HeardPath {
- public:
-  static constexpr double kFits = 0.02;  ///< misfit of a path that the model describes
-
-  /// [control] `recording` and `settings` outlive it.
-  HeardPath(const LoopRecording& recording, const AnalysisSettings& settings, PlayedBursts bursts);
-
-  /// [control] Whether anything is heard. Bursts that were not recorded as a whole are forgotten; of three
-  /// and more, three have to be left.
-  bool find();
-  /// [control] Takes the drift between the clocks off what was heard.
-  void follow_clock();
-  /// [control] Whether there is a path behind what was found.
-  bool fit();
-  /// [control] Each sweep beside what the path makes of it.
-  void compare_sweeps();
-  /// [control] What is heard of the probe on every input.
-  std::vector<CoarseDelay> every_channel();
-  /// [control] For more of what was played, in recordings as long as `heard`.
-  CoarseSearch& search() { return search_; }
-
-  /// [any] The delay of what was played at `frame`, when it is `constant` once the drift is taken off.
-  double as_heard(double constant, double frame) const { return (frame + constant) * speed - frame; }
-  /// [any] The delay once the drift is taken off.
-  double constant() const { return static_cast<double>(at) + fitted.model.delay_frames; }
-  std::span<const double> profile_taps() const;
-  Hertz rate() const { return recording.sample_rate; }
-
-  const LoopRecording& recording;
-  const AnalysisSettings& settings;
-  PlayedBursts bursts;
-  std::span<const double> heard;
-  SweepWindows windows;
-
+/// Where the probe was found in a recording, and the noise beside it.
+struct LocatedProbe {
   CoarseDelay coarse;
-  bool cut_short = false;  ///< it is heard, but too few bursts as a whole
+  PlayedBursts bursts;  ///< `repeated`: those that were recorded completely
   NoiseFloor floor;
-  double speed = 1.0;                    ///< of the input's clock, in frames that were played
-  std::span<const double> steady_heard;  ///< at the speed of what was played
-  std::vector<TrackedSweep> steady;      ///< the longest stretch of whole sweeps without a step
-  std::int64_t at = 0;                   ///< whole frames of the delay
-  HeardWindow mean;                      ///< of the steady sweeps
-  PathFit fitted;
-  double noise = 0.0;                ///< variance of a frame
-  std::vector<TrackedSweep> sweeps;  ///< all of them, beside the path
+  bool cut_short = false;  ///< found, but with too few complete bursts: of three and more, three are needed
+  bool usable() const { return coarse.found() && !cut_short; }
+};
+
+/// The recording at the speed of the clock that played.
+struct AlignedClock {
+  double speed = 1.0;  ///< of the input's clock, in frames that were played
+  std::vector<double> samples;
+  std::vector<TrackedSweep> steady;   ///< the longest run of undamaged sweeps without a step
+  std::vector<TrackedSweep> tracked;  ///< all of them, beside the loudest
+  CoarseDelay coarse;                 ///< in `samples`
+  std::int64_t at = 0;                ///< whole frames of the delay
+};
+
+/// The model of the path behind `at`, fitted to the mean of the steady sweeps.
+struct FittedPath {
+  std::int64_t at = 0;
+  HeardWindow mean;
+  PathFit fit;
+  double noise = 0.0;  ///< variance of a frame
+  /// False: a tone or a click may correlate with a sweep, but no path makes one from the other.
+  bool plausible() const;
+};
+
+/// Every sweep beside what the path makes of it.
+struct ComparedSweeps {
+  std::vector<TrackedSweep> sweeps;
   std::vector<DelayStep> steps;
   bool overdriven = false;  ///< loud and soft sweeps differ in shape
   DelayTrend trend;
+};
+
+/// What a recording says about the path from output to input. A part is empty where the one before it was not
+/// usable; `compared` also where the sweeps are too weak to be found one by one.
+struct LoopEstimate {
+  LocatedProbe probe;
+  AlignedClock clock;
+  FittedPath path;
+  ComparedSweeps compared;
+  bool found = false;  ///< a path was found
+
+  /// The delay at constant clock speed.
+  double constant() const { return static_cast<double>(path.at) + path.fit.model.delay_frames; }
+  /// The delay of what was played at `frame`, where it is `constant` at constant clock speed.
+  double as_heard(double constant, double frame) const { return (frame + constant) * clock.speed - frame; }
+};
+
+/// Estimates the path in a recording. Each step takes the results of those before it and changes nothing but
+/// the transforms' work space.
+class LoopEstimator {
+ public:
+  static constexpr double kFits = 0.02;  ///< misfit of a path that the model describes
+
+  /// `recording`, `settings` and `bursts` outlive it.
+  LoopEstimator(const LoopRecording& recording, const AnalysisSettings& settings, const PlayedBursts& bursts);
+
+  LoopEstimate estimate();
+  /// Where the probe is found on every input.
+  std::vector<CoarseDelay> every_channel();
+
+  /// For more of what was played, in recordings as long as this.
+  CoarseSearch& search() { return search_; }
+  SweepWindows& windows() { return windows_; }
+  const LoopRecording& recording() const { return recording_; }
+  const AnalysisSettings& settings() const { return settings_; }
+  std::span<const double> heard() const { return heard_; }
+  Hertz rate() const { return recording_.sample_rate; }
 
  private:
-  NoiseFloor quiet() const;
-  void listen_to_quiet();
-  Spectrum loudest_sweep();
-  std::int64_t reach() const;
-  PathFit fit_of(const HeardWindow& window);
-  Spectrum expected(const HeardWindow& window, const PathFit& fit) const;
-  double middle_delay() const;
-  void find_steps(const std::vector<TrackedSweep>& whole);
-  void find_damage();
+  LocatedProbe locate();
+  AlignedClock align(const LocatedProbe& probe);
+  FittedPath fit(const LocatedProbe& probe, const AlignedClock& clock);
+  ComparedSweeps compare(const LoopEstimate& estimate);
 
+  NoiseFloor quiet(const CoarseDelay& coarse) const;
+  NoiseFloor noise_floor(const CoarseDelay& coarse) const;
+  Spectrum loudest_sweep(const LocatedProbe& probe, const AlignedClock& clock);
+  PathFit fit_of(const HeardWindow& window, const CoarseDelay& coarse);
+  Spectrum expected(const HeardWindow& window, const PathFit& fit) const;
+  void add_pilot_steps(const LoopEstimate& estimate, const Burst& pilot,
+                       const std::vector<TrackedSweep>& whole, std::vector<DelayStep>& steps) const;
+  void find_damage(const LoopEstimate& estimate, ComparedSweeps& compared);
+  std::span<const double> profile_taps() const;
+
+  const LoopRecording& recording_;
+  const AnalysisSettings& settings_;
+  const PlayedBursts& bursts_;
+  std::span<const double> heard_;
+  SweepWindows windows_;
   CoarseSearch search_;
-  std::vector<double> steadied_;
 };
 
 }  // namespace tactus

@@ -53,8 +53,7 @@ double total_power(std::span<const TrackedSweep> sweeps) {
 }
 
 SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile)
-    : bursts_(bursts),
-      sample_rate_(sample_rate),
+    : sample_rate_(sample_rate),
       lead_(kSweepWindowsLead + quarter_pause(bursts, sample_rate)),
       frames_(lead_ + static_cast<std::int64_t>(bursts.waveform.size()) +
               2 * quarter_pause(bursts, sample_rate)),
@@ -116,10 +115,11 @@ std::int64_t SweepWindows::nearest(const HeardWindow& window, const Spectrum& ex
   return best;
 }
 
-std::vector<TrackedSweep> SweepWindows::track(std::span<const double> heard, std::int64_t near,
-                                              std::int64_t search, const Spectrum& expected) {
+std::vector<TrackedSweep> SweepWindows::track(std::span<const Burst> bursts, std::span<const double> heard,
+                                              std::int64_t near, std::int64_t search,
+                                              const Spectrum& expected) {
   std::vector<TrackedSweep> tracked;
-  for (const auto& burst : bursts_.repeated) {
+  for (const auto& burst : bursts) {
     auto window = window_of(cut(heard, burst.at + near), burst.gain);
     const auto later = nearest(window, expected, std::min(search, kSweepWindowsReach));
     if (later != 0) window = window_of(cut(heard, burst.at + near + later), burst.gain);

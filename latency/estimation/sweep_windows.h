@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <cstdint>
 #include <span>
@@ -37,8 +38,8 @@ class SweepWindows {
   /// [control] Each burst by itself, cut out at the delay `near` and compared with `expected`, what a burst
   /// of gain 1 should look like there: how much later it is (first to the frame within `search`, then
   /// exactly) and how much stronger.
-  std::vector<TrackedSweep> track(std::span<const double> heard, std::int64_t near, std::int64_t search,
-                                  const Spectrum& expected);
+  std::vector<TrackedSweep> track(std::span<const Burst> bursts, std::span<const double> heard,
+                                  std::int64_t near, std::int64_t search, const Spectrum& expected);
   /// [control] What a burst looks like behind a path of that model.
   Spectrum expected(const PathModel& model) const;
   /// [control] What it looked like, each frequency as far as it stands out of the noise (Wiener's filter).
@@ -65,7 +66,6 @@ class SweepWindows {
   HeardWindow window_of(Spectrum heard, double gain) const;
   std::int64_t nearest(const HeardWindow& window, const Spectrum& expected, std::int64_t search);
 
-  const PlayedBursts& bursts_;
   Hertz sample_rate_;
   std::int64_t lead_, frames_;
   std::vector<double> fade_;  ///< over the window: 0 at its ends, 1 wherever the burst may be

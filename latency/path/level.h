@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [realtime] unless stated otherwise
 
 #include <array>
 #include <cstdint>
@@ -23,71 +24,72 @@ struct PathLevel {
 };
 
 /// Has the sound gone when nothing more is played? Fed with the windows after the output was muted.
-class Aftermath {
+class RingOutMonitor {
  public:
-  enum class Says { Nothing, Howl, Quiet };
+  enum class Result { Nothing, Feedback, Quiet };
 
   /// [any] Before `outstanding` is over, what was played is still on its way.
-  explicit Aftermath(Seconds outstanding = Seconds{0.0});
+  explicit RingOutMonitor(Seconds outstanding = Seconds{0.0});
   /// [realtime]
-  Says hear(const LevelWindow& window) noexcept;
+  Result observe(const LevelWindow& window) noexcept;
 
  private:
   int outstanding_;
   int windows_ = 0, loud_ = 0, quiet_ = 0;
 };
 
-/// Finds the level at which a path is measured: the noise is heard first, then short sweeps ("knocks") that
-/// become louder by 6 dB each, until one is heard 30 dB above the noise, or near the input's end, or as loud
-/// as allowed. How long a knock takes to come back is not known, and may be seconds, so it goes on when none
-/// is heard after 150 ms; once everything has come back, each is found by the pattern of their loudness, and
-/// the softest that does is taken. It decides by what it heard, window by window, and never by a clock.
+/// Finds the level at which a path is measured: the noise is heard first, then short sweeps ("level probes")
+/// that become louder by 6 dB each, until one is heard 30 dB above the noise, or near the input's end, or as
+/// loud as allowed. How long a level probe takes to come back is not known, and may be seconds, so it goes on
+/// when none is heard after 150 ms; once everything has come back, each is found by the pattern of their
+/// loudness, and the softest that does is taken. It decides by what it heard, window by window, and never by
+/// a clock.
 class LevelSearch {
  public:
   static constexpr Seconds kWindow{0.01};
-  static constexpr int kKnockWindows = 4;
+  static constexpr int kLevelProbeWindows = 4;
   static constexpr Seconds kLongestDelay{5.0};
   static constexpr double kTooLoud = 0.7079;  ///< of the input's full scale: -3 dB
-  static constexpr std::size_t kMostKnocks = 24;
+  static constexpr std::size_t kMaxLevelProbes = 24;
   static constexpr double kLoudEnough = 0.5;  ///< what is played may come back up to that
 
   struct Settings {
     double softest = 0.0, loudest = 0.0;  ///< full scale = 1
-    Seconds quiet{0.0};                   ///< before the first knock, at least
-    std::optional<PathLevel> known;       ///< of an earlier opening: one knock must do
+    Seconds quiet{0.0};                   ///< before the first level probe, at least
+    std::optional<PathLevel> known;       ///< of an earlier opening: one level probe must do
   };
   enum class Step {
     Listen,
-    Knock,    ///< begins with the next window, at `level`
+    Probe,    ///< begins with the next window, at `level`
     Ready,    ///< `found`
-    TooLoud,  ///< the softest knock already was
-    Howl,
+    TooLoud,  ///< the softest level probe already was
+    Feedback,
   };
 
   /// [control] Allocates.
   explicit LevelSearch(const Settings& settings);
 
   /// [realtime] What the next window is for.
-  Step hear(const LevelWindow& window) noexcept;
+  Step observe(const LevelWindow& window) noexcept;
   /// [realtime] The input came to its end, and what was being played has been muted. Listens on.
   void overload() noexcept;
 
   bool was_overloaded() const noexcept { return stage_ == Stage::Overloaded; }
-  double level() const noexcept { return knocks_[knock_count_ - 1].level; }
+  double level() const noexcept { return probes_[probe_count_ - 1].level; }
   const PathLevel& found() const noexcept { return found_; }
   /// [any] Windows after which it has answered, whatever it hears.
   int most_windows() const noexcept { return most_windows_; }
 
  private:
-  enum class Stage { Quiet, Knocking, Echoes, Overloaded };
-  struct Knock {
+  enum class Stage { Quiet, Probing, Echoes, Overloaded };
+  struct Probe {
     int window = 0;
     double level = 0.0;
   };
 
-  Step knock(double level) noexcept;
+  Step start_probe(double level) noexcept;
   Step after_quiet() noexcept;
-  Step after_knock() noexcept;
+  Step after_probe() noexcept;
   Step after_echoes() noexcept;
   Step judge() noexcept;
   int best_lag() const noexcept;
@@ -101,10 +103,10 @@ class LevelSearch {
   Stage stage_ = Stage::Quiet;
   std::vector<LevelWindow> windows_;
   std::vector<double> sorted_;
-  std::array<Knock, kMostKnocks> knocks_{};
-  std::size_t knock_count_ = 0;
+  std::array<Probe, kMaxLevelProbes> probes_{};
+  std::size_t probe_count_ = 0;
   int last_heard_ = 0;  ///< window that stood out of the noise
-  Aftermath aftermath_;
+  RingOutMonitor ring_out_;
   PathLevel found_;
 };
 

@@ -15,11 +15,11 @@ constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousa
 constexpr double kAside = 2.0;
 
 /// How much of what the path brings of a burst stands in `rest` at the delay `frames`, beside the path.
-double usual_level(const HeardPath& path, std::span<const double> first, std::span<const double> rest,
+double usual_level(const LoopEstimate& loop, std::span<const double> first, std::span<const double> rest,
                    std::int64_t frames) {
   std::vector<double> levels;
-  for (const auto& burst : path.bursts.repeated) {
-    const auto whole = stretch(first, burst.at + path.at, burst.end() + path.at);
+  for (const auto& burst : loop.probe.bursts.repeated) {
+    const auto whole = stretch(first, burst.at + loop.path.at, burst.end() + loop.path.at);
     const auto again = stretch(rest, burst.at + frames, burst.end() + frames);
     const bool recorded = again.size() == whole.size();
     levels.push_back(recorded ? std::abs(product(again, whole)) / product(whole, whole) : 0.0);
@@ -29,22 +29,22 @@ double usual_level(const HeardPath& path, std::span<const double> first, std::sp
 
 }  // namespace
 
-std::optional<SecondPath> find_second_path(HeardPath& path) {
-  if (!path.coarse.clear()) return std::nullopt;
-  auto model = path.fitted.model;
-  model.delay_frames = path.constant();
-  const auto first = path.search().behind(model);
-  std::vector<double> rest(path.steady_heard.begin(), path.steady_heard.end());
-  for (std::size_t n = 0; n < rest.size(); ++n) rest[n] -= path.floor.mean + first[n];
+std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearch& search) {
+  if (!loop.clock.coarse.clear()) return std::nullopt;
+  auto model = loop.path.fit.model;
+  model.delay_frames = loop.constant();
+  const auto first = search.behind(model);
+  std::vector<double> rest = loop.clock.samples;
+  for (std::size_t n = 0; n < rest.size(); ++n) rest[n] -= loop.probe.floor.mean + first[n];
   if (product(rest, rest) < kSoftest * kSoftest * product(first, first)) return std::nullopt;
 
-  const auto found = path.search().find(rest);
+  const auto found = search.find(rest);
   SecondPath second;
-  second.frames = found.frames - std::llround(path.constant());
+  second.frames = found.frames - std::llround(loop.constant());
   if (!found.clear() || std::abs(second.frames) <= SecondPath::kNear) return std::nullopt;
-  const double level = usual_level(path, first, rest, found.frames);
+  const double level = usual_level(loop, first, rest, found.frames);
   // A gain that moves leaves something at the path itself, which may look alike sweeps later.
-  if (level < kSoftest || level < kAside * usual_level(path, first, rest, path.at)) return std::nullopt;
+  if (level < kSoftest || level < kAside * usual_level(loop, first, rest, loop.path.at)) return std::nullopt;
   second.level_db = amplitude_to_db(level);
   return second;
 }

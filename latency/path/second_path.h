@@ -16,6 +16,6 @@ struct SecondPath {
 
 /// [control] Searches what is left of the recording once the path is taken away. It has to be heard of most
 /// sweeps: where frames are lost, some are heard at one delay and the others at another.
-std::optional<SecondPath> find_second_path(HeardPath& path);
+std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearch& search);
 
 }  // namespace tactus

@@ -60,7 +60,7 @@ std::vector<double> ExponentialSweep::samples(Hertz sample_rate) const {
 
 ExponentialSweep measuring_sweep(Hertz sample_rate) { return {20_Hz, sample_rate * kHighest, Seconds{0.35}}; }
 
-ExponentialSweep knocking_sweep(Hertz sample_rate) { return {100_Hz, sample_rate * kHighest, Seconds{0.04}}; }
+ExponentialSweep level_probe(Hertz sample_rate) { return {100_Hz, sample_rate * kHighest, Seconds{0.04}}; }
 
 std::vector<double> pilot(Hertz sample_rate) {
   std::vector<double> samples(frames(kProbePilot, sample_rate));

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <vector>
 
@@ -23,7 +24,7 @@ struct ExponentialSweep {
 /// The sweep that everything is measured with: 20 Hz to 0.42 of the sample rate.
 ExponentialSweep measuring_sweep(Hertz sample_rate);
 /// A shorter one, for finding the level.
-ExponentialSweep knocking_sweep(Hertz sample_rate);
+ExponentialSweep level_probe(Hertz sample_rate);
 /// Noise between -1 and 1 for half a second, the same on every machine: whatever part of it is heard
 /// tells where in it that part stands.
 std::vector<double> pilot(Hertz sample_rate);

@@ -41,7 +41,7 @@ Status ProbePlayer::prepare(const StreamFormat& format) {
     return fail(Errc::BadArgument, "", "a path cannot be measured without its input and output", "open both");
   format_ = format;
   const auto rate = format.sample_rate;
-  knock_ = knocking_sweep(rate).samples(rate);
+  level_probe_ = level_probe(rate).samples(rate);
   train_ = train_of(script_.sweeps, rate);
   search_.emplace(script_.level);
   stage_ = Stage::Level;
@@ -106,23 +106,23 @@ void ProbePlayer::listen(double sample) noexcept {
 
 void ProbePlayer::end_window() noexcept {
   window_.power /= window_frames_;
-  if (stage_ == Stage::Level) obey(search_->hear(window_));
+  if (stage_ == Stage::Level) follow(search_->observe(window_));
   if (stage_ == Stage::Muted) {
-    const auto says = aftermath_.hear(window_);
-    if (says != Aftermath::Says::Nothing)
-      finish(says == Aftermath::Says::Howl ? Outcome::Howl : Outcome::TooLoud);
+    const auto says = ring_out_.observe(window_);
+    if (says != RingOutMonitor::Result::Nothing)
+      finish(says == RingOutMonitor::Result::Feedback ? Outcome::Feedback : Outcome::TooLoud);
   }
   window_ = {};
   in_window_ = 0;
 }
 
-void ProbePlayer::obey(LevelSearch::Step step) noexcept {
+void ProbePlayer::follow(LevelSearch::Step step) noexcept {
   level_ = search_->found();
   switch (step) {
     case LevelSearch::Step::Listen:
       return;
-    case LevelSearch::Step::Knock:
-      sounding_ = &knock_;
+    case LevelSearch::Step::Probe:
+      sounding_ = &level_probe_;
       at_ = 0;
       gain_ = search_->level();
       return;
@@ -130,8 +130,8 @@ void ProbePlayer::obey(LevelSearch::Step step) noexcept {
       return begin_sweeps();
     case LevelSearch::Step::TooLoud:
       return finish(Outcome::TooLoud);
-    case LevelSearch::Step::Howl:
-      return finish(Outcome::Howl);
+    case LevelSearch::Step::Feedback:
+      return finish(Outcome::Feedback);
   }
 }
 
@@ -157,7 +157,7 @@ void ProbePlayer::mute() noexcept {
   if (stage_ != Stage::Sweeps) return;
   sounding_ = nullptr;
   stage_ = Stage::Muted;
-  aftermath_ = Aftermath{level_.delay.value_or(LevelSearch::kLongestDelay)};
+  ring_out_ = RingOutMonitor{level_.delay.value_or(LevelSearch::kLongestDelay)};
 }
 
 void ProbePlayer::finish(Outcome outcome) noexcept {
@@ -168,7 +168,7 @@ void ProbePlayer::finish(Outcome outcome) noexcept {
   sounding_ = nullptr;
 }
 
-void ProbePlayer::hear(const BlockIo& io, std::int64_t first_frame) noexcept {
+void ProbePlayer::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
   if (done_.load(std::memory_order_relaxed)) return;
   const auto end = std::min<std::int64_t>(end_frame_, static_cast<std::int64_t>(played_.size()));
   const auto frames = std::clamp<std::int64_t>(end - first_frame, 0, io.frames);
@@ -179,7 +179,7 @@ void ProbePlayer::hear(const BlockIo& io, std::int64_t first_frame) noexcept {
   if (stage_ == Stage::Done) done_.store(true, std::memory_order_release);
 }
 
-// A knock that came back too loud would be found in the recording as well.
+// A level probe that came back too loud would be found in the recording as well.
 LoopRecording ProbePlayer::take_recording() {
   const bool cut = outcome_ == Outcome::Played && search_->was_overloaded();
   const auto from =

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control] unless stated otherwise
 
 #include <atomic>
 #include <cstdint>
@@ -27,9 +28,9 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
     LevelSearch::Settings level;
   };
   enum class Outcome {
-    Played,   ///< all of it
-    TooLoud,  ///< muted, and then it was quiet
-    Howl,     ///< muted, and it went on
+    Played,    ///< all of it
+    TooLoud,   ///< muted, and then it was quiet
+    Feedback,  ///< muted, and it went on
   };
 
   /// [control & stopped] What the next `prepare` is for.
@@ -39,7 +40,7 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
 
   Status prepare(const StreamFormat& format) override;
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
-  void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override;
+  void observe(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override;
   void applied(const JournalEntry&) noexcept TACTUS_NONBLOCKING override {}
 
   /// [any] It has come to its end; what follows is silence.
@@ -63,7 +64,7 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
   double next() noexcept;
   void listen(double sample) noexcept;
   void end_window() noexcept;
-  void obey(LevelSearch::Step step) noexcept;
+  void follow(LevelSearch::Step step) noexcept;
   void begin_sweeps() noexcept;
   void mute() noexcept;
   void finish(Outcome outcome) noexcept;
@@ -72,12 +73,12 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
   Script script_;
   const Stream* stream_ = nullptr;
   StreamFormat format_;
-  std::vector<double> knock_, train_;
+  std::vector<double> level_probe_, train_;
   std::optional<LevelSearch> search_;
   Stage stage_ = Stage::Done;
   std::int64_t frame_ = 0;  ///< since `prepare`
 
-  // What sounds: `train_` or `knock_` from `at_` on.
+  // What sounds: `train_` or `level_probe_` from `at_` on.
   const std::vector<double>* sounding_ = nullptr;
   std::size_t at_ = 0;
   double gain_ = 0.0;
@@ -88,7 +89,7 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
   int window_frames_ = 0, in_window_ = 0;
   LevelWindow window_;
   double slow_ = 0.0, slow_share_ = 0.0;
-  Aftermath aftermath_;
+  RingOutMonitor ring_out_;
 
   std::vector<double> played_;
   std::vector<std::vector<double>> heard_;

@@ -11,7 +11,7 @@ TEST_CASE("patient call: waits for a call that returns, and what it owned is gon
   auto owned = std::make_shared<int>(1);
   const std::weak_ptr<int> watched = owned;
   auto ran = std::make_shared<int>(0);
-  CHECK(returns_in_time([owned = std::move(owned), ran] { *ran += *owned; }, 10s));
+  CHECK(call_with_timeout([owned = std::move(owned), ran] { *ran += *owned; }, 10s));
   CHECK(*ran == 1);
   CHECK(watched.expired());
 }
@@ -19,7 +19,7 @@ TEST_CASE("patient call: waits for a call that returns, and what it owned is gon
 TEST_CASE("patient call: gives up on a call that does not return", "[backends]") {
   auto never = std::make_shared<std::promise<void>>();
   auto ended = std::make_shared<std::promise<void>>();
-  CHECK_FALSE(returns_in_time(
+  CHECK_FALSE(call_with_timeout(
       [never, ended] {
         never->get_future().wait();
         ended->set_value();

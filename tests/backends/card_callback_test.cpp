@@ -41,7 +41,7 @@ struct Card {
     StreamGranted granted;
     granted.format = {48_kHz, inputs, outputs, max_frames};
     REQUIRE(guarded.prepare(granted.format));
-    guarded.trust_sensors();
+    guarded.disable_sensor_watch();
     guarded.skip_soft_start();
     callback = std::make_unique<CardCallback>(guarded, request, granted, false);
   }

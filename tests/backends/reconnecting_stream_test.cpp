@@ -79,7 +79,7 @@ class Silence final : public BlockProcessor {
 struct Fixture {
   Fixture() { open(); }
   void open() {
-    stream = std::move(*KeptStream::open(backend, {}, guarded));
+    stream = std::move(*ReconnectingStream::open(backend, {}, guarded));
     REQUIRE(stream->start());
   }
   /// The application's loop, 20 times a second, on a clock of its own.
@@ -96,8 +96,8 @@ struct Fixture {
   FakeBackend backend{world};
   Silence silence;
   Guarded guarded{silence, {}};
-  std::unique_ptr<KeptStream> stream;
-  KeptStream::Clock::time_point now;
+  std::unique_ptr<ReconnectingStream> stream;
+  ReconnectingStream::Clock::time_point now;
 };
 
 using Events = std::vector<std::string>;
@@ -119,9 +119,9 @@ TEST_CASE("kept stream: a device that comes back is opened again, and all of it 
   CHECK(f.stream->state() == StreamState::Running);
   CHECK(f.stream->returns() == 1);
   CHECK(f.silence.prepared == 2);
-  CHECK(f.events() == Events{"'fake:one': has gone away; until it is back there is silence",
-                             "'fake:one': is awaited: there is no device 'fake:one'",
-                             "'fake:one': is back after 1.1 s"});
+  CHECK(f.events() == Events{"'fake:one': disconnected; outputs are silent until it is back",
+                             "'fake:one': waiting for it: there is no device 'fake:one'",
+                             "'fake:one': reconnected after 1.1 s"});
 }
 
 TEST_CASE("kept stream: never another device than the one that was opened", "[backends]") {
@@ -138,7 +138,7 @@ TEST_CASE("kept stream: a device that comes back with another block tells it", "
   f.world.state = StreamState::Lost;
   f.run(500ms);
   CHECK(f.stream->granted().block_frames == 128);
-  CHECK(f.events().back() == "'fake:one': its blocks have 128 frames now and had 64: the delay has changed");
+  CHECK(f.events().back() == "'fake:one': block size is now 128 frames instead of 64: the delay has changed");
 }
 
 TEST_CASE("kept stream: a device that opens but does not start is tried again", "[backends]") {
@@ -163,8 +163,7 @@ TEST_CASE("kept stream: what cannot come back in this process is told once and l
   CHECK(f.world.tried == tried);
   CHECK(f.world.destroyed == destroyed);
   CHECK(f.stream->state() == StreamState::Lost);
-  CHECK(f.events() ==
-        Events{"'fake:one': has gone away; it can only come back to a new start of this program"});
+  CHECK(f.events() == Events{"'fake:one': disconnected; start the program again to reopen it"});
 }
 
 TEST_CASE("kept stream: what was stopped stays away, until it is started", "[backends]") {
@@ -233,7 +232,7 @@ TEST_CASE("kept stream: a stall is told when it begins and when it ends", "[back
   f.world.state = StreamState::Running;
   f.run(500ms);
   CHECK(f.world.opened.size() == 1);
-  CHECK(f.events() == Events{"'fake:one': does not answer", "'fake:one': answers again after 0.7 s"});
+  CHECK(f.events() == Events{"'fake:one': does not respond", "'fake:one': responds again after 0.7 s"});
 }
 
 TEST_CASE("kept stream: what a stream has to say is passed on", "[backends]") {
@@ -251,7 +250,7 @@ TEST_CASE("kept stream: an error of the first opening is the caller's", "[backen
   Guarded guarded{silence, {}};
   StreamRequest request;
   request.device = "fake:one";
-  const auto stream = KeptStream::open(backend, request, guarded);
+  const auto stream = ReconnectingStream::open(backend, request, guarded);
   REQUIRE_FALSE(stream);
   CHECK(to_string(stream.error()) == "there is no device 'fake:one'");
 }

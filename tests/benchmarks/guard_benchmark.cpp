@@ -16,9 +16,9 @@ constexpr tactus::Hertz kRate{48e3};
 DriveLimits all_limits() {
   DriveLimits limits{.ceiling = 0.9, .slew_per_second = 20e3, .soft_start = Seconds{0}};
   limits.heat = tactus::HeatLimits{.watts_at_full_scale = 15, .watts_for_ever = 20, .coil_time = Seconds{8}};
-  limits.travel = tactus::TravelLimits{
+  limits.excursion = tactus::ExcursionLimits{
       .metres = 6e-3, .metres_at_full_scale = 9e-3, .resonance = tactus::Hertz{27}, .q = 0.9};
-  limits.direct = {0.4, Seconds{10}};
+  limits.dc = {0.4, Seconds{10}};
   return limits;
 }
 
@@ -51,7 +51,7 @@ void drive_guard(benchmark::State& state) {
     at += samples.size();
     guard.process(samples.data(), frames, frame);
     frame += frames;
-    if (guard.take_howl()) guard.set_open(true, frame);
+    if (guard.take_feedback()) guard.set_open(true, frame);
     benchmark::ClobberMemory();
   }
   state.SetItemsProcessed(frame);

@@ -18,7 +18,7 @@ void take_tap(benchmark::State& state) {
   const std::vector<double*> out(static_cast<std::size_t>(channels), samples.data());
   std::int64_t frame = 0;
   for (auto _ : state) {
-    ring.hear({in.data(), out.data(), frames}, frame);
+    ring.observe({in.data(), out.data(), frames}, frame);
     frame += frames;
     ring.drop_front(frames);  // what the writer does, without its file
   }

@@ -2,17 +2,9 @@
 
 #include <unistd.h>
 
+#include "backends/sound_backends.h"
 #include "tests/cards/ways.h"
 #include "tests/support/sound_server.h"
-#ifdef TACTUS_HAS_jack
-#include "backends/jack/jack.h"
-#endif
-#ifdef TACTUS_HAS_rtaudio
-#include "backends/rtaudio/rtaudio.h"
-#endif
-#ifdef TACTUS_HAS_portaudio
-#include "backends/portaudio/portaudio.h"
-#endif
 
 namespace tactus::test {
 namespace {
@@ -28,42 +20,34 @@ Subject live_subject(std::unique_ptr<Backend> backend, std::shared_ptr<void> sta
   return subject;
 }
 
-/// A backend that plays to the device "system" of a real JACK server.
-template <class AnyBackend>
-std::optional<Subject> on_jack_server() {
+/// Plays to the device "system" of a real JACK server.
+std::optional<Subject> on_jack_server(const SoundBackend& backend) {
   std::shared_ptr<SoundServer> server = start_sound_server();
-  auto subject = live_subject(std::make_unique<AnyBackend>(), std::move(server));
+  auto subject = live_subject(backend.make(), std::move(server));
   // No other device; without any name PortAudio would abort.
   subject.stands_on.push_back(std::make_shared<AlsaConfig>("pcm.absent { type hw card 9 }\n"));
   return subject;
 }
 
-/// One that plays to ALSA's default device before any other.
-template <class AnyBackend>
-std::optional<Subject> on_alsa() {
+/// Plays to ALSA's default device.
+std::optional<Subject> on_alsa(const Way& way) {
   if (!has_alsa()) return std::nullopt;
   std::shared_ptr<CardOnServer> rig = start_card();
-  return live_subject(std::make_unique<AnyBackend>(), std::move(rig));
+  const auto device = rig->request(way, 2, 1).device;
+  auto subject = live_subject(way.backend(), std::move(rig));
+  subject.request.device = device;
+  return subject;
 }
 
 }  // namespace
 
 std::vector<MakeSubject> every_backend() {
-  return {
-      offline_subject,
-      simulated_subject,
-      loop_subject,
-#ifdef TACTUS_HAS_jack
-      on_jack_server<JackBackend>,
-#endif
-#ifdef TACTUS_HAS_rtaudio
-      on_jack_server<RtAudioBackend>,
-#endif
-#ifdef TACTUS_HAS_portaudio
-      on_jack_server<PortAudioBackend>,
-      on_alsa<PortAudioBackend>,
-#endif
-  };
+  std::vector<MakeSubject> all = {offline_subject, simulated_subject, loop_subject};
+  for (const auto& backend : sound_backends())
+    all.emplace_back([&backend] { return on_jack_server(backend); });
+  for (const auto& way : every_way())
+    if (way.alsa) all.emplace_back([way] { return on_alsa(way); });
+  return all;
 }
 
 }  // namespace tactus::test

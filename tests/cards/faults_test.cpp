@@ -30,7 +30,7 @@ constexpr std::chrono::milliseconds kPatience = seconds{10};
 /// A stream that is looked after, as an app does it.
 struct Player {
   Player(const Way& way, const StreamRequest& request) : backend(way.backend()) {
-    auto opened = KeptStream::open(*backend, request, probe.guarded);
+    auto opened = ReconnectingStream::open(*backend, request, probe.guarded);
     if (!opened) throw std::runtime_error{to_string(opened.error())};
     stream = std::move(*opened);
     probe.guarded.skip_soft_start();
@@ -59,7 +59,7 @@ struct Player {
 
   std::unique_ptr<Backend> backend;
   GuardedProbe probe{1, kKept};
-  std::unique_ptr<KeptStream> stream;
+  std::unique_ptr<ReconnectingStream> stream;
 };
 
 /// How long it took from when the server was there, for those who want to know.

@@ -246,7 +246,7 @@ TEST_CASE("libraries: frames that the clock finds missing are those that the sig
     REQUIRE(playing->start());
     Sleeper sleeper;
     Guarded guarded{sleeper, {}};
-    guarded.trust_sensors();
+    guarded.disable_sensor_watch();
     const auto stream = open(way, rig->request(way, 1, 0), guarded);
     REQUIRE(stream->start());
     REQUIRE(wait_until([&] { return sleeper.probe.full(); }, std::chrono::seconds{20}));

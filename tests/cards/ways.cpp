@@ -6,24 +6,13 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "backends/sound_backends.h"
 #include "tests/support/skip.h"
-
-#ifdef TACTUS_HAS_rtaudio
-#include "backends/rtaudio/rtaudio.h"
-#endif
-#ifdef TACTUS_HAS_portaudio
-#include "backends/portaudio/portaudio.h"
-#endif
 
 namespace tactus::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-template <class AnyBackend>
-std::unique_ptr<Backend> make() {
-  return std::make_unique<AnyBackend>();
-}
 
 #ifdef TACTUS_NO_MIXER
 const std::string no_mixer = TACTUS_NO_MIXER,
@@ -55,14 +44,11 @@ bool has_alsa() {
 
 std::vector<Way> every_way() {
   std::vector<Way> ways;
-#ifdef TACTUS_HAS_rtaudio
-  ways.push_back({"rtaudio:jack", make<RtAudioBackend>, false});
-  if (has_alsa()) ways.push_back({"rtaudio:alsa", make<RtAudioBackend>, true});
-#endif
-#ifdef TACTUS_HAS_portaudio
-  ways.push_back({"portaudio:jack", make<PortAudioBackend>, false});
-  if (has_alsa()) ways.push_back({"portaudio:alsa", make<PortAudioBackend>, true});
-#endif
+  for (const auto& backend : sound_backends()) {
+    if (backend.name == "jack") continue;  // the others reach cards over JACK and ALSA
+    ways.push_back({backend.name + ":jack", backend.make, false});
+    if (has_alsa()) ways.push_back({backend.name + ":alsa", backend.make, true});
+  }
   return ways;
 }
 

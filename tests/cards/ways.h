@@ -18,7 +18,7 @@ struct Way {
 };
 /// Whether ALSA's JACK plugin is installed; if not, a part of the test case is skipped.
 bool has_alsa();
-/// Those whose libraries are there: RtAudio and PortAudio, each over JACK and ALSA.
+/// Every library but JACK itself, over JACK and over ALSA.
 std::vector<Way> every_way();
 
 /// All that ALSA knows, while this is there.

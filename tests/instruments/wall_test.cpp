@@ -30,7 +30,7 @@ double peak(const SceneRecording& recording, const char* signal, double from_s, 
 
 bool howls(const SceneRecording& recording) {
   return std::any_of(recording.guard.events.begin(), recording.guard.events.end(),
-                     [](const GuardEvent& event) { return event.kind == GuardEvent::Kind::Howl; });
+                     [](const GuardEvent& event) { return event.kind == GuardEvent::Kind::Feedback; });
 }
 
 }  // namespace

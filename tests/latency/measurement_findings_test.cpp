@@ -18,7 +18,7 @@ TEST_CASE("measurement: what goes wrong is said, with what to do", "[latency][me
   };
   const auto each = GENERATE(
       Case{"no_cable", Verdict::NoSignal}, Case{"wrong_channel", Verdict::WrongChannel},
-      Case{"howl", Verdict::Howl}, Case{"clipping", Verdict::Clipping}, Case{"dc=1", Verdict::Clipping},
+      Case{"howl", Verdict::Feedback}, Case{"clipping", Verdict::Clipping}, Case{"dc=1", Verdict::Clipping},
       Case{"gain=40dB,noise=-40dB,clip=0.1", Verdict::Clipping}, Case{"drops", Verdict::LostFrames},
       Case{"wrong_rate", Verdict::ApiMismatch}, Case{"wrong_block", Verdict::ApiMismatch},
       Case{"drift", Verdict::ClocksDiffer}, Case{"echo_cancel", Verdict::EchoCancel},
@@ -86,8 +86,8 @@ TEST_CASE("measurement: a second arrival is traced to the card or to a connectio
 TEST_CASE("measurement: what the guard puts an end to is no silence", "[latency][measurement]") {
   auto settings = on_a_wire();
   settings.guard.kind = DriveGuard::Kind::Drive;
-  settings.guard.limits.travel = TravelLimits{1e-7, 1e-3, 40_Hz, 1.0};
+  settings.guard.limits.excursion = ExcursionLimits{1e-7, 1e-3, 40_Hz, 1.0};
   const auto measurement = measured({named("20ms")}, settings);
-  expect(measurement, Verdict::Howl);
+  expect(measurement, Verdict::Feedback);
   CHECK(measurement.finding.what.find("guard") != std::string::npos);
 }

@@ -90,7 +90,7 @@ struct GuardedProbe {
       : probe(kept_frames),
         guarded(probe, std::vector<GuardedChannel>(static_cast<std::size_t>(channels),
                                                    {DriveGuard::Kind::Audio, DriveLimits{}})) {
-    guarded.trust_sensors();
+    guarded.disable_sensor_watch();
   }
   NoiseProbe probe;
   Guarded guarded;

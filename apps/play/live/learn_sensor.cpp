@@ -69,19 +69,19 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   request.out_map.clear();
   Listener listener;
   Guarded guarded{listener, {}};
-  guarded.trust_sensors();
+  guarded.disable_sensor_watch();
   auto stream = backend.open(request, guarded);
   if (!stream) return tl::unexpected(stream.error());
   if (auto started = (*stream)->start(); !started) return started;
-  fmt::print(stderr, "hit softly five times, at {}\n", (*input)->name);
+  fmt::print(stderr, "hit softly five times: {}\n", (*input)->name);
   SensorLearner learner{(*stream)->granted().format.sample_rate};
   const auto deadline = std::chrono::steady_clock::now() + 60s;
-  for (int told = 0; !learner.done() && std::chrono::steady_clock::now() < deadline;) {
+  for (int reported = 0; !learner.done() && std::chrono::steady_clock::now() < deadline;) {
     std::this_thread::sleep_for(20ms);
     learner.hear(listener.take());
     if ((*stream)->state() == StreamState::Lost)
-      return fail(Errc::Device, "", "the device went away while it was listened to", "try again");
-    for (; told < learner.hits(); ++told) fmt::print(stderr, "{} ", told + 1);
+      return fail(Errc::Device, "", "the device was disconnected", "try again");
+    for (; reported < learner.hits(); ++reported) fmt::print(stderr, "{} ", reported + 1);
     std::fflush(stderr);
   }
   fmt::print(stderr, "\n");
@@ -89,8 +89,8 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   const auto learnt = learner.result();
   if (!learnt) return tl::unexpected(learnt.error());
   fmt::print(stderr,
-             "a soft hit reaches {:.1f} dB of the card, {:.0f} dB above the noise; it counts as -20 dB from "
-             "now on\n",
+             "a soft hit reaches {:.1f} dB of the card, {:.0f} dB above the noise; it now "
+             "counts as -20 dB\n",
              amplitude_to_db(learnt->soft), amplitude_to_db(learnt->soft / std::max(learnt->noise, 1e-9)));
   return use_learnt(rig, (*input)->name, *learnt, unit_of(instrument, (*input)->name));
 }

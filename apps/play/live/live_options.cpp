@@ -1,11 +1,16 @@
 #include "apps/play/live/live_options.h"
 
+#include <fmt/format.h>
+
+#include "apps/cli/backends.h"
+
 namespace tactus::app {
 
 void add_live_options(CLI::App& command, LiveOptions& options) {
   auto* group = command.add_option_group("on a sound card");
   group->add_option("--rig", options.rig, "rig file: device, channels, actuators, sensors, measured delay");
-  group->add_option("--backend", options.backend, "jack, rtaudio or portaudio; see tactus devices");
+  group->add_option("--backend", options.backend,
+                    fmt::format("{}; see tactus devices", fmt::join(card_backends(), ", ")));
   group->add_option("--device", options.device, "id of a device, or a part of its name")
       ->check([](const std::string& text) { return text.empty() ? "it is empty" : std::string{}; });
   group->add_option("--input-device", options.input_device, "where the sensors are on another device");

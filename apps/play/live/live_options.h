@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -9,7 +10,7 @@
 
 namespace tactus::app {
 
-/// What the command line says about playing on a sound card.
+/// Options of playing on a sound card.
 struct LiveOptions {
   std::string target;
   std::string rig, backend, device, input_device;

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <filesystem>
 #include <map>
@@ -28,7 +29,7 @@ class Performer {
   /// Whose controls, faults and edits are shown.
   virtual Engine& instrument() = 0;
   virtual const Engine& instrument() const = 0;
-  /// Channels of `processor`, and what stands behind each output.
+  /// Channels of `processor`, and what is connected to each output.
   virtual std::vector<std::string> inputs() const = 0;
   virtual std::vector<std::string> outputs() const = 0;
   virtual std::vector<GuardedChannel> guards() const = 0;
@@ -48,7 +49,7 @@ class Performer {
   virtual bool strike() { return false; }
 };
 
-/// An instrument on a sound card. Without a rig nobody says what hangs on a channel: all outputs, sound too,
+/// An instrument on a sound card. Without a rig it is unknown what is connected: all outputs, sound too,
 /// then have the guard of a drive with `drives`.
 struct InstrumentSetup {
   std::filesystem::path file, root;

@@ -21,7 +21,7 @@ std::vector<int> from_zero(std::vector<int> channels) {
   return channels;
 }
 
-/// What a number with a unit on the command line says, or the rig, or nobody.
+/// A quantity of the command line, else of the rig, else nothing.
 Result<std::optional<double>> chosen(const std::string& text, const char* unit, const char* option,
                                      std::optional<double> of_rig) {
   if (text.empty()) return of_rig;
@@ -30,7 +30,7 @@ Result<std::optional<double>> chosen(const std::string& text, const char* unit, 
   return *value;
 }
 
-/// The knobs as the rig left them, unless the command line says otherwise.
+/// The control values of the rig, overridden by the command line.
 Result<std::map<std::string, ControlValue>> settings_of(const LiveOptions& options, const Rig* rig) {
   auto settings = parse_settings(options.set);
   if (!settings || rig == nullptr) return settings;
@@ -88,9 +88,8 @@ class Planner {
           {!options_.device.empty() && options_.device != device.output, "--device"},
           {!options_.input_device.empty() && options_.input_device != device.input, "--input-device"}})
       if (given)
-        return refuse({Errc::BadArgument, option,
-                       "does not go with --rig, which says what hangs on which channel",
-                       "change the rig, or make another one with --save-rig"});
+        return refuse({Errc::BadArgument, option, "cannot be combined with --rig, which assigns the channels",
+                       "change the rig file, or make another with --save-rig"});
     return {};
   }
 
@@ -139,8 +138,8 @@ class Planner {
   }
 
   Refused save(bool force) {
-    std::istringstream nobody;
-    std::istream& asked = options_.yes ? nobody : std::cin;
+    std::istringstream empty;
+    std::istream& asked = options_.yes ? empty : std::cin;
     const auto saved = save_rig(*plan_.rig, plan_.rig_file, asked, std::cerr, force);
     if (!saved) return refuse(saved.error(), kBadFile);
     fmt::print(stderr, "{} is written\n", plan_.rig_file);
@@ -255,7 +254,7 @@ std::string granted_in_words(const Plan& plan, const StreamGranted& granted) {
   if (asked.periods && *asked.periods != granted.periods)
     text += fmt::format(" ({} periods were asked for)", *asked.periods);
   if (granted.input_latency_frames && granted.output_latency_frames)
-    text += fmt::format("\ndriver    says {:.2f} ms in and {:.2f} ms out, which nobody measured",
+    text += fmt::format("\ndriver    reports {:.2f} ms in and {:.2f} ms out (not measured)",
                         *granted.input_latency_frames * ms, *granted.output_latency_frames * ms);
   return text;
 }
@@ -270,16 +269,15 @@ Status check_delay(Plan& plan, const StreamGranted& granted) {
                         granted.block_frames)
           : fmt::format("the delay was measured with {} periods, and there are {}", periods, granted.periods);
   if (plan.padding_frames > 0)
-    return fail(Errc::BadArgument, plan.rig_file, what + ": nobody knows how much to add",
-                "set the device to that block, or measure again");
+    return fail(Errc::BadArgument, plan.rig_file, what + ": the padding is unknown",
+                "set the device to that block size, or measure again");
   plan.delay_s.reset();
-  fmt::print(stderr, "warning: {}; it is not known now\n", what);
+  fmt::print(stderr, "warning: {}; it counts as unknown\n", what);
   return {};
 }
 
 std::string delay_in_words(const Plan& plan) {
-  if (!plan.delay_s)
-    return "delay     not measured: the instrument reckons with none; tactus latency measure finds it";
+  if (!plan.delay_s) return "delay     not measured: the instrument assumes 0; run tactus latency measure";
   const double padded = plan.padding_frames / plan.request.sample_rate->value;
   return fmt::format("delay     {:.2f} ms measured{}", 1e3 * *plan.delay_s,
                      plan.padding_frames > 0

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <memory>
 #include <optional>
@@ -33,7 +34,7 @@ std::string granted_in_words(const Plan& plan, const StreamGranted& granted);
 /// Does the measured delay hold for what was granted? It is taken back with a warning if not. Errors:
 /// BadArgument where frames were to be added to it.
 Status check_delay(Plan& plan, const StreamGranted& granted);
-/// The system delay that the instrument reckons with, and where it comes from.
+/// The system delay that the instrument uses, and its source.
 std::string delay_in_words(const Plan& plan);
 
 }  // namespace tactus::app

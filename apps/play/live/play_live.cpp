@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <csignal>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
+#include "apps/cli/interrupts.h"
 #include "apps/play/live/controls/keyboard.h"
 #include "apps/play/live/controls/midi_controls.h"
 #include "apps/play/live/controls/status_line.h"
@@ -20,23 +20,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-volatile std::sig_atomic_t interrupted = 0;
-extern "C" void interrupt(int) { interrupted = 1; }
-
 constexpr const char* kHelp =
-    "keys: a arm or disarm | m mute | space strike | up, down choose a control | left, right turn it | "
-    "l learn MIDI for it | s save the rig | q quit";
+    "keys: a arm or disarm | m mute | space strike | up, down select a control | left, right change it | "
+    "l MIDI learn for it | s save the rig | q quit";
 
-/// What the keys do, and what they have chosen.
+/// The keys of a session, and the control that they have selected.
 class Player {
  public:
   Player(Session& session, Plan& plan, const LiveOptions& options, StatusLine& line)
       : session_(session),
         plan_(plan),
         line_(line),
-        midi_(options.midi, plan.rig ? plan.rig->midi : std::vector<RigMidi>{}, session.knobs()) {}
+        midi_(options.midi, plan.rig ? plan.rig->midi : std::vector<RigMidi>{}, session.controls()) {}
 
-  /// Everything that moves by itself.
+  /// What happens without keys: edits, MIDI, device and guard events.
   void tick() {
     for (const auto& words : session_.tick()) line_.say(words);
     for (const auto& words : midi_.tick()) line_.say(words);
@@ -65,8 +62,8 @@ class Player {
     return true;
   }
 
-  std::string knob() const {
-    return chosen_ < session_.knobs().all().size() ? session_.knobs().text(chosen_) : "";
+  std::string selected_control() const {
+    return chosen_ < session_.controls().all().size() ? session_.controls().text(chosen_) : "";
   }
 
  private:
@@ -76,18 +73,18 @@ class Player {
         return false;
       case 'a':
         if (!session_.has_drives()) {
-          line_.say("nothing here needs to be armed");
+          line_.say("there is no drive to arm");
           break;
         }
         session_.arm(!session_.armed());
-        line_.say(session_.armed() ? "the drives are armed" : "the drives are not armed");
+        line_.say(session_.armed() ? "drives armed" : "drives disarmed");
         break;
       case 'm':
         session_.mute(!session_.muted());
-        line_.say(session_.muted() ? "muted" : "no longer muted");
+        line_.say(session_.muted() ? "muted" : "unmuted");
         break;
       case ' ':
-        if (!plan_.performer->strike()) line_.say("there is nothing to strike here; m mutes, a arms");
+        if (!plan_.performer->strike()) line_.say("this scene has no strike; m mutes, a arms");
         break;
       case 'l':
         learn();
@@ -105,29 +102,29 @@ class Player {
     return true;
   }
   void choose(int step) {
-    const auto knobs = static_cast<int>(session_.knobs().all().size());
-    if (knobs > 0) chosen_ = static_cast<std::size_t>((static_cast<int>(chosen_) + step + knobs) % knobs);
+    const auto count = static_cast<int>(session_.controls().all().size());
+    if (count > 0) chosen_ = static_cast<std::size_t>((static_cast<int>(chosen_) + step + count) % count);
   }
   void turn(double share) {
-    if (chosen_ >= session_.knobs().all().size()) return;
-    if (!session_.knobs().nudge(chosen_, share))
-      line_.say(session_.knobs().all()[chosen_].control.name + " cannot be turned while it plays");
+    if (chosen_ >= session_.controls().all().size()) return;
+    if (!session_.controls().nudge(chosen_, share))
+      line_.say(session_.controls().all()[chosen_].control.name + " is fixed while it plays");
   }
 
   void learn() {
-    if (chosen_ >= session_.knobs().all().size()) return;
-    const auto& name = session_.knobs().all()[chosen_].control.name;
-    line_.say(midi_.learn(name) ? "move the controller that is to turn " + name
+    if (chosen_ >= session_.controls().all().size()) return;
+    const auto& name = session_.controls().all()[chosen_].control.name;
+    line_.say(midi_.learn(name) ? "move the MIDI controller for " + name
                                 : "this program was built without MIDI");
   }
   void save() {
-    if (!plan_.rig) return line_.say("there is no rig to save in: start with --save-rig FILE");
+    if (!plan_.rig) return line_.say("there is no rig file: start with --save-rig FILE");
     plan_.rig->midi = midi_.bindings();
     plan_.rig->controls.clear();
-    for (const auto& control : session_.knobs().controls())
+    for (const auto& [control, frozen] : session_.controls().all())
       plan_.rig->controls.push_back({control.name, {}, {control.value, control.unit, false}});
     const auto saved = replace_rig(*plan_.rig, plan_.rig_file);
-    line_.say(saved ? plan_.rig_file + " has the knobs and MIDI as they are; what it was is " +
+    line_.say(saved ? plan_.rig_file + ": controls and MIDI bindings saved; the former file is " +
                           plan_.rig_file + "~"
                     : to_string(saved.error()));
   }
@@ -147,7 +144,7 @@ Result<double> seconds_of(const std::string& text, const char* option) {
   return seconds;
 }
 
-/// Everything but the sound: keys, edits, the status line. Returns why it ended.
+/// The control loop: keys, edits, the status line. Returns the exit code.
 int run(Session& session, Plan& plan, const LiveOptions& options, double seconds) {
   using namespace std::chrono_literals;
   StatusLine line;
@@ -157,38 +154,27 @@ int run(Session& session, Plan& plan, const LiveOptions& options, double seconds
   const auto begin = Clock::now();
   auto drawn = begin - 1s;
   while (true) {
-    if (interrupted != 0) return kInterrupted;
+    if (interrupted()) return kInterrupted;
     if (session.over()) return kDevice;
     if (seconds > 0 && std::chrono::duration<double>(Clock::now() - begin).count() >= seconds) return kDone;
     if (const auto key = keyboard.wait(20ms); key && !player.press(*key)) return kDone;
     player.tick();
     if (Clock::now() - drawn < 100ms) continue;
     drawn = Clock::now();
-    line.draw(session.look(), player.knob());
+    line.draw(session.look(), player.selected_control());
   }
 }
 
-/// Whatever is to end the program ends it with a fade.
-void catch_signals() {
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
-#if defined(SIGHUP)
-  std::signal(SIGHUP, interrupt);  // the terminal was closed
-  std::signal(SIGQUIT, interrupt);
-  std::signal(SIGPIPE, SIG_IGN);  // nobody reads what is printed: no reason to stop without a fade
-#endif
-}
-
-/// What plays where, and what the user should know before touching anything.
+/// What plays where, and the state of the drives.
 void announce(const Session& session, const Plan& plan, const LiveOptions& options) {
   fmt::print(stderr, "{}\n{}\n", plan.performer->name(), granted_in_words(plan, session.granted()));
   if (options.listen)
-    fmt::print(stderr, "sound goes to the first channels of {}: there should be speakers and nothing else\n",
+    fmt::print(stderr, "sound goes to the first channels of {}: connect speakers there, no actuators\n",
                session.granted().device);
   else
     fmt::print(stderr, "{}\n", delay_in_words(plan));
   if (!options.arm && session.has_drives())
-    fmt::print(stderr, "the drives are not armed: press a, or start with --arm\n");
+    fmt::print(stderr, "the drives are disarmed: press a, or start with --arm\n");
 }
 
 }  // namespace
@@ -202,7 +188,7 @@ int play_live(const LiveOptions& options) {
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
   Session session{*plan->performer, *plan->devices.backend, plan->request, options.arm};
   if (!options.record.empty()) session.record(options.record);
-  catch_signals();
+  install_signal_handlers(/*also_hangup=*/true);
   if (const auto opened = session.open(); !opened) return report(opened.error()), exit_of(opened.error());
   if (const auto known = check_delay(*plan, session.granted()); !known) return report(known.error()), kUsage;
   if (plan->delay_s)

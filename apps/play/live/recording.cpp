@@ -23,8 +23,8 @@ Status Recording::begin() {
   if (!begun) return tl::unexpected(begun.error());
   recorder_ = std::move(*begun);
   files_.push_back(file);
-  told_dropped_ = 0;
-  told_trouble_ = false;
+  reported_dropped_ = 0;
+  reported_error_ = false;
   meter_.set_next(&recorder_->tap());
   performer_.instrument().set_tap(&recorder_->tap());
   return {};
@@ -54,12 +54,12 @@ std::vector<std::string> Recording::news() {
   std::vector<std::string> words;
   if (recorder_ == nullptr) return words;
   const auto status = recorder_->status();
-  if (!status.trouble.empty() && !std::exchange(told_trouble_, true))
-    words.push_back("the recording has ended: " + status.trouble + "; the sound goes on");
-  if (status.dropped_frames > told_dropped_)
-    words.push_back(
-        fmt::format("the disk is too slow: {} frames could not be recorded so far", status.dropped_frames));
-  told_dropped_ = status.dropped_frames;
+  if (!status.trouble.empty() && !std::exchange(reported_error_, true))
+    words.push_back("recording stopped: " + status.trouble + "; the instrument keeps playing");
+  if (status.dropped_frames > reported_dropped_)
+    words.push_back(fmt::format("the disk is too slow: {} frames dropped from the recording so far",
+                                status.dropped_frames));
+  reported_dropped_ = status.dropped_frames;
   return words;
 }
 

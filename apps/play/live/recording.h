@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <filesystem>
 #include <memory>
@@ -37,8 +38,8 @@ class Recording {
   std::filesystem::path wav_;
   std::vector<std::filesystem::path> files_;
   std::unique_ptr<TakeRecorder> recorder_;
-  std::int64_t told_dropped_ = 0;
-  bool told_trouble_ = false;
+  std::int64_t reported_dropped_ = 0;
+  bool reported_error_ = false;
 };
 
 }  // namespace tactus::app

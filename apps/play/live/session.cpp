@@ -12,7 +12,7 @@ namespace {
 
 using Kind = JournalEntry::Kind;
 
-/// The longest that a guard takes to close.
+/// The longest fade of all guards.
 Seconds fade_of(const std::vector<GuardedChannel>& guards) {
   Seconds longest{0.0};
   for (const auto& guard : guards) longest = std::max(longest, guard.limits.fade_out);
@@ -40,7 +40,7 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
       guards_(performer.guards()),
       guarded_(performer.processor(), guards_, armed),
       meter_(request_.in_channels, request_.out_channels),
-      knobs_(performer.instrument()),
+      controls_(performer.instrument()),
       armed_(armed),
       seen_guards_(guards_.size()) {
   guarded_.set_tap(&meter_);
@@ -48,8 +48,8 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
 }
 
 Session::~Session() {
-  std::vector<std::string> unheard;
-  (void)stop(unheard);
+  std::vector<std::string> unread;
+  (void)stop(unread);
 }
 
 void Session::record(const std::filesystem::path& wav) {
@@ -61,33 +61,33 @@ std::vector<std::filesystem::path> Session::takes() const {
 }
 
 Status Session::open() {
-  auto opened = KeptStream::open(backend_, request_, guarded_);
+  auto opened = ReconnectingStream::open(backend_, request_, guarded_);
   if (!opened) return tl::unexpected(opened.error());
   stream_ = std::move(*opened);
   if (recording_ != nullptr) {
     if (auto status = recording_->begin(); !status) return status;
     stream_->on_return([this] {
       if (const auto status = recording_->begin(); !status)
-        waiting_words_.push_back("nothing is recorded any more: " + to_string(status.error()));
+        waiting_messages_.push_back("recording stopped: " + to_string(status.error()));
     });
   }
   return {};
 }
 
-Status Session::stop(std::vector<std::string>& words) {
+Status Session::stop(std::vector<std::string>& messages) {
   if (stream_ == nullptr) return {};
   fade_out();
   const auto stopped = stream_->stop();
   if (recording_ != nullptr)
-    for (auto& line : recording_->end()) words.push_back(std::move(line));
+    for (auto& line : recording_->end()) messages.push_back(std::move(line));
   return stopped;
 }
 
-/// Until the frames in which the guards close have gone by, or no more come.
+/// Returns when the frames of the fade are over, or when no more blocks come.
 void Session::fade_out() {
   using State = StreamState;
   if (stream_->state() != State::Running && stream_->state() != State::Stalled) return;
-  mute(true);
+  guarded_.fade(true);
   const double rate = granted().format.sample_rate.value, block_s = granted().format.max_frames / rate;
   const auto until =
       guarded_.frame() + std::llround(fade_of(guards_).value * rate) + 2 * granted().format.max_frames;
@@ -103,25 +103,26 @@ bool Session::has_drives() const {
 }
 
 void Session::arm(bool on) {
-  if (guarded_.post({JournalEntry::kNow, Kind::Arm, JournalEntry::kAllChannels, on ? 1.0 : 0.0})) armed_ = on;
+  guarded_.arm(on);
+  armed_ = on;
 }
 
 void Session::mute(bool on) {
-  if (guarded_.post({JournalEntry::kNow, Kind::Mute, JournalEntry::kAllChannels, on ? 1.0 : 0.0}))
-    muted_ = on;
+  guarded_.mute(on);
+  muted_ = on;
 }
 
 std::vector<std::string> Session::tick() {
   stream_->tick();
-  auto words = std::exchange(waiting_words_, {});
-  while (auto event = stream_->take_event()) words.push_back(std::move(*event));
+  auto messages = std::exchange(waiting_messages_, {});
+  while (auto event = stream_->take_event()) messages.push_back(std::move(*event));
   if (recording_ != nullptr)
-    for (auto& line : recording_->news()) words.push_back(std::move(line));
-  tell_guard_events(words);
-  tell_faults(words);
-  doubt_delay(words);
-  follow_edits(words);
-  return words;
+    for (auto& line : recording_->news()) messages.push_back(std::move(line));
+  report_guard_events(messages);
+  report_faults(messages);
+  check_delay_after_gap(messages);
+  follow_edits(messages);
+  return messages;
 }
 
 void Session::forget_delay() {
@@ -129,53 +130,52 @@ void Session::forget_delay() {
   (void)performer_.instrument().post({JournalEntry::kNow, Kind::SystemDelay, 0, -1.0});
 }
 
-/// Some drivers come out of a gap with a buffer more or less than before.
-void Session::doubt_delay(std::vector<std::string>& words) {
+/// Some drivers come out of a gap with a buffer more or less.
+void Session::check_delay_after_gap(std::vector<std::string>& messages) {
   if (!delay_known_ || !granted().xruns_move_delay || stream_->health().xruns == 0) return;
   forget_delay();
-  words.push_back(
-      "a gap may have moved the card's round trip: its delay is no longer known, until it is opened again");
+  messages.push_back(
+      "a gap may have changed the round-trip latency: it counts as unknown until the device is opened again");
 }
 
-/// An edit waits while the one before it has not taken over.
-void Session::follow_edits(std::vector<std::string>& words) {
+/// An edit waits until the one before it has taken over.
+void Session::follow_edits(std::vector<std::string>& messages) {
   edit_waits_ = files_.changed() || edit_waits_;
   if (!edit_waits_ || performer_.instrument().replacing()) return;
   edit_waits_ = false;
   if (const auto edited = performer_.edit(); !edited) {
-    words.push_back(to_string(edited.error()) + "\nthe version before plays on");
+    messages.push_back(to_string(edited.error()) + "\nthe previous version keeps playing");
   } else {
-    knobs_.renew();
+    controls_.renew();
     if (recording_ != nullptr) recording_->edited();
-    words.push_back("the edited " + performer_.name() + " plays");
+    messages.push_back(performer_.name() + ": edit applied");
   }
   files_.watch(performer_.files());
 }
 
-void Session::tell_guard_events(std::vector<std::string>& words) {
+void Session::report_guard_events(std::vector<std::string>& messages) {
   GuardReport names;
   names.input_names = performer_.inputs();
   for (const auto& output : performer_.outputs()) names.outputs.push_back({output, {}, {}, 0.0});
   GuardEvent event;
   while (guarded_.take_event(event)) {
-    arm(false);  // one of several drives may still sound: what is shown is true for all
+    arm(false);  // one of several drives may still be armed: what is shown is true for all
     events_.push_back(event);
     names.events = {event};
-    for (auto& line : in_words(names, granted().format.sample_rate)) words.push_back(std::move(line));
+    for (auto& line : in_words(names, granted().format.sample_rate)) messages.push_back(std::move(line));
   }
 }
 
-void Session::tell_faults(std::vector<std::string>& words) {
+void Session::report_faults(std::vector<std::string>& messages) {
   for (const auto& fault : performer_.instrument().faults()) {
-    const auto told = std::find_if(told_faults_.begin(), told_faults_.end(),
-                                   [&](const FaultCount& known) { return known.path == fault.path; });
-    if (told != told_faults_.end()) {
-      told->count = fault.count;
+    const auto reported = std::find_if(reported_faults_.begin(), reported_faults_.end(),
+                                       [&](const FaultCount& known) { return known.path == fault.path; });
+    if (reported != reported_faults_.end()) {
+      reported->count = fault.count;
       continue;
     }
-    told_faults_.push_back(fault);
-    words.push_back(fault.path +
-                    ": gave something that is not a number; it was reset and is silent until it gives one");
+    reported_faults_.push_back(fault);
+    messages.push_back(fault.path + ": non-finite output; the node was reset and its output is silenced");
   }
 }
 
@@ -201,7 +201,7 @@ SessionView Session::look() {
         view.guard.push_back(outputs[c] + " " + name_of(static_cast<GuardStage>(s)));
     seen_guards_[c] = counts;
   }
-  for (const auto& fault : told_faults_) view.faults += fault.count;
+  for (const auto& fault : reported_faults_) view.faults += fault.count;
   if (recording_ != nullptr) view.recorded_s = recording_->seconds();
   return view;
 }

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include <memory>
 #include <optional>
@@ -6,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/play/live/controls/knobs.h"
 #include "apps/play/live/controls/level_meter.h"
+#include "apps/play/live/controls/live_controls.h"
 #include "apps/play/live/performer.h"
 #include "apps/play/live/recording.h"
 #include "apps/play/live/watched_files.h"
@@ -16,7 +17,7 @@
 
 namespace tactus::app {
 
-/// How a session stands, for a status line.
+/// The state of a session, for a status line.
 struct SessionView {
   bool drives = false;  ///< there is something to arm
   bool armed = false, muted = false;
@@ -28,62 +29,62 @@ struct SessionView {
   std::vector<Level> inputs, outputs;
   std::vector<Level> highest_inputs, highest_outputs;  ///< since the start
   Health health;
-  std::vector<std::string> guard;  ///< what it was busy with since the last look: "woofer ceiling"
+  std::vector<std::string> guard;  ///< stages that intervened since the last look: "woofer ceiling"
   std::int64_t faults = 0;         ///< of nodes, so far
   std::optional<double> recorded_s;
 };
 
-/// Something that sounds on a device: opens it, plays, follows its files, and stops without a click. All
-/// functions are for one control thread.
+/// [control, one thread] Plays an instrument on a device: opens it, follows edits of its files, and stops
+/// without a click.
 class Session {
  public:
   /// All must outlive it.
   Session(Performer& performer, Backend& backend, StreamRequest request, bool armed);
   ~Session();
 
-  /// Opens the device; nothing flows yet. Errors: of KeptStream; of the recording.
+  /// Opens the device; nothing flows yet. Errors: of ReconnectingStream; of the recording.
   [[nodiscard]] Status open();
-  /// Errors: of KeptStream.
+  /// Errors: of ReconnectingStream.
   [[nodiscard]] Status start() { return stream_->start(); }
-  /// Fades out and plays a block of zeros, and ends the take; what did not go well with it goes to `words`.
+  /// Fades out, plays a block of zeros, and ends the take; its errors are appended to `messages`.
   /// The device is closed with the session.
-  Status stop(std::vector<std::string>& words);
-  /// Call it about 20 times a second. What happened, in words.
+  Status stop(std::vector<std::string>& messages);
+  /// To be called about 20 times a second. Returns messages for the user.
   std::vector<std::string> tick();
 
   void arm(bool on);
   void mute(bool on);
-  /// Does anything move? Sound alone needs no arming.
+  /// Is there an actuator drive? Audio outputs need no arming.
   bool has_drives() const;
   bool armed() const { return armed_; }
   bool muted() const { return muted_; }
-  Knobs& knobs() { return knobs_; }
+  LiveControls& controls() { return controls_; }
   const StreamGranted& granted() const { return stream_->granted(); }
-  /// The device went away for good: only ending is left.
+  /// The device cannot come back in this process.
   bool over() const {
     return stream_ != nullptr && stream_->state() == StreamState::Lost && !granted().comes_back;
   }
   Guarded& guarded() { return guarded_; }
-  /// [before `open`] Keeps all of it in takes.
+  /// [before `open`] Records takes.
   void record(const std::filesystem::path& wav);
   /// The files of the takes.
   std::vector<std::filesystem::path> takes() const;
-  /// [opened] The card's delay was measured: it is told when it may be another.
+  /// [opened] The round-trip latency is known: a warning is given when a gap may have changed it.
   void know_delay() { delay_known_ = true; }
-  /// It was not, or not for what was granted.
+  /// It is unknown, or was measured with other settings.
   void forget_delay();
 
-  /// Levels and the guard's work start anew with every look.
+  /// Levels and guard stages since the last call.
   SessionView look();
-  /// What the guards had to do in all.
+  /// Counts of all guards since the start.
   GuardReport guard_report();
 
  private:
   void fade_out();
-  void follow_edits(std::vector<std::string>& words);
-  void tell_guard_events(std::vector<std::string>& words);
-  void tell_faults(std::vector<std::string>& words);
-  void doubt_delay(std::vector<std::string>& words);
+  void follow_edits(std::vector<std::string>& messages);
+  void report_guard_events(std::vector<std::string>& messages);
+  void report_faults(std::vector<std::string>& messages);
+  void check_delay_after_gap(std::vector<std::string>& messages);
 
   Performer& performer_;
   Backend& backend_;
@@ -92,17 +93,17 @@ class Session {
   Guarded guarded_;
   LevelMeter meter_;
   std::unique_ptr<Recording> recording_;
-  Knobs knobs_;
+  LiveControls controls_;
   WatchedFiles files_;
-  std::unique_ptr<KeptStream> stream_;
+  std::unique_ptr<ReconnectingStream> stream_;
   bool armed_, muted_ = false;
   bool edit_waits_ = false;
   bool delay_known_ = false;
   std::vector<double> highest_in_, highest_out_;
   std::vector<GuardCounts> seen_guards_;
-  std::vector<FaultCount> told_faults_;
+  std::vector<FaultCount> reported_faults_;
   std::vector<GuardEvent> events_;
-  std::vector<std::string> waiting_words_;  ///< for the next tick
+  std::vector<std::string> waiting_messages_;  ///< for the next tick
 };
 
 }  // namespace tactus::app

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control]
 
 #include "apps/play/live/performer.h"
 #include "apps/play/live/session.h"

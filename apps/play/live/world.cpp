@@ -50,27 +50,28 @@ bool same_names(const std::vector<SceneTap>& a, const std::vector<SceneTap>& b) 
                     [](const auto& x, const auto& y) { return x.name == y.name; });
 }
 
-/// What of the loop goes to the speakers, as indices: of the instrument's outputs, or of its inputs.
-struct Heard {
+/// The monitor output: indices of the instrument's outputs, or of its inputs.
+struct Monitor {
   bool sensors = false;
   std::vector<std::size_t> channels;
 };
 
-Heard heard_of(const Engine& instrument, int speakers) {
-  Heard heard;
+Monitor monitor_of(const Engine& instrument, int speakers) {
+  Monitor monitor;
   std::size_t output = 0;
   for (const auto& channel : instrument.schedule().channels) {
-    if (channel.use == OutputUse::Audio) heard.channels.push_back(output);
+    if (channel.use == OutputUse::Audio) monitor.channels.push_back(output);
     if (channel.use != OutputUse::Tap) ++output;
   }
-  heard.sensors = heard.channels.empty();
-  if (heard.sensors)
-    for (int c = 0; c < instrument.in_channels(); ++c) heard.channels.push_back(static_cast<std::size_t>(c));
-  const auto there = heard.channels.size();  // one sound comes from every speaker
+  monitor.sensors = monitor.channels.empty();
+  if (monitor.sensors)
+    for (int c = 0; c < instrument.in_channels(); ++c)
+      monitor.channels.push_back(static_cast<std::size_t>(c));
+  const auto there = monitor.channels.size();  // one sound comes from every speaker
   for (std::size_t c = there; there > 0 && c < static_cast<std::size_t>(speakers); ++c)
-    heard.channels.push_back(heard.channels[c % there]);
-  heard.channels.resize(std::min(heard.channels.size(), static_cast<std::size_t>(speakers)));
-  return heard;
+    monitor.channels.push_back(monitor.channels[c % there]);
+  monitor.channels.resize(std::min(monitor.channels.size(), static_cast<std::size_t>(speakers)));
+  return monitor;
 }
 
 class LiveWorld final : public Performer, private BlockProcessor {
@@ -84,8 +85,8 @@ class LiveWorld final : public Performer, private BlockProcessor {
         guarded_(*built_.instrument, guarded_channels(built_.instrument->schedule(), scene_.drives)),
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
-        heard_(heard_of(*built_.instrument, setup_.speakers)),
-        listener_([this](const ClosedLoop::Piece& piece) { hear(piece); }) {}
+        monitor_(monitor_of(*built_.instrument, setup_.speakers)),
+        listener_([this](const ClosedLoop::Piece& piece) { copy_monitor(piece); }) {}
 
   const std::string& name() const override { return scene_.name; }
   BlockProcessor& processor() override { return *this; }
@@ -94,13 +95,13 @@ class LiveWorld final : public Performer, private BlockProcessor {
   std::vector<std::string> inputs() const override { return {}; }
   std::vector<std::string> outputs() const override {
     const auto& schedule = built_.instrument->schedule();
-    const auto all = heard_.sensors ? schedule.input_names : output_names(schedule);
+    const auto all = monitor_.sensors ? schedule.input_names : output_names(schedule);
     std::vector<std::string> names;
-    for (const auto index : heard_.channels) names.push_back(all[index]);
+    for (const auto index : monitor_.channels) names.push_back(all[index]);
     return names;
   }
   std::vector<GuardedChannel> guards() const override {
-    return std::vector<GuardedChannel>(heard_.channels.size(), GuardedChannel{DriveGuard::Kind::Audio, {}});
+    return std::vector<GuardedChannel>(monitor_.channels.size(), GuardedChannel{DriveGuard::Kind::Audio, {}});
   }
   std::vector<std::filesystem::path> files() const override { return files_; }
 
@@ -149,10 +150,10 @@ class LiveWorld final : public Performer, private BlockProcessor {
     loop_.run(io.frames, listener_);
   }
 
-  void hear(const ClosedLoop::Piece& piece) noexcept {
-    const auto& from = heard_.sensors ? piece.sensors : piece.drives;
-    for (std::size_t c = 0; c < heard_.channels.size(); ++c)
-      std::copy_n(from[heard_.channels[c]], piece.frames, io_->out[c] + done_);
+  void copy_monitor(const ClosedLoop::Piece& piece) noexcept {
+    const auto& from = monitor_.sensors ? piece.sensors : piece.drives;
+    for (std::size_t c = 0; c < monitor_.channels.size(); ++c)
+      std::copy_n(from[static_cast<int>(monitor_.channels[c])], piece.frames, io_->out[c] + done_);
     done_ += piece.frames;
     if (watching_.load(std::memory_order_relaxed)) ports_.take(*built_.plant, piece.frames);
   }
@@ -162,10 +163,10 @@ class LiveWorld final : public Performer, private BlockProcessor {
   std::vector<std::filesystem::path> files_;
   BuiltScene built_;
   PortWatches ports_;
-  std::atomic<bool> watching_ = true;  ///< its signals stand where they stood
+  std::atomic<bool> watching_ = true;  ///< its signals lie where they did
   Guarded guarded_;
   ClosedLoop loop_;
-  Heard heard_;
+  Monitor monitor_;
   ClosedLoop::Listener listener_;
   int max_frames_ = 0;
   const BlockIo* io_ = nullptr;

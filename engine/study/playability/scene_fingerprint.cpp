@@ -57,15 +57,12 @@ void add(Fingerprint& print, const Gesture& gesture) {
 }
 
 void add(Fingerprint& print, const DriveLimits& limits) {
-  print.add(limits.ceiling)
-      .add(limits.slew_per_second)
-      .add(limits.direct.level)
-      .add(limits.direct.time.value);
+  print.add(limits.ceiling).add(limits.slew_per_second).add(limits.dc.level).add(limits.dc.time.value);
   if (const auto& heat = limits.heat)
     for (const double number : {heat->watts_at_full_scale, heat->watts_for_ever, heat->coil_time.value,
                                 heat->body_time.value, heat->coil_share})
       print.add(number);
-  if (const auto& travel = limits.travel)
+  if (const auto& travel = limits.excursion)
     for (const double number :
          {travel->metres, travel->metres_at_full_scale, travel->resonance.value, travel->q})
       print.add(number);

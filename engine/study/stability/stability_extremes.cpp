@@ -117,7 +117,7 @@ ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan,
                   subject.scene != nullptr ? subject.scene->scene->converters : Converters{.on = false}};
   if (!loop.prepare(run.rate, kStabilityExtremesBlock)) return run;
   guarded.skip_soft_start();
-  guarded.trust_sensors();
+  guarded.disable_sensor_watch();
   const int frames = static_cast<int>(plan.seconds * run.rate.value);
   Quarters energy;
   for (int done = 0; done < frames; done += kStabilityExtremesBlock) {

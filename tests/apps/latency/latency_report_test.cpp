@@ -161,7 +161,7 @@ TEST_CASE("latency report: of what was given up before it was played, nothing is
           "[latency]") {
   LatencyReport report;
   report.live = true;
-  report.measurement.finding = {Verdict::Howl, "it howled", "switch monitoring off"};
+  report.measurement.finding = {Verdict::Feedback, "it howled", "switch monitoring off"};
   Opening opening;
   opening.finding = report.measurement.finding;
   opening.granted.format.sample_rate = 96_kHz;

@@ -118,8 +118,17 @@ class Performance {
   }
   void touch_the_guard() {
     const auto kind = pick(3) == 0 ? JournalEntry::Kind::Mute : JournalEntry::Kind::Arm;
-    (void)guarded_.post({pick(2) == 0 ? JournalEntry::kNow : soon(), kind,
-                         pick(engine_.out_channels() + 1) - 1, pick(4) == 0 ? 0.0 : 1.0});
+    const JournalEntry entry{pick(2) == 0 ? JournalEntry::kNow : soon(), kind,
+                             pick(engine_.out_channels() + 1) - 1, pick(4) == 0 ? 0.0 : 1.0};
+    const bool on = entry.value > 0.5;
+    if (entry.frame != JournalEntry::kNow || entry.index != JournalEntry::kAllChannels)
+      (void)guarded_.post(entry);
+    else if (kind == JournalEntry::Kind::Arm)
+      guarded_.arm(on);
+    else if (guarded_.frame() % 2 == 0)
+      guarded_.mute(on);
+    else
+      guarded_.fade(on);
   }
 
   std::filesystem::path graph_;

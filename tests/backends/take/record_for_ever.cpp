@@ -26,7 +26,7 @@ int main(int, char** arguments) {
     for (auto& sample : sensor)
       sample = static_cast<double>(std::uniform_real_distribution<float>{-1.0f, 1.0f}(bits));
     (*recorder)->tap().applied({frame, JournalEntry::Kind::ControlChange, 0, sensor[0]});
-    (*recorder)->tap().hear({&in, &out, kFrames}, frame);
+    (*recorder)->tap().observe({&in, &out, kFrames}, frame);
     const auto done = frame + kFrames;
     if (std::fwrite(&done, sizeof done, 1, stdout) != 1 || std::fflush(stdout) != 0) return 0;
     std::this_thread::sleep_until(next += std::chrono::nanoseconds{1'000'000'000LL * kFrames / 48000});

@@ -29,7 +29,7 @@ TakeHeader full_header() {
   header.padding_frames = 7;
   DriveLimits limits = cautious_limits();
   limits.heat = HeatLimits{1.5, 2.5, Seconds{3.5}, Seconds{4.5}, 0.25, 80};
-  limits.travel = TravelLimits{0.001, 0.002, 50_Hz, 0.7};
+  limits.excursion = ExcursionLimits{0.001, 0.002, 50_Hz, 0.7};
   header.guard = {{DriveGuard::Kind::Drive, limits}, {DriveGuard::Kind::Audio, {}}};
   header.armed = false;
   header.soft_start = false;
@@ -59,6 +59,17 @@ TEST_CASE("take: a header comes back as it was, to the last bit", "[take]") {
   CHECK(header->files.texts == full_header().files.texts);
 }
 
+TEST_CASE("take: headers of format 1 are read, those of a later format refused", "[take]") {
+  const auto with_version = [](const std::string& version) {
+    auto line = header_line(full_header());
+    const std::string now = "\"tactus_take\":2";
+    return line.replace(line.find(now), now.size(), "\"tactus_take\":" + version);
+  };
+  CHECK(parse_header(with_version("1")).has_value());
+  for (const auto* version : {"0", "3"})
+    CHECK(parse_header(with_version(version)).error().code == Errc::BadFile);
+}
+
 TEST_CASE("take: a journal that breaks off in the middle of a line holds up to there", "[take]") {
   const TemporaryFolder folder;
   folder.write("take.wav", "");
@@ -83,10 +94,10 @@ TEST_CASE("take: what is no take says what it is", "[take]") {
   CHECK(folder.strip(to_string(read_take(folder.path() / "none.wav").error())) ==
         "none.wav: there is no such file; check the path");
   folder.write("foreign.wav", "");
-  CHECK(
-      folder.strip(to_string(read_take(folder.path() / "foreign.wav").error())) ==
-      "foreign.wav: there is no 'foreign.jsonl' beside it, so nobody knows what was played on it; a WAV file "
-      "of sensors alone is played with --in");
+  CHECK(folder.strip(to_string(read_take(folder.path() / "foreign.wav").error())) ==
+        "foreign.wav: there is no 'foreign.jsonl' beside it, so the graph that was played is unknown; a WAV "
+        "file "
+        "of sensors alone is played with --in");
   CHECK(message(folder, "") == "take.jsonl: it is empty; the take was cut off before it began");
   CHECK(message(folder, "hello\n") ==
         "take.jsonl: its first line is no JSON; give the .jsonl that was recorded with the WAV file");

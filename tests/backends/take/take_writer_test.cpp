@@ -35,7 +35,7 @@ struct Stream {
     }
     const double* from = in.data();
     double* to = out.data();
-    ring.hear({&from, &to, kFrames}, frame);
+    ring.observe({&from, &to, kFrames}, frame);
     frame += kFrames;
   }
   TakeRing& ring;
@@ -192,7 +192,7 @@ TEST_CASE("take: a stream that begins again ends the take", "[take]") {
   CHECK((*recorder)->status().restarted);
   CHECK((*recorder)->status().words.size() == 1);
   CHECK((*recorder)->finish() ==
-        std::vector<std::string>{"the stream began again at 0.006 s, and the take ends there"});
+        std::vector<std::string>{"the stream restarted at 0.006 s; the take ends there"});
   const auto take = read_take(folder.path() / "take.wav");
   REQUIRE(take.has_value());
   CHECK(take->guard.empty());
@@ -207,7 +207,7 @@ TEST_CASE("take: sensors finer than float32 are counted, and drives are what a c
   auto copy = drives;
   const double* from = in.data();
   double* to[] = {copy.data(), copy.data()};
-  ring.hear({&from, to, 4}, 0);
+  ring.observe({&from, to, 4}, 0);
   CHECK(ring.rounded_sensors() == 2);
   const auto piece = ring.front(ring.written());
   REQUIRE(piece.frames == 4);

@@ -52,7 +52,7 @@ TEST_CASE("delay client: gain, noise and a fraction of a frame are what was aske
   test::DelayClient card{{.delay_frames = 960.25, .gain = -0.5, .noise = 0.01}};
   Sine sine;
   Guarded guarded{sine, {{DriveGuard::Kind::Audio, DriveLimits{}}}};
-  guarded.trust_sensors();
+  guarded.disable_sensor_watch();
   StreamRequest request;
   request.device = "jack:" + card.name();
   request.in_channels = request.out_channels = 1;

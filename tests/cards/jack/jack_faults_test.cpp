@@ -52,7 +52,7 @@ struct Player {
     request.device = "jack:" + card->name();
     request.in_channels = request.out_channels = 1;
     request.client_name = name;
-    auto opened = KeptStream::open(jack, request, probe.guarded);
+    auto opened = ReconnectingStream::open(jack, request, probe.guarded);
     if (!opened) throw std::runtime_error{to_string(opened.error())};
     stream = std::move(*opened);
     if (auto status = stream->start(); !status) throw std::runtime_error{to_string(status.error())};
@@ -91,7 +91,7 @@ struct Player {
       std::make_unique<DelayClient>(DelayClient::Settings{.delay_frames = kDelay});
   GuardedProbe probe{1, 4800};
   JackBackend jack;
-  std::unique_ptr<KeptStream> stream;
+  std::unique_ptr<ReconnectingStream> stream;
   std::string events;
 };
 
@@ -306,7 +306,7 @@ TEST_CASE("jack: a server that does not answer is told, and nobody waits for it 
   Player player{*server};
   server->stop_answering();
   REQUIRE(player.run_until([&] { return player.stream->state() == StreamState::Stalled; }));
-  CHECK(player.is_told("does not answer"));
+  CHECK(player.is_told("does not respond"));
   const auto refused = player.stream->stop();
   REQUIRE_FALSE(refused);
   CHECK(to_string(refused.error()).find("the JACK server does not answer") == 0);
@@ -325,7 +325,7 @@ TEST_CASE("jack: a stall ends by itself, and is told", "[cards][jack]") {
   server->stop_answering();
   REQUIRE(player.run_until([&] { return player.stream->state() == StreamState::Stalled; }));
   server->go_on();
-  REQUIRE(player.run_until([&] { return player.is_told("answers again"); }));
+  REQUIRE(player.run_until([&] { return player.is_told("responds again"); }));
   CHECK(player.stream->state() == StreamState::Running);
   CHECK(player.stream->returns() == 0);
   CHECK(player.sounds());

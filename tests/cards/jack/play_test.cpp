@@ -84,7 +84,7 @@ TEST_CASE_METHOD(OnServer,
   REQUIRE(play.says("delay "));
   folder.write("tone.toml", constant("0.2 + nothing"));
   CHECK(play.says("tone.toml:6:"));
-  CHECK(play.says("the version before plays on"));
+  CHECK(play.says("the previous version keeps playing"));
   folder.write("tone.toml", constant("0.2"));
   CHECK(play.says("the edited constant plays"));
   CHECK(play.ends() == 0);
@@ -107,9 +107,9 @@ TEST_CASE_METHOD(OnServer,
   Playing play{{tone, "--device", "jack:system"}};
   REQUIRE(play.says("delay "));
   server->kill();
-  CHECK(play.says("has gone away"));
+  CHECK(play.says("disconnected"));
   server->restart();
-  CHECK(play.says("is back after"));
+  CHECK(play.says("reconnected after"));
   play.press("q");
   CHECK(play.ends() == 0);
 }
@@ -154,9 +154,9 @@ TEST_CASE_METHOD(
   folder.write("tone.toml", constant("0.2"));
   CHECK(play.says("the edited constant plays"));
   server->kill();
-  CHECK(play.says("has gone away"));
+  CHECK(play.says("disconnected"));
   server->restart();
-  CHECK(play.says("is back after"));
+  CHECK(play.says("reconnected after"));
   play.press("q");
   CHECK(play.ends() == 0);
   // A stream that begins again is another take.
@@ -211,11 +211,11 @@ TEST_CASE_METHOD(OnServer, "play: what was pressed while the device was away hol
   Playing play{{tone, "--device", "jack:loopback", "--arm", "--json"}};
   REQUIRE(play.says("delay "));
   server->kill();
-  REQUIRE(play.says("has gone away"));
+  REQUIRE(play.says("disconnected"));
   play.press("a");
   REQUIRE(play.says("the drives are not armed"));
   server->restart();
-  REQUIRE(play.says("is back after"));
+  REQUIRE(play.says("reconnected after"));
   // Whoever listens to what the card plays hears nothing.
   Playing listener{{tone, "--device", "jack:loopback", "--json", "--duration", "1 s"}};
   CHECK(listener.ends() == 0);
@@ -245,11 +245,12 @@ TEST_CASE_METHOD(OnServer, "play: nothing goes around a rig", "[cards]") {
     CHECK(play.ends() == 2);
     return play.log();
   };
-  CHECK_THAT(refused({"--outputs", "2"}), Catch::Contains("--outputs: does not go with --rig"));
-  CHECK_THAT(refused({"--inputs", "2"}), Catch::Contains("--inputs: does not go with --rig"));
-  CHECK_THAT(refused({"--device", "jack:loopback"}), Catch::Contains("--device: does not go with --rig"));
+  CHECK_THAT(refused({"--outputs", "2"}), Catch::Contains("--outputs: cannot be combined with --rig"));
+  CHECK_THAT(refused({"--inputs", "2"}), Catch::Contains("--inputs: cannot be combined with --rig"));
+  CHECK_THAT(refused({"--device", "jack:loopback"}),
+             Catch::Contains("--device: cannot be combined with --rig"));
   // The delay was measured with 64 frames a block, and this server has 256.
-  CHECK_THAT(refused({"--pad-delay", "20 ms"}), Catch::Contains("nobody knows how much to add"));
+  CHECK_THAT(refused({"--pad-delay", "20 ms"}), Catch::Contains("the padding is unknown"));
   Playing play{{tone, "--rig", rig, "--duration", "0.2 s"}};
   CHECK(play.ends() == 0);
   CHECK_THAT(play.log(), Catch::Contains("it is not known now"));

@@ -120,7 +120,8 @@ TEST_CASE("rtmidi: a keyboard that is unplugged and plugged in again is heard ag
     CHECK(inputs->news().back() == "MIDI from 'jack:tactus_keys:keys'");
   }
   REQUIRE(closes(*inputs));
-  CHECK(inputs->news().back() == "'jack:tactus_keys:keys' is gone; it is heard again when it comes back");
+  CHECK(inputs->news().back() ==
+        "'jack:tactus_keys:keys' is disconnected; it is opened again when it comes back");
 }
 
 TEST_CASE("rtmidi: lives on when its server is killed, and hears again when there is a new one", "[cards]") {

@@ -15,7 +15,7 @@ constexpr Hertz kRate = 48_kHz;
 /// A drive under a limit on direct current alone, second by second.
 class Drive {
  public:
-  explicit Drive(const DirectLimits& limits) : guard_(DriveGuard::Kind::Drive, {.direct = limits}, kRate) {
+  explicit Drive(const DcLimits& limits) : guard_(DriveGuard::Kind::Drive, {.dc = limits}, kRate) {
     guard_.set_open(true, 0);
   }
   /// The output of one more second of signal(time in seconds).
@@ -26,7 +26,7 @@ class Drive {
     guard_.process(samples.data(), 48'000, frame_ - 48'000);
     return samples;
   }
-  std::int64_t held_back() const { return guard_.counts()[GuardStage::Direct].frames; }
+  std::int64_t held_back() const { return guard_.counts()[GuardStage::Dc].frames; }
 
  private:
   DriveGuard guard_;

@@ -169,8 +169,8 @@ TEST_CASE("drive_guard: limits that make no sense are refused in words", "[core]
         "the coil of a drive would burn before the guard could act; lower its ceiling or the volts per full "
         "scale");
   CHECK(check({.ceiling = 0.5, .heat = quick}).has_value());
-  CHECK_FALSE(check({.travel = TravelLimits{.metres = 1e-3, .metres_at_full_scale = kNan}}));
-  CHECK_FALSE(check({.direct = {.level = 0.0}}));
-  CHECK_FALSE(check({.direct = {.level = 0.1, .time = Seconds{-1.0}}}));
+  CHECK_FALSE(check({.excursion = ExcursionLimits{.metres = 1e-3, .metres_at_full_scale = kNan}}));
+  CHECK_FALSE(check({.dc = {.level = 0.0}}));
+  CHECK_FALSE(check({.dc = {.level = 0.1, .time = Seconds{-1.0}}}));
   CHECK(check(cautious_limits()).has_value());
 }

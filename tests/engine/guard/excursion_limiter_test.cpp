@@ -19,7 +19,7 @@ constexpr Hertz kRate = 48_kHz;
 /// The moving mass of travel.h by Runge and Kutta's fourth-order method, four steps to a frame; in metres.
 class FineMass {
  public:
-  explicit FineMass(const TravelLimits& limits) : limits_(limits), w_(2 * kPi * limits.resonance.value) {}
+  explicit FineMass(const ExcursionLimits& limits) : limits_(limits), w_(2 * kPi * limits.resonance.value) {}
   double frame(double y) {
     constexpr int kSteps = 4;
     const double h = 1.0 / kRate.value / kSteps;
@@ -37,7 +37,7 @@ class FineMass {
   Vector2 slope(Vector2 s, double y) const {
     return {s.y, w_ * w_ * (limits_.metres_at_full_scale * y - s.x) - w_ / limits_.q * s.y};
   }
-  TravelLimits limits_;
+  ExcursionLimits limits_;
   double w_;
   Vector2 state_;
 };
@@ -55,12 +55,12 @@ TEST_CASE("travel: the mass never passes its limit, whatever is asked of it", "[
   std::mt19937 random{5};
   double farthest = 0.0;
   for (int profile = 0; profile < 60; ++profile) {
-    TravelLimits travel{.metres = logarithmic(random, 1e-4, 1e-2),
-                        .metres_at_full_scale = 0,
-                        .resonance = Hertz{logarithmic(random, 15, 400)},
-                        .q = logarithmic(random, 0.2, 30)};
+    ExcursionLimits travel{.metres = logarithmic(random, 1e-4, 1e-2),
+                           .metres_at_full_scale = 0,
+                           .resonance = Hertz{logarithmic(random, 15, 400)},
+                           .q = logarithmic(random, 0.2, 30)};
     travel.metres_at_full_scale = travel.metres * logarithmic(random, 0.1, 8);
-    DriveLimits limits{.ceiling = uniform(random, 0.3, 1.0), .travel = travel};
+    DriveLimits limits{.ceiling = uniform(random, 0.3, 1.0), .excursion = travel};
     if (profile % 2 == 1) limits.slew_per_second = logarithmic(random, 30, 50'000);
     DriveGuard guard{DriveGuard::Kind::Drive, limits, kRate};
     guard.set_open(true, 0);
@@ -73,7 +73,7 @@ TEST_CASE("travel: the mass never passes its limit, whatever is asked of it", "[
                  : part == 1 ? (std::sin(2 * kPi * travel.resonance.value * n / kRate.value) > 0 ? 1.0 : -1.0)
                  : part == 2 ? uniform(random, -2, 2)
                              : 1.0;
-      if (guard.take_howl()) guard.set_open(true, n);
+      if (guard.take_feedback()) guard.set_open(true, n);
       guard.process(&y, 1, n);
       farthest = std::max(farthest, mass.frame(y) / travel.metres);
     }
@@ -85,14 +85,15 @@ TEST_CASE("travel: the mass never passes its limit, whatever is asked of it", "[
 
 TEST_CASE("travel: a force that holds the mass just within its limit passes, and a little more does not",
           "[core]") {
-  const TravelLimits travel{.metres = 5e-3, .metres_at_full_scale = 10e-3, .resonance = 30_Hz, .q = 0.4};
+  const ExcursionLimits travel{.metres = 5e-3, .metres_at_full_scale = 10e-3, .resonance = 30_Hz, .q = 0.4};
   const auto held_back = [&](double y, double slew_per_second, int rise) {
-    DriveGuard guard{DriveGuard::Kind::Drive, {.slew_per_second = slew_per_second, .travel = travel}, kRate};
+    DriveGuard guard{
+        DriveGuard::Kind::Drive, {.slew_per_second = slew_per_second, .excursion = travel}, kRate};
     guard.set_open(true, 0);
     std::vector<double> samples(96'000, y);
     for (int n = 0; n < rise; ++n) samples[static_cast<std::size_t>(n)] = y * n / rise;
     guard.process(samples.data(), 96'000, 0);
-    return guard.counts()[GuardStage::Travel].frames;
+    return guard.counts()[GuardStage::Excursion].frames;
   };
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
   CHECK(held_back(0.4995, kNoLimit, 0) == 0);  // all at once: at this Q nothing swings over
@@ -104,8 +105,8 @@ TEST_CASE("travel: a force that holds the mass just within its limit passes, and
 
 TEST_CASE("travel: what it lets through is what reaches the limit, not less", "[core]") {
   // Far below resonance the mass follows the force: at twice the limit it must come to stand at the limit.
-  const TravelLimits travel{.metres = 5e-3, .metres_at_full_scale = 10e-3, .resonance = 30_Hz, .q = 0.7};
-  DriveGuard guard{DriveGuard::Kind::Drive, {.travel = travel}, kRate};
+  const ExcursionLimits travel{.metres = 5e-3, .metres_at_full_scale = 10e-3, .resonance = 30_Hz, .q = 0.7};
+  DriveGuard guard{DriveGuard::Kind::Drive, {.excursion = travel}, kRate};
   guard.set_open(true, 0);
   std::vector<double> samples(4800, 1.0);
   guard.process(samples.data(), 4800, 0);

@@ -74,7 +74,7 @@ class Loop final : public BlockProcessor {
     }
   }
   /// What the guard let out of the last block, of one frame.
-  void hear(double y) {
+  void observe(double y) {
     past_[at_] = y;
     at_ = (at_ + 1) % past_.size();
   }
@@ -91,10 +91,10 @@ DriveLimits some_limits(std::mt19937& random) {
   DriveLimits limits{.ceiling = logarithmic(random, 0.2, 1.0)};
   if (random() % 2 == 0) limits.slew_per_second = logarithmic(random, 300, 50'000);
   if (random() % 2 == 0)
-    limits.travel = TravelLimits{.metres = 1.0,
-                                 .metres_at_full_scale = logarithmic(random, 0.3, 3),
-                                 .resonance = Hertz{logarithmic(random, 20, 200)},
-                                 .q = logarithmic(random, 0.3, 15)};
+    limits.excursion = ExcursionLimits{.metres = 1.0,
+                                       .metres_at_full_scale = logarithmic(random, 0.3, 3),
+                                       .resonance = Hertz{logarithmic(random, 20, 200)},
+                                       .q = logarithmic(random, 0.3, 15)};
   if (random() % 4 == 0) limits = cautious_limits();
   return limits;
 }
@@ -107,7 +107,7 @@ bool fades(const DriveLimits& limits, int frames, Signal signal) {
   for (int n = 0; n < frames; ++n) {
     double y = signal(n);
     guard.process(&y, 1, n);
-    if (guard.take_howl()) return true;
+    if (guard.take_feedback()) return true;
   }
   return false;
 }
@@ -130,7 +130,7 @@ TEST_CASE("howl: every one of 1,000 random unstable loops is faded", "[core]") {
     bool heard = false;
     for (int n = 0; n < 48'000 * 30 && !heard; ++n) {
       guarded.process({nullptr, &out, 1});
-      loop.hear(y);
+      loop.observe(y);
       heard = guarded.take_event(event);
       if (heard) slowest_s = std::max(slowest_s, n / kRate.value);
     }
@@ -180,7 +180,7 @@ TEST_CASE("howl: a drive that faded stays silent until it is armed again, and th
   play(5);  // 0.43 s
   GuardEvent event;
   REQUIRE(guarded.take_event(event));
-  CHECK(event.kind == GuardEvent::Kind::Howl);
+  CHECK(event.kind == GuardEvent::Kind::Feedback);
   CHECK(event.channel == 0);
   CHECK(static_cast<double>(event.frame) / kRate.value ==
         Approx(0.11).margin(0.01));  // 5 ms of soft start, 101 ms of howl

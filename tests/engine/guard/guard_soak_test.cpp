@@ -45,11 +45,11 @@ DriveLimits any_limits(Dice& dice) {
                              .body_time = Seconds{dice.logarithmic(0.1, 1000)},
                              .coil_share = dice.uniform(0.05, 0.95)};
   if (dice.one_in(2))
-    limits.travel = TravelLimits{.metres = dice.logarithmic(1e-4, 1e-2),
-                                 .metres_at_full_scale = dice.logarithmic(1e-5, 1e-1),
-                                 .resonance = Hertz{dice.logarithmic(5, 1000)},
-                                 .q = dice.logarithmic(0.1, 50)};
-  if (dice.one_in(2)) limits.direct = {dice.uniform(0.01, 1.0), Seconds{dice.uniform(0, 1)}};
+    limits.excursion = ExcursionLimits{.metres = dice.logarithmic(1e-4, 1e-2),
+                                       .metres_at_full_scale = dice.logarithmic(1e-5, 1e-1),
+                                       .resonance = Hertz{dice.logarithmic(5, 1000)},
+                                       .q = dice.logarithmic(0.1, 50)};
+  if (dice.one_in(2)) limits.dc = {dice.uniform(0.01, 1.0), Seconds{dice.uniform(0, 1)}};
   return limits;
 }
 

@@ -103,12 +103,59 @@ TEST_CASE("guarded: an unmuted drive that is disarmed stays silent", "[core]") {
   CHECK(play(guarded, 1, 4)[0] == std::vector<double>(4, 0.0));
 }
 
-TEST_CASE("guarded: cuts a block that is longer than promised", "[core]") {
+TEST_CASE("guarded: a block reaches the processor uncut, whatever is applied within it", "[core]") {
   Level level{1.0};
   Guarded guarded{level, {kDrive}};
-  REQUIRE(guarded.prepare({.out_channels = 1, .max_frames = 4}));
-  CHECK(play(guarded, 1, 10)[0] == std::vector<double>(10, 1.0));
-  CHECK(level.blocks == std::vector<int>{4, 4, 2});
+  REQUIRE(guarded.prepare({.out_channels = 1}));
+  REQUIRE(guarded.post({3, Kind::Mute, 0, 1.0}));
+  play(guarded, 1, 100);
+  CHECK(level.blocks == std::vector<int>{100});
+}
+
+TEST_CASE("guarded: mute, disarm and fade take effect in the next block behind 1e5 pending changes",
+          "[core]") {
+  const auto kind = GENERATE(Kind::Mute, Kind::Arm, Kind::Fade);
+  const bool closing = kind != Kind::Arm;  // the value that closes the guards
+  Level level{1.0};
+  Guarded guarded{level, {kDrive, kAudio}};
+  const auto set = [&](bool on) {
+    if (kind == Kind::Mute) guarded.mute(on);
+    if (kind == Kind::Arm) guarded.arm(on);
+    if (kind == Kind::Fade) guarded.fade(on);
+  };
+  REQUIRE(guarded.prepare({.out_channels = 2}));
+  CHECK(play(guarded, 2, 8)[0] == std::vector<double>(8, 1.0));
+  for (int n = 0; n < 100'000; ++n) {
+    (void)guarded.post({JournalEntry::kNow, Kind::Arm, JournalEntry::kAllChannels, 1.0});
+    (void)guarded.post({1'000'000 + n, Kind::Mute, 0, 0.0});
+  }
+  set(closing);
+  const auto out = play(guarded, 2, 8);
+  CHECK(out[0] == std::vector<double>(8, 0.0));
+  CHECK(out[1] == std::vector<double>(8, kind == Kind::Arm ? 1.0 : 0.0));
+
+  JournalEntry last;  // journalled with its frame, so that a take replays
+  for (JournalEntry entry; guarded.take_applied(entry);) last = entry;
+  CHECK(last == JournalEntry{8, kind, JournalEntry::kAllChannels, closing ? 1.0 : 0.0});
+
+  set(!closing);
+  CHECK(play(guarded, 2, 8)[0] == std::vector<double>(8, 1.0));
+}
+
+TEST_CASE("guarded: the last of several settings of a switch counts", "[core]") {
+  Level level{1.0};
+  Guarded guarded{level, {kDrive}};
+  REQUIRE(guarded.prepare({.out_channels = 1}));
+  guarded.mute(true);
+  guarded.mute(false);
+  CHECK(play(guarded, 1, 4)[0] == std::vector<double>(4, 1.0));
+  guarded.fade(false);
+  guarded.fade(true);
+  CHECK(play(guarded, 1, 4)[0] == std::vector<double>(4, 0.0));
+  REQUIRE(guarded.prepare({.out_channels = 1}));  // a fade outlasts a restart, and a take that begins there
+  CHECK(guarded.state() == std::vector<JournalEntry>{{0, Kind::Fade, JournalEntry::kAllChannels, 1.0}});
+  guarded.fade(false);
+  CHECK(play(guarded, 1, 4)[0] == std::vector<double>(4, 1.0));
 }
 
 TEST_CASE("guarded: refuses entries that are not for it, and more than it can hold", "[core]") {
@@ -218,7 +265,7 @@ TEST_CASE("guarded: recordings may hold silence after noise", "[core]") {
   Guarded guarded{level, {kDrive}};
   REQUIRE(guarded.prepare({.in_channels = 1, .out_channels = 1, .max_frames = 48'000}));
   const bool trusted = GENERATE(false, true);
-  if (trusted) guarded.trust_sensors();
+  if (trusted) guarded.disable_sensor_watch();
   std::vector<double> in(48'000, 0.0), out(48'000);
   for (std::size_t n = 0; n < 2000; ++n)
     in[n] = static_cast<double>(n * 2654435761u % 1000) * 1e-4;  // noise enough

@@ -135,7 +135,7 @@ TEST_CASE("heat: counts power and not force", "[core]") {
 
 TEST_CASE("heat: what is restored is never cooler than it was", "[core]") {
   const HeatLimits limits{.watts_at_full_scale = 6, .watts_for_ever = 10};
-  Heat heat{limits, 1.0, std::numeric_limits<double>::infinity(), kRate};
+  HeatLimiter heat{limits, 1.0, std::numeric_limits<double>::infinity(), kRate};
   heat.warm_to({0.5, 0.2});
   heat.warm_to({0.1, 0.4});
   CHECK(heat.state() == ThermalState{0.5, 0.4});

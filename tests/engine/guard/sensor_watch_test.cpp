@@ -32,7 +32,7 @@ int found(const std::vector<double>& samples, int block, SensorWatch::Fault& fau
   SensorWatch watch{kRate};
   for (int done = 0; done < static_cast<int>(samples.size()); done += block) {
     const int frames = std::min(block, static_cast<int>(samples.size()) - done);
-    if (const auto here = watch.hear(samples.data() + done, frames)) {
+    if (const auto here = watch.observe(samples.data() + done, frames)) {
       fault = here->fault;
       return done + here->frame;
     }

@@ -77,10 +77,11 @@ TEST_CASE("profile: volts, newtons and grams become limits at full scale", "[sce
   CHECK(limits.heat->watts_at_full_scale == 51.2);  // 16²/5
   CHECK(limits.heat->watts_for_ever == 20.0);
   // A held 16 V pushes with 5 T m * 16 V / 5 ohm = 16 N, against 2.5 N/mm.
-  CHECK(limits.travel->metres_at_full_scale == Approx(6.4e-3).epsilon(1e-12));
-  CHECK(limits.travel->resonance.value == Approx(std::sqrt(2500 / 0.1) / 6.283185307179586).epsilon(1e-12));
-  CHECK(limits.travel->q == Approx(std::sqrt(2500 * 0.1) / (3 + 25.0 / 5)).epsilon(1e-12));
-  CHECK(limits.direct.level == 0.125);
+  CHECK(limits.excursion->metres_at_full_scale == Approx(6.4e-3).epsilon(1e-12));
+  CHECK(limits.excursion->resonance.value ==
+        Approx(std::sqrt(2500 / 0.1) / 6.283185307179586).epsilon(1e-12));
+  CHECK(limits.excursion->q == Approx(std::sqrt(2500 * 0.1) / (3 + 25.0 / 5)).epsilon(1e-12));
+  CHECK(limits.dc.level == 0.125);
   CHECK(limits_for(*profile, 4.0).ceiling == 1.0);  // the converter cannot reach the peak
   CHECK(check(limits).has_value());
 }
@@ -125,7 +126,7 @@ TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]
   CHECK(raise_limit(limits, "ceiling", "0.8", "--raise-limit"));
   CHECK(limits.ceiling == 0.8);
   CHECK(raise_limit(limits, "direct_time", "20 s", "--raise-limit"));
-  CHECK(limits.direct.time == 20_s);
+  CHECK(limits.dc.time == 20_s);
   CHECK(to_string(raise_limit(limits, "ceiling", "0.7", "--raise-limit").error()) ==
         "--raise-limit: 'ceiling' is 0.8 as it is; a limit can only be raised here");
   CHECK(to_string(raise_limit(limits, "ceiling", "1.2", "--raise-limit").error()) ==

@@ -28,7 +28,7 @@ struct Path {
 struct Search {
   Step last = Step::Listen;
   PathLevel found;
-  std::vector<double> levels;  ///< of the knocks
+  std::vector<double> levels;  ///< of the level probes
   int windows = 0;
 };
 
@@ -42,11 +42,11 @@ Search search(const Path& path, LevelSearch::Settings settings = {0.003, 0.5, Se
       played.resize(std::min(played.size(), static_cast<std::size_t>(result.windows)));
       level.overload();
     }
-    result.last = level.hear(heard);
-    if (result.last == Step::Knock) {
+    result.last = level.observe(heard);
+    if (result.last == Step::Probe) {
       result.levels.push_back(level.level());
       played.resize(static_cast<std::size_t>(result.windows) + 1);
-      played.insert(played.end(), LevelSearch::kKnockWindows, level.level());
+      played.insert(played.end(), LevelSearch::kLevelProbeWindows, level.level());
     } else if (result.last != Step::Listen) {
       break;
     }
@@ -57,7 +57,7 @@ Search search(const Path& path, LevelSearch::Settings settings = {0.003, 0.5, Se
 
 }  // namespace
 
-TEST_CASE("level: knocks grow by 6 dB until one stands 30 dB out of the noise", "[latency][level]") {
+TEST_CASE("level: level probes grow by 6 dB until one stands 30 dB out of the noise", "[latency][level]") {
   const auto result = search({0.1, 3, 1e-9});  // 30 dB above is 1e-6, a peak of 1.4e-3, played at 0.014
   CHECK(result.last == Step::Ready);
   CHECK(result.levels == std::vector<double>{0.003, 0.006, 0.012, 0.024});
@@ -96,7 +96,7 @@ TEST_CASE("level: nothing heard is the loudest that is allowed, after five secon
   CHECK(result.windows > 500);
 }
 
-TEST_CASE("level: when the softest knock is too loud, that is said", "[latency][level]") {
+TEST_CASE("level: when the softest level probe is too loud, that is said", "[latency][level]") {
   const auto result = search({300.0, 2, 1e-9});
   CHECK(result.last == Step::TooLoud);
   CHECK(result.found.level == 0.003);
@@ -108,12 +108,12 @@ TEST_CASE("level: an input that stays loud when nothing is played is a howl", "[
   level.overload();
   Step step = Step::Listen;
   int windows = 0;
-  for (; step == Step::Listen && windows < 100; ++windows) step = level.hear({0.5, 1.0});
-  CHECK(step == Step::Howl);
+  for (; step == Step::Listen && windows < 100; ++windows) step = level.observe({0.5, 1.0});
+  CHECK(step == Step::Feedback);
   CHECK(windows == 30);
 }
 
-TEST_CASE("level: after a known path's first knock all is ready", "[latency][level]") {
+TEST_CASE("level: after a known path's first level probe all is ready", "[latency][level]") {
   LevelSearch::Settings settings{0.003, 0.5, Seconds{0.0}, PathLevel{0.05, Seconds{1.0}, 1e-9}};
   const auto result = search({1.0, 100, 1e-9}, settings);
   CHECK(result.last == Step::Ready);
@@ -123,9 +123,9 @@ TEST_CASE("level: after a known path's first knock all is ready", "[latency][lev
 }
 
 TEST_CASE("aftermath: what is on its way when the output is muted is no howl", "[latency][level]") {
-  using Says = Aftermath::Says;
-  Aftermath late{Seconds{1.0}};
-  for (int w = 0; w < 100; ++w) CHECK(late.hear({0.5, 1.0}) == Says::Nothing);
-  for (int w = 0; w < 24; ++w) CHECK(late.hear({1e-9, 1e-4}) == Says::Nothing);
-  CHECK(late.hear({1e-9, 1e-4}) == Says::Quiet);
+  using Result = RingOutMonitor::Result;
+  RingOutMonitor late{Seconds{1.0}};
+  for (int w = 0; w < 100; ++w) CHECK(late.observe({0.5, 1.0}) == Result::Nothing);
+  for (int w = 0; w < 24; ++w) CHECK(late.observe({1e-9, 1e-4}) == Result::Nothing);
+  CHECK(late.observe({1e-9, 1e-4}) == Result::Quiet);
 }

@@ -1,4 +1,5 @@
 #pragma once
+// Thread: [control] unless stated otherwise
 
 #include <algorithm>
 #include <atomic>
@@ -16,16 +17,16 @@ class LevelMeter final : public BlockTap {
   LevelMeter(int inputs, int outputs)
       : inputs_(static_cast<std::size_t>(inputs)), outputs_(static_cast<std::size_t>(outputs)) {}
 
-  /// [control & stopped] It hears everything too, and outlives this or is taken away with nullptr.
+  /// [control & stopped] It observes everything too, and outlives this or is removed with nullptr.
   void set_next(BlockTap* next) { next_ = next; }
 
   void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING override {
     if (next_ != nullptr) next_->applied(entry);
   }
-  void hear(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override {
+  void observe(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override {
     for (std::size_t c = 0; c < inputs_.size(); ++c) raise(inputs_[c], io.in[c], io.frames);
     for (std::size_t c = 0; c < outputs_.size(); ++c) raise(outputs_[c], io.out[c], io.frames);
-    if (next_ != nullptr) next_->hear(io, first_frame);
+    if (next_ != nullptr) next_->observe(io, first_frame);
   }
 
   /// [control, one thread] Full scale = 1; the next look starts anew.

@@ -21,8 +21,8 @@ std::string source_text(const RigMidi& binding) {
 
 }  // namespace
 
-MidiControls::MidiControls(std::string api, std::vector<RigMidi> bindings, Knobs& knobs)
-    : api_(std::move(api)), knobs_(knobs), map_(std::move(bindings)) {
+MidiControls::MidiControls(std::string api, std::vector<RigMidi> bindings, LiveControls& controls)
+    : api_(std::move(api)), controls_(controls), map_(std::move(bindings)) {
   if (!map_.bindings().empty() || !api_.empty()) (void)open();
 }
 
@@ -41,9 +41,9 @@ std::vector<std::string> MidiControls::tick() {
   if (inputs_ == nullptr) return {};
   auto words = inputs_->news();
   for (const auto& event : inputs_->poll()) {
-    for (const auto& move : map_.hear(event)) (void)knobs_.turn(move.control, move.place);
+    for (const auto& move : map_.hear(event)) (void)controls_.turn(move.control, move.place);
     if (const auto learnt = map_.take_learnt())
-      words.push_back(fmt::format("{} of {} turns {}; s saves it in the rig", source_text(*learnt),
+      words.push_back(fmt::format("{} of {} moves {}; s saves it in the rig", source_text(*learnt),
                                   event.port, learnt->control));
   }
   return words;

@@ -1,25 +1,26 @@
 #pragma once
+// Thread: [control]
 
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "apps/play/live/controls/knobs.h"
+#include "apps/play/live/controls/live_controls.h"
 #include "apps/play/midi_map.h"
 #include "backends/midi.h"
 
 namespace tactus::app {
 
-/// MIDI controllers that turn the knobs of a session. Inputs are opened when something is bound or to be
-/// learnt.
+/// MIDI controllers that move the controls of a session. Inputs are opened when something is bound or MIDI
+/// learn is on.
 class MidiControls {
  public:
   /// `api`: a way to MIDI; empty: the system's.
-  MidiControls(std::string api, std::vector<RigMidi> bindings, Knobs& knobs);
+  MidiControls(std::string api, std::vector<RigMidi> bindings, LiveControls& controls);
 
   /// [control] The next thing moved will move this control. False: this program has no MIDI.
   bool learn(const std::string& control);
-  /// [control] Moves knobs; what happened in words.
+  /// [control] Moves controls; messages for the user.
   std::vector<std::string> tick();
   const std::vector<RigMidi>& bindings() const { return map_.bindings(); }
 
@@ -27,7 +28,7 @@ class MidiControls {
   bool open();
 
   std::string api_;
-  Knobs& knobs_;
+  LiveControls& controls_;
   MidiMap map_;
   std::unique_ptr<MidiInputs> inputs_;
 };

@@ -1,0 +1,42 @@
+#pragma once
+// Thread: [control]
+
+#include <string>
+#include <vector>
+
+#include "engine/graph/plan/schedule.h"
+#include "engine/runtime/engine.h"
+
+namespace tactus::app {
+
+/// A control of a running instrument.
+struct LiveControl {
+  FlatControl control;  ///< `value`: the current one
+  bool frozen = false;  ///< fixed while it plays
+};
+
+/// The controls of a running instrument as positions from 0 to 1 over their ranges, in decibels where the
+/// control is.
+class LiveControls {
+ public:
+  explicit LiveControls(Engine& engine) : engine_(engine) { renew(); }
+
+  /// After an edit: reads the controls again; those that remain keep their value.
+  void renew();
+  const std::vector<LiveControl>& all() const { return controls_; }
+  /// Moves one to a position from 0 to 1. False: it is frozen, or the engine's queue is full.
+  bool turn(std::size_t index, double position);
+  /// Moves one by a share of its range.
+  bool nudge(std::size_t index, double share) { return turn(index, position(index) + share); }
+  /// The same by name. False, too, if there is none.
+  bool turn(const std::string& name, double position);
+  double position(std::size_t index) const;
+  /// "strength = 0.6"
+  std::string text(std::size_t index) const;
+
+ private:
+  Engine& engine_;
+  std::vector<LiveControl> controls_;
+};
+
+}  // namespace tactus::app
