@@ -65,7 +65,7 @@ TakeFiles take_files(const LoadedGraph& graph, const NodeTable& table, const fs:
   return files;
 }
 
-std::map<std::string, double> take_settings(const Schedule& schedule) {
+std::map<std::string, double> take_settings(const Plan& schedule) {
   std::map<std::string, double> settings;
   for (const auto& scheduled : schedule.controls) settings[scheduled.control.name] = scheduled.control.value;
   return settings;
@@ -81,7 +81,7 @@ void add_rig(const Rig& rig, const std::string& text, TakeHeader& header) {
 }
 
 TakeHeader take_header(const Engine& engine, const Guarded& guarded) {
-  const auto& schedule = engine.schedule();
+  const auto& schedule = engine.plan();
   TakeHeader header;
   header.sample_rate = schedule.sample_rate;
   header.inputs = schedule.input_names;

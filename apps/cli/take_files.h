@@ -22,7 +22,7 @@ TakeHeader take_header(const Engine& engine, const Guarded& guarded);
 void add_rig(const Rig& rig, const std::string& text, TakeHeader& header);
 
 /// Where the controls of a version of a graph start: for TakeHeader and TakeEdit.
-std::map<std::string, double> take_settings(const Schedule& schedule);
+std::map<std::string, double> take_settings(const Plan& schedule);
 
 /// Writes the graph of a take below `folder`, with copies of today's sound files. Gives the file to load.
 /// Errors: BadFile for a path that would lead out of the folder, and for a sound file that is gone or not

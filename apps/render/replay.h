@@ -31,7 +31,7 @@ class RebuiltGraph {
 
  private:
   explicit RebuiltGraph(const TakeHeader& header);
-  Checked<std::unique_ptr<Schedule>> compile_version(const TakeFiles& files,
+  Checked<std::unique_ptr<Plan>> compile_version(const TakeFiles& files,
                                                      const std::map<std::string, double>& settings);
 
   const TakeHeader& header_;

@@ -31,15 +31,15 @@ struct StepTimer<true> {
 
 }  // namespace
 
-Engine::Engine(std::unique_ptr<Schedule> schedule)
-    : newest_(std::make_unique<Running>(std::move(schedule), 1)),
+Engine::Engine(std::unique_ptr<Plan> plan)
+    : newest_(std::make_unique<Running>(std::move(plan), 1)),
       running_(newest_.get()),
-      schedule_(newest_->schedule.get()) {}
+      plan_(newest_->plan.get()) {}
 
 Engine::~Engine() = default;
 
 Status Engine::prepare(const StreamFormat& format) {
-  if (format.sample_rate != newest_->schedule->sample_rate)
+  if (format.sample_rate != newest_->plan->sample_rate)
     return fail(Errc::BadArgument, {}, "the graph was compiled for another sample rate",
                 "compile it for the rate of the stream");
   format_ = format;
@@ -48,12 +48,12 @@ Status Engine::prepare(const StreamFormat& format) {
   before_.reset();
   past_faults_.clear();
   running_ = newest_.get();
-  schedule_ = running_->schedule.get();
+  plan_ = running_->plan.get();
   running_->start(format.max_frames);
   fades_.assign(running_->outputs.size(), {});
   fading_until_ = 0;
   last_frames_ = 0;
-  outside_buffers_.assign(running_->outputs.size() + schedule_->input_names.size(),
+  outside_buffers_.assign(running_->outputs.size() + plan_->input_names.size(),
                           std::vector<double>(kMaxPiece, 0.0));
   outside_in_.clear();
   outside_out_.clear();
@@ -96,10 +96,10 @@ template <bool kTimed>
 void Engine::run_piece(const BlockIo& io, int offset, int frames) noexcept {
   running_->advance(now_, frames);
   if (outside_ == nullptr) load_inputs(io, offset, 0, frames);
-  for (const auto& section : schedule_->sections) run_section<kTimed>(section, io, offset, frames);
+  for (const auto& section : plan_->sections) run_section<kTimed>(section, io, offset, frames);
   if (outside_ == nullptr) store_outputs(io, offset, 0, frames);
   for (std::size_t t = 0; t < running_->taps.size(); ++t) {
-    const auto& signal = schedule_->channels[static_cast<std::size_t>(running_->tap_channels[t])].signal;
+    const auto& signal = plan_->channels[static_cast<std::size_t>(running_->tap_channels[t])].signal;
     for (int n = 0; n < frames; ++n) running_->taps[t][static_cast<std::size_t>(offset + n)] = signal[n];
   }
 }
@@ -112,7 +112,7 @@ void Engine::run_section(const Section& section, const BlockIo& io, int block_of
   if (section.loop) return run_loop<kTimed>(section, io, block_offset, frames);
   for (int s = section.first_step; s < section.end_step; ++s) {
     const StepTimer<kTimed> timer{running_->step_ns[static_cast<std::size_t>(s)]};
-    if (schedule_->steps[static_cast<std::size_t>(s)].kind == Step::Kind::Outside)
+    if (plan_->steps[static_cast<std::size_t>(s)].kind == Step::Kind::Outside)
       answer_outside(io, block_offset, 0, frames);
     else
       run_alone(s, frames);
@@ -125,7 +125,7 @@ std::int64_t Engine::end_of_cell(std::int64_t frame) { return frame - frame % kM
 
 /// A step that lies in no loop.
 void Engine::run_alone(int s, int frames) noexcept {
-  const auto& step = schedule_->steps[static_cast<std::size_t>(s)];
+  const auto& step = plan_->steps[static_cast<std::size_t>(s)];
   auto& silent_until = running_->silent_until[static_cast<std::size_t>(s)];
   for (int offset = 0; offset < frames;) {
     if (silent_until > now_ + offset) {
@@ -135,8 +135,8 @@ void Engine::run_alone(int s, int frames) noexcept {
       continue;
     }
     const Fault fault = run_step(step, false, offset, frames - offset);
-    if (fault.path == kSound) return;
-    count_fault(fault.path);
+    if (fault.vertex == kSound) return;
+    count_fault(fault.vertex);
     reset(step);
     offset += fault.frame;
     silent_until = end_of_cell(now_ + offset);
@@ -145,7 +145,7 @@ void Engine::run_alone(int s, int frames) noexcept {
 
 template <bool kTimed>
 void Engine::run_loop(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept {
-  const Step* const steps = schedule_->steps.data();
+  const Step* const steps = plan_->steps.data();
   auto& silent_until = running_->silent_until[static_cast<std::size_t>(section.first_step)];
   for (int offset = 0, part = 0; offset < frames; offset += part) {
     // No sub-block lies across the end of a cell, since a silence may end there.
@@ -163,8 +163,8 @@ void Engine::run_loop(const Section& section, const BlockIo& io, int block_offse
       else if (const Fault fault = run_step(steps[s], true, offset, part); fault.frame < first.frame)
         first = fault;
     }
-    if (first.path == kSound) continue;
-    count_fault(first.path);
+    if (first.vertex == kSound) continue;
+    count_fault(first.vertex);
     silent_until = end_of_cell(now_ + offset);
     for (int s = section.first_step; s < section.end_step; ++s) {
       reset(steps[s]);
@@ -176,8 +176,8 @@ void Engine::run_loop(const Section& section, const BlockIo& io, int block_offse
 Engine::Fault Engine::run_operations(const Step& step, bool loop, int offset, int frames) noexcept {
   Fault first;
   for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
-    const auto& operation = schedule_->operations[static_cast<std::size_t>(i)];
-    const Signal* operands = schedule_->inputs.data() + operation.first_in;
+    const auto& operation = plan_->operations[static_cast<std::size_t>(i)];
+    const Signal* operands = plan_->inputs.data() + operation.first_in;
     if (operation.can_rest >= 0 && run_at_rest(operation, operands, frames)) continue;
     double* out = operation.out + offset;
     if (offset == 0) {
@@ -191,8 +191,8 @@ Engine::Fault Engine::run_operations(const Step& step, bool loop, int offset, in
     const int bad = first_nonfinite(out, frames);
     const int cleared = clear_nonfinite(out, frames);
     // Outside loops it remembers nothing, so that only the bad frames themselves are lost.
-    if (!loop) count_fault(operation.path, cleared);
-    if (loop && bad < first.frame) first = {operation.path, bad};
+    if (!loop) count_fault(operation.vertex, cleared);
+    if (loop && bad < first.frame) first = {operation.vertex, bad};
   }
   return first;
 }
@@ -207,7 +207,7 @@ bool Engine::run_at_rest(const MicroOperation& operation, const Signal* operands
   run_operation(operation.op, operands, &value, 1);
   if (!is_finite(value)) {
     value = 0;
-    count_fault(operation.path, frames);
+    count_fault(operation.vertex, frames);
   }
   std::fill_n(operation.out, kWide, value);
   return true;
@@ -221,17 +221,17 @@ Engine::Fault Engine::run_step(const Step& step, bool loop, int offset, int fram
   } else if (step.kind == Step::Kind::Operations) {
     return run_operations(step, loop, offset, frames);
   } else {
-    NodeBlock block{schedule_->inputs.data() + step.first_in, schedule_->outputs.data() + step.first_out,
+    NodeBlock block{plan_->inputs.data() + step.first_in, plan_->outputs.data() + step.first_out,
                     frames, now_ + offset};
     if (offset > 0) move_operands(step, offset, block);
     fault = run_node(step, block);
   }
-  if (loop && fault.path != kSound) silence(step, offset + fault.frame, frames - fault.frame);
+  if (loop && fault.vertex != kSound) silence(step, offset + fault.frame, frames - fault.frame);
   return fault;
 }
 
 Engine::Fault Engine::run_node(const Step& step, const NodeBlock& block) noexcept {
-  Node& node = *schedule_->nodes[static_cast<std::size_t>(step.node)];
+  Node& node = *plan_->nodes[static_cast<std::size_t>(step.node)];
   if (step.kind == Step::Kind::Absorb) {
     node.absorb(block);
     return {};
@@ -248,7 +248,7 @@ Engine::Fault Engine::run_node(const Step& step, const NodeBlock& block) noexcep
 }
 
 Engine::Fault Engine::fault_of(const Step& step, const NodeBlock& block) noexcept {
-  Fault fault{step.path, block.frames};
+  Fault fault{step.vertex, block.frames};
   for (int i = 0; i < step.outputs; ++i)
     if (block.out[i] != nullptr)
       fault.frame =
@@ -268,12 +268,12 @@ void Engine::move_operands(const Step& step, int offset, NodeBlock& block) noexc
   block.out = running_->moved_out.data();
 }
 
-void Engine::count_fault(int path, int times) noexcept {
-  running_->faults[static_cast<std::size_t>(path)].fetch_add(times, std::memory_order_relaxed);
+void Engine::count_fault(int vertex, int times) noexcept {
+  running_->faults[static_cast<std::size_t>(vertex)].fetch_add(times, std::memory_order_relaxed);
 }
 
 void Engine::reset(const Step& step) noexcept {
-  if (step.node >= 0) schedule_->nodes[static_cast<std::size_t>(step.node)]->reset();
+  if (step.node >= 0) plan_->nodes[static_cast<std::size_t>(step.node)]->reset();
 }
 
 void Engine::silence(const Step& step, int offset, int frames) noexcept {
@@ -282,7 +282,7 @@ void Engine::silence(const Step& step, int offset, int frames) noexcept {
     offset = at->count(offset);
   }
   for (int i = step.first_out; i < step.first_out + step.outputs; ++i)
-    if (double* out = schedule_->outputs[static_cast<std::size_t>(i)])
+    if (double* out = plan_->outputs[static_cast<std::size_t>(i)])
       std::fill_n(out + offset * step.width, frames * step.width, 0.0);
 }
 

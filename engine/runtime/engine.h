@@ -10,7 +10,7 @@
 #include "engine/core/block_io.h"
 #include "engine/core/journal.h"
 #include "engine/core/spsc_queue.h"
-#include "engine/graph/plan/schedule.h"
+#include "engine/graph/plan/plan.h"
 #include "engine/runtime/output_fade.h"
 #include "engine/runtime/running.h"
 
@@ -22,15 +22,15 @@ struct FaultCount {
   std::int64_t count = 0;
 };
 
-/// Runs a Schedule on blocks of any size. The output does not depend on the size: a block is worked off in
+/// Runs a Plan on blocks of any size. The output does not depend on the size: a block is worked off in
 /// pieces of at most kMaxPiece frames, cut where a journal entry falls, and every node is exact to the frame.
 class Engine final : public BlockProcessor {
  public:
-  explicit Engine(std::unique_ptr<Schedule> schedule);
+  explicit Engine(std::unique_ptr<Plan> plan);
   ~Engine() override;
 
   /// [control & stopped] Starts again at frame 0 with everything reset. Inputs and outputs beyond those of
-  /// the format read zero and are not written. Errors: BadArgument if the sample rate is not the schedule's.
+  /// the format read zero and are not written. Errors: BadArgument if the sample rate is not the plan's.
   [[nodiscard]] Status prepare(const StreamFormat& format) override;
   /// [realtime & prepared]
   void process(const BlockIo& io) noexcept TACTUS_NONBLOCKING override;
@@ -47,7 +47,7 @@ class Engine final : public BlockProcessor {
   /// that would jump gets an offset equal to its jump, which fades in 10 ms. An edit that changes nothing
   /// changes no bit. Errors: BadArgument if inputs, outputs or sample rate differ, or if the last version
   /// still waits for its frame; the sounding graph then plays on.
-  [[nodiscard]] Status replace(std::unique_ptr<Schedule> schedule, std::int64_t frame = JournalEntry::kNow);
+  [[nodiscard]] Status replace(std::unique_ptr<Plan> plan, std::int64_t frame = JournalEntry::kNow);
   /// [control, one thread] A version given to `replace` has not taken over yet; the next one would be
   /// refused.
   bool replacing() const { return before_ != nullptr && !retired_.load(std::memory_order_acquire); }
@@ -60,14 +60,14 @@ class Engine final : public BlockProcessor {
   /// [control & stopped] `tap` outlives this, or is taken away with nullptr. It hears every entry, of the
   /// journal and posted, and every version that takes over: at the same frame that comes first.
   void set_tap(JournalTap* tap) noexcept { tap_ = tap; }
-  /// [control & stopped] For a schedule with an `Outside` step: who answers there. It reads this engine's
+  /// [control & stopped] For a plan with an `Outside` step: who answers there. It reads this engine's
   /// outputs and fills its inputs, in blocks of the loop's sub-block.
   void set_outside(BlockProcessor& outside) { outside_ = &outside; }
 
   /// [control, one thread] The newest one.
-  const Schedule& schedule() const { return *newest_->schedule; }
+  const Plan& plan() const { return *newest_->plan; }
   /// Channels of `io.in` and `io.out`; taps are no channels.
-  int in_channels() const { return static_cast<int>(newest_->schedule->input_names.size()); }
+  int in_channels() const { return static_cast<int>(newest_->plan->input_names.size()); }
   int out_channels() const { return static_cast<int>(newest_->outputs.size()); }
   /// [realtime] Samples of tap `i` (in the order of CompileOptions::taps, lanes one after the other) of the
   /// last block.
@@ -92,9 +92,9 @@ class Engine final : public BlockProcessor {
   template <bool kTimed>
   void run_section(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept;
   static constexpr int kSound = -1;
-  /// The first frame of a step that is not finite, and whose it is.
+  /// The first non-finite frame of a step, and its vertex.
   struct Fault {
-    int path = kSound;
+    int vertex = kSound;
     int frame = kMaxPiece;
   };
   static std::int64_t end_of_cell(std::int64_t frame);
@@ -116,7 +116,7 @@ class Engine final : public BlockProcessor {
   Fault run_operations(const Step& step, bool loop, int offset, int frames) noexcept;
   bool run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept;
   void answer_outside(const BlockIo& io, int block_offset, int offset, int frames) noexcept;
-  void count_fault(int path, int times = 1) noexcept;
+  void count_fault(int vertex, int times = 1) noexcept;
   void reset(const Step& step) noexcept;
   void silence(const Step& step, int offset, int frames) noexcept;
 
@@ -142,7 +142,7 @@ class Engine final : public BlockProcessor {
   std::atomic<std::int64_t> frame_{0};
   // Audio side.
   Running* running_;
-  Schedule* schedule_;  // of `running_`
+  Plan* plan_;  // of `running_`
   StreamFormat format_;
   std::vector<OutputFade> fades_;
   std::int64_t fading_until_ = 0;

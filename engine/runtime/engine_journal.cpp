@@ -33,8 +33,8 @@ void Engine::tell(const JournalEntry& entry) noexcept {
 void Engine::apply(const JournalEntry& entry) noexcept {
   tell(entry);
   // Where it is no longer known, the last one that was is the best guess.
-  if (entry.kind == JournalEntry::Kind::SystemDelay && schedule_->system_delay != nullptr && entry.value >= 0)
-    std::fill_n(schedule_->system_delay, kWide, entry.value / schedule_->sample_rate.value);
+  if (entry.kind == JournalEntry::Kind::SystemDelay && plan_->system_delay != nullptr && entry.value >= 0)
+    std::fill_n(plan_->system_delay, kWide, entry.value / plan_->sample_rate.value);
   if (entry.kind != JournalEntry::Kind::ControlChange) return;
   if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
   const int index = running_->control_of[static_cast<std::size_t>(entry.index)];

@@ -16,19 +16,19 @@ Engine::Fault Engine::run_paced(const Step& step, bool loop, int offset, int fra
   if (step.kind == Step::Kind::Operations) {
     fault = run_operations(step, loop, first, count);
   } else {
-    NodeBlock block{schedule_->inputs.data() + step.first_in, schedule_->outputs.data() + step.first_out,
+    NodeBlock block{plan_->inputs.data() + step.first_in, plan_->outputs.data() + step.first_out,
                     count, at == nullptr ? now_ + offset : at->number + first};
     move_paced(step, at == nullptr ? offset : at->place(first), block);
     fault = run_node(step, block);
   }
-  if (fault.path != kSound && at != nullptr) fault.frame = at->place(first + fault.frame) - offset;
+  if (fault.vertex != kSound && at != nullptr) fault.frame = at->place(first + fault.frame) - offset;
   return fault;
 }
 
 /// What a step reads and writes, each at its own rate, from `offset` into the piece on. Of what is faster
 /// than itself it reads only the frames that are its own.
 void Engine::move_paced(const Step& step, int offset, NodeBlock& block) noexcept {
-  const auto& every = schedule_->paces;
+  const auto& every = plan_->paces;
   const int own = every[static_cast<std::size_t>(step.pace)];
   const int apart = std::max(1, own / every[static_cast<std::size_t>(step.pace_in)]);
   const Pace *const in = pace(step.pace_in), *const out = pace(step.pace_out);

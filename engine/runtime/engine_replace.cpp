@@ -14,7 +14,7 @@ constexpr double kFadeSeconds = 0.010;
 void add_faults(const Running& running, std::map<std::string, std::int64_t>& counts) {
   for (std::size_t i = 0; i < running.faults.size(); ++i)
     if (const auto count = running.faults[i].load(std::memory_order_relaxed); count > 0)
-      counts[running.schedule->paths[i]] += count;
+      counts[running.plan->vertices[i].path] += count;
 }
 
 }  // namespace
@@ -22,11 +22,11 @@ void add_faults(const Running& running, std::map<std::string, std::int64_t>& cou
 // ---- control side
 // -----------------------------------------------------------------------------------------------
 
-Status Engine::replace(std::unique_ptr<Schedule> schedule, std::int64_t frame) {
+Status Engine::replace(std::unique_ptr<Plan> plan, std::int64_t frame) {
   collect();
   if (before_ != nullptr)
     return fail(Errc::BadArgument, "", "the last edit has not taken over yet", "try again after a block");
-  auto next = std::make_unique<Running>(std::move(schedule), format_.max_frames);
+  auto next = std::make_unique<Running>(std::move(plan), format_.max_frames);
   if (auto status = plan_handover(*newest_, *next); !status) return status;
   next->frame = frame;
   before_ = std::move(newest_);
@@ -66,24 +66,24 @@ std::vector<FaultCount> Engine::faults() const {
 double Engine::last_output(std::size_t output) const noexcept {
   if (last_frames_ == 0) return 0.0;
   const auto channel = static_cast<std::size_t>(running_->outputs[output]);
-  return schedule_->channels[channel].signal[last_frames_ - 1] + fades_[output].at(now_ - 1);
+  return plan_->channels[channel].signal[last_frames_ - 1] + fades_[output].at(now_ - 1);
 }
 
 void Engine::take_over(Running& next) noexcept {
-  Schedule& schedule = *next.schedule;
+  Plan& plan = *next.plan;
   for (const auto [from, to] : next.handover.remade)
-    schedule.nodes[static_cast<std::size_t>(to)]->adopt(*schedule_->nodes[static_cast<std::size_t>(from)]);
+    plan.nodes[static_cast<std::size_t>(to)]->adopt(*plan_->nodes[static_cast<std::size_t>(from)]);
   for (const auto [from, to] : next.handover.nodes)
-    std::swap(schedule.nodes[static_cast<std::size_t>(to)], schedule_->nodes[static_cast<std::size_t>(from)]);
-  if (schedule.system_delay != nullptr && schedule_->system_delay != nullptr)
-    std::copy_n(schedule_->system_delay, kWide, schedule.system_delay);
-  const auto fade = static_cast<std::int64_t>(std::lround(kFadeSeconds * schedule.sample_rate.value));
+    std::swap(plan.nodes[static_cast<std::size_t>(to)], plan_->nodes[static_cast<std::size_t>(from)]);
+  if (plan.system_delay != nullptr && plan_->system_delay != nullptr)
+    std::copy_n(plan_->system_delay, kWide, plan.system_delay);
+  const auto fade = static_cast<std::int64_t>(std::lround(kFadeSeconds * plan.sample_rate.value));
   next.take_values(*running_, now_, fade);
   for (std::size_t c = 0; c < fades_.size(); ++c)
     if (next.handover.jumps[c]) fades_[c].begin(now_, fade, last_output(c));
   fading_until_ = now_ + fade;
   running_ = &next;
-  schedule_ = &schedule;
+  plan_ = &plan;
   tell({now_, JournalEntry::Kind::Replacement, ++replacements_, 0.0});
   incoming_.store(nullptr, std::memory_order_relaxed);
   retired_.store(true, std::memory_order_release);

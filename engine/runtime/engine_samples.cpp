@@ -10,8 +10,8 @@
 namespace tactus {
 
 void Engine::load_inputs(const BlockIo& io, int block_offset, int piece_offset, int frames) noexcept {
-  for (std::size_t c = 0; c < schedule_->input_buffers.size(); ++c) {
-    double* buffer = schedule_->input_buffers[c];
+  for (std::size_t c = 0; c < plan_->input_buffers.size(); ++c) {
+    double* buffer = plan_->input_buffers[c];
     if (buffer == nullptr) continue;
     buffer += piece_offset;
     if (static_cast<int>(c) >= format_.in_channels) {
@@ -35,7 +35,7 @@ void Engine::store_outputs(const BlockIo& io, int block_offset, int piece_offset
   const auto channels = std::min(static_cast<std::size_t>(format_.out_channels), running_->outputs.size());
   const int to = block_offset + piece_offset;
   for (std::size_t c = 0; c < channels; ++c) {
-    const auto& signal = schedule_->channels[static_cast<std::size_t>(running_->outputs[c])].signal;
+    const auto& signal = plan_->channels[static_cast<std::size_t>(running_->outputs[c])].signal;
     if (signal.stride == 1) {
       copy_samples(signal.data + piece_offset, frames, io.out[c] + to);
     } else if (running_->side_by_side[c] && c + kWide <= channels) {
@@ -54,7 +54,7 @@ void Engine::store_outputs(const BlockIo& io, int block_offset, int piece_offset
 void Engine::answer_outside(const BlockIo& io, int block_offset, int offset, int frames) noexcept {
   if (outside_ == nullptr) return;  // nobody there: the channels were loaded like any others
   for (std::size_t c = 0; c < running_->outputs.size(); ++c) {
-    const auto& signal = schedule_->channels[static_cast<std::size_t>(running_->outputs[c])].signal;
+    const auto& signal = plan_->channels[static_cast<std::size_t>(running_->outputs[c])].signal;
     double* samples = outside_buffers_[c].data();
     for (int n = 0; n < frames; ++n) samples[n] = signal[offset + n];
     if (now_ + offset < fading_until_) fades_[c].process(samples, frames, now_ + offset);
@@ -62,8 +62,8 @@ void Engine::answer_outside(const BlockIo& io, int block_offset, int offset, int
       std::copy_n(samples, frames, io.out[c] + block_offset + offset);
   }
   outside_->process({outside_in_.data(), outside_out_.data(), frames});
-  for (std::size_t c = 0; c < schedule_->input_buffers.size(); ++c) {
-    double* buffer = schedule_->input_buffers[c];
+  for (std::size_t c = 0; c < plan_->input_buffers.size(); ++c) {
+    double* buffer = plan_->input_buffers[c];
     if (buffer == nullptr) continue;
     std::copy_n(outside_out_[c], frames, buffer + offset);
     make_finite(buffer + offset, frames);

@@ -5,39 +5,39 @@
 
 namespace tactus {
 
-Running::Running(std::unique_ptr<Schedule> made, int max_frames)
-    : schedule(std::move(made)),
-      faults(schedule->paths.size()),
-      step_ns(schedule->steps.size(), 0.0),
-      silent_until(schedule->steps.size(), 0) {
-  for (std::size_t i = 0; i < schedule->channels.size(); ++i)
-    (schedule->channels[i].use == OutputUse::Tap ? tap_channels : outputs).push_back(static_cast<int>(i));
+Running::Running(std::unique_ptr<Plan> made, int max_frames)
+    : plan(std::move(made)),
+      faults(plan->vertices.size()),
+      step_ns(plan->steps.size(), 0.0),
+      silent_until(plan->steps.size(), 0) {
+  for (std::size_t i = 0; i < plan->channels.size(); ++i)
+    (plan->channels[i].use == OutputUse::Tap ? tap_channels : outputs).push_back(static_cast<int>(i));
   for (std::size_t c = 0; c < outputs.size(); ++c) side_by_side.push_back(begins_lanes(c));
   std::size_t most_in = 2;
   std::size_t most_out = 1;
-  for (const auto& step : schedule->steps) {
+  for (const auto& step : plan->steps) {
     most_in = std::max(most_in, static_cast<std::size_t>(step.inputs));
     most_out = std::max(most_out, static_cast<std::size_t>(step.outputs));
   }
   moved_in.resize(most_in);
   moved_out.resize(most_out);
-  for (const auto& scheduled : schedule->controls) {
+  for (const auto& planned : plan->controls) {
     Mover mover;
-    mover.buffer = scheduled.buffer;
-    mover.readers = scheduled.readers;
-    mover.decibel = scheduled.control.decibel;
+    mover.buffer = planned.buffer;
+    mover.readers = planned.readers;
+    mover.decibel = planned.control.decibel;
     control_of.push_back(static_cast<int>(controls.size()));
-    control_names.push_back(scheduled.control.name);
+    control_names.push_back(planned.control.name);
     controls.push_back(std::move(mover));
   }
-  for (const int every : schedule->paces) paces.push_back({every, 0, 0, {}});
+  for (const int every : plan->paces) paces.push_back({every, 0, 0, {}});
   start(max_frames);
 }
 
 bool Running::begins_lanes(std::size_t output) const {
   if (output + kWide > outputs.size()) return false;
   const auto signal = [&](std::size_t c) {
-    return schedule->channels[static_cast<std::size_t>(outputs[c])].signal;
+    return plan->channels[static_cast<std::size_t>(outputs[c])].signal;
   };
   const double* first = signal(output).data;
   for (std::size_t lane = 0; lane < kWide; ++lane)
@@ -47,31 +47,31 @@ bool Running::begins_lanes(std::size_t output) const {
 
 void Running::start(int max_frames) {
   taps.assign(tap_channels.size(), std::vector<double>(static_cast<std::size_t>(max_frames), 0.0));
-  std::fill_n(schedule->arena.data(), schedule->arena.size(), 0.0);
-  if (schedule->system_delay != nullptr)
-    std::fill_n(schedule->system_delay, kWide, schedule->system_delay_at_start.value);
-  for (auto& node : schedule->nodes) node->reset();
+  std::fill_n(plan->arena.data(), plan->signal_doubles, 0.0);
+  if (plan->system_delay != nullptr)
+    std::fill_n(plan->system_delay, kWide, plan->system_delay_at_start.value);
+  for (auto& node : plan->nodes) node->reset();
   std::fill(silent_until.begin(), silent_until.end(), 0);
   for (std::size_t i = 0; i < controls.size(); ++i) {
-    controls[i].value = Ramp::constant(schedule->controls[i].control.value);
+    controls[i].value = Ramp::constant(plan->controls[i].control.value);
     rest(controls[i], true);
   }
   for (auto& ramp : ramps) {
     ramp.mover.value = Ramp::constant(ramp.mover.value.to);
     rest(ramp.mover, true);
   }
-  at_rest.assign(schedule->can_rest.size(), 0);
+  at_rest.assign(plan->can_rest.size(), 0);
   for (std::size_t i = 0; i < at_rest.size(); ++i) rest(static_cast<int>(i), false);
   for (auto& count : faults) count.store(0, std::memory_order_relaxed);
 }
 
 void Running::move_control(std::size_t control, std::int64_t now, double target,
                            std::int64_t least_frames) noexcept {
-  const auto& scheduled = schedule->controls[control];
-  if (scheduled.frozen) return;
-  const auto& range = scheduled.control.range;
+  const auto& planned = plan->controls[control];
+  if (planned.frozen) return;
+  const auto& range = planned.control.range;
   const auto frames =
-      static_cast<std::int64_t>(std::lround(scheduled.control.smooth_s * schedule->sample_rate.value));
+      static_cast<std::int64_t>(std::lround(planned.control.smooth_s * plan->sample_rate.value));
   auto& mover = controls[control];
   mover.value = {mover.at(now), std::clamp(target, range.low, range.high), now,
                  std::max(frames, least_frames)};
@@ -86,8 +86,8 @@ void Running::take_values(const Running& before, std::int64_t now, std::int64_t 
   for (std::size_t i = 0; i < handover.controls.size(); ++i) {
     const auto [from, to] = handover.controls[i];
     const auto c = static_cast<std::size_t>(to);
-    const double of_the_file = schedule->controls[c].control.value;
-    const auto& range = schedule->controls[c].control.range;
+    const double of_the_file = plan->controls[c].control.value;
+    const auto& range = plan->controls[c].control.range;
     controls[c].value = before.controls[static_cast<std::size_t>(from)].value;
     const double target = handover.new_value[i] ? of_the_file : controls[c].value.to;
     if (handover.new_value[i] || !range.contains(target))
@@ -115,13 +115,13 @@ void Running::rest(Mover& mover, bool resting) noexcept {
 
 void Running::rest(int can_rest, bool rests) noexcept {
   at_rest[static_cast<std::size_t>(can_rest)] = rests;
-  set_strides(schedule->can_rest[static_cast<std::size_t>(can_rest)], rests ? 0 : 1);
+  set_strides(plan->can_rest[static_cast<std::size_t>(can_rest)], rests ? 0 : 1);
 }
 
 void Running::set_strides(const Readers& readers, int stride) noexcept {
-  for (const int slot : readers.slots) schedule->inputs[static_cast<std::size_t>(slot)].stride = stride;
+  for (const int slot : readers.slots) plan->inputs[static_cast<std::size_t>(slot)].stride = stride;
   for (const int channel : readers.channels)
-    schedule->channels[static_cast<std::size_t>(channel)].signal.stride = stride;
+    plan->channels[static_cast<std::size_t>(channel)].signal.stride = stride;
 }
 
 void Running::advance(std::int64_t now, int frames) noexcept {

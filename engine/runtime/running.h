@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "engine/core/ramp.h"
-#include "engine/graph/plan/schedule.h"
+#include "engine/graph/plan/plan.h"
 #include "engine/runtime/pace.h"
 
 namespace tactus {
 
-/// A moving value that steps of a schedule read: one number with stride 0 while it rests, a sample a frame
+/// A moving value that steps of a plan read: one number with stride 0 while it rests, a sample a frame
 /// while it moves.
 struct Mover {
   Ramp value;
@@ -23,16 +23,16 @@ struct Mover {
   double at(std::int64_t frame) const noexcept { return decibel ? value.decibel_at(frame) : value.at(frame); }
 };
 
-/// A constant of the file that is read at one place and will move to a new value when the schedule takes
+/// A constant of the file that is read at one place and will move to a new value when the plan takes
 /// over.
 struct ConstantRamp {
   Mover mover;
-  int before = -1;  ///< the ramp of the schedule before, if it has one for this place; its value then counts
+  int before = -1;  ///< the ramp of the plan before, if it has one for this place; its value then counts
   int pace = 0;     ///< of who reads it
   std::vector<double> samples;
 };
 
-/// What carries over from the schedule before, worked out on the control side (see `plan_handover`).
+/// What carries over from the plan before, worked out on the control side (see `plan_handover`).
 struct Handover {
   struct Pair {
     int before, after;
@@ -45,10 +45,10 @@ struct Handover {
   std::vector<bool> jumps;      ///< [output] what feeds it is not the same
 };
 
-/// A Schedule and what the engine keeps beside it while it runs. Made and freed on the control side.
+/// A Plan and what the engine keeps beside it while it runs. Made and freed on the control side.
 struct Running {
   /// [control] Allocates everything that `process` needs.
-  Running(std::unique_ptr<Schedule> schedule, int max_frames);
+  Running(std::unique_ptr<Plan> plan, int max_frames);
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
 
@@ -65,8 +65,8 @@ struct Running {
   /// [realtime] Moves on by `frames` from `now`. Once for each piece, before its steps.
   void advance(std::int64_t now, int frames) noexcept;
 
-  std::unique_ptr<Schedule> schedule;
-  std::vector<Mover> controls;  ///< as Schedule::controls
+  std::unique_ptr<Plan> plan;
+  std::vector<Mover> controls;  ///< as Plan::controls
   std::vector<ConstantRamp> ramps;
   std::vector<int> control_of;  ///< [number, which stays the same for ever] index in `controls`; -1: gone
   std::vector<std::string> control_names;  ///< [number]
@@ -76,10 +76,10 @@ struct Running {
   std::vector<std::vector<double>> taps;
   std::vector<Signal> moved_in;  ///< a step's operands at an offset into the piece
   std::vector<double*> moved_out;
-  std::vector<std::atomic<std::int64_t>> faults;  ///< by path
+  std::vector<std::atomic<std::int64_t>> faults;  ///< [vertex]
   std::vector<double> step_ns;
-  std::vector<char> at_rest;  ///< as Schedule::can_rest
-  std::vector<Pace> paces;    ///< as Schedule::paces; the first stays unused
+  std::vector<char> at_rest;  ///< as Plan::can_rest
+  std::vector<Pace> paces;    ///< as Plan::paces; the first stays unused
   /// [step, of a loop its first] the frame where the silence after a fault ends.
   std::vector<std::int64_t> silent_until;
 

@@ -22,7 +22,7 @@ struct SceneOptions {
   /// A person strikes: the world gets a control `strike`, from 0 to 1, which every control of this name of a
   /// part follows, whatever the scene says about it.
   bool by_hand = false;
-  bool side_by_side = true;  ///< as CompileOptions::side_by_side
+  bool vectorise = true;  ///< as CompileOptions::vectorise
 };
 
 /// A signal that is recorded while a scene plays.
@@ -34,7 +34,7 @@ struct SceneTap {
 /// A scene turned into two schedules: the instrument as it would run on a card, and the world around it: the
 /// plant, every other part, the gestures, and the wires from them to the instrument's inputs.
 struct CompiledScene {
-  std::unique_ptr<Schedule> instrument, plant;
+  std::unique_ptr<Plan> instrument, plant;
   std::vector<JournalEntry> journal;  ///< what gestures do to the instrument's controls
   int delay_frames = 0;
   std::vector<SceneTap> plant_taps;       ///< every output of every part, in the order of Engine::tap

@@ -35,7 +35,7 @@ class Timed {
     return took.count() / (kBlocks * kFrames);
   }
   double arena_bytes() const {
-    return static_cast<double>(engine_->schedule().arena.size() * sizeof(double));
+    return static_cast<double>(engine_->plan().arena.size() * sizeof(double));
   }
 
  private:

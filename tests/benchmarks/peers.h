@@ -56,7 +56,7 @@ class ProcessorPeer : public Peer {
   Tape<double> tape_;
 };
 
-inline std::unique_ptr<Schedule> compiled(const Work& work) {
+inline std::unique_ptr<Plan> compiled(const Work& work) {
   const auto graph = work.graph.empty() ? parse_graph_leniently(work.text, work.name)
                                         : load_graph_leniently(std::string(TACTUS_GRAPHS "/") + work.graph);
   CompileOptions options;

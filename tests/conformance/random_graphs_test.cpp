@@ -36,7 +36,7 @@ Channels run_guarded(Guarded& guarded, const Engine& engine, const Channels& in)
   std::vector<double*> to;
   for (const auto& channel : in) from.push_back(channel.data());
   for (auto& channel : out) to.push_back(channel.data());
-  const StreamFormat format{engine.schedule().sample_rate, 2, engine.out_channels(), kFrames};
+  const StreamFormat format{engine.plan().sample_rate, 2, engine.out_channels(), kFrames};
   if (const auto ready = guarded.prepare(format); !ready) throw std::runtime_error(to_string(ready.error()));
   guarded.process({from.data(), to.data(), kFrames});
   return out;
@@ -51,7 +51,7 @@ std::string complaint(unsigned seed, const TemporaryFolder& folder) {
   auto compiled = compile(parse_graph_leniently(text, file), standard_nodes(), {});
   if (!compiled) return to_string(compiled.error()) + "\n" + text;
   Engine engine{std::move(*compiled)};
-  engine.set_journal(random_moves(seed, engine.schedule().controls.size()));
+  engine.set_journal(random_moves(seed, engine.plan().controls.size()));
   const Channels in{noise(kFrames, seed), noise(kFrames, seed + 1)};
   const auto out = run(engine, in, kFrames, {64});
   for (const auto& fault : engine.faults())

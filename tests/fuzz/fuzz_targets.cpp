@@ -47,7 +47,7 @@ void make_nasty(std::vector<double>& samples, int turn) {
 
 /// Every control jumps to one end of its range, or far where it has none, every fourth one slowly.
 void throw_controls(Engine& engine, int turn) {
-  const auto& controls = engine.schedule().controls;
+  const auto& controls = engine.plan().controls;
   for (std::size_t i = 0; i < controls.size() && i < 32; ++i) {
     const auto& range = controls[i].control.range;
     const double ends[] = {range.low, range.high, 0.0};
@@ -61,7 +61,7 @@ void throw_controls(Engine& engine, int turn) {
 
 std::string run_blocks(Engine& engine) {
   Guarded guarded{engine, {}};
-  const StreamFormat format{engine.schedule().sample_rate, engine.in_channels(), engine.out_channels(),
+  const StreamFormat format{engine.plan().sample_rate, engine.in_channels(), engine.out_channels(),
                             kMostFrames};
   if (const auto ready = guarded.prepare(format); !ready) return to_string(ready.error());
   std::vector<std::vector<double>> in(static_cast<std::size_t>(engine.in_channels()),

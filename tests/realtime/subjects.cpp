@@ -44,7 +44,7 @@ class EveryNode {
   ~EveryNode() { fs::remove_all(folder_); }
   EveryNode(const EveryNode&) = delete;
 
-  std::unique_ptr<Schedule> version(bool edited) const {
+  std::unique_ptr<Plan> version(bool edited) const {
     return must(every_node(standard_nodes(), folder_.string(), "sound.wav", edited));
   }
 
@@ -57,7 +57,7 @@ class Player {
  public:
   Player(std::unique_ptr<Engine> engine, const DriveBook& drives)
       : engine_(std::move(engine)),
-        guarded_(*engine_, guarded_channels(engine_->schedule(), drives)),
+        guarded_(*engine_, guarded_channels(engine_->plan(), drives)),
         take_(engine_->in_channels(), engine_->out_channels(), 4096) {
     guarded_.set_tap(&take_);
     engine_->set_tap(&take_);
@@ -67,7 +67,7 @@ class Player {
   Guarded& guarded() { return guarded_; }
 
   void disturb(std::mt19937& random) {
-    const auto& controls = engine_->schedule().controls;
+    const auto& controls = engine_->plan().controls;
     for (std::size_t c = 0; c < controls.size(); ++c) {
       const auto& range = controls[c].control.range;
       if (!std::isfinite(range.low) || !std::isfinite(range.high)) continue;
@@ -111,7 +111,7 @@ class SceneSubject final : public Subject {
               scene.converters),
         frames_(frames) {
     name = scene.name;
-    must_be(loop_.prepare(player_.engine().schedule().sample_rate, frames));
+    must_be(loop_.prepare(player_.engine().plan().sample_rate, frames));
   }
   void callback() noexcept override { loop_.run(frames_); }
   void disturb(std::mt19937& random) override { player_.disturb(random); }

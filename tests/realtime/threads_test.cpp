@@ -115,7 +115,7 @@ namespace {
 
 /// The version says `gain` at its output: a number beside 16 combs and a string in their loops, an onset and
 /// a network. Every second one has a node more, every third one a mass of its own.
-std::unique_ptr<Schedule> version(int number) {
+std::unique_ptr<Plan> version(int number) {
   const auto gain = std::to_string(number);
   std::string text = R"(format = 1
 name = "test"

@@ -30,7 +30,7 @@ inline std::unique_ptr<Engine> engine_of(const std::string& text, CompileOptions
 /// Runs from frame 0 in blocks of the given lengths, over and over, until the inputs (or `frames`) end.
 /// Returns the outputs, then the taps.
 inline Channels run(Engine& engine, const Channels& inputs, int frames, const std::vector<int>& blocks) {
-  StreamFormat format{engine.schedule().sample_rate, static_cast<int>(inputs.size()), engine.out_channels(),
+  StreamFormat format{engine.plan().sample_rate, static_cast<int>(inputs.size()), engine.out_channels(),
                       4096};
   if (const auto status = engine.prepare(format); !status)
     throw std::runtime_error(to_string(status.error()));

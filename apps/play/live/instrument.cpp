@@ -30,10 +30,10 @@ class LiveInstrument final : public Performer {
   }
   Engine& instrument() override { return *engine_; }
   const Engine& instrument() const override { return *engine_; }
-  std::vector<std::string> inputs() const override { return engine_->schedule().input_names; }
-  std::vector<std::string> outputs() const override { return output_names(engine_->schedule()); }
+  std::vector<std::string> inputs() const override { return engine_->plan().input_names; }
+  std::vector<std::string> outputs() const override { return output_names(engine_->plan()); }
   std::vector<GuardedChannel> guards() const override {
-    auto channels = guarded_channels(engine_->schedule(), wiring_.drives);
+    auto channels = guarded_channels(engine_->plan(), wiring_.drives);
     if (setup_.rig) return channels;
     for (auto& channel : channels)
       if (channel.kind == DriveGuard::Kind::Audio) channel = {DriveGuard::Kind::Drive, cautious_limits()};
@@ -62,7 +62,7 @@ class LiveInstrument final : public Performer {
  private:
   explicit LiveInstrument(InstrumentSetup setup) : setup_(std::move(setup)) { files_ = {setup_.file}; }
 
-  Checked<std::unique_ptr<Schedule>> compile_files() {
+  Checked<std::unique_ptr<Plan>> compile_files() {
     auto loaded = load_graph_leniently(setup_.file, setup_.root);
     if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
     read_ = loaded;
@@ -81,7 +81,7 @@ class LiveInstrument final : public Performer {
     return compile(loaded, standard_nodes(), options);
   }
 
-  Checked<void> wire(const Schedule& schedule) {
+  Checked<void> wire(const Plan& schedule) {
     if (setup_.rig) {
       auto wired = wire_rig(*setup_.rig, schedule);
       if (!wired) return tl::unexpected(wired.error());

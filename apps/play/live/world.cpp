@@ -59,7 +59,7 @@ struct Heard {
 Heard heard_of(const Engine& instrument, int speakers) {
   Heard heard;
   std::size_t output = 0;
-  for (const auto& channel : instrument.schedule().channels) {
+  for (const auto& channel : instrument.plan().channels) {
     if (channel.use == OutputUse::Audio) heard.channels.push_back(output);
     if (channel.use != OutputUse::Tap) ++output;
   }
@@ -81,7 +81,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
         files_(files_of(scene_, setup_.file)),
         built_(std::move(read.compiled)),
         ports_(scene_, built_.plant_taps),
-        guarded_(*built_.instrument, guarded_channels(built_.instrument->schedule(), scene_.drives)),
+        guarded_(*built_.instrument, guarded_channels(built_.instrument->plan(), scene_.drives)),
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
         heard_(heard_of(*built_.instrument, setup_.speakers)),
@@ -93,7 +93,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
   const Engine& instrument() const override { return *built_.instrument; }
   std::vector<std::string> inputs() const override { return {}; }
   std::vector<std::string> outputs() const override {
-    const auto& schedule = built_.instrument->schedule();
+    const auto& schedule = built_.instrument->plan();
     const auto all = heard_.sensors ? schedule.input_names : output_names(schedule);
     std::vector<std::string> names;
     for (const auto index : heard_.channels) names.push_back(all[index]);

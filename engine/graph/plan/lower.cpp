@@ -61,7 +61,9 @@ class Lowering {
   void set_lane(Vertex& vertex, const void* of, int lane, int lanes) {
     vertex.lane = lane;
     vertex.lanes = lanes;
-    if (lanes > 1) vertex.origin = {of, made_of_[{of, lane}]++};
+    if (lanes < 2) return;
+    const int origin = origins_.try_emplace(of, static_cast<int>(origins_.size())).first->second;
+    vertex.origin = {origin, made_of_[{origin, lane}]++};
   }
 
   void make_inputs() {
@@ -139,6 +141,7 @@ class Lowering {
         Vertex vertex;
         vertex.kind = Vertex::Kind::Node;
         vertex.index = static_cast<int>(n);
+        vertex.type = node.type;
         set_lane(vertex, &node, lane, node.lanes);
         vertex.outputs = static_cast<int>(node.outputs.size());
         vertex.path = lane_path(node.path, lane, node.lanes);
@@ -284,7 +287,8 @@ class Lowering {
   std::vector<int> first_channel_;                      ///< [input]
   std::vector<int> first_vertex_;                       ///< [node]
   std::map<const Term*, Wire> shared_;                  ///< what all lanes have in common
-  std::map<std::pair<const void*, int>, int> made_of_;  ///< [origin, lane]: how many vertices
+  std::map<const void*, int> origins_;          ///< numbers of signals, nodes and terms with lanes
+  std::map<std::pair<int, int>, int> made_of_;  ///< [origin, lane]: how many vertices
 };
 
 }  // namespace

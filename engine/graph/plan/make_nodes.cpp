@@ -1,4 +1,3 @@
-#include "engine/graph/plan/make_nodes.h"
 
 #include <algorithm>
 #include <functional>
@@ -7,6 +6,7 @@
 #include "engine/graph/plan/crossing.h"
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/graph/plan/lane_sum.h"
+#include "engine/graph/plan/passes.h"
 #include "engine/graph/plan/phase_delay.h"
 #include "engine/graph/semantics/operators.h"
 
@@ -17,8 +17,6 @@ class Maker {
  public:
   Maker(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
       : graph_(graph), flat_(flat), options_(options), memory_(options.most_bytes) {
-    made_.nodes.resize(graph.vertices.size());
-    made_.fingerprints.resize(graph.vertices.size());
     made_.frozen_controls.assign(flat.controls.size(), false);
   }
 
@@ -26,22 +24,18 @@ class Maker {
     // Nodes that others are compensated for come first: their response bounds the delay of those.
     for (const bool compensated : {false, true}) {
       if (compensated) fold_phase_delays();
-      for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-        const auto& vertex = graph_.vertices[v];
-        if (vertex.alive && vertex.kind == Vertex::Kind::Node &&
-            flat_node(vertex).compensate.empty() != compensated)
-          make(v, vertex);
-      }
+      for (auto& vertex : graph_.vertices)
+        if (vertex.kind == Vertex::Kind::Node && flat_node(vertex).compensate.empty() != compensated)
+          make(vertex);
     }
-    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-      const auto& vertex = graph_.vertices[v];
-      if (vertex.alive && vertex.kind == Vertex::Kind::Crossing) make_crossing(v, vertex);
-      if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto other = static_cast<std::size_t>(vertex.index);
-      made_.fingerprints[v] = made_.fingerprints[other];
-      if (made_.nodes[other] != nullptr)
-        made_.nodes[v] = std::make_shared<PhaseDelay>(
-            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, rate_of(vertex.every), vertex.value);
+    for (auto& vertex : graph_.vertices) {
+      if (vertex.kind == Vertex::Kind::Crossing) make_crossing(vertex);
+      if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
+      const auto& other = graph_.vertices[static_cast<std::size_t>(vertex.index)];
+      vertex.fingerprint = other.fingerprint;
+      if (other.node != nullptr)
+        vertex.node = std::make_shared<PhaseDelay>(other.node, static_cast<int>(vertex.in.size()) - 2,
+                                                   rate_of(vertex.every), vertex.value);
       else if (made_.mistakes.empty())
         complain_phase(vertex);
     }
@@ -56,23 +50,23 @@ class Maker {
 
   Hertz rate_of(int every) const { return Hertz{options_.sample_rate.value / every}; }
 
-  void make_crossing(std::size_t v, const Vertex& vertex) {
+  void make_crossing(Vertex& vertex) {
     const auto& how = vertex.crossing;
-    made_.nodes[v] = std::make_shared<Crossing>(how, vertex.every, rate_of(std::min(how.from, vertex.every)));
+    vertex.node = std::make_shared<Crossing>(how, vertex.every, rate_of(std::min(how.from, vertex.every)));
     Fingerprint print;
     for (const int number : {how.from, vertex.every, static_cast<int>(how.how)})
       print.add(static_cast<std::uint64_t>(number));
-    made_.fingerprints[v] = print.value();
+    vertex.fingerprint = print.value();
   }
 
-  void make(std::size_t v, const Vertex& vertex) {
+  void make(Vertex& vertex) {
     const auto& node = flat_node(vertex);
     auto setup = setup_of(node, vertex);
     if (!setup || (!node.compensate.empty() && !shorten_time(node, vertex, *setup))) return;
     auto made = make_within(*setup);
     if (made) {
-      made_.nodes[v] = std::move(*made);
-      made_.fingerprints[v] = fingerprint(*setup);
+      vertex.node = std::move(*made);
+      vertex.fingerprint = fingerprint(*setup);
       return;
     }
     auto error = made.error();
@@ -95,8 +89,8 @@ class Maker {
   /// A phase delay that never changes leaves a delay time that rests.
   void fold_phase_delays() {
     for (auto& vertex : graph_.vertices) {
-      if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto& other = made_.nodes[static_cast<std::size_t>(vertex.index)];
+      if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
+      const auto& other = graph_.vertices[static_cast<std::size_t>(vertex.index)].node;
       std::vector<double> in;
       for (const auto& wire : vertex.in)
         if (at(wire).kind == Vertex::Kind::Constant) in.push_back(at(wire).value);
@@ -177,10 +171,10 @@ class Maker {
     Wire wire = vertex.in[time];
     Interval left{0, 0};
     for (; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
-      const auto other = static_cast<std::size_t>(at(wire).index);
-      if (made_.nodes[other] == nullptr) return false;
-      const auto taken = PhaseDelay::range(made_.nodes[other], tuned,
-                                           flat_node(graph_.vertices[other]).ranges, rate_of(node.every));
+      const auto& other = graph_.vertices[static_cast<std::size_t>(at(wire).index)];
+      if (other.node == nullptr) return false;
+      const auto taken =
+          PhaseDelay::range(other.node, tuned, flat_node(other).ranges, rate_of(node.every));
       if (!taken) return complain_phase(at(wire)), false;
       left = left + (where.sign < 0 ? Interval{-taken->high, -taken->low} : *taken);
     }

@@ -1,11 +1,10 @@
-#include "engine/graph/plan/order.h"
-
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <set>
 
 #include "engine/graph/file/mistakes.h"
+#include "engine/graph/plan/passes.h"
 
 namespace tactus {
 namespace {
@@ -15,22 +14,36 @@ struct Edge {
   bool late;
 };
 
+bool is_late(const Vertex& vertex, std::size_t input) {
+  return vertex.kind == Vertex::Kind::Node && vertex.type->inputs[input].late;
+}
+
+/// Guaranteed from late inputs to outputs, in engine frames: any run of d R of them holds d frames of a part
+/// at a rate of 1/R, wherever it begins.
+int least_delay(const Vertex& vertex) {
+  if (vertex.kind != Vertex::Kind::Node) return 0;
+  int least = std::numeric_limits<int>::max();
+  // A node that could not be made is taken to delay as much as any, so that it seems to close no loop.
+  for (std::size_t i = 0; i < vertex.in.size() && vertex.node != nullptr; ++i)
+    for (int output = 0; is_late(vertex, i) && output < vertex.outputs; ++output)
+      least = std::min(least, vertex.node->delay(static_cast<int>(i), output).least);
+  if (least == std::numeric_limits<int>::max()) return kMaxPiece;
+  return std::min(least, std::numeric_limits<int>::max() / vertex.every) * vertex.every;
+}
+
 class Ordering {
  public:
-  Ordering(const VertexGraph& graph, const std::vector<std::vector<bool>>& late,
-           const std::vector<int>& least, bool closed_outside)
+  Ordering(const VertexGraph& graph, bool closed_outside)
       : graph_(graph),
-        least_(least),
         size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
     readers_.resize(static_cast<std::size_t>(size_));
+    for (const auto& vertex : graph.vertices) least_.push_back(least_delay(vertex));
     least_.resize(static_cast<std::size_t>(size_), 0);
     const int outside = closed_outside ? size_ - 1 : -1;
     for (int v = 0; v < static_cast<int>(graph.vertices.size()); ++v) {
       const auto& vertex = vertex_at(v);
-      if (!vertex.alive) continue;
       for (std::size_t i = 0; i < vertex.in.size(); ++i)
-        readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back(
-            {v, late[static_cast<std::size_t>(v)][i]});
+        readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back({v, is_late(vertex, i)});
       if (outside < 0) continue;
       // A tap only listens: nothing outside answers it.
       if (vertex.kind == Vertex::Kind::Output &&
@@ -61,7 +74,6 @@ class Ordering {
  private:
   const Vertex& vertex_at(int v) const { return graph_.vertices[static_cast<std::size_t>(v)]; }
   bool is_outside(int v) const { return v >= static_cast<int>(graph_.vertices.size()); }
-  bool alive(int v) const { return is_outside(v) || vertex_at(v).alive; }
   OrderedVertex::Half half_of_whole(int v) const {
     return is_outside(v) ? OrderedVertex::Half::Outside : OrderedVertex::Half::Whole;
   }
@@ -90,7 +102,7 @@ class Ordering {
     std::vector<int> stack;
     int counter = 0;
     for (int start = size_ - 1; start >= 0; --start) {
-      if (index[static_cast<std::size_t>(start)] >= 0 || !alive(start)) continue;
+      if (index[static_cast<std::size_t>(start)] >= 0) continue;
       std::vector<Frame> frames{{start, 0}};
       while (!frames.empty()) {
         const int v = frames.back().v;
@@ -130,9 +142,6 @@ class Ordering {
     }
     return components;
   }
-
-  // ---- loops
-  // -----------------------------------------------------------------------------------------------
 
   /// Every cycle in `component` is cut by a delay of a frame or more.
   OrderedSection order_loop(std::vector<int>& component) const {
@@ -193,9 +202,6 @@ class Ordering {
     for (const int v : split) section.vertices.push_back({OrderedVertex::Half::Absorb, v});
     return section;
   }
-
-  // ---- loops without delay
-  // ---------------------------------------------------------------------------------
 
   /// One for each part of the graph in which signals go round within a frame.
   std::vector<Error> cycle_errors() const {
@@ -263,10 +269,8 @@ class Ordering {
 
 }  // namespace
 
-Checked<std::vector<OrderedSection>> order(const VertexGraph& graph,
-                                           const std::vector<std::vector<bool>>& late,
-                                           const std::vector<int>& least, bool closed_outside) {
-  return Ordering{graph, late, least, closed_outside}.run();
+Checked<std::vector<OrderedSection>> order(const VertexGraph& graph, bool closed_outside) {
+  return Ordering{graph, closed_outside}.run();
 }
 
 }  // namespace tactus

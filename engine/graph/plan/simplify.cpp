@@ -26,6 +26,7 @@ class Simplifier {
     fold();
     sweep(written, "reaches only what is multiplied by zero");
     reasons_to_report(written);
+    graph_.compact();
   }
 
  private:
@@ -51,7 +52,7 @@ class Simplifier {
   Wire behind_copies(Wire wire) {
     const Wire first = wire;
     for (auto left = graph_.vertices.size(); is_copy(at(wire.vertex)); --left) {
-      if (left == 0) return first;  // names that only name each other: the scheduler reports the loop
+      if (left == 0) return first;  // names that only name each other: the ordering reports the loop
       wire = at(wire.vertex).in.front();
     }
     return wire;
@@ -138,7 +139,7 @@ class Simplifier {
   }
 
   bool replace(int v, Wire with) {
-    if (with.vertex == v) return false;  // it reads itself: the scheduler reports the loop
+    if (with.vertex == v) return false;  // it reads itself: the ordering reports the loop
     for (const int consumer : consumers_[static_cast<std::size_t>(v)])
       for (auto& wire : at(consumer).in)
         if (wire.vertex == v) {

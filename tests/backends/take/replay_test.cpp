@@ -247,7 +247,7 @@ TEST_CASE("takes: ports that a rig left out are left out again", "[take]") {
                   {},
                   ""};
   const auto graph = must(app::RebuiltGraph::build(header));
-  CHECK(graph->engine().schedule().input_names == std::vector<std::string>{"x"});
+  CHECK(graph->engine().plan().input_names == std::vector<std::string>{"x"});
   CHECK(graph->engine().out_channels() == 1);
 }
 

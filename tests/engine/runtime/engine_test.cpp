@@ -100,7 +100,7 @@ test::Channels inputs() {
 }
 
 /// Changes at frames that lie on no block of any size, on top of one another, and in the middle of ramps.
-std::vector<JournalEntry> changes(const Schedule& schedule) {
+std::vector<JournalEntry> changes(const Plan& schedule) {
   std::vector<JournalEntry> entries;
   const auto add = [&](std::int64_t frame, const char* name, double value) {
     entries.push_back({frame, Kind::ControlChange, schedule.control_index(name), value});
@@ -124,7 +124,7 @@ std::vector<JournalEntry> changes(const Schedule& schedule) {
 void check_blocks(const std::string& text) {
   auto engine = engine_of(text);
   const auto play = [&](const std::vector<int>& blocks) {
-    engine->set_journal(changes(engine->schedule()));
+    engine->set_journal(changes(engine->plan()));
     return test::run(*engine, inputs(), kFrames, blocks);
   };
   const auto expected = play({1});
@@ -180,7 +180,7 @@ y = { from = "comb.out * level" }
   REQUIRE(compiled);
   Engine engine{std::move(*compiled)};
   const auto play = [&](const std::vector<int>& blocks) {
-    engine.set_journal(changes(engine.schedule()));
+    engine.set_journal(changes(engine.plan()));
     return test::run(engine, inputs(), kFrames, blocks);
   };
   const auto expected = play({1});
@@ -198,7 +198,7 @@ TEST_CASE("Engine: a loop of d frames runs min(64, d) at a time and gives the re
                         std::to_string(d) +
                         " / system.rate\", interpolation = \"none\" }\n"
                         "[outputs]\ny = { from = \"y\" }\n"));
-    const auto& loops = engine->schedule().loops;
+    const auto& loops = engine->plan().loops;
     REQUIRE(loops.size() == 1);
     CHECK(loops[0].sub_block == std::min(64, d));
     CHECK(loops[0].delay_frames == d);
@@ -220,8 +220,8 @@ b = { type = "delay", in = "y", time = "50 / system.rate", interpolation = "none
 [outputs]
 y = { from = "y" }
 )"));
-  REQUIRE(engine->schedule().loops.size() == 1);
-  CHECK(engine->schedule().loops[0].sub_block == 3);
+  REQUIRE(engine->plan().loops.size() == 1);
+  CHECK(engine->plan().loops[0].sub_block == 3);
   const auto x = test::noise(1000, 5);
   test::Samples y(x.size());
   for (std::size_t n = 0; n < y.size(); ++n)
@@ -242,7 +242,7 @@ silent = "0 * loop"
 )";
   const auto play = [](const std::string& text) {
     const auto engine = engine_of(text);
-    engine->set_journal(changes(engine->schedule()));
+    engine->set_journal(changes(engine->plan()));
     return test::run(*engine, inputs(), kFrames, {100});
   };
   const auto expected = play(graph(kHead + "[nodes]" + kept + outputs));
@@ -290,7 +290,7 @@ db    = { from = "db" }
 now   = { from = "now" }
 )"));
   const auto entry = [&](const char* name, double value) {
-    return JournalEntry{101, Kind::ControlChange, engine->schedule().control_index(name), value};
+    return JournalEntry{101, Kind::ControlChange, engine->plan().control_index(name), value};
   };
   engine->set_journal({entry("plain", 1), entry("db", 1), entry("now", 2)});
   const auto out = test::run(*engine, {}, 1000, {333});

@@ -110,7 +110,7 @@ TEST_CASE("Engine: a loop that breaks is reset as a whole and silent to the end 
       "line = { type = \"delay\", in = \"y\", time = \"20 / system.rate\", interpolation = \"none\" }\n"
       "y = \"0.9 * bad\"\n" +
       kBesides);
-  REQUIRE(engine->schedule().loops.size() == 2);
+  REQUIRE(engine->plan().loops.size() == 2);
   const auto x = test::noise(1280, 1);
   const auto sound = test::run(*engine, {x, test::Samples(1280)}, 1280, {64});
   const auto out = test::run(*engine, {x, poison_at(1280, 200, 1)}, 1280, {64});

@@ -17,7 +17,7 @@ using Kind = JournalEntry::Kind;
 
 std::string graph(const std::string& body) { return "format = 1\nname = \"test\"\n" + body; }
 
-std::unique_ptr<Schedule> schedule_of(const std::string& text) {
+std::unique_ptr<Plan> schedule_of(const std::string& text) {
   auto made = compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), {});
   if (!made) throw std::runtime_error(to_string(made.error()));
   return std::move(*made);

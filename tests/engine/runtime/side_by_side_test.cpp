@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kFrames = 4000;
 
-std::unique_ptr<Engine> engine_of(const std::string& text, bool side_by_side) {
+std::unique_ptr<Engine> engine_of(const std::string& text, bool vectorise) {
   CompileOptions options;
-  options.side_by_side = side_by_side;
+  options.vectorise = vectorise;
   return test::engine_of(text, options);
 }
 
@@ -35,7 +35,7 @@ double relative_difference(const Channels& a, const Channels& b) {
 
 /// Side by side against one by one, and the block size against itself. Returns the engine that runs side by
 /// side.
-std::unique_ptr<Engine> check_side_by_side(const std::string& text, double tolerance = 1e-12,
+std::unique_ptr<Engine> check_vectorised(const std::string& text, double tolerance = 1e-12,
                                            const std::vector<JournalEntry>& journal = {}) {
   auto wide = engine_of(text, true);
   auto scalar = engine_of(text, false);
@@ -50,8 +50,8 @@ std::unique_ptr<Engine> check_side_by_side(const std::string& text, double toler
 }
 
 bool runs(const Engine& engine, const std::string& path) {
-  const auto& paths = engine.schedule().paths;
-  return std::find(paths.begin(), paths.end(), path) != paths.end();
+  const auto& vertices = engine.plan().vertices;
+  return std::any_of(vertices.begin(), vertices.end(), [&](const Vertex& v) { return v.path == path; });
 }
 
 std::string body(const std::string& nodes, const std::string& before = "") {
@@ -65,7 +65,7 @@ TEST_CASE("side by side: any number of voices sounds as one by one", "[runtime]"
   for (const bool one_node : {true, false})
     for (const int voices : {2, 5, 8, 9, 13, 16, 64}) {
       INFO(voices << " voices, one node: " << one_node);
-      const auto engine = check_side_by_side(test::voices_graph(voices, one_node));
+      const auto engine = check_vectorised(test::voices_graph(voices, one_node));
       CHECK(runs(*engine, "y[0..7]") == (voices >= 8));
       CHECK(runs(*engine, "y[0..4]") == (voices == 5));
       CHECK(runs(*engine, "y[8..12]") == (voices == 13));
@@ -76,7 +76,8 @@ TEST_CASE("side by side: any number of voices sounds as one by one", "[runtime]"
 
 TEST_CASE("side by side: 64 strings are 8 of each step", "[runtime]") {
   const auto engine = engine_of(test::voices_graph(64, true), true);
-  const auto& whats = engine->schedule().whats;
+  std::vector<std::string> whats;
+  for (const auto& vertex : engine->plan().vertices) whats.push_back(vertex.description());
   for (const auto* what : {"low_pass", "string", "clip"})
     CHECK(std::count(whats.begin(), whats.end(), what) == 8);
   CHECK(std::count(whats.begin(), whats.end(), "sum of lanes") == 1);
@@ -106,21 +107,21 @@ TEST_CASE("side by side: pitches move, by one control or one a lane", "[runtime]
                                              {2002, JournalEntry::Kind::ControlChange, 2, 130.0}};
   const std::string mix = "y = { type = \"mix\", in = \"m\" }\n";
   // As signals, a sample a frame.
-  check_side_by_side(
+  check_vectorised(
       body("v = { type = \"sine\", frequency = \"5 Hz\" }\n"
            "w = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08]\n"
            "t = \"1 + w * v\"\n"
            "d = { type = \"delay\", in = \"m\", time = \"4 ms * t\", min = \"2 ms\", max = \"6 ms\" }\n"
            "m = { type = \"one_pole\", in = \"x + 0.9 * d\", cutoff = \"4 kHz * t\" }\n" +
            mix));
-  check_side_by_side(body("w = [\"100 Hz\", \"120 Hz\", \"150 Hz\", \"200 Hz\", \"300 Hz\", \"310 Hz\", "
+  check_vectorised(body("w = [\"100 Hz\", \"120 Hz\", \"150 Hz\", \"200 Hz\", \"300 Hz\", \"310 Hz\", "
                           "\"320 Hz\", \"440 Hz\"]\n"
                           "p = \"bend * w\"\n"
                           "m = { type = \"string\", in = \"x\", pitch = \"p\" }\n" +
                               mix,
                           controls),
                      1e-12, journal);
-  const auto engine = check_side_by_side(
+  const auto engine = check_vectorised(
       body("m = { type = \"low_pass\", in = \"x\", q = \"bend\", cutoff = [\"a\", \"b\", \"a\", \"a + b\", "
            "\"1 kHz\", \"b\", \"a\", \"a\"] }\n" +
                mix,
@@ -132,7 +133,7 @@ TEST_CASE("side by side: pitches move, by one control or one a lane", "[runtime]
 TEST_CASE("side by side: scalars feed voices and hear single ones", "[runtime]") {
   // Noise has no wide form: its lanes are packed; a table of levels unpacks them again.
   const auto engine =
-      check_side_by_side(body("n = { type = \"noise\", voices = 8, level = { from = 0.1, to = 0.8 } }\n"
+      check_vectorised(body("n = { type = \"noise\", voices = 8, level = { from = 0.1, to = 0.8 } }\n"
                               "m = { type = \"high_pass\", in = \"x + n\", cutoff = \"300 Hz\" }\n"
                               "h = { type = \"sample_hold\", in = \"m\", trigger = \"5 * x\" }\n"
                               "y = { type = \"mix\", in = \"h * m\" }\n"));
@@ -141,11 +142,11 @@ TEST_CASE("side by side: scalars feed voices and hear single ones", "[runtime]")
 }
 
 TEST_CASE("side by side: a voice that is left out does not keep the others apart", "[runtime]") {
-  const auto engine = check_side_by_side(body(
+  const auto engine = check_vectorised(body(
       "m = { type = \"low_pass\", in = \"x\", cutoff = { from = \"1 kHz\", to = \"8 kHz\" }, voices = 8 }\n"
       "w = [0, 1, 2, 3, 4, 5, 6, 7]\ny = { type = \"mix\", in = \"m * w\" }\n"));
   CHECK(runs(*engine, "m[0..7]"));
-  const auto& left_out = engine->schedule().left_out;
+  const auto& left_out = engine->plan().left_out;
   CHECK(std::any_of(left_out.begin(), left_out.end(), [](const auto& left) { return left.path == "m[0]"; }));
 }
 
@@ -153,7 +154,7 @@ TEST_CASE("side by side: outputs take their lanes straight from where they run",
   auto text = body(
       "y = { type = \"band_pass\", in = \"x\", frequency = { from = \"100 Hz\", to = \"3 kHz\", "
       "curve = \"exponential\" }, voices = 11 }\n");
-  const auto engine = check_side_by_side(text);
+  const auto engine = check_vectorised(text);
   CHECK(engine->out_channels() == 11);
 }
 
@@ -169,7 +170,7 @@ TEST_CASE("side by side: lanes that answer one another within a frame stay on th
         "o" + name + " = [" + only + "]\np" + name + " = { type = \"mix\", in = \"m * o" + name + "\" }\n";
   }
   const auto text = body(chain + "] }\n" + picks + "y = { type = \"mix\", in = \"m\" }\n");
-  const auto engine = check_side_by_side(text);
+  const auto engine = check_vectorised(text);
   CHECK(runs(*engine, "m[3]"));
   CHECK_FALSE(runs(*engine, "m[0..7]"));
 }

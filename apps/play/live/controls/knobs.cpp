@@ -17,7 +17,7 @@ auto named(std::vector<Knobs::Knob>& knobs, const std::string& name) {
 
 void Knobs::renew() {
   std::vector<Knob> now;
-  for (const auto& scheduled : engine_.schedule().controls) {
+  for (const auto& scheduled : engine_.plan().controls) {
     Knob knob{scheduled.control, scheduled.frozen};
     const auto before = named(knobs_, knob.control.name);
     if (before != knobs_.end() && !knob.frozen) knob.control.value = before->control.value;

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/graph/plan/schedule.h"
+#include "engine/graph/plan/plan.h"
 #include "engine/runtime/engine.h"
 
 namespace tactus::app {

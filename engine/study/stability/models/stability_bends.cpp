@@ -27,7 +27,7 @@ bool is_linear(Term::Op op, const Operands& operands) {
 
 /// The laws that one signal moves, and the places that are worth a look.
 struct Group {
-  const double* source = nullptr;
+  PlanSignal source;
   std::vector<const Bend*> laws = {};
   struct Choice {
     std::string path;
@@ -94,25 +94,26 @@ std::vector<BendPlace> with(const std::vector<BendPlace>& places, const Group& g
 
 }  // namespace
 
-Derived Derivations::of(const double* signal) const {
+Derived Derivations::of(const PlanSignal& signal) const {
   const auto found = known_.find(signal);
   return found == known_.end() ? Derived{signal, 1} : found->second;
 }
 
-void Derivations::note(const double* out, Term::Op op, const double* const in[2], const Operands& operands) {
+void Derivations::note(const PlanSignal& out, Term::Op op, const std::array<PlanSignal, 2>& in,
+                       const Operands& operands) {
   if (!is_linear(op, operands)) return;
-  Derived derived{nullptr, 0};
+  Derived derived{{}, 0};
   for (int k = 0; k < operands_of(op); ++k) {
     if (!operands.moves[static_cast<std::size_t>(k)]) continue;
-    const auto from = of(in[k]);
-    if (derived.source != nullptr && derived.source != from.source) return;
+    const auto from = of(in[static_cast<std::size_t>(k)]);
+    if (derived.source.plan != nullptr && derived.source != from.source) return;
     derived.source = from.source;
     derived.slope += from.slope * slope_of(op, operands, k, false);
   }
-  if (derived.source != nullptr) known_[out] = derived;
+  if (derived.source.plan != nullptr) known_[out] = derived;
 }
 
-std::optional<double> Derivations::moved(const double* signal, const Displaced& moved) const {
+std::optional<double> Derivations::moved(const PlanSignal& signal, const Displaced& moved) const {
   const auto from = of(signal);
   const auto found = moved.find(from.source);
   return found == moved.end() ? std::nullopt : std::optional{from.slope * found->second};

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <compare>
 #include <functional>
 #include <map>
 #include <optional>
@@ -10,33 +12,42 @@
 
 namespace tactus {
 
+struct Plan;
+
+/// An output of a vertex of one of the plans that are analysed together.
+struct PlanSignal {
+  const Plan* plan = nullptr;  ///< tells the plans apart, no more
+  int vertex = -1, port = 0;
+  auto operator<=>(const PlanSignal&) const = default;
+};
+
 /// What a signal is of another one, where operations alone lie between: it moves `slope` times as far.
 struct Derived {
-  const double* source = nullptr;
+  PlanSignal source;
   double slope = 1;
 };
 
 /// By how much signals are moved from where they rest.
-using Displaced = std::map<const double*, double>;
+using Displaced = std::map<PlanSignal, double>;
 
-/// Which signals are sums and multiples of which, by the buffers that hold them.
+/// Which signals are sums and multiples of which.
 class Derivations {
  public:
   /// A signal that nothing is known of is its own source.
-  Derived of(const double* signal) const;
+  Derived of(const PlanSignal& signal) const;
   /// By how much a signal moves with its source; nullopt if that is not among `moved`.
-  std::optional<double> moved(const double* signal, const Displaced& moved) const;
-  /// `in`: the operands' buffers; operands that rest have numbers.
-  void note(const double* out, Term::Op op, const double* const in[2], const Operands& operands);
+  std::optional<double> moved(const PlanSignal& signal, const Displaced& moved) const;
+  /// `in`: the operands; those that rest are not read.
+  void note(const PlanSignal& out, Term::Op op, const std::array<PlanSignal, 2>& in, const Operands& operands);
 
  private:
-  std::map<const double*, Derived> known_;
+  std::map<PlanSignal, Derived> known_;
 };
 
 /// A law without memory, or the corner of a minimum or maximum, that one signal takes where it answers most.
 struct Bend {
   std::string path;
-  const double* source = nullptr;
+  PlanSignal source;
   double to = 0;                         ///< how far the source moves until it is there
   std::function<double(double)> answer;  ///< its slopes' sum where the source has moved so far
 };

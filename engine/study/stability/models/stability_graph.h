@@ -57,7 +57,7 @@ struct Regime {
   std::optional<Fingertip> hand = {};
 };
 
-/// Signals and what they do to one another, by little. May hold several schedules.
+/// Signals and what they do to one another, by little. May hold several plans.
 struct LinearGraph {
   std::vector<std::string> signals;  ///< names, for people
   std::vector<LinearEdge> edges;

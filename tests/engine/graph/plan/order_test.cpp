@@ -1,4 +1,4 @@
-#include "engine/graph/plan/order.h"
+#include "engine/graph/plan/passes.h"
 
 #include <catch2/catch.hpp>
 

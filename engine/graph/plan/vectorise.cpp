@@ -1,5 +1,3 @@
-#include "engine/graph/plan/widen.h"
-
 #include <algorithm>
 #include <map>
 #include <numeric>
@@ -7,7 +5,7 @@
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/graph/plan/lane_groups.h"
 #include "engine/graph/plan/lane_sum.h"
-#include "engine/graph/plan/wide_nodes.h"
+#include "engine/graph/plan/vector_nodes.h"
 
 namespace tactus {
 namespace {
@@ -16,17 +14,9 @@ using Group = LaneGroup;
 
 constexpr int kNone = Group::kNone;
 
-/// A node of a vertex that is new.
-struct Made {
-  int vertex;
-  std::unique_ptr<Node> node;
-  std::uint64_t made_from;
-};
-
-class Widening {
+class Vectoriser {
  public:
-  Widening(VertexGraph& graph, const FlatGraph& flat, MadeNodes& made)
-      : graph_(graph), made_(made), groups_(graph, flat, made) {}
+  Vectoriser(VertexGraph& graph, const FlatGraph& flat) : graph_(graph), groups_(graph, flat) {}
 
   bool run() {
     if (groups_.groups().empty()) return false;
@@ -37,23 +27,16 @@ class Widening {
     for (const auto& group : groups_.groups())
       for (const int member : group.members)
         if (member != kNone) at(member).alive = false;
-    made_.nodes.resize(graph_.vertices.size());
-    made_.fingerprints.resize(graph_.vertices.size());
-    for (auto& [vertex, node, made_from] : nodes_) {
-      made_.nodes[static_cast<std::size_t>(vertex)] = std::move(node);
-      made_.fingerprints[static_cast<std::size_t>(vertex)] = made_from;
-    }
+    graph_.compact();
     return true;
   }
 
  private:
   Vertex& at(int v) { return graph_.vertices[static_cast<std::size_t>(v)]; }
 
-  int add(Vertex vertex, std::unique_ptr<Node> node = nullptr, std::uint64_t made_from = 0) {
+  int add(Vertex vertex) {
     graph_.vertices.push_back(std::move(vertex));
-    const int v = static_cast<int>(graph_.vertices.size()) - 1;
-    if (node) nodes_.push_back({v, std::move(node), made_from});
-    return v;
+    return static_cast<int>(graph_.vertices.size()) - 1;
   }
 
   // ---- wide vertices
@@ -67,7 +50,9 @@ class Widening {
     wide.origin = {};
     wide.width = kWide;
     wide.in.clear();
-    group.vertex = add(std::move(wide), std::move(group.node), made_from(group));
+    wide.node = std::move(group.node);
+    wide.fingerprint = made_from(group);
+    group.vertex = add(std::move(wide));
   }
 
   /// What its lanes were made from.
@@ -78,7 +63,7 @@ class Widening {
       if (v == kNone) continue;
       const bool operation = at(v).kind == Vertex::Kind::Operation;
       print.add(operation ? static_cast<std::uint64_t>(at(v).op)
-                          : made_.fingerprints[static_cast<std::size_t>(v)]);
+                          : at(v).fingerprint);
     }
     return print.value();
   }
@@ -126,7 +111,8 @@ class Widening {
     key.push_back(every);
     if (const auto known = packs_.find(key); known != packs_.end()) return known->second;
     vertex.in = std::move(wires);
-    return packs_[key] = {add(std::move(vertex), std::make_unique<Pack>()), 0, Wire::kAllLanes};
+    vertex.node = std::make_shared<Pack>();
+    return packs_[key] = {add(std::move(vertex)), 0, Wire::kAllLanes};
   }
 
   static std::vector<int> wires_of(const LaneRow& wires) {
@@ -187,39 +173,23 @@ class Widening {
       in.push_back(g == kNone ? packed(row, at(v).path, at(v).every) : all_lanes(g, row));
     }
     at(v).in = std::move(in);
-    nodes_.push_back({v, std::make_unique<LaneSum>(static_cast<int>(lanes.size())), lanes.size()});
+    at(v).node = std::make_shared<LaneSum>(static_cast<int>(lanes.size()));
+    at(v).fingerprint = lanes.size();
     return true;
   }
 
   VertexGraph& graph_;
-  MadeNodes& made_;
   LaneGroups groups_;
-  std::vector<Made> nodes_;
   std::map<std::vector<int>, Wire> packs_, rows_;
 };
 
 }  // namespace
 
-bool widen(VertexGraph& graph, const FlatGraph& flat, MadeNodes& made) {
-  return Widening{graph, flat, made}.run();
-}
+bool vectorise(VertexGraph& graph, const FlatGraph& flat) { return Vectoriser{graph, flat}.run(); }
 
-void drop_replaced(const VertexGraph& graph, MadeNodes& made) {
-  for (std::size_t v = 0; v < graph.vertices.size(); ++v)
-    if (!graph.vertices[v].alive) made.nodes[v].reset();
-}
-
-void undo_widen(const VertexGraph& graph, MadeNodes& made) {
-  made.nodes.resize(graph.vertices.size());
-  made.fingerprints.resize(graph.vertices.size());
-  for (std::size_t v = 0; v < graph.vertices.size(); ++v)
-    if (graph.vertices[v].kind == Vertex::Kind::Sum) made.nodes[v].reset();
-}
-
-bool expand_sums(VertexGraph& graph, MadeNodes& made) {
-  bool found = false;
+void expand_sums(VertexGraph& graph) {
   for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
-    if (graph.vertices[v].kind != Vertex::Kind::Sum || made.nodes[v] != nullptr) continue;
+    if (graph.vertices[v].kind != Vertex::Kind::Sum || graph.vertices[v].node != nullptr) continue;
     const auto lanes = graph.vertices[v].in;
     Vertex addition = graph.vertices[v];
     addition.kind = Vertex::Kind::Operation;
@@ -231,11 +201,7 @@ bool expand_sums(VertexGraph& graph, MadeNodes& made) {
     });
     graph.vertices.pop_back();  // the last one takes the place of the sum
     graph.vertices[v] = std::move(addition);
-    made.nodes.resize(graph.vertices.size());
-    made.fingerprints.resize(graph.vertices.size());
-    found = true;
   }
-  return found;
 }
 
 }  // namespace tactus

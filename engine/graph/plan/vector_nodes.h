@@ -7,12 +7,12 @@
 
 namespace tactus {
 
-// The steps that `widen` puts between wide nodes (see Node::widened).
+// The steps that `vectorise` puts between wide nodes (see Node::widened).
 
 /// One operator of an expression on kWide lanes: out = op(in[0], in[1]), as `apply` says.
-class WideOperation : public Node {
+class VectorOperation : public Node {
  public:
-  explicit WideOperation(Term::Op op) : op_(op) {}
+  explicit VectorOperation(Term::Op op) : op_(op) {}
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override {}
 

@@ -1,4 +1,4 @@
-#include "engine/study/stability/stability_schedule.h"
+#include "engine/study/stability/stability_plan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,26 +13,30 @@ namespace {
 /// Any z serves to ask whether there is a response at all.
 const std::complex<double> kSomewhere = std::polar(1.0, 0.01);
 
-class ScheduleReader {
+class PlanReader {
  public:
-  ScheduleReader(LinearGraph& graph, const Schedule& schedule, const Regime& regime, std::string prefix)
-      : graph_(graph), schedule_(schedule), regime_(regime), prefix_(std::move(prefix)) {}
+  PlanReader(LinearGraph& graph, const Plan& plan, const Regime& regime, std::string prefix)
+      : graph_(graph), plan_(plan), regime_(regime), prefix_(std::move(prefix)) {}
 
   Terminals run() {
     Terminals terminals;
-    for (std::size_t i = 0; i < schedule_.input_buffers.size(); ++i)
-      terminals.inputs.push_back(made(schedule_.input_buffers[i], schedule_.input_names[i]));
-    for (const auto& step : schedule_.steps)
+    places_.resize(plan_.vertices.size());
+    std::vector<int> input_vertex(plan_.input_names.size(), -1);
+    for (int v = 0; v < static_cast<int>(plan_.vertices.size()); ++v)
+      if (vertex(v).kind == Vertex::Kind::Input) input_vertex[index(vertex(v).index)] = v;
+    for (std::size_t i = 0; i < input_vertex.size(); ++i)
+      terminals.inputs.push_back(input_vertex[i] < 0 ? -1 : made(input_vertex[i], 0, plan_.input_names[i]));
+    for (const auto& step : plan_.steps)
       if (step.kind == Step::Kind::Operations)
         make_operations(step);
       else if (gives(step))
         make_outputs(step);
-    for (const auto& step : schedule_.steps)
+    for (const auto& step : plan_.steps)
       if (step.kind == Step::Kind::Operations)
         join_operations(step);
       else if (gives(step))
         join_node(step);
-    for (const auto& channel : schedule_.channels) terminals.channels.push_back(signal(channel.signal));
+    for (const auto& channel : plan_.channels) terminals.channels.push_back(signal(channel.from));
     return terminals;
   }
 
@@ -40,114 +44,122 @@ class ScheduleReader {
   static bool gives(const Step& step) {
     return step.kind == Step::Kind::Process || step.kind == Step::Kind::Emit;
   }
+  const Vertex& vertex(int v) const { return plan_.vertices[index(v)]; }
   bool is_network(const Step& step) const {
-    return dynamic_cast<const NetworkView*>(schedule_.nodes[index(step.node)].get()) != nullptr;
+    return dynamic_cast<const NetworkView*>(plan_.nodes[index(step.node)].get()) != nullptr;
   }
-  const std::string& path_of(int path) const { return schedule_.paths[index(path)]; }
+  std::string path_of(int v) const { return prefix_ + vertex(v).path; }
 
-  int made(const double* buffer, const std::string& name) {
-    if (buffer == nullptr) return -1;
-    const auto [place, added] = places_.try_emplace(buffer, -1);
-    if (added) place->second = graph_.add_signal(prefix_ + name);
-    return place->second;
+  int made(int v, int port, const std::string& name) {
+    auto& ports = places_[index(v)];
+    if (ports.empty()) ports.assign(index(vertex(v).outputs), -1);
+    return ports[index(port)] = graph_.add_signal(prefix_ + name);
   }
   /// -1: a number, a control, or what is made of nothing else.
-  int signal(const Signal& signal) const {
-    const auto found = places_.find(signal.data);
-    return found == places_.end() ? -1 : found->second;
+  int signal(int v, int port) const {
+    const auto& ports = places_[index(v)];
+    return ports.empty() ? -1 : ports[index(port)];
   }
-  int every(const Step& step) const { return schedule_.paces[index(step.pace)]; }
-  double value(int slot) const { return *schedule_.inputs[index(slot)].data; }
+  int signal(const Wire& wire) const { return signal(wire.vertex, wire.port); }
+  /// What an operand reads; operations on one number have two operands that are the same.
+  const Wire& operand(int v, int k) const {
+    const auto& in = vertex(v).in;
+    return in[std::min(index(k), in.size() - 1)];
+  }
+  PlanSignal source(const Wire& wire) const { return {&plan_, wire.vertex, wire.port}; }
+  bool is_read(const Step& step, int output) const {
+    return plan_.outputs[index(step.first_out + output)] != nullptr;
+  }
+  int every(const Step& step) const { return plan_.paces[index(step.pace)]; }
+  double value(int slot) const { return *plan_.inputs[index(slot)].data; }
 
   void make_outputs(const Step& step) {
     // What rests goes into a part with a rate of its own, or out of it, as the number that it is.
     const bool crosses = step.pace_in != step.pace_out;
-    if (crosses && signal(schedule_.inputs[index(step.first_in)]) < 0) return;
+    const auto& from = vertex(step.vertex);
+    if (crosses && signal(from.in.front()) < 0) return;
     for (int o = 0; o < step.outputs; ++o) {
-      const auto* type = schedule_.types[index(step.node)].get();
-      std::string name = path_of(step.path);
-      if (type != nullptr && o > 0) name += "." + type->outputs[index(o)].name;
-      const int signal = made(schedule_.outputs[index(step.first_out + o)], name);
-      if (signal >= 0 && is_network(step) && name.ends_with(".wave")) graph_.joints.push_back(signal);
+      if (!is_read(step, o)) continue;
+      std::string name = from.path;
+      if (from.type != nullptr && o > 0) name += "." + from.type->outputs[index(o)].name;
+      const int signal = made(step.vertex, o, name);
+      if (is_network(step) && name.ends_with(".wave")) graph_.joints.push_back(signal);
     }
   }
 
   /// What is made of controls alone moves only when a person moves them.
   void make_operations(const Step& step) {
     for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
-      const auto& operation = schedule_.operations[index(i)];
-      const auto* in = schedule_.inputs.data() + operation.first_in;
+      const auto& operation = plan_.operations[index(i)];
+      const auto* in = plan_.inputs.data() + operation.first_in;
       const bool rests = operation.can_rest >= 0 || (in[0].constant() && in[1].constant());
       if (rests) continue;
-      made(operation.out, path_of(operation.path));
-      const double* const from[2] = {in[0].data, in[1].data};
-      derived_.note(operation.out, operation.op, from, operands_at(operation.first_in));
+      const int v = operation.vertex;
+      made(v, 0, vertex(v).path);
+      derived_.note({&plan_, v, 0}, operation.op, {source(operand(v, 0)), source(operand(v, 1))},
+                    operands_of_vertex(operation));
     }
   }
 
   void join_operations(const Step& step) {
     for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
-      const auto& operation = schedule_.operations[index(i)];
-      const auto out = places_.find(operation.out);
-      if (out == places_.end()) continue;
-      const auto operands = operands_at(operation.first_in);
+      const auto& operation = plan_.operations[index(i)];
+      const int out = signal(operation.vertex, 0);
+      if (out < 0) continue;
+      const auto operands = operands_of_vertex(operation);
       for (int k = 0; k < operands_of(operation.op); ++k) {
         if (!operands.moves[index(k)]) continue;
-        const auto from = derived_.of(schedule_.inputs[index(operation.first_in + k)].data);
-        const auto path = prefix_ + path_of(operation.path);
-        if (auto bend = corner(path, operation.op, operands, k, from))
+        const auto& wire = operand(operation.vertex, k);
+        const auto path = path_of(operation.vertex);
+        if (auto bend = corner(path, operation.op, operands, k, derived_.of(source(wire))))
           graph_.laws.push_back(std::move(*bend));
         const double rest = slope_of(operation.op, operands, k, false);
         const double steep = slope_of(operation.op, operands, k, true);
         graph_.has_touched |= steep != rest;
         graph_.bends |= steep != rest;
-        const double gain = regime_.touched ? touched_slope(operation.op, operation.first_in, k) : rest;
+        const double gain = regime_.touched ? touched_slope(operation, k) : rest;
         if (gain != 0)
-          graph_.edges.push_back({.from = signal(schedule_.inputs[index(operation.first_in + k)]),
-                                  .to = out->second,
-                                  .path = path,
-                                  .gain = gain});
+          graph_.edges.push_back({.from = signal(wire), .to = out, .path = path, .gain = gain});
       }
     }
   }
 
-  Operands operands_at(int first_in) const {
-    const auto* in = schedule_.inputs.data() + first_in;
-    return {value(first_in), value(first_in + 1), {signal(in[0]) >= 0, signal(in[1]) >= 0}};
+  Operands operands_of_vertex(const MicroOperation& operation) const {
+    const auto moves = [&](int k) { return signal(operand(operation.vertex, k)) >= 0; };
+    return {value(operation.first_in), value(operation.first_in + 1), {moves(0), moves(1)}};
   }
 
-  double touched_slope(Term::Op op, int first_in, int which) const {
-    auto operands = operands_at(first_in);
+  double touched_slope(const MicroOperation& operation, int which) const {
+    auto operands = operands_of_vertex(operation);
     bool taken = false;
-    for (int k = 0; k < operands_of(op); ++k)
-      if (const auto by = derived_.moved(schedule_.inputs[index(first_in + k)].data, regime_.moved))
+    for (int k = 0; k < operands_of(operation.op); ++k)
+      if (const auto by = derived_.moved(source(operand(operation.vertex, k)), regime_.moved))
         (k == 0 ? operands.a : operands.b) += *by, taken = true;
-    return slope_of(op, operands, which, !taken);
+    return slope_of(operation.op, operands, which, !taken);
   }
 
   void join_node(const Step& step) {
     if (is_network(step)) return join_network(step);
-    const auto* type = schedule_.types[index(step.node)].get();
+    const auto& from = vertex(step.vertex);
+    const auto* type = from.type.get();
     std::vector<double> at;
     std::vector<bool> moves;
     for (int i = 0; i < step.inputs; ++i) {
       at.push_back(value(step.first_in + i));
-      moves.push_back(signal(schedule_.inputs[index(step.first_in + i)]) >= 0);
+      moves.push_back(signal(from.in[index(i)]) >= 0);
     }
     const bool pulls_back = type != nullptr && type->stateless && take_law(step, at, moves);
     for (int i = 0; i < step.inputs; ++i)
       for (int o = 0; moves[index(i)] && o < step.outputs; ++o)
-        if (schedule_.outputs[index(step.first_out + o)] != nullptr) join_port(step, i, o, at, pulls_back);
+        if (is_read(step, o)) join_port(step, i, o, at, pulls_back);
   }
 
-  const double* buffer(const Step& step, std::size_t input) const {
-    return schedule_.inputs[index(step.first_in) + input].data;
-  }
+  PlanSignal source(const Step& step, std::size_t input) const { return source(vertex(step.vertex).in[input]); }
 
   /// To where the regime looks at a law. Whether it pulls back at some place, as a spring does.
   bool take_law(const Step& step, std::vector<double>& at, const std::vector<bool>& moves) {
-    const auto& node = *schedule_.nodes[index(step.node)];
-    const auto& type = schedule_.types[index(step.node)];
+    const auto& node = *plan_.nodes[index(step.node)];
+    const auto& type = vertex(step.vertex).type;
     const auto steep = steepest(node, *type, at, moves);
     graph_.has_touched |= steep.at != at;
     for (std::size_t i = 0; i < at.size(); ++i)
@@ -156,7 +168,7 @@ class ScheduleReader {
     if (!regime_.touched) return steep.answer > 0;
     bool taken = false;
     for (std::size_t i = 0; i < at.size(); ++i)
-      if (const auto by = derived_.moved(buffer(step, i), regime_.moved); moves[i] && by)
+      if (const auto by = derived_.moved(source(step, i), regime_.moved); moves[i] && by)
         at[i] += *by, taken = true;
     if (!taken) at = steep.at;
     return steep.answer > 0;
@@ -165,29 +177,30 @@ class ScheduleReader {
   void note_law(const Step& step, const std::vector<double>& at, const std::vector<bool>& moves,
                 const SteepPlace& steep) {
     const auto input = index(steep.input);
-    const auto from = derived_.of(buffer(step, input));
+    const auto from = derived_.of(source(step, input));
     std::vector<double> slopes(at.size(), 0.0);
     for (std::size_t i = 0; i < at.size(); ++i)
-      if (const auto other = derived_.of(buffer(step, i)); moves[i] && other.source == from.source)
+      if (const auto other = derived_.of(source(step, i)); moves[i] && other.source == from.source)
         slopes[i] = other.slope;
-    const auto answer = [node = schedule_.nodes[index(step.node)], type = schedule_.types[index(step.node)],
+    const auto answer = [node = plan_.nodes[index(step.node)], type = vertex(step.vertex).type,
                          at, moves, slopes](double moved) {
       auto there = at;
       for (std::size_t i = 0; i < there.size(); ++i) there[i] += slopes[i] * moved;
       return answer_at(*node, *type, there, moves);
     };
     graph_.laws.push_back(
-        {prefix_ + path_of(step.path), from.source, (steep.at[input] - at[input]) / from.slope, answer});
+        {path_of(step.vertex), from.source, (steep.at[input] - at[input]) / from.slope, answer});
   }
 
   /// `pulls_back`: at some place, as a spring does.
   void join_port(const Step& step, int input, int output, const std::vector<double>& at, bool pulls_back) {
-    const auto& node = schedule_.nodes[index(step.node)];
-    const auto* type = schedule_.types[index(step.node)].get();
+    const auto& node = plan_.nodes[index(step.node)];
+    const auto& from = vertex(step.vertex);
+    const auto* type = from.type.get();
     LinearEdge edge{.kind = LinearEdge::Kind::Node,
-                    .from = signal(schedule_.inputs[index(step.first_in + input)]),
-                    .to = places_.at(schedule_.outputs[index(step.first_out + output)]),
-                    .path = prefix_ + path_of(step.path),
+                    .from = signal(from.in[index(input)]),
+                    .to = signal(step.vertex, output),
+                    .path = path_of(step.vertex),
                     .frames = std::max(0, node->delay(input, output).most) * every(step),
                     .node = node,
                     .input = input,
@@ -196,7 +209,7 @@ class ScheduleReader {
                     .every = every(step)};
     const auto response = node->response(input, output, kSomewhere, at);
     if (!response) {
-      if (const auto instead = stands_for(schedule_.whats[index(step.node)], input)) {
+      if (const auto instead = stands_for(from.description(), input)) {
         edge.kind = LinearEdge::Kind::Gain;
         edge.gain = *instead;
       } else {
@@ -231,12 +244,12 @@ class ScheduleReader {
   }
 
   void join_network(const Step& step) {
-    const auto& node = schedule_.nodes[index(step.node)];
+    const auto& node = plan_.nodes[index(step.node)];
     const auto& view = dynamic_cast<const NetworkView&>(*node);
-    const auto path = prefix_ + path_of(step.path);
+    const auto path = path_of(step.vertex);
     const auto touching = regime_.contacts.find(path);
     const auto model =
-        LinearNetwork::make(view, *schedule_.types[index(step.node)],
+        LinearNetwork::make(view, *vertex(step.vertex).type,
                             touching == regime_.contacts.end() ? Touching{} : touching->second, regime_.hand);
     if (model == nullptr) return skip_network(step, path);
     const int number = static_cast<int>(graph_.networks.size());
@@ -244,20 +257,18 @@ class ScheduleReader {
     graph_.network_paths.push_back(path);
     if (!model->whole()) return skip_network(step, path);
     for (std::size_t s = 0; s < model->signal_ports().size(); ++s) {
-      const int from = signal(schedule_.inputs[index(step.first_in + model->signal_ports()[s])]);
-      for (int o = 0; from >= 0 && o < step.outputs; ++o) {
-        const auto* out = schedule_.outputs[index(step.first_out + o)];
-        if (out != nullptr)
+      const int from = signal(vertex(step.vertex).in[index(model->signal_ports()[s])]);
+      for (int o = 0; from >= 0 && o < step.outputs; ++o)
+        if (is_read(step, o))
           graph_.edges.push_back({.kind = LinearEdge::Kind::Network,
                                   .from = from,
-                                  .to = places_.at(out),
+                                  .to = signal(step.vertex, o),
                                   .path = path,
                                   .frames = every(step),
                                   .input = static_cast<int>(s),
                                   .output = o,
                                   .network = number,
                                   .every = every(step)});
-      }
     }
   }
 
@@ -266,27 +277,26 @@ class ScheduleReader {
     graph_.not_looked_at.push_back(path);
     for (int i = 0; i < step.inputs; ++i)
       for (int o = 0; o < step.outputs; ++o) {
-        const int from = signal(schedule_.inputs[index(step.first_in + i)]);
-        const auto* out = schedule_.outputs[index(step.first_out + o)];
-        if (from >= 0 && out != nullptr)
+        const int from = signal(vertex(step.vertex).in[index(i)]);
+        if (from >= 0 && is_read(step, o))
           graph_.edges.push_back(
-              {.kind = LinearEdge::Kind::Event, .from = from, .to = places_.at(out), .path = path});
+              {.kind = LinearEdge::Kind::Event, .from = from, .to = signal(step.vertex, o), .path = path});
       }
   }
 
   LinearGraph& graph_;
-  const Schedule& schedule_;
+  const Plan& plan_;
   const Regime& regime_;
   std::string prefix_;
-  std::map<const double*, int> places_;
+  std::vector<std::vector<int>> places_;  ///< [vertex][port] signal of the graph, or -1
   Derivations derived_;
 };
 
 }  // namespace
 
-Terminals add_schedule(LinearGraph& graph, const Schedule& schedule, const Regime& regime,
+Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime,
                        const std::string& prefix) {
-  return ScheduleReader{graph, schedule, regime, prefix}.run();
+  return PlanReader{graph, plan, regime, prefix}.run();
 }
 
 }  // namespace tactus

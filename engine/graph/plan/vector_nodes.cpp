@@ -1,4 +1,4 @@
-#include "engine/graph/plan/wide_nodes.h"
+#include "engine/graph/plan/vector_nodes.h"
 
 #include <algorithm>
 #include <array>
@@ -44,7 +44,7 @@ void run(const Signal* in, double* out, int frames) noexcept {
 
 }  // namespace
 
-void WideOperation::process(const NodeBlock& block) noexcept {
+void VectorOperation::process(const NodeBlock& block) noexcept {
   double* const out = block.out[0];
   switch (op_) {
     case Term::Op::Negate:

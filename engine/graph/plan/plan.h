@@ -1,9 +1,10 @@
 #pragma once
 
-#include <array>
+// Thread: [control]; what runs on the audio thread is Running.
+
 #include <cstdint>
-#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,17 +29,17 @@ class Arena {
 
 /// The places that read a signal which may rest: their stride is 0 while it does, else 1.
 struct Readers {
-  std::vector<int> slots;     ///< in Schedule::inputs
-  std::vector<int> channels;  ///< in Schedule::channels
+  std::vector<int> slots;     ///< in Plan::inputs
+  std::vector<int> channels;  ///< in Plan::channels
 };
 
-/// One element-wise operation over the frames of a piece; operands are slots of the step.
+/// One element-wise operation over the frames of a sub-block.
 struct MicroOperation {
   Term::Op op;
-  int first_in = 0;  ///< in Schedule::inputs
+  int first_in = 0;  ///< in Plan::inputs
   double* out = nullptr;
-  int path = 0;       ///< in Schedule::paths
-  int can_rest = -1;  ///< in Schedule::can_rest, or -1
+  int vertex = 0;
+  int can_rest = -1;  ///< in Plan::can_rest, or -1
 };
 
 /// One entry of the flat list that a block runs through.
@@ -52,15 +53,15 @@ struct Step {
   };
   Kind kind = Kind::Process;
   int node = -1;
-  int first_in = 0, inputs = 0;    ///< in Schedule::inputs
-  int first_out = 0, outputs = 0;  ///< in Schedule::outputs
+  int first_in = 0, inputs = 0;    ///< in Plan::inputs
+  int first_out = 0, outputs = 0;  ///< in Plan::outputs
   int first_operation = 0, operations = 0;
   int width = 1;  ///< numbers a frame of every output
   /// Of the frames that it runs in, and of what it reads and gives (which differ at the border of a part with
-  /// a rate of its own): in Schedule::paces.
+  /// a rate of its own): in Plan::paces.
   int pace = 0, pace_in = 0, pace_out = 0;
-  bool can_fail = true;  ///< may give what is not finite although all that it reads is
-  int path = 0;          ///< in Schedule::paths
+  bool can_fail = true;  ///< its outputs can be non-finite although all inputs are finite
+  int vertex = -1;       ///< of Operations the first; Outside: -1
 };
 
 /// Steps that run together, `sub_block` frames at a time. A section that is a loop is reset as a whole when
@@ -72,17 +73,18 @@ struct Section {
   bool loop = false;
 };
 
-struct ScheduledControl {
+struct PlannedControl {
   FlatControl control;
   double* buffer = nullptr;  ///< samples while it ramps; kWide times the same while it rests
   Readers readers;
   bool frozen = false;  ///< some node needed its value when it was made: it cannot change while running
 };
 
-struct ScheduledChannel {
+struct PlannedChannel {
   std::string name;
   OutputUse use = OutputUse::Drive;
   Dimension dimension;
+  Wire from;
   Signal signal;
 };
 
@@ -93,14 +95,23 @@ struct LoopReport {
   int delay_frames = 0;  ///< least delay once around, over the edges that were cut
 };
 
-/// A graph ready to run: a flat list of steps over one arena, and everything it points to.
-struct Schedule {
+/// A graph ready to run: the frozen graph, a flat list of steps that refer to its vertices, and one arena for
+/// their signals and constants.
+struct Plan {
   std::string name;
   Hertz sample_rate = 48_kHz;
+
+  // The graph.
+  std::vector<Vertex> vertices;
+  std::vector<std::string> input_names;
+  std::vector<PlannedControl> controls;
+  std::vector<PlannedChannel> channels;
+  std::vector<LeftOut> left_out;
+  std::vector<LoopReport> loops;
+
+  // Its execution.
+  /// What runs, with its state. A replacement swaps the nodes that continue with those of the plan before.
   std::vector<std::shared_ptr<Node>> nodes;
-  std::vector<std::uint64_t> fingerprints;             ///< of `nodes` (see fingerprint.h)
-  std::vector<std::shared_ptr<const NodeType>> types;  ///< of `nodes`; keeps network declarations alive
-  std::vector<std::string> whats;                      ///< of `nodes`: "low_pass", "phase delay", "pack"
   std::vector<Step> steps;
   std::vector<Section> sections;
   std::vector<int> paces = {1};  ///< engine frames between two of a part's own; the first is the engine's
@@ -109,24 +120,17 @@ struct Schedule {
   std::vector<MicroOperation> operations;
   /// Of operations on nothing but controls and numbers: while those rest each is one number, which rests too.
   std::vector<Readers> can_rest;
-  std::vector<std::string> paths;
-
-  std::vector<std::string> input_names;
   std::vector<double*> input_buffers;  ///< nullptr: nobody reads the channel
-  std::vector<ScheduledControl> controls;
   double* system_delay = nullptr;  ///< kWide times the same, in seconds, or nullptr if nobody reads it
   Seconds system_delay_at_start;
-  std::vector<ScheduledChannel> channels;
-
-  Arena arena;
-  std::vector<std::unique_ptr<double>> constants;
-  std::vector<std::unique_ptr<std::array<double, kWide>>> wide_constants;
-
-  std::vector<LeftOut> left_out;
-  std::vector<LoopReport> loops;
+  Arena arena;                ///< buffers of signals, then constants
+  std::size_t signal_doubles = 0;  ///< of `arena`
 
   /// Index in `controls`, or -1.
   int control_index(std::string_view control) const;
+  const Vertex& vertex_of(const Wire& wire) const { return vertices[static_cast<std::size_t>(wire.vertex)]; }
+  /// The number at a wire that never changes (the same for all lanes), or nullopt.
+  std::optional<double> constant(const Wire& wire) const;
 };
 
 }  // namespace tactus
