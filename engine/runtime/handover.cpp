@@ -1,4 +1,4 @@
-#include "engine/runtime/handover.h"
+#include "engine/runtime/replacement.h"
 
 #include <algorithm>
 #include <bit>
@@ -64,7 +64,7 @@ class Planner {
     const Twins twins{was_};
     for (const auto& vertex : is_.vertices) twin_.push_back(twins.of(is_, vertex));
     for (std::size_t r = 0; r < old_.ramps.size(); ++r)
-      for (const int slot : old_.ramps[r].mover.readers.slots) ramp_at_.emplace(slot, static_cast<int>(r));
+      for (const int slot : old_.ramps[r].control.readers.slots) ramp_at_.emplace(slot, static_cast<int>(r));
   }
 
   void run() {
@@ -173,14 +173,14 @@ class Planner {
   void add_ramp(const Vertex& now, int input, double before, double after, int ramp_before) {
     auto& ramp = new_.ramps.emplace_back();
     ramp.before = ramp_before;
-    const auto& paces = is_.paces;
+    const auto& divisors = is_.divisors;
     const int every = now.kind == Vertex::Kind::Crossing ? now.crossing.from : now.every;
-    ramp.pace = static_cast<int>(std::find(paces.begin(), paces.end(), every) - paces.begin());
+    ramp.divider = static_cast<int>(std::find(divisors.begin(), divisors.end(), every) - divisors.begin());
     ramp.samples.assign(kMaxPiece, 0.0);
     const int slot = now.first_in + input;
-    ramp.mover.readers.slots = {slot};
-    ramp.mover.value = {before, after, 0, 0};
-    ramp.mover.buffer = ramp.samples.data();
+    ramp.control.readers.slots = {slot};
+    ramp.control.value = {before, after, 0, 0};
+    ramp.control.buffer = ramp.samples.data();
     new_.plan->inputs[static_cast<std::size_t>(slot)].data = ramp.samples.data();
   }
 

@@ -127,19 +127,19 @@ class Builder {
     if (vertex.first_in < 0) vertex.nth = paths_[{vertex.runs < 0, vertex.path}]++;
   }
 
-  int pace(int every) {
-    auto& paces = plan_->paces;
-    const auto found = std::find(paces.begin(), paces.end(), every);
-    if (found != paces.end()) return static_cast<int>(found - paces.begin());
-    paces.push_back(every);
-    return static_cast<int>(paces.size()) - 1;
+  int divider(int divisor) {
+    auto& divisors = plan_->divisors;
+    const auto found = std::find(divisors.begin(), divisors.end(), divisor);
+    if (found != divisors.end()) return static_cast<int>(found - divisors.begin());
+    divisors.push_back(divisor);
+    return static_cast<int>(divisors.size()) - 1;
   }
 
-  void set_paces(Step& step, const Vertex& vertex) {
+  void set_dividers(Step& step, const Vertex& vertex) {
     const bool crosses = vertex.kind == Vertex::Kind::Crossing;
-    step.pace = pace(crosses ? Crossing::runs_every(vertex.crossing, vertex.every) : vertex.every);
-    step.pace_in = pace(crosses ? vertex.crossing.from : vertex.every);
-    step.pace_out = pace(vertex.every);
+    step.divider = divider(crosses ? Crossing::runs_every(vertex.crossing, vertex.every) : vertex.every);
+    step.divider_in = divider(crosses ? vertex.crossing.from : vertex.every);
+    step.divider_out = divider(vertex.every);
   }
 
   void add_section(const OrderedSection& ordered) {
@@ -178,7 +178,7 @@ class Builder {
     step.vertex = item.vertex;
     step.node = vertex.runs;
     step.width = vertex.width;
-    set_paces(step, vertex);
+    set_dividers(step, vertex);
     step.can_fail = vertex.kind != Vertex::Kind::Pack && vertex.kind != Vertex::Kind::Crossing &&
                     (vertex.kind != Vertex::Kind::Operation || can_overflow(vertex.op));
     step.first_in = add_inputs(vertex);
@@ -197,9 +197,9 @@ class Builder {
   void add_operation(int v, Vertex& vertex, int section_start) {
     auto& steps = plan_->steps;
     if (static_cast<int>(steps.size()) == section_start || steps.back().kind != Step::Kind::Operations ||
-        steps.back().pace != pace(vertex.every)) {
+        steps.back().divider != divider(vertex.every)) {
       Step step;
-      set_paces(step, vertex);
+      set_dividers(step, vertex);
       step.kind = Step::Kind::Operations;
       step.vertex = v;
       step.first_operation = static_cast<int>(plan_->operations.size());

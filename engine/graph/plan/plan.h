@@ -58,8 +58,8 @@ struct Step {
   int first_operation = 0, operations = 0;
   int width = 1;  ///< numbers a frame of every output
   /// Of the frames that it runs in, and of what it reads and gives (which differ at the border of a part with
-  /// a rate of its own): in Plan::paces.
-  int pace = 0, pace_in = 0, pace_out = 0;
+  /// a rate of its own): in Plan::divisors.
+  int divider = 0, divider_in = 0, divider_out = 0;
   bool can_fail = true;  ///< its outputs can be non-finite although all inputs are finite
   int vertex = -1;       ///< of Operations the first; Outside: -1
 };
@@ -114,7 +114,7 @@ struct Plan {
   std::vector<std::shared_ptr<Node>> nodes;
   std::vector<Step> steps;
   std::vector<Section> sections;
-  std::vector<int> paces = {1};  ///< engine frames between two of a part's own; the first is the engine's
+  std::vector<int> divisors = {1};  ///< engine frames for each of a part's own; the first is the engine's
   std::vector<Signal> inputs;
   std::vector<double*> outputs;
   std::vector<MicroOperation> operations;

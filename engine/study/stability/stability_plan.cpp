@@ -70,12 +70,12 @@ class PlanReader {
   bool is_read(const Step& step, int output) const {
     return plan_.outputs[index(step.first_out + output)] != nullptr;
   }
-  int every(const Step& step) const { return plan_.paces[index(step.pace)]; }
+  int every(const Step& step) const { return plan_.divisors[index(step.divider)]; }
   double value(int slot) const { return *plan_.inputs[index(slot)].data; }
 
   void make_outputs(const Step& step) {
     // What rests goes into a part with a rate of its own, or out of it, as the number that it is.
-    const bool crosses = step.pace_in != step.pace_out;
+    const bool crosses = step.divider_in != step.divider_out;
     const auto& from = vertex(step.vertex);
     if (crosses && signal(from.in.front()) < 0) return;
     for (int o = 0; o < step.outputs; ++o) {

@@ -1,9 +1,7 @@
-#include "engine/runtime/engine.h"
+#include "engine/runtime/step_runner.h"
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <limits>
 
 #include "engine/runtime/operations.h"
 
@@ -29,102 +27,36 @@ struct StepTimer<true> {
   std::chrono::steady_clock::time_point before;
 };
 
+std::int64_t end_of_cell(std::int64_t frame) { return frame - frame % kMaxPiece + kMaxPiece; }
+
 }  // namespace
 
-Engine::Engine(std::unique_ptr<Plan> plan)
-    : newest_(std::make_unique<Running>(std::move(plan), 1)),
-      running_(newest_.get()),
-      plan_(newest_->plan.get()) {}
-
-Engine::~Engine() = default;
-
-Status Engine::prepare(const StreamFormat& format) {
-  if (format.sample_rate != newest_->plan->sample_rate)
-    return fail(Errc::BadArgument, {}, "the graph was compiled for another sample rate",
-                "compile it for the rate of the stream");
-  format_ = format;
-  incoming_ = nullptr;
-  retired_ = false;
-  before_.reset();
-  past_faults_.clear();
-  running_ = newest_.get();
-  plan_ = running_->plan.get();
-  running_->start(format.max_frames);
-  fades_.assign(running_->outputs.size(), {});
-  fading_until_ = 0;
-  last_frames_ = 0;
-  outside_buffers_.assign(running_->outputs.size() + plan_->input_names.size(),
-                          std::vector<double>(kMaxPiece, 0.0));
-  outside_in_.clear();
-  outside_out_.clear();
-  for (std::size_t i = 0; i < outside_buffers_.size(); ++i) {
-    if (i < running_->outputs.size())
-      outside_in_.push_back(outside_buffers_[i].data());
-    else
-      outside_out_.push_back(outside_buffers_[i].data());
-  }
-  bad_inputs_ = 0;
-  replacements_ = 0;
-  now_ = 0;
-  frame_ = 0;
-  next_entry_ = 0;
-  return {};
+template <bool kTimed>
+void StepRunner::run(Running& running, Outside& outside, std::int64_t now, int frames) noexcept {
+  running_ = &running;
+  plan_ = running.plan.get();
+  outside_ = &outside;
+  now_ = now;
+  for (const auto& section : plan_->sections)
+    section.loop ? run_loop<kTimed>(section, frames) : run_straight<kTimed>(section, frames);
 }
 
-void Engine::set_journal(std::vector<JournalEntry> entries) {
-  journal_ = std::move(entries);
-  next_entry_ = 0;
-}
-
-void Engine::process(const BlockIo& io) noexcept { run_block<false>(io); }
-void Engine::process_timed(const BlockIo& io) noexcept { run_block<true>(io); }
+template void StepRunner::run<false>(Running&, Outside&, std::int64_t, int) noexcept;
+template void StepRunner::run<true>(Running&, Outside&, std::int64_t, int) noexcept;
 
 template <bool kTimed>
-void Engine::run_block(const BlockIo& io) noexcept {
-  const NoDenormals no_denormals;
-  for (int offset = 0; offset < io.frames;) {
-    const int piece = frames_to_next_entry(std::min(io.frames - offset, kMaxPiece));
-    run_piece<kTimed>(io, offset, piece);
-    offset += piece;
-    now_ += piece;
-    last_frames_ = piece;
-  }
-  frame_.store(now_, std::memory_order_relaxed);
-}
-
-template <bool kTimed>
-void Engine::run_piece(const BlockIo& io, int offset, int frames) noexcept {
-  running_->advance(now_, frames);
-  if (outside_ == nullptr) load_inputs(io, offset, 0, frames);
-  for (const auto& section : plan_->sections) run_section<kTimed>(section, io, offset, frames);
-  if (outside_ == nullptr) store_outputs(io, offset, 0, frames);
-  for (std::size_t t = 0; t < running_->taps.size(); ++t) {
-    const auto& signal = plan_->channels[static_cast<std::size_t>(running_->tap_channels[t])].signal;
-    for (int n = 0; n < frames; ++n) running_->taps[t][static_cast<std::size_t>(offset + n)] = signal[n];
-  }
-}
-
-// ---- steps
-// ---------------------------------------------------------------------------------------------------
-
-template <bool kTimed>
-void Engine::run_section(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept {
-  if (section.loop) return run_loop<kTimed>(section, io, block_offset, frames);
+void StepRunner::run_straight(const Section& section, int frames) noexcept {
   for (int s = section.first_step; s < section.end_step; ++s) {
     const StepTimer<kTimed> timer{running_->step_ns[static_cast<std::size_t>(s)]};
     if (plan_->steps[static_cast<std::size_t>(s)].kind == Step::Kind::Outside)
-      answer_outside(io, block_offset, 0, frames);
+      outside_->answer(0, frames);
     else
       run_alone(s, frames);
   }
 }
 
-// A fault silences from its own frame to the end of the cell that it lies in, on a grid of kMaxPiece frames:
-// so the output does not depend on the blocks either.
-std::int64_t Engine::end_of_cell(std::int64_t frame) { return frame - frame % kMaxPiece + kMaxPiece; }
-
 /// A step that lies in no loop.
-void Engine::run_alone(int s, int frames) noexcept {
+void StepRunner::run_alone(int s, int frames) noexcept {
   const auto& step = plan_->steps[static_cast<std::size_t>(s)];
   auto& silent_until = running_->silent_until[static_cast<std::size_t>(s)];
   for (int offset = 0; offset < frames;) {
@@ -144,7 +76,7 @@ void Engine::run_alone(int s, int frames) noexcept {
 }
 
 template <bool kTimed>
-void Engine::run_loop(const Section& section, const BlockIo& io, int block_offset, int frames) noexcept {
+void StepRunner::run_loop(const Section& section, int frames) noexcept {
   const Step* const steps = plan_->steps.data();
   auto& silent_until = running_->silent_until[static_cast<std::size_t>(section.first_step)];
   for (int offset = 0, part = 0; offset < frames; offset += part) {
@@ -157,7 +89,7 @@ void Engine::run_loop(const Section& section, const BlockIo& io, int block_offse
       const StepTimer<kTimed> timer{running_->step_ns[static_cast<std::size_t>(s)]};
       // The world outside misses no frame, or it would be late from here on.
       if (steps[s].kind == Step::Kind::Outside)
-        answer_outside(io, block_offset, offset, part);
+        outside_->answer(offset, part);
       else if (silent)
         silence(steps[s], offset, part);
       else if (const Fault fault = run_step(steps[s], true, offset, part); fault.frame < first.frame)
@@ -173,7 +105,7 @@ void Engine::run_loop(const Section& section, const BlockIo& io, int block_offse
   }
 }
 
-Engine::Fault Engine::run_operations(const Step& step, bool loop, int offset, int frames) noexcept {
+StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop, int offset, int frames) noexcept {
   Fault first;
   for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
     const auto& operation = plan_->operations[static_cast<std::size_t>(i)];
@@ -198,10 +130,10 @@ Engine::Fault Engine::run_operations(const Step& step, bool loop, int offset, in
 }
 
 /// False if one of the operands moves.
-bool Engine::run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept {
+bool StepRunner::run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept {
   const bool rests = operands[0].constant() && operands[1].constant();
   if (rests != (running_->at_rest[static_cast<std::size_t>(operation.can_rest)] != 0))
-    running_->rest(operation.can_rest, rests);
+    running_->settle(operation.can_rest, rests);
   if (!rests) return false;
   double value = 0;
   run_operation(operation.op, operands, &value, 1);
@@ -214,10 +146,10 @@ bool Engine::run_at_rest(const MicroOperation& operation, const Signal* operands
 }
 
 /// In a loop, what the step gave is made finite from the bad frame on, for the steps that follow.
-Engine::Fault Engine::run_step(const Step& step, bool loop, int offset, int frames) noexcept {
+StepRunner::Fault StepRunner::run_step(const Step& step, bool loop, int offset, int frames) noexcept {
   Fault fault;
-  if (paced(step)) {
-    fault = run_paced(step, loop, offset, frames);
+  if ((step.divider | step.divider_in | step.divider_out) != 0) {
+    fault = run_divided(step, loop, offset, frames);
   } else if (step.kind == Step::Kind::Operations) {
     return run_operations(step, loop, offset, frames);
   } else {
@@ -230,7 +162,7 @@ Engine::Fault Engine::run_step(const Step& step, bool loop, int offset, int fram
   return fault;
 }
 
-Engine::Fault Engine::run_node(const Step& step, const NodeBlock& block) noexcept {
+StepRunner::Fault StepRunner::run_node(const Step& step, const NodeBlock& block) noexcept {
   Node& node = *plan_->nodes[static_cast<std::size_t>(step.node)];
   if (step.kind == Step::Kind::Absorb) {
     node.absorb(block);
@@ -247,7 +179,7 @@ Engine::Fault Engine::run_node(const Step& step, const NodeBlock& block) noexcep
   return {};
 }
 
-Engine::Fault Engine::fault_of(const Step& step, const NodeBlock& block) noexcept {
+StepRunner::Fault StepRunner::fault_of(const Step& step, const NodeBlock& block) noexcept {
   Fault fault{step.vertex, block.frames};
   for (int i = 0; i < step.outputs; ++i)
     if (block.out[i] != nullptr)
@@ -256,28 +188,65 @@ Engine::Fault Engine::fault_of(const Step& step, const NodeBlock& block) noexcep
   return fault;
 }
 
-/// What a step reads and writes `offset` frames into the piece.
-void Engine::move_operands(const Step& step, int offset, NodeBlock& block) noexcept {
+/// What a step reads and writes `offset` frames into the sub-block.
+void StepRunner::move_operands(const Step& step, int offset, NodeBlock& block) noexcept {
+  move(step, offset, 1, offset, block);
+}
+
+/// Operands from frame `from` on, every `apart`th; outputs from frame `to` on.
+void StepRunner::move(const Step& step, int from, int apart, int to, NodeBlock& block) noexcept {
   for (int i = 0; i < step.inputs; ++i)
-    running_->moved_in[static_cast<std::size_t>(i)] = {block.in[i].data + offset * block.in[i].stride,
-                                                       block.in[i].stride};
+    running_->moved_in[static_cast<std::size_t>(i)] = {block.in[i].data + from * block.in[i].stride,
+                                                       apart * block.in[i].stride};
   for (int i = 0; i < step.outputs; ++i)
     running_->moved_out[static_cast<std::size_t>(i)] =
-        block.out[i] == nullptr ? nullptr : block.out[i] + offset * step.width;
+        block.out[i] == nullptr ? nullptr : block.out[i] + to * step.width;
   block.in = running_->moved_in.data();
   block.out = running_->moved_out.data();
 }
 
-void Engine::count_fault(int vertex, int times) noexcept {
+// Steps of parts with a rate divider run those of their own frames that lie in the sub-block.
+
+/// The fault, if there is one, counts in engine frames.
+StepRunner::Fault StepRunner::run_divided(const Step& step, bool loop, int offset, int frames) noexcept {
+  const RateDivider* const at = divider(step.divider);
+  const int first = at == nullptr ? offset : at->count(offset);
+  const int count = at == nullptr ? frames : at->count(offset + frames) - first;
+  if (count == 0) return {};
+  Fault fault;
+  if (step.kind == Step::Kind::Operations) {
+    fault = run_operations(step, loop, first, count);
+  } else {
+    NodeBlock block{plan_->inputs.data() + step.first_in, plan_->outputs.data() + step.first_out, count,
+                    at == nullptr ? now_ + offset : at->number + first};
+    move_divided(step, at == nullptr ? offset : at->place(first), block);
+    fault = run_node(step, block);
+  }
+  if (fault.vertex != kSound && at != nullptr) fault.frame = at->place(first + fault.frame) - offset;
+  return fault;
+}
+
+/// What a step reads and writes, each at its own rate, from `offset` into the sub-block on. Of what is faster
+/// than itself it reads only the frames that are its own.
+void StepRunner::move_divided(const Step& step, int offset, NodeBlock& block) noexcept {
+  const auto& divisors = plan_->divisors;
+  const int own = divisors[static_cast<std::size_t>(step.divider)];
+  const int apart = std::max(1, own / divisors[static_cast<std::size_t>(step.divider_in)]);
+  const RateDivider *const in = divider(step.divider_in), *const out = divider(step.divider_out);
+  move(step, in == nullptr ? offset : in->count(offset), apart, out == nullptr ? offset : out->count(offset),
+       block);
+}
+
+void StepRunner::count_fault(int vertex, int times) noexcept {
   running_->faults[static_cast<std::size_t>(vertex)].fetch_add(times, std::memory_order_relaxed);
 }
 
-void Engine::reset(const Step& step) noexcept {
+void StepRunner::reset(const Step& step) noexcept {
   if (step.node >= 0) plan_->nodes[static_cast<std::size_t>(step.node)]->reset();
 }
 
-void Engine::silence(const Step& step, int offset, int frames) noexcept {
-  if (const Pace* const at = pace(step.pace_out)) {
+void StepRunner::silence(const Step& step, int offset, int frames) noexcept {
+  if (const RateDivider* const at = divider(step.divider_out)) {
     frames = at->count(offset + frames) - at->count(offset);
     offset = at->count(offset);
   }
