@@ -80,7 +80,7 @@ void add_rig(const Rig& rig, const std::string& text, TakeHeader& header) {
   std::for_each(rig.outputs.begin(), rig.outputs.end(), add);
 }
 
-TakeHeader take_header(const Engine& engine, const Guarded& guarded) {
+TakeHeader take_header(const Player& engine, const Guarded& guarded) {
   const auto& schedule = engine.plan();
   TakeHeader header;
   header.sample_rate = schedule.sample_rate;

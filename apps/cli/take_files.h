@@ -6,7 +6,7 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/node_table.h"
 #include "engine/rig/rig.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 
 namespace tactus::app {
 
@@ -16,7 +16,7 @@ TakeFiles take_files(const LoadedGraph& graph, const NodeTable& table, const std
 
 /// [control & prepared] The header of a take of this engine behind this guard, as they are before the stream
 /// starts. Still to be filled in: `program`, `files`, `taps` and what the rig does.
-TakeHeader take_header(const Engine& engine, const Guarded& guarded);
+TakeHeader take_header(const Player& engine, const Guarded& guarded);
 
 /// What the rig of a take did: its text, and the ports that it left out.
 void add_rig(const Rig& rig, const std::string& text, TakeHeader& header);

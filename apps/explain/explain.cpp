@@ -8,7 +8,7 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/build_scene.h"
 
 namespace tactus::app {
@@ -25,7 +25,7 @@ struct ExplainOptions {
 
 /// What each step costs: the least of several runs on silence, for other programs only ever make it longer.
 /// What is slow is run for a moment only.
-std::vector<double> measure_steps(Engine& engine, int block) {
+std::vector<double> measure_steps(Player& engine, int block) {
   constexpr int kRounds = 7;
   constexpr int kBlocks = 400;
   constexpr std::chrono::milliseconds kRound{50};
@@ -90,7 +90,7 @@ void add_left_out(Json& json, const std::vector<LeftOut>& left_out) {
   for (const auto& left : left_out) json["left_out"].push_back({{"name", left.path}, {"why", left.reason}});
 }
 
-Json explain_engine(Engine& engine, const std::string& title, int block) {
+Json explain_engine(Player& engine, const std::string& title, int block) {
   const auto& plan = engine.plan();
   const auto costs = measure_steps(engine, block);
   Json json{{"graph", title},
@@ -172,7 +172,7 @@ std::vector<LeftOut> around(const SceneSpec& scene, const BuiltScene& built) {
 }
 
 int finish(const ExplainOptions& options, const std::vector<LeftOut>& around,
-           std::vector<std::pair<std::string, Engine*>> engines) {
+           std::vector<std::pair<std::string, Player*>> engines) {
   Json all = Json::array();
   for (const auto& [title, engine] : engines) {
     if (auto status = engine->prepare(
@@ -213,7 +213,7 @@ int run(const ExplainOptions& options) {
   compile_options.sample_rate = *rate;
   auto plan = compile(loaded, standard_nodes(), compile_options);
   if (!plan) return report(plan.error());
-  Engine engine{std::move(*plan)};
+  Player engine{std::move(*plan)};
   return finish(options, around(*loaded.spec), {{loaded.spec->name, &engine}});
 }
 

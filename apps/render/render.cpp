@@ -17,7 +17,7 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/guard_report.h"
 
@@ -99,7 +99,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
   if (!options.delay.empty()) announce_delay(*loaded.spec, *delay);
-  Engine engine{std::move(*schedule)};
+  Player engine{std::move(*schedule)};
   const auto drives = apply(options.guard, {}, root_of(file));
   if (!drives) return report(drives.error());
   Guarded guarded{engine, guarded_channels(engine.plan(), *drives)};

@@ -121,7 +121,7 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
   compile_options.controls = *settings;
   auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
-  Engine engine{std::move(*schedule)};
+  Player engine{std::move(*schedule)};
   engine.set_journal(journal_for(open.take, engine));
   const auto drives = apply(options.guard, recorded_drives(header), root_of(file));
   if (!drives) return report(drives.error());

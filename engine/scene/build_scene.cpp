@@ -268,8 +268,8 @@ Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable&
 }
 
 BuiltScene::BuiltScene(CompiledScene compiled)
-    : instrument(std::make_unique<Engine>(std::move(compiled.instrument))),
-      plant(std::make_unique<Engine>(std::move(compiled.plant))),
+    : instrument(std::make_unique<Player>(std::move(compiled.instrument))),
+      plant(std::make_unique<Player>(std::move(compiled.plant))),
       delay_frames(compiled.delay_frames),
       plant_taps(std::move(compiled.plant_taps)),
       instrument_taps(std::move(compiled.instrument_taps)) {

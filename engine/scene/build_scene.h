@@ -9,7 +9,7 @@
 #include "engine/core/error.h"
 #include "engine/graph/node_table.h"
 #include "engine/graph/plan/compile.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
@@ -37,7 +37,7 @@ struct CompiledScene {
   std::unique_ptr<Plan> instrument, plant;
   std::vector<JournalEntry> journal;  ///< what gestures do to the instrument's controls
   int delay_frames = 0;
-  std::vector<SceneTap> plant_taps;       ///< every output of every part, in the order of Engine::tap
+  std::vector<SceneTap> plant_taps;       ///< every output of every part, in the order of Player::tap
   std::vector<SceneTap> instrument_taps;  ///< triggers of the instrument ("instrument.hit") and their levels
 };
 
@@ -45,7 +45,7 @@ struct CompiledScene {
 struct BuiltScene {
   explicit BuiltScene(CompiledScene compiled);
 
-  std::unique_ptr<Engine> instrument, plant;
+  std::unique_ptr<Player> instrument, plant;
   int delay_frames = 0;
   std::vector<SceneTap> plant_taps, instrument_taps;
 };

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/core/block_io.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
@@ -20,7 +20,7 @@ namespace tactus {
 class ClosedLoop {
  public:
   /// [control] Both must outlive this; the instrument comes guarded, like on any backend.
-  ClosedLoop(BlockProcessor& instrument, Engine& plant, int instrument_outputs, int delay_frames,
+  ClosedLoop(BlockProcessor& instrument, Player& plant, int instrument_outputs, int delay_frames,
              Converters converters);
   ~ClosedLoop();
   ClosedLoop(const ClosedLoop&) = delete;
@@ -48,7 +48,7 @@ class ClosedLoop {
   void run_piece(int frames) noexcept;
 
   BlockProcessor& instrument_;
-  Engine& plant_;
+  Player& plant_;
   int delay_;
   Converters converters_;
   double steps_;  ///< quantisation steps from 0 to full scale

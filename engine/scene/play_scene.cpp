@@ -43,7 +43,7 @@ class Recorder {
   BuiltScene& built_;
 };
 
-void collect_faults(SceneRecording& recording, const Engine& engine, const std::string& prefix) {
+void collect_faults(SceneRecording& recording, const Player& engine, const std::string& prefix) {
   for (auto fault : engine.faults()) {
     fault.path = prefix + fault.path;
     recording.faults.push_back(std::move(fault));

@@ -39,7 +39,7 @@ class Timed {
   }
 
  private:
-  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Player> engine_;
   std::vector<double> in_, out_;
 };
 

@@ -7,7 +7,7 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/guard/guarded.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/build_scene.h"
 
 namespace tactus::fuzz {
@@ -46,7 +46,7 @@ void make_nasty(std::vector<double>& samples, int turn) {
 }
 
 /// Every control jumps to one end of its range, or far where it has none, every fourth one slowly.
-void throw_controls(Engine& engine, int turn) {
+void throw_controls(Player& engine, int turn) {
   const auto& controls = engine.plan().controls;
   for (std::size_t i = 0; i < controls.size() && i < 32; ++i) {
     const auto& range = controls[i].control.range;
@@ -59,7 +59,7 @@ void throw_controls(Engine& engine, int turn) {
   }
 }
 
-std::string run_blocks(Engine& engine) {
+std::string run_blocks(Player& engine) {
   Guarded guarded{engine, {}};
   const StreamFormat format{engine.plan().sample_rate, engine.in_channels(), engine.out_channels(),
                             kMostFrames};
@@ -109,7 +109,7 @@ std::string run_anything(std::string_view text) {
   if (!graph.mistakes.empty()) return {};
   auto compiled = compile(graph, standard_nodes(), small_graphs());
   if (!compiled) return badly_told(compiled.error());
-  Engine engine{std::move(*compiled)};
+  Player engine{std::move(*compiled)};
   return run_blocks(engine);
 }
 

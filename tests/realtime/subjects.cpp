@@ -55,7 +55,7 @@ class EveryNode {
 /// An engine behind its guard, both recorded, and hands on both.
 class Player {
  public:
-  Player(std::unique_ptr<Engine> engine, const DriveBook& drives)
+  Player(std::unique_ptr<Player> engine, const DriveBook& drives)
       : engine_(std::move(engine)),
         guarded_(*engine_, guarded_channels(engine_->plan(), drives)),
         take_(engine_->in_channels(), engine_->out_channels(), 4096) {
@@ -63,7 +63,7 @@ class Player {
     engine_->set_tap(&take_);
   }
 
-  Engine& engine() { return *engine_; }
+  Player& engine() { return *engine_; }
   Guarded& guarded() { return guarded_; }
 
   void disturb(std::mt19937& random) {
@@ -97,7 +97,7 @@ class Player {
     for (TakeEvent event; take_.pop(event);) continue;
   }
 
-  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Player> engine_;
   Guarded guarded_;
   TakeRing take_;
 };
@@ -117,7 +117,7 @@ class SceneSubject final : public Subject {
   void disturb(std::mt19937& random) override { player_.disturb(random); }
 
  private:
-  std::unique_ptr<Engine> plant_;
+  std::unique_ptr<Player> plant_;
   Player player_;
   ClosedLoop loop_;
   int frames_;
@@ -127,7 +127,7 @@ class SceneSubject final : public Subject {
 class GraphSubject : public Subject {
  public:
   GraphSubject(const DriveBook& drives, int frames)
-      : player_(std::make_unique<Engine>(every_.version(false)), drives), frames_(frames), noise_(kNoise) {
+      : player_(std::make_unique<Player>(every_.version(false)), drives), frames_(frames), noise_(kNoise) {
     name = "every node";
     std::mt19937 random{1};
     for (auto& sample : noise_) sample = std::uniform_real_distribution{-1.0, 1.0}(random);

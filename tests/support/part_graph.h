@@ -28,9 +28,9 @@ class PartGraphs {
     if (!made) throw std::runtime_error(to_string(made.error()));
     return std::move(*made);
   }
-  std::unique_ptr<Engine> engine(const std::string& text, const NodeTable& table = standard_nodes(),
+  std::unique_ptr<Player> engine(const std::string& text, const NodeTable& table = standard_nodes(),
                                  const CompileOptions& options = {}) const {
-    return std::make_unique<Engine>(right(text, table, options));
+    return std::make_unique<Player>(right(text, table, options));
   }
   /// "" if there is none.
   std::string mistakes(const std::string& text, const CompileOptions& options = {}) const {

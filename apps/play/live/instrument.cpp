@@ -16,7 +16,7 @@ class LiveInstrument final : public Performer {
     auto schedule = made->compile_files();
     if (!schedule) return tl::unexpected(schedule.error());
     if (auto wired = made->wire(**schedule); !wired) return tl::unexpected(wired.error());
-    made->engine_ = std::make_unique<Engine>(std::move(*schedule));
+    made->engine_ = std::make_unique<Player>(std::move(*schedule));
     made->loaded_ = std::move(made->read_);
     if (RigInputs::needed(made->wiring_.input_scales, made->setup_.padding_frames))
       made->rig_inputs_.emplace(*made->engine_, made->wiring_.input_scales, made->setup_.padding_frames);
@@ -28,8 +28,8 @@ class LiveInstrument final : public Performer {
     if (rig_inputs_) return *rig_inputs_;
     return *engine_;
   }
-  Engine& instrument() override { return *engine_; }
-  const Engine& instrument() const override { return *engine_; }
+  Player& instrument() override { return *engine_; }
+  const Player& instrument() const override { return *engine_; }
   std::vector<std::string> inputs() const override { return engine_->plan().input_names; }
   std::vector<std::string> outputs() const override { return output_names(engine_->plan()); }
   std::vector<GuardedChannel> guards() const override {
@@ -98,7 +98,7 @@ class LiveInstrument final : public Performer {
   std::string name_;
   std::vector<std::filesystem::path> files_;
   LoadedGraph loaded_, read_;  ///< that plays; that was read last
-  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Player> engine_;
   std::optional<RigInputs> rig_inputs_;
 };
 

@@ -56,7 +56,7 @@ struct Heard {
   std::vector<std::size_t> channels;
 };
 
-Heard heard_of(const Engine& instrument, int speakers) {
+Heard heard_of(const Player& instrument, int speakers) {
   Heard heard;
   std::size_t output = 0;
   for (const auto& channel : instrument.plan().channels) {
@@ -89,8 +89,8 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
   const std::string& name() const override { return scene_.name; }
   BlockProcessor& processor() override { return *this; }
-  Engine& instrument() override { return *built_.instrument; }
-  const Engine& instrument() const override { return *built_.instrument; }
+  Player& instrument() override { return *built_.instrument; }
+  const Player& instrument() const override { return *built_.instrument; }
   std::vector<std::string> inputs() const override { return {}; }
   std::vector<std::string> outputs() const override {
     const auto& schedule = built_.instrument->plan();

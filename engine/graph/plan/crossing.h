@@ -32,7 +32,7 @@ class Crossing : public Node {
                                                std::span<const double> at) const override;
   std::string about() const override;
 
-  /// Engine frames between two of the frames that it runs in.
+  /// Player frames between two of the frames that it runs in.
   static int runs_every(const SignalCrossing& how, int every);
 
  private:

@@ -84,7 +84,7 @@ class Disturbed final : public BlockProcessor {
   bool finite_ = true;
 };
 
-double stored(const Engine& engine) {
+double stored(const Player& engine) {
   double energy = 0;
   for (const auto& node : engine.plan().nodes)
     if (const auto* network = dynamic_cast<const NetworkView*>(node.get())) energy += network->energy();
@@ -102,7 +102,7 @@ struct Quarters {
   }
 };
 
-void count_faults(const Engine& engine, ExtremeRun& run) {
+void count_faults(const Player& engine, ExtremeRun& run) {
   for (const auto& fault : engine.faults()) run.faults += fault.count;
 }
 

@@ -75,7 +75,7 @@ class Performance {
     return recorder_->finish();
   }
 
-  Engine& engine() { return engine_; }
+  Player& engine() { return engine_; }
   Guarded& guarded() { return guarded_; }
   TakeRecorder& recorder() { return *recorder_; }
 
@@ -125,7 +125,7 @@ class Performance {
   std::filesystem::path graph_;
   std::mt19937 bits_;
   TakeFiles files_;
-  Engine engine_;
+  Player engine_;
   std::vector<double> scales_;
   int padding_;
   RigInputs rig_;

@@ -38,7 +38,7 @@ double partial(const test::Samples& y, std::size_t from, double near) {
   return near + std::arg(seen(from + kShift) / seen(from)) / (2 * std::numbers::pi * kShift / 48000.0);
 }
 
-test::Samples pluck(Engine& engine) { return test::run(engine, {test::impulse(48000)}, 48000, {256})[0]; }
+test::Samples pluck(Player& engine) { return test::run(engine, {test::impulse(48000)}, 48000, {256})[0]; }
 
 const std::string kOnePole = "type = \"one_pole\", cutoff = \"6 * pitch\"";
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/graph/plan/plan.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 
 namespace tactus::app {
 
@@ -17,7 +17,7 @@ class Knobs {
     bool frozen = false;  ///< cannot move while it plays
   };
 
-  explicit Knobs(Engine& engine) : engine_(engine) { renew(); }
+  explicit Knobs(Player& engine) : engine_(engine) { renew(); }
 
   /// [control] After an edit: new controls, those that stay keep their place.
   void renew();
@@ -35,7 +35,7 @@ class Knobs {
   std::string text(std::size_t knob) const;
 
  private:
-  Engine& engine_;
+  Player& engine_;
   std::vector<Knob> knobs_;
 };
 

@@ -1,4 +1,4 @@
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 
 #include <catch2/catch.hpp>
 
@@ -141,14 +141,14 @@ void check_blocks(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("Engine: the block size changes no bit of a loop", "[runtime]") {
+TEST_CASE("Player: the block size changes no bit of a loop", "[runtime]") {
   for (const int frames : {1, 5, 17, 200}) {
     INFO("delay of " << frames << " frames");
     check_blocks(loop_of(frames));
   }
 }
 
-TEST_CASE("Engine: the block size changes no bit of moving delays, nested loops, networks, lanes",
+TEST_CASE("Player: the block size changes no bit of moving delays, nested loops, networks, lanes",
           "[runtime]") {
   SECTION("moving delays") { check_blocks(kModulated); }
   SECTION("nested loops") { check_blocks(kNested); }
@@ -156,7 +156,7 @@ TEST_CASE("Engine: the block size changes no bit of moving delays, nested loops,
   SECTION("lanes") { check_blocks(kLanes); }
 }
 
-TEST_CASE("Engine: the block size changes no bit of parts", "[runtime]") {
+TEST_CASE("Player: the block size changes no bit of parts", "[runtime]") {
   const test::TemporaryFolder folder;
   folder.write("comb.toml", graph(R"(
 [inputs]
@@ -178,7 +178,7 @@ y = { from = "comb.out * level" }
   REQUIRE(spec);
   auto compiled = compile(**spec, standard_nodes(), {});
   REQUIRE(compiled);
-  Engine engine{std::move(*compiled)};
+  Player engine{std::move(*compiled)};
   const auto play = [&](const std::vector<int>& blocks) {
     engine.set_journal(changes(engine.plan()));
     return test::run(engine, inputs(), kFrames, blocks);
@@ -188,7 +188,7 @@ y = { from = "comb.out * level" }
     CHECK(test::first_difference(expected, play({block})) == "");
 }
 
-TEST_CASE("Engine: a loop of d frames runs min(64, d) at a time and gives the recurrence bit for bit",
+TEST_CASE("Player: a loop of d frames runs min(64, d) at a time and gives the recurrence bit for bit",
           "[runtime]") {
   for (const int d : {1, 2, 5, 17, 63, 64, 65, 200}) {
     INFO("d = " << d);
@@ -210,7 +210,7 @@ TEST_CASE("Engine: a loop of d frames runs min(64, d) at a time and gives the re
   }
 }
 
-TEST_CASE("Engine: two loops through one sum run at the shorter delay, bit for bit", "[runtime]") {
+TEST_CASE("Player: two loops through one sum run at the shorter delay, bit for bit", "[runtime]") {
   const auto engine = engine_of(graph(R"([inputs]
 x = {}
 [nodes]
@@ -229,7 +229,7 @@ y = { from = "y" }
   CHECK(test::first_difference({y}, test::run(*engine, {x}, 1000, {128})) == "");
 }
 
-TEST_CASE("Engine: what is left out changes no bit", "[runtime]") {
+TEST_CASE("Player: what is left out changes no bit", "[runtime]") {
   const std::string kept = R"(
 y    = "level * x + gain * line"
 line = { type = "delay", in = "y", time = "23 / system.rate" }
@@ -251,7 +251,7 @@ silent = "0 * loop"
   CHECK(test::first_difference(expected, play(graph(kHead + "[nodes]" + branches + kept + with_zero))) == "");
 }
 
-TEST_CASE("Engine: system.rate and system.delay are what the stream has", "[runtime]") {
+TEST_CASE("Player: system.rate and system.delay are what the stream has", "[runtime]") {
   const auto text = graph(R"([inputs]
 x = {}
 [nodes]
@@ -279,7 +279,7 @@ late  = { from = "late" }
   CHECK(out[2][957] == Approx(1).epsilon(1e-12));
 }
 
-TEST_CASE("Engine: controls ramp from their frame, in decibels where they are read so", "[runtime]") {
+TEST_CASE("Player: controls ramp from their frame, in decibels where they are read so", "[runtime]") {
   const auto engine = engine_of(graph(R"([controls]
 plain = { value = 0, range = [0, 1] }
 db    = { value = "-40 dB", range = ["-40 dB", "0 dB"] }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kFrames = 4000;
 
-std::unique_ptr<Engine> engine_of(const std::string& text, bool vectorise) {
+std::unique_ptr<Player> engine_of(const std::string& text, bool vectorise) {
   CompileOptions options;
   options.vectorise = vectorise;
   return test::engine_of(text, options);
@@ -35,7 +35,7 @@ double relative_difference(const Channels& a, const Channels& b) {
 
 /// Side by side against one by one, and the block size against itself. Returns the engine that runs side by
 /// side.
-std::unique_ptr<Engine> check_vectorised(const std::string& text, double tolerance = 1e-12,
+std::unique_ptr<Player> check_vectorised(const std::string& text, double tolerance = 1e-12,
                                            const std::vector<JournalEntry>& journal = {}) {
   auto wide = engine_of(text, true);
   auto scalar = engine_of(text, false);
@@ -49,7 +49,7 @@ std::unique_ptr<Engine> check_vectorised(const std::string& text, double toleran
   return wide;
 }
 
-bool runs(const Engine& engine, const std::string& path) {
+bool runs(const Player& engine, const std::string& path) {
   const auto& vertices = engine.plan().vertices;
   return std::any_of(vertices.begin(), vertices.end(), [&](const Vertex& v) { return v.path == path; });
 }
