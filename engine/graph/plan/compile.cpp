@@ -14,10 +14,10 @@ namespace tactus {
 namespace {
 
 /// Of one lane of an expression; a list has one entry for each lane.
-std::size_t size_of(const Term& term) {
-  if (term.op == Term::Op::Lanes || term.op == Term::Op::Spread) return 1;
+std::size_t size_of(const Expression& expression) {
+  if (expression.op == Expression::Op::Lanes || expression.op == Expression::Op::Spread) return 1;
   std::size_t size = 1;
-  for (const auto& argument : term.arguments) size += size_of(argument);
+  for (const auto& argument : expression.arguments) size += size_of(argument);
   return size;
 }
 
@@ -28,14 +28,14 @@ std::size_t unfolded_nodes(const FlatGraph& graph) {
   std::size_t count = 0;
   for (const auto& signal : graph.signals)
     count +=
-        in_lanes(signal.kind == FlatSignal::Kind::Expression ? 1 + size_of(signal.term) : 1, signal.lanes);
+        in_lanes(signal.kind == FlatSignal::Kind::Expression ? 1 + size_of(signal.expression) : 1, signal.lanes);
   for (const auto& node : graph.nodes) {
     std::size_t inputs = 1 + node.inputs.size() * (1 + node.compensate.size());
     for (const auto& input : node.inputs)
       if (input) inputs += size_of(*input);
     count += in_lanes(inputs, node.lanes);
   }
-  for (const auto& output : graph.outputs) count += in_lanes(1 + size_of(output.term), output.lanes);
+  for (const auto& output : graph.outputs) count += in_lanes(1 + size_of(output.expression), output.lanes);
   return count;
 }
 

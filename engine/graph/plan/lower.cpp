@@ -30,7 +30,7 @@ class Lowering {
       if (signal.kind != FlatSignal::Kind::Expression) continue;
       every_ = signal.crossing ? signal.crossing->from : signal.every;
       for (int lane = 0; lane < signal.lanes; ++lane) {
-        const auto wire = lower(signal.term, lane, signal.lanes, signal.path);
+        const auto wire = lower(signal.expression, lane, signal.lanes, signal.path);
         graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {
             wire};
       }
@@ -97,7 +97,7 @@ class Lowering {
       case FlatSignal::Kind::Expression:
       case FlatSignal::Kind::NodeOutput:
         vertex.kind = Vertex::Kind::Operation;
-        vertex.op = Term::Op::Signal;
+        vertex.op = Expression::Op::Signal;
         break;
     }
     if (signal.crossing) make_crossing(vertex, signal);
@@ -114,14 +114,14 @@ class Lowering {
     vertex.kind = Vertex::Kind::Crossing;
     vertex.crossing = *signal.crossing;
     vertex.origin = {};
-    if (is_trigger(signal.term, 0)) vertex.crossing.how = SignalCrossing::How::Trigger;
+    if (is_trigger(signal.expression, 0)) vertex.crossing.how = SignalCrossing::How::Trigger;
   }
 
   /// A name for what a node fires, through as many files as there may be.
-  bool is_trigger(const Term& term, int depth) const {
-    if (term.op != Term::Op::Signal || depth > 64) return false;
-    const auto& signal = flat_.signals[static_cast<std::size_t>(term.signal)];
-    if (signal.kind == FlatSignal::Kind::Expression) return is_trigger(signal.term, depth + 1);
+  bool is_trigger(const Expression& expression, int depth) const {
+    if (expression.op != Expression::Op::Signal || depth > 64) return false;
+    const auto& signal = flat_.signals[static_cast<std::size_t>(expression.signal)];
+    if (signal.kind == FlatSignal::Kind::Expression) return is_trigger(signal.expression, depth + 1);
     if (signal.kind != FlatSignal::Kind::NodeOutput) return false;
     const auto& type = *flat_.nodes[static_cast<std::size_t>(signal.index)].type;
     return type.outputs[static_cast<std::size_t>(signal.port)].kind == OutputKind::Trigger;
@@ -212,54 +212,54 @@ class Lowering {
     graph_.vertices[static_cast<std::size_t>(out.vertex)].in = {wire};
   }
 
-  Wire lower(const Term& term, int lane, int lanes, const std::string& path) {
-    if (lanes == 1 || lanes_of(flat_, term) != 1) return lower_lane(term, lane, lanes, path);
-    const auto [known, fresh] = shared_.try_emplace(&term);
-    if (fresh) known->second = lower_lane(term, 0, 1, path);
+  Wire lower(const Expression& expression, int lane, int lanes, const std::string& path) {
+    if (lanes == 1 || lanes_of(flat_, expression) != 1) return lower_lane(expression, lane, lanes, path);
+    const auto [known, fresh] = shared_.try_emplace(&expression);
+    if (fresh) known->second = lower_lane(expression, 0, 1, path);
     return known->second;
   }
 
-  Wire lower_lane(const Term& term, int lane, int lanes, const std::string& path) {
-    switch (term.op) {
-      case Term::Op::Number:
-        return constant(term.number, term.at);
-      case Term::Op::Signal: {
-        const auto& wires = wires_[static_cast<std::size_t>(term.signal)];
+  Wire lower_lane(const Expression& expression, int lane, int lanes, const std::string& path) {
+    switch (expression.op) {
+      case Expression::Op::Number:
+        return constant(expression.number, expression.at);
+      case Expression::Op::Signal: {
+        const auto& wires = wires_[static_cast<std::size_t>(expression.signal)];
         return wires[wires.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
       }
-      case Term::Op::Lanes: {
-        const auto& own = term.arguments[term.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
-        return own.op == Term::Op::Number ? own_number(own.number, term, lane, lanes)
+      case Expression::Op::Lanes: {
+        const auto& own = expression.arguments[expression.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+        return own.op == Expression::Op::Number ? own_number(own.number, expression, lane, lanes)
                                           : lower(own, 0, 1, path);
       }
-      case Term::Op::Spread:
-        return own_number(spread(term, lane, lanes), term, lane, lanes);
+      case Expression::Op::Spread:
+        return own_number(spread(expression, lane, lanes), expression, lane, lanes);
       default:
         break;
     }
     Vertex vertex;
     vertex.kind = Vertex::Kind::Operation;
-    vertex.op = term.op;
+    vertex.op = expression.op;
     vertex.path = path;
-    vertex.at = term.at;
+    vertex.at = expression.at;
     vertex.every = every_;
-    set_lane(vertex, &term, lane, lanes);
-    for (const auto& argument : term.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
+    set_lane(vertex, &expression, lane, lanes);
+    for (const auto& argument : expression.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
     return add(std::move(vertex));
   }
 
   /// Of a list or a spread: its lanes stay together even where one of them is 0 or 1.
-  Wire own_number(double value, const Term& term, int lane, int lanes) {
-    const auto wire = constant(value, term.at);
-    set_lane(graph_.vertices.back(), &term, lane, lanes);
+  Wire own_number(double value, const Expression& expression, int lane, int lanes) {
+    const auto wire = constant(value, expression.at);
+    set_lane(graph_.vertices.back(), &expression, lane, lanes);
     return wire;
   }
 
-  static double spread(const Term& term, int lane, int lanes) {
-    const double from = term.arguments[0].number;
-    const double to = term.arguments[1].number;
+  static double spread(const Expression& expression, int lane, int lanes) {
+    const double from = expression.arguments[0].number;
+    const double to = expression.arguments[1].number;
     const double position = lanes > 1 ? static_cast<double>(lane) / (lanes - 1) : 0;
-    return term.bare ? from + (to - from) * position : from * std::pow(to / from, position);
+    return expression.exponential ? from * std::pow(to / from, position) : from + (to - from) * position;
   }
 
   void make_outputs() {
@@ -272,7 +272,7 @@ class Lowering {
         vertex.path = lane_path(output.name, lane, output.lanes);
         vertex.at = output.at;
         vertex.outputs = 0;
-        vertex.in = {lower(output.term, lane, output.lanes, output.name)};
+        vertex.in = {lower(output.expression, lane, output.lanes, output.name)};
         graph_.outputs.push_back({vertex.path, output.use, output.dimension});
         add(std::move(vertex));
       }
@@ -286,8 +286,8 @@ class Lowering {
   Wire system_delay_;
   std::vector<int> first_channel_;                      ///< [input]
   std::vector<int> first_vertex_;                       ///< [node]
-  std::map<const Term*, Wire> shared_;                  ///< what all lanes have in common
-  std::map<const void*, int> origins_;          ///< numbers of signals, nodes and terms with lanes
+  std::map<const Expression*, Wire> shared_;                  ///< what all lanes have in common
+  std::map<const void*, int> origins_;          ///< numbers of signals, nodes and expressions with lanes
   std::map<std::pair<int, int>, int> made_of_;  ///< [origin, lane]: how many vertices
 };
 

@@ -35,7 +35,7 @@ struct Readers {
 
 /// One element-wise operation over the frames of a sub-block.
 struct MicroOperation {
-  Term::Op op;
+  Expression::Op op;
   int first_in = 0;  ///< in Plan::inputs
   double* out = nullptr;
   int vertex = 0;

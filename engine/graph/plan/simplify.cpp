@@ -46,7 +46,7 @@ class Simplifier {
   // ----------------------------------------------------------------------------------------------
 
   bool is_copy(const Vertex& v) const {
-    return v.kind == Vertex::Kind::Operation && v.op == Term::Op::Signal;
+    return v.kind == Vertex::Kind::Operation && v.op == Expression::Op::Signal;
   }
 
   Wire behind_copies(Wire wire) {
@@ -115,7 +115,7 @@ class Simplifier {
       make_constant(v, apply(vertex.op, values[0], values.size() > 1 ? values[1] : 0));
       return true;
     }
-    if (vertex.op == Term::Op::Multiply) {
+    if (vertex.op == Expression::Op::Multiply) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (same_in_all(vertex.in[i]) == 1.0) return replace(v, vertex.in[1 - i]);
         if (zeros_ && constant(vertex.in[i]) == 0.0) {
@@ -124,11 +124,11 @@ class Simplifier {
         }
       }
     }
-    if (vertex.op == Term::Op::Divide && same_in_all(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
+    if (vertex.op == Expression::Op::Divide && same_in_all(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
     // Of all numbers this changes -0 only, which no operation tells from 0.
-    if ((vertex.op == Term::Op::Add || vertex.op == Term::Op::Subtract) && same_in_all(vertex.in[1]) == 0.0)
+    if ((vertex.op == Expression::Op::Add || vertex.op == Expression::Op::Subtract) && same_in_all(vertex.in[1]) == 0.0)
       return replace(v, vertex.in[0]);
-    if (vertex.op == Term::Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
+    if (vertex.op == Expression::Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
     return false;
   }
 

@@ -17,7 +17,7 @@ double lane_of(const double* frame, int lane) noexcept {
   return frame[kSame ? 0 : lane];
 }
 
-template <Term::Op kOp, bool kSameLeft, bool kSameRight>
+template <Expression::Op kOp, bool kSameLeft, bool kSameRight>
 void run(const Signal* in, double* out, int frames) noexcept {
   const double* left = in[0].data;
   const double* right = in[1].data;
@@ -33,7 +33,7 @@ void run(const Signal* in, double* out, int frames) noexcept {
   }
 }
 
-template <Term::Op kOp>
+template <Expression::Op kOp>
 void run(const Signal* in, double* out, int frames) noexcept {
   const bool same_left = in[0].stride == 1, same_right = in[1].stride == 1;
   if (same_left && same_right) return run<kOp, true, true>(in, out, frames);
@@ -47,24 +47,24 @@ void run(const Signal* in, double* out, int frames) noexcept {
 void VectorOperation::process(const NodeBlock& block) noexcept {
   double* const out = block.out[0];
   switch (op_) {
-    case Term::Op::Negate:
-      return run<Term::Op::Negate>(block.in, out, block.frames);
-    case Term::Op::Add:
-      return run<Term::Op::Add>(block.in, out, block.frames);
-    case Term::Op::Subtract:
-      return run<Term::Op::Subtract>(block.in, out, block.frames);
-    case Term::Op::Multiply:
-      return run<Term::Op::Multiply>(block.in, out, block.frames);
-    case Term::Op::Divide:
-      return run<Term::Op::Divide>(block.in, out, block.frames);
-    case Term::Op::Min:
-      return run<Term::Op::Min>(block.in, out, block.frames);
-    case Term::Op::Max:
-      return run<Term::Op::Max>(block.in, out, block.frames);
-    case Term::Op::Abs:
-      return run<Term::Op::Abs>(block.in, out, block.frames);
+    case Expression::Op::Negate:
+      return run<Expression::Op::Negate>(block.in, out, block.frames);
+    case Expression::Op::Add:
+      return run<Expression::Op::Add>(block.in, out, block.frames);
+    case Expression::Op::Subtract:
+      return run<Expression::Op::Subtract>(block.in, out, block.frames);
+    case Expression::Op::Multiply:
+      return run<Expression::Op::Multiply>(block.in, out, block.frames);
+    case Expression::Op::Divide:
+      return run<Expression::Op::Divide>(block.in, out, block.frames);
+    case Expression::Op::Min:
+      return run<Expression::Op::Min>(block.in, out, block.frames);
+    case Expression::Op::Max:
+      return run<Expression::Op::Max>(block.in, out, block.frames);
+    case Expression::Op::Abs:
+      return run<Expression::Op::Abs>(block.in, out, block.frames);
     default:
-      return run<Term::Op::Signal>(block.in, out, block.frames);
+      return run<Expression::Op::Signal>(block.in, out, block.frames);
   }
 }
 

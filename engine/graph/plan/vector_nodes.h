@@ -12,12 +12,12 @@ namespace tactus {
 /// One operator of an expression on kWide lanes: out = op(in[0], in[1]), as `apply` says.
 class VectorOperation : public Node {
  public:
-  explicit VectorOperation(Term::Op op) : op_(op) {}
+  explicit VectorOperation(Expression::Op op) : op_(op) {}
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override {}
 
  private:
-  Term::Op op_;
+  Expression::Op op_;
 };
 
 /// kWide signals, put side by side.

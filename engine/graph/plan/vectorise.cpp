@@ -140,7 +140,7 @@ class Vectoriser {
     if (!fresh) return known->second;
     Vertex row;
     row.kind = Vertex::Kind::Operation;
-    row.op = Term::Op::Signal;
+    row.op = Expression::Op::Signal;
     row.every = at(wire.vertex).every;
     row.path = std::move(path);
     row.in = {lane};
@@ -193,7 +193,7 @@ void expand_sums(VertexGraph& graph) {
     const auto lanes = graph.vertices[v].in;
     Vertex addition = graph.vertices[v];
     addition.kind = Vertex::Kind::Operation;
-    addition.op = Term::Op::Add;
+    addition.op = Expression::Op::Add;
     add_lanes(lanes, [&](Wire a, Wire b) {
       addition.in = {a, b};
       graph.vertices.push_back(addition);

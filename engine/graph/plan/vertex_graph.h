@@ -44,7 +44,7 @@ struct Vertex {
   };
 
   Kind kind = Kind::Constant;
-  Term::Op op = Term::Op::Number;  ///< Operation; `Signal` copies
+  Expression::Op op = Expression::Op::Number;  ///< Operation; `Signal` copies
   double value = 0;                ///< Constant; PhaseDelay: its sign
   std::vector<double> values;      ///< Constant of width kWide
   int index = -1;                  ///< of the channel, control, output channel, or flat node

@@ -40,7 +40,7 @@ int Instance::add_signal(const std::string& name, const Source& at, FlatSignal::
 
 int Instance::add_expression(const std::string& name, const Source& at) {
   const int id = add_signal(name, at, FlatSignal::Kind::Expression, -1);
-  signal(id).term = missing_term(at);  // until it is connected
+  signal(id).expression = missing_signal(at);  // until it is connected
   return id;
 }
 
@@ -76,12 +76,12 @@ void Instance::declare_control(const EntrySpec& entry) {
 }
 
 void Instance::declare_system() {
-  Term rate;
+  Expression rate;
   rate.number = sample_rate().value;
   rate.dimension = parse_unit("Hz")->dimension;
   rate.bare = false;
   const int system_rate = add_expression("system.rate", {});
-  signal(system_rate).term = rate;
+  signal(system_rate).expression = rate;
   const int delay = add_signal("system.delay", {}, FlatSignal::Kind::SystemDelay, -1);
   signal(delay).declared = parse_unit("s")->dimension;
   signal(delay).range = {0, 1};
@@ -228,7 +228,7 @@ void Instance::declare_as_part() {
     const auto read = read_control(control, mistakes_);
     if (!read.unit_known) continue;
     signal(id).declared = read.control.unit.dimension;
-    auto& start = signal(id).term;
+    auto& start = signal(id).expression;
     start = {};
     start.number = read.control.value;
     start.dimension = read.control.unit.dimension;

@@ -10,15 +10,15 @@ namespace {
 
 const char* const kAllSteepest = "laws where they are steepest";
 
-bool is_linear(Term::Op op, const Operands& operands) {
+bool is_linear(Expression::Op op, const Operands& operands) {
   switch (op) {
-    case Term::Op::Negate:
-    case Term::Op::Add:
-    case Term::Op::Subtract:
+    case Expression::Op::Negate:
+    case Expression::Op::Add:
+    case Expression::Op::Subtract:
       return true;
-    case Term::Op::Multiply:
+    case Expression::Op::Multiply:
       return !operands.moves[0] || !operands.moves[1];
-    case Term::Op::Divide:
+    case Expression::Op::Divide:
       return !operands.moves[1];
     default:
       return false;
@@ -99,7 +99,7 @@ Derived Derivations::of(const PlanSignal& signal) const {
   return found == known_.end() ? Derived{signal, 1} : found->second;
 }
 
-void Derivations::note(const PlanSignal& out, Term::Op op, const std::array<PlanSignal, 2>& in,
+void Derivations::note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in,
                        const Operands& operands) {
   if (!is_linear(op, operands)) return;
   Derived derived{{}, 0};
@@ -119,9 +119,9 @@ std::optional<double> Derivations::moved(const PlanSignal& signal, const Displac
   return found == moved.end() ? std::nullopt : std::optional{from.slope * found->second};
 }
 
-std::optional<Bend> corner(const std::string& path, Term::Op op, const Operands& operands, int which,
+std::optional<Bend> corner(const std::string& path, Expression::Op op, const Operands& operands, int which,
                            const Derived& from) {
-  const bool bends = op == Term::Op::Min || op == Term::Op::Max || op == Term::Op::Abs;
+  const bool bends = op == Expression::Op::Min || op == Expression::Op::Max || op == Expression::Op::Abs;
   if (!bends || (operands.moves[0] && operands.moves[1])) return std::nullopt;
   const auto answer = [=](double moved) {
     auto there = operands;
@@ -129,7 +129,7 @@ std::optional<Bend> corner(const std::string& path, Term::Op op, const Operands&
     return std::abs(slope_of(op, there, which, false));
   };
   const double here = which == 0 ? operands.a : operands.b;
-  const double edge = op == Term::Op::Abs ? 0 : which == 0 ? operands.b : operands.a;
+  const double edge = op == Expression::Op::Abs ? 0 : which == 0 ? operands.b : operands.a;
   const double to_edge = (edge - here) / from.slope;
   const double little = std::max(1e-6 * std::abs(to_edge), 1e-9);
   double to = 0;

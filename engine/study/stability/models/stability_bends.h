@@ -38,7 +38,7 @@ class Derivations {
   /// By how much a signal moves with its source; nullopt if that is not among `moved`.
   std::optional<double> moved(const PlanSignal& signal, const Displaced& moved) const;
   /// `in`: the operands; those that rest are not read.
-  void note(const PlanSignal& out, Term::Op op, const std::array<PlanSignal, 2>& in, const Operands& operands);
+  void note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in, const Operands& operands);
 
  private:
   std::map<PlanSignal, Derived> known_;
@@ -53,7 +53,7 @@ struct Bend {
 };
 
 /// [any] Of a minimum, maximum or absolute value of `from` and what rests; nullopt of other operations.
-std::optional<Bend> corner(const std::string& path, Term::Op op, const Operands& operands, int which,
+std::optional<Bend> corner(const std::string& path, Expression::Op op, const Operands& operands, int which,
                            const Derived& from);
 
 struct BendPlace {

@@ -18,11 +18,11 @@ struct Operands {
 };
 
 /// [any] How many operands it has.
-int operands_of(Term::Op op);
+int operands_of(Expression::Op op);
 
 /// [any] d(out)/d(operand `which`) of an operation. At a corner (a minimum, a maximum, an absolute value)
 /// `touched` takes the side where the moving operand comes through.
-double slope_of(Term::Op op, const Operands& operands, int which, bool touched);
+double slope_of(Expression::Op op, const Operands& operands, int which, bool touched);
 
 /// [any] Whether output `output` of a law is a force that answers a position at `input`.
 bool is_spring(const NodeType& type, std::size_t input, std::size_t output);

@@ -3,15 +3,21 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/graph/plan/plan.h"
+
 using namespace tactus;
 
 namespace {
 
-const double kX = 0, kY = 0;  // their addresses stand for two signals
+const Plan kPlan;
+
+PlanSignal signal(int vertex) { return {&kPlan, vertex, 0}; }
+
+const PlanSignal kX = signal(0), kY = signal(1);
 
 /// Answers by `slope` beyond `from`, on the side where `from` lies.
-Bend stop(const char* path, const double& signal, double from, double slope = 1) {
-  return {path, &signal, 1.1 * from,
+Bend stop(const char* path, const PlanSignal& source, double from, double slope = 1) {
+  return {path, source, 1.1 * from,
           [=](double moved) { return from > 0 ? (moved > from ? slope : 0) : (moved < from ? slope : 0); }};
 }
 
@@ -19,57 +25,53 @@ Bend stop(const char* path, const double& signal, double from, double slope = 1)
 
 TEST_CASE("stability bends: signals are derived through sums and multiples, and nothing else", "[analysis]") {
   Derivations derivations;
-  double scaled = 0, sum = 0, squared = 0;
-  const double number = 0;
-  const double* const times[2] = {&kX, &number};
-  derivations.note(&scaled, Term::Op::Multiply, times, {0, -3, {true, false}});
-  const double* const minus[2] = {&kX, &scaled};
-  derivations.note(&sum, Term::Op::Subtract, minus, {0, 0, {true, true}});
-  const double* const square[2] = {&kX, &kX};
-  derivations.note(&squared, Term::Op::Multiply, square, {0.5, 0.5, {true, true}});
+  const auto scaled = signal(2), sum = signal(3), squared = signal(4), number = signal(5);
+  derivations.note(scaled, Expression::Op::Multiply, {kX, number}, {0, -3, {true, false}});
+  derivations.note(sum, Expression::Op::Subtract, {kX, scaled}, {0, 0, {true, true}});
+  derivations.note(squared, Expression::Op::Multiply, {kX, kX}, {0.5, 0.5, {true, true}});
 
-  CHECK(derivations.of(&scaled).source == &kX);
-  CHECK(derivations.of(&scaled).slope == -3);
-  CHECK(derivations.of(&sum).slope == 4);  // x - (-3 x)
-  CHECK(derivations.of(&squared).source == &squared);
-  CHECK(derivations.moved(&sum, {{&kX, 0.25}}).value() == 1);
-  CHECK_FALSE(derivations.moved(&sum, {{&kY, 0.25}}));
+  CHECK((derivations.of(scaled).source == kX));
+  CHECK(derivations.of(scaled).slope == -3);
+  CHECK(derivations.of(sum).slope == 4);  // x - (-3 x)
+  CHECK((derivations.of(squared).source == squared));
+  CHECK(derivations.moved(sum, {{kX, 0.25}}).value() == 1);
+  CHECK_FALSE(derivations.moved(sum, {{kY, 0.25}}));
 }
 
 TEST_CASE("stability bends: a corner answers beyond its edge, on the side where it comes through",
           "[analysis]") {
   // max(0, -2 x - 0.1): from x = -0.05 down.
-  const auto bend = corner("stop", Term::Op::Max, {0, -0.1, {false, true}}, 1, {&kX, -2});
+  const auto bend = corner("stop", Expression::Op::Max, {0, -0.1, {false, true}}, 1, {kX, -2});
   REQUIRE(bend);
   CHECK(bend->to == Approx(-0.05).epsilon(1e-5));
   CHECK(bend->to < -0.05);
   CHECK(bend->answer(bend->to) == 1);
   CHECK(bend->answer(0) == 0);
-  CHECK_FALSE(corner("sum", Term::Op::Add, {0, 0, {false, true}}, 1, {&kX, 1}));
+  CHECK_FALSE(corner("sum", Expression::Op::Add, {0, 0, {false, true}}, 1, {kX, 1}));
 }
 
 TEST_CASE("stability bends: stops at both ends are two places, on one side they are one", "[analysis]") {
   const auto ends = places_of({stop("low", kX, -1), stop("high", kX, 1)});
   REQUIRE(ends.size() == 2);
   CHECK(ends[0].name == "where 'low' is steepest");
-  CHECK(ends[0].moved.at(&kX) == Approx(-1.1));
-  CHECK(ends[1].moved.at(&kX) == Approx(1.1));
+  CHECK(ends[0].moved.at(kX) == Approx(-1.1));
+  CHECK(ends[1].moved.at(kX) == Approx(1.1));
 
   const auto same_side = places_of({stop("near", kX, 1), stop("far", kX, 2)});
   REQUIRE(same_side.size() == 1);
-  CHECK(same_side[0].moved.at(&kX) == Approx(2.2));
+  CHECK(same_side[0].moved.at(kX) == Approx(2.2));
 }
 
 TEST_CASE("stability bends: laws that overlap are looked at where their sum answers most, too",
           "[analysis]") {
   // Two bells nearer than 2 / sqrt 2 widths: their sum has one summit, in the middle.
   const auto bell = [](const char* path, double middle, double height) {
-    return Bend{path, &kX, middle, [=](double x) { return height * std::exp(-(x - middle) * (x - middle)); }};
+    return Bend{path, kX, middle, [=](double x) { return height * std::exp(-(x - middle) * (x - middle)); }};
   };
   const auto places = places_of({bell("low", -0.6, 1), bell("high", 0.6, 1)});
   REQUIRE(places.size() == 3);
   CHECK(places[2].name == "where 'low' with 'high' is steepest");
-  CHECK(places[2].moved.at(&kX) == Approx(0).margin(1e-3));
+  CHECK(places[2].moved.at(kX) == Approx(0).margin(1e-3));
 }
 
 TEST_CASE("stability bends: stops on different signals are met in every combination", "[analysis]") {
@@ -82,11 +84,10 @@ TEST_CASE("stability bends: stops on different signals are met in every combinat
 
 TEST_CASE("stability bends: with too many combinations every law stands where it is steepest by itself",
           "[analysis]") {
-  const std::vector<double> signals(5);
   std::vector<Bend> bends;
-  for (const auto& signal : signals) {
-    bends.push_back(stop("low", signal, -1));
-    bends.push_back(stop("high", signal, 1));
+  for (int source = 0; source < 5; ++source) {
+    bends.push_back(stop("low", signal(source), -1));
+    bends.push_back(stop("high", signal(source), 1));
   }
   const auto places = places_of(bends);  // 32 of at most 16
   REQUIRE(places.size() == 1);
