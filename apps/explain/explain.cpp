@@ -103,8 +103,7 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
     for (int s = section.first_step; s < section.end_step; ++s) {
       const auto& step = plan.steps[static_cast<std::size_t>(s)];
       if (const auto about = about_step(plan, step); !about.empty())
-        json["about"].push_back(
-            {{"name", name_of(plan, step)}, {"what", about}});
+        json["about"].push_back({{"name", name_of(plan, step)}, {"what", about}});
       part["steps"].push_back({{"name", name_of(plan, step)},
                                {"what", what_runs(plan, step)},
                                {"how", kind_of(step)},

@@ -47,8 +47,8 @@ RebuiltGraph::~RebuiltGraph() {
   fs::remove_all(folder_, ignored);
 }
 
-Checked<std::unique_ptr<Plan>> RebuiltGraph::compile_version(
-    const TakeFiles& files, const std::map<std::string, double>& settings) {
+Checked<std::unique_ptr<Plan>> RebuiltGraph::compile_version(const TakeFiles& files,
+                                                             const std::map<std::string, double>& settings) {
   // All versions in one place: a node that plays a sound file is another one if the path is another one.
   std::error_code ignored;
   fs::remove_all(folder_, ignored);

@@ -32,7 +32,7 @@ class RebuiltGraph {
  private:
   explicit RebuiltGraph(const TakeHeader& header);
   Checked<std::unique_ptr<Plan>> compile_version(const TakeFiles& files,
-                                                     const std::map<std::string, double>& settings);
+                                                 const std::map<std::string, double>& settings);
 
   const TakeHeader& header_;
   std::filesystem::path folder_;

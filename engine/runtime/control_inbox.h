@@ -29,7 +29,8 @@ class ControlInbox {
   /// most `frames`.
   template <class Apply>
   std::int64_t take_due(std::int64_t now, std::int64_t frames, Apply apply) noexcept {
-    for (; next_ < journal_.size() && journal_[next_].frame <= now; ++next_) take(journal_[next_], now, apply);
+    for (; next_ < journal_.size() && journal_[next_].frame <= now; ++next_)
+      take(journal_[next_], now, apply);
     if (next_ < journal_.size()) frames = std::min(frames, journal_[next_].frame - now);
     const JournalEntry* posted = posted_.front();
     for (; posted != nullptr && posted->frame <= now; posted = posted_.front()) {

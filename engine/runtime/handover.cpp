@@ -1,5 +1,3 @@
-#include "engine/runtime/replacement.h"
-
 #include <algorithm>
 #include <bit>
 #include <map>
@@ -7,6 +5,7 @@
 #include <unordered_map>
 
 #include "engine/graph/node.h"
+#include "engine/runtime/replacement.h"
 
 namespace tactus {
 namespace {
@@ -74,11 +73,14 @@ class Planner {
       if (is_step(is_.vertices[v])) compare(v);
     pair_silences();
     spread_changes();
-    for (const int output : new_.outputs) new_.handover.jumps.push_back(jumps(static_cast<std::size_t>(output)));
+    for (const int output : new_.outputs)
+      new_.handover.jumps.push_back(jumps(static_cast<std::size_t>(output)));
   }
 
  private:
-  static bool is_step(const Vertex& vertex) { return vertex.runs >= 0 || vertex.kind == Vertex::Kind::Operation; }
+  static bool is_step(const Vertex& vertex) {
+    return vertex.runs >= 0 || vertex.kind == Vertex::Kind::Operation;
+  }
 
   /// Which entry of `silent_until` applies to each node: that of its step, or of the loop that it is in.
   static std::vector<int> silence_of_nodes(const Plan& plan) {
@@ -132,8 +134,7 @@ class Planner {
     changed_[v] = true;
     if (twin_[v] < 0) return;
     const auto& then = was_.vertices[static_cast<std::size_t>(twin_[v])];
-    const bool same_making =
-        now.runs >= 0 ? then.fingerprint == now.fingerprint : then.op == now.op;
+    const bool same_making = now.runs >= 0 ? then.fingerprint == now.fingerprint : then.op == now.op;
     if (!same_making || then.in.size() != now.in.size()) {
       if (now.runs >= 0) new_.handover.remade.push_back({then.runs, now.runs});
       return;
@@ -174,8 +175,8 @@ class Planner {
     auto& ramp = new_.ramps.emplace_back();
     ramp.before = ramp_before;
     const auto& divisors = is_.divisors;
-    const int every = now.kind == Vertex::Kind::Crossing ? now.crossing.from : now.every;
-    ramp.divider = static_cast<int>(std::find(divisors.begin(), divisors.end(), every) - divisors.begin());
+    const int divisor = now.kind == Vertex::Kind::RateConverter ? now.conversion.from : now.divisor;
+    ramp.divider = static_cast<int>(std::find(divisors.begin(), divisors.end(), divisor) - divisors.begin());
     ramp.samples.assign(kMaxPiece, 0.0);
     const int slot = now.first_in + input;
     ramp.control.readers.slots = {slot};

@@ -147,7 +147,8 @@ void Running::advance(std::int64_t now, int frames) noexcept {
 }
 
 /// `divider`: of its reader; nullptr for none.
-void Running::advance(SmoothedControl& control, const RateDivider* divider, std::int64_t now, int frames) noexcept {
+void Running::advance(SmoothedControl& control, const RateDivider* divider, std::int64_t now,
+                      int frames) noexcept {
   if (control.value.done(now)) return settle(control, true);
   if (control.buffer == nullptr) return;
   const int samples = divider == nullptr ? frames : divider->count(frames);

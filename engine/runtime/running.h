@@ -71,14 +71,14 @@ struct Running {
   std::vector<int> control_of;  ///< [number, which stays the same for ever] index in `controls`; -1: gone
   std::vector<std::string> control_names;  ///< [number]
   std::vector<int> outputs;                ///< channels that are not taps
-  std::vector<bool> vectorised;          ///< [output] it and those behind it are the lanes of one signal
+  std::vector<bool> vectorised;            ///< [output] it and those behind it are the lanes of one signal
   std::vector<int> tap_channels;
   std::vector<std::vector<double>> taps;
   std::vector<Signal> moved_in;  ///< a step's operands at an offset into the piece
   std::vector<double*> moved_out;
   std::vector<std::atomic<std::int64_t>> faults;  ///< [vertex]
   std::vector<double> step_ns;
-  std::vector<char> at_rest;  ///< as Plan::can_rest
+  std::vector<char> at_rest;          ///< as Plan::can_rest
   std::vector<RateDivider> dividers;  ///< as Plan::divisors; the first stays unused
   /// [step, of a loop its first] the frame where the silence after a fault ends.
   std::vector<std::int64_t> silent_until;

@@ -153,8 +153,8 @@ StepRunner::Fault StepRunner::run_step(const Step& step, bool loop, int offset, 
   } else if (step.kind == Step::Kind::Operations) {
     return run_operations(step, loop, offset, frames);
   } else {
-    NodeBlock block{plan_->inputs.data() + step.first_in, plan_->outputs.data() + step.first_out,
-                    frames, now_ + offset};
+    NodeBlock block{plan_->inputs.data() + step.first_in, plan_->outputs.data() + step.first_out, frames,
+                    now_ + offset};
     if (offset > 0) move_operands(step, offset, block);
     fault = run_node(step, block);
   }

@@ -15,6 +15,6 @@ namespace tactus::realtime {
 /// from the folder `folder`. The edited version has other constants, other numbers that nodes are made from,
 /// and a node more. Errors: those of the compiler.
 Checked<std::unique_ptr<Plan>> every_node(const NodeTable& table, const std::string& folder,
-                                              const std::string& sound_file, bool edited = false);
+                                          const std::string& sound_file, bool edited = false);
 
 }  // namespace tactus::realtime

@@ -17,13 +17,13 @@ class PartGraphs {
     folder_.write(name, "format = 1\n" + text);
   }
   Checked<std::unique_ptr<Plan>> schedule(const std::string& text, const NodeTable& table,
-                                              const CompileOptions& options = {}) const {
+                                          const CompileOptions& options = {}) const {
     const auto file = (folder_.path() / "test.toml").string();
     return compile(parse_graph_leniently("format = 1\n" + text, file), table, options);
   }
   /// Throws what is wrong with the texts.
   std::unique_ptr<Plan> right(const std::string& text, const NodeTable& table = standard_nodes(),
-                                  const CompileOptions& options = {}) const {
+                              const CompileOptions& options = {}) const {
     auto made = schedule(text, table, options);
     if (!made) throw std::runtime_error(to_string(made.error()));
     return std::move(*made);

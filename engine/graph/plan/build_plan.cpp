@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/graph/plan/crossing.h"
 #include "engine/graph/plan/passes.h"
+#include "engine/graph/plan/rate_converter.h"
 #include "engine/graph/semantics/operators.h"
 
 namespace tactus {
@@ -89,10 +89,12 @@ class Builder {
     }
   }
 
-  double* buffer(int v, int port) { return plan_->arena.data() + place_[index(v)] + port * at(v).width * kMaxPiece; }
+  double* buffer(int v, int port) {
+    return plan_->arena.data() + place_[index(v)] + port * at(v).width * kMaxPiece;
+  }
 
-  /// A lane of a vectorised vertex is a signal with a longer stride. Controls rest until they are moved; their
-  /// stride is set while they ramp.
+  /// A lane of a vectorised vertex is a signal with a longer stride. Controls rest until they are moved;
+  /// their stride is set while they ramp.
   Signal signal(const Wire& wire) {
     const auto& vertex = at(wire.vertex);
     double* const data = buffer(wire.vertex, wire.port);
@@ -136,10 +138,11 @@ class Builder {
   }
 
   void set_dividers(Step& step, const Vertex& vertex) {
-    const bool crosses = vertex.kind == Vertex::Kind::Crossing;
-    step.divider = divider(crosses ? Crossing::runs_every(vertex.crossing, vertex.every) : vertex.every);
-    step.divider_in = divider(crosses ? vertex.crossing.from : vertex.every);
-    step.divider_out = divider(vertex.every);
+    const bool crosses = vertex.kind == Vertex::Kind::RateConverter;
+    step.divider =
+        divider(crosses ? RateConverter::runs_every(vertex.conversion, vertex.divisor) : vertex.divisor);
+    step.divider_in = divider(crosses ? vertex.conversion.from : vertex.divisor);
+    step.divider_out = divider(vertex.divisor);
   }
 
   void add_section(const OrderedSection& ordered) {
@@ -179,7 +182,7 @@ class Builder {
     step.node = vertex.runs;
     step.width = vertex.width;
     set_dividers(step, vertex);
-    step.can_fail = vertex.kind != Vertex::Kind::Pack && vertex.kind != Vertex::Kind::Crossing &&
+    step.can_fail = vertex.kind != Vertex::Kind::Pack && vertex.kind != Vertex::Kind::RateConverter &&
                     (vertex.kind != Vertex::Kind::Operation || can_overflow(vertex.op));
     step.first_in = add_inputs(vertex);
     step.inputs = static_cast<int>(vertex.in.size());
@@ -197,7 +200,7 @@ class Builder {
   void add_operation(int v, Vertex& vertex, int section_start) {
     auto& steps = plan_->steps;
     if (static_cast<int>(steps.size()) == section_start || steps.back().kind != Step::Kind::Operations ||
-        steps.back().divider != divider(vertex.every)) {
+        steps.back().divider != divider(vertex.divisor)) {
       Step step;
       set_dividers(step, vertex);
       step.kind = Step::Kind::Operations;
@@ -213,7 +216,8 @@ class Builder {
     operation.first_in = add_inputs(vertex);
     if (vertex.in.size() == 1) add_input(vertex.in[0]);  // every operation has two operands to point at
     operation.out = buffer(v, 0);
-    if (std::all_of(vertex.in.begin(), vertex.in.end(), [this](const Wire& wire) { return can_rest(wire); })) {
+    if (std::all_of(vertex.in.begin(), vertex.in.end(),
+                    [this](const Wire& wire) { return can_rest(wire); })) {
       operation.can_rest = can_rest_[v] = static_cast<int>(plan_->can_rest.size());
       plan_->can_rest.emplace_back();
     }
@@ -271,10 +275,10 @@ class Builder {
   const FlatGraph& flat_;
   const CompileOptions& options_;
   std::unique_ptr<Plan> plan_;
-  std::vector<std::size_t> place_;      ///< [vertex] in the arena
-  std::vector<std::vector<int>> read_;  ///< [vertex]: ports that somebody reads
-  std::vector<int> sources_;            ///< [slot of Plan::inputs] the vertex that it reads
-  std::map<int, int> can_rest_;         ///< [vertex] in Plan::can_rest
+  std::vector<std::size_t> place_;                     ///< [vertex] in the arena
+  std::vector<std::vector<int>> read_;                 ///< [vertex]: ports that somebody reads
+  std::vector<int> sources_;                           ///< [slot of Plan::inputs] the vertex that it reads
+  std::map<int, int> can_rest_;                        ///< [vertex] in Plan::can_rest
   std::map<std::pair<bool, std::string>, int> paths_;  ///< [operation, path] how many so far
 };
 

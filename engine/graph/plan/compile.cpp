@@ -7,7 +7,7 @@
 #include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/plan/passes.h"
-#include "engine/graph/semantics/infer.h"
+#include "engine/graph/semantics/facts.h"
 #include "engine/graph/semantics/resolve.h"
 
 namespace tactus {
@@ -27,8 +27,8 @@ std::size_t in_lanes(std::size_t size, int lanes) { return size * static_cast<st
 std::size_t unfolded_nodes(const FlatGraph& graph) {
   std::size_t count = 0;
   for (const auto& signal : graph.signals)
-    count +=
-        in_lanes(signal.kind == FlatSignal::Kind::Expression ? 1 + size_of(signal.expression) : 1, signal.lanes);
+    count += in_lanes(signal.kind == FlatSignal::Kind::Expression ? 1 + size_of(signal.expression) : 1,
+                      signal.lanes);
   for (const auto& node : graph.nodes) {
     std::size_t inputs = 1 + node.inputs.size() * (1 + node.compensate.size());
     for (const auto& input : node.inputs)
@@ -148,7 +148,7 @@ std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const Co
 }
 
 Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& table,
-                                           const CompileOptions& options) {
+                                       const CompileOptions& options) {
   Mistakes mistakes{spec.file};
   const auto flat = flatten(spec, table, options, mistakes);
   if (mistakes.any()) return tl::unexpected(mistakes.take());
@@ -158,7 +158,7 @@ Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& t
 }
 
 Checked<std::unique_ptr<Plan>> compile(const LoadedGraph& graph, const NodeTable& table,
-                                           const CompileOptions& options) {
+                                       const CompileOptions& options) {
   if (graph.spec == nullptr) return tl::unexpected(graph.mistakes);
   if (graph.mistakes.empty()) return compile(*graph.spec, table, options);
   Mistakes mistakes{graph.spec->file};

@@ -38,7 +38,8 @@ struct CompileOptions {
   /// What lies outside answers within the same frame: every output must then be ready before any input is
   /// read, and the plan has one `Outside` step between the two.
   bool closed_outside = false;
-  /// Eight lanes of the same thing run as one vector (see `vectorise`). Off, each runs on its own: to compare.
+  /// Eight lanes of the same thing run as one vector (see `vectorise`). Off, each runs on its own: to
+  /// compare.
   bool vectorise = true;
 };
 
@@ -50,10 +51,10 @@ std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const Co
 /// file order: those of `check`; without any, what the nodes say when they are made, and all loops without a
 /// delay.
 Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& table,
-                                           const CompileOptions& options);
+                                       const CompileOptions& options);
 
 /// The same for a graph just loaded: the mistakes of its text and those of `check` in one go.
 Checked<std::unique_ptr<Plan>> compile(const LoadedGraph& graph, const NodeTable& table,
-                                           const CompileOptions& options);
+                                       const CompileOptions& options);
 
 }  // namespace tactus

@@ -57,8 +57,7 @@ void LaneGroups::make_node(LaneGroup& group) const {
   }
   group.remembers = !flat_.nodes[static_cast<std::size_t>(first.index)].type->stateless;
   std::vector<const Node*> lanes;
-  for (const int v : group.members)
-    lanes.push_back(v == kNone ? nullptr : at(v).node.get());
+  for (const int v : group.members) lanes.push_back(v == kNone ? nullptr : at(v).node.get());
   group.node = first.node->widened(lanes);
 }
 

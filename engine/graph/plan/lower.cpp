@@ -28,7 +28,7 @@ class Lowering {
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
       if (signal.kind != FlatSignal::Kind::Expression) continue;
-      every_ = signal.crossing ? signal.crossing->from : signal.every;
+      divisor_ = signal.conversion ? signal.conversion->from : signal.divisor;
       for (int lane = 0; lane < signal.lanes; ++lane) {
         const auto wire = lower(signal.expression, lane, signal.lanes, signal.path);
         graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {
@@ -78,7 +78,7 @@ class Lowering {
     Vertex vertex;
     vertex.path = lane_path(signal.path, lane, signal.lanes);
     vertex.at = signal.at;
-    vertex.every = signal.every;
+    vertex.divisor = signal.divisor;
     set_lane(vertex, &signal, lane, signal.lanes);
     switch (signal.kind) {
       case FlatSignal::Kind::Input:
@@ -100,7 +100,7 @@ class Lowering {
         vertex.op = Expression::Op::Signal;
         break;
     }
-    if (signal.crossing) make_crossing(vertex, signal);
+    if (signal.conversion) make_rate_converter(vertex, signal);
     return add(std::move(vertex));
   }
 
@@ -110,11 +110,11 @@ class Lowering {
     return system_delay_;
   }
 
-  void make_crossing(Vertex& vertex, const FlatSignal& signal) const {
-    vertex.kind = Vertex::Kind::Crossing;
-    vertex.crossing = *signal.crossing;
+  void make_rate_converter(Vertex& vertex, const FlatSignal& signal) const {
+    vertex.kind = Vertex::Kind::RateConverter;
+    vertex.conversion = *signal.conversion;
     vertex.origin = {};
-    if (is_trigger(signal.expression, 0)) vertex.crossing.how = SignalCrossing::How::Trigger;
+    if (is_trigger(signal.expression, 0)) vertex.conversion.how = RateConversion::How::Trigger;
   }
 
   /// A name for what a node fires, through as many files as there may be.
@@ -146,7 +146,7 @@ class Lowering {
         vertex.outputs = static_cast<int>(node.outputs.size());
         vertex.path = lane_path(node.path, lane, node.lanes);
         vertex.at = node.at;
-        vertex.every = node.every;
+        vertex.divisor = node.divisor;
         const auto wire = add(std::move(vertex));
         for (std::size_t port = 0; port < node.outputs.size(); ++port)
           wires_[static_cast<std::size_t>(node.outputs[port])][static_cast<std::size_t>(lane)] = {
@@ -158,7 +158,7 @@ class Lowering {
   void connect_nodes() {
     for (std::size_t n = 0; n < flat_.nodes.size(); ++n) {
       const auto& node = flat_.nodes[n];
-      every_ = node.every;
+      divisor_ = node.divisor;
       if (node.type->name == "mix") {
         connect_mix(node);
         continue;
@@ -188,7 +188,7 @@ class Lowering {
       vertex.value = where.sign;
       vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
       vertex.at = node.at;
-      vertex.every = node.every;
+      vertex.divisor = node.divisor;
       // What the compensations before this one left, then the period, then the parameters.
       vertex.in = {in[time], lower(*node.inputs[period], lane, node.lanes, node.path)};
       for (std::size_t i = 0; i < other.inputs.size(); ++i)
@@ -204,7 +204,7 @@ class Lowering {
     sum.kind = Vertex::Kind::Sum;
     sum.path = node.path;
     sum.at = node.at;
-    sum.every = node.every;
+    sum.divisor = node.divisor;
     for (int lane = 0; lane < node.lanes; ++lane)
       sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
     const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
@@ -228,9 +228,10 @@ class Lowering {
         return wires[wires.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
       }
       case Expression::Op::Lanes: {
-        const auto& own = expression.arguments[expression.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+        const auto& own =
+            expression.arguments[expression.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
         return own.op == Expression::Op::Number ? own_number(own.number, expression, lane, lanes)
-                                          : lower(own, 0, 1, path);
+                                                : lower(own, 0, 1, path);
       }
       case Expression::Op::Spread:
         return own_number(spread(expression, lane, lanes), expression, lane, lanes);
@@ -242,7 +243,7 @@ class Lowering {
     vertex.op = expression.op;
     vertex.path = path;
     vertex.at = expression.at;
-    vertex.every = every_;
+    vertex.divisor = divisor_;
     set_lane(vertex, &expression, lane, lanes);
     for (const auto& argument : expression.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
     return add(std::move(vertex));
@@ -263,7 +264,7 @@ class Lowering {
   }
 
   void make_outputs() {
-    every_ = 1;
+    divisor_ = 1;
     for (const auto& output : flat_.outputs) {
       for (int lane = 0; lane < output.lanes; ++lane) {
         Vertex vertex;
@@ -281,12 +282,12 @@ class Lowering {
 
   const FlatGraph& flat_;
   VertexGraph graph_;
-  int every_ = 1;                         ///< of the expression that is being lowered
+  int divisor_ = 1;                       ///< of the expression that is being lowered
   std::vector<std::vector<Wire>> wires_;  ///< [signal][lane]
   Wire system_delay_;
-  std::vector<int> first_channel_;                      ///< [input]
-  std::vector<int> first_vertex_;                       ///< [node]
-  std::map<const Expression*, Wire> shared_;                  ///< what all lanes have in common
+  std::vector<int> first_channel_;              ///< [input]
+  std::vector<int> first_vertex_;               ///< [node]
+  std::map<const Expression*, Wire> shared_;    ///< what all lanes have in common
   std::map<const void*, int> origins_;          ///< numbers of signals, nodes and expressions with lanes
   std::map<std::pair<int, int>, int> made_of_;  ///< [origin, lane]: how many vertices
 };

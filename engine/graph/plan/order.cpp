@@ -5,6 +5,7 @@
 
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/plan/passes.h"
+#include "engine/graph/plan/strong_components.h"
 
 namespace tactus {
 namespace {
@@ -28,14 +29,13 @@ int least_delay(const Vertex& vertex) {
     for (int output = 0; is_late(vertex, i) && output < vertex.outputs; ++output)
       least = std::min(least, vertex.node->delay(static_cast<int>(i), output).least);
   if (least == std::numeric_limits<int>::max()) return kMaxPiece;
-  return std::min(least, std::numeric_limits<int>::max() / vertex.every) * vertex.every;
+  return std::min(least, std::numeric_limits<int>::max() / vertex.divisor) * vertex.divisor;
 }
 
 class Ordering {
  public:
   Ordering(const VertexGraph& graph, bool closed_outside)
-      : graph_(graph),
-        size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
+      : graph_(graph), size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
     readers_.resize(static_cast<std::size_t>(size_));
     for (const auto& vertex : graph.vertices) least_.push_back(least_delay(vertex));
     least_.resize(static_cast<std::size_t>(size_), 0);
@@ -58,7 +58,7 @@ class Ordering {
     if (auto errors = cycle_errors(); !errors.empty()) return tl::unexpected(std::move(errors));
     auto components = find_components(every_edge);
     std::vector<OrderedSection> sections;
-    // Tarjan finds components in reverse order: what is read comes last.
+    // What is read comes last.
     for (auto it = components.rbegin(); it != components.rend(); ++it) {
       auto& component = *it;
       if (component.size() == 1 && !reads_itself(component.front(), every_edge)) {
@@ -87,60 +87,14 @@ class Ordering {
 
   static bool every_edge(const Edge&) { return true; }
 
-  /// Tarjan's strongly connected components over the edges that `follows` takes, with a stack of our own:
-  /// graphs may be chains of 100,000 nodes.
+  /// Over the edges that `follows` takes.
   template <class Follows>
   std::vector<std::vector<int>> find_components(Follows follows) const {
-    struct Frame {
-      int v;
-      std::size_t next;
-    };
-    const auto n = static_cast<std::size_t>(size_);
-    std::vector<std::vector<int>> components;
-    std::vector<int> index(n, -1), low(n, 0);
-    std::vector<bool> on_stack(n, false);
-    std::vector<int> stack;
-    int counter = 0;
-    for (int start = size_ - 1; start >= 0; --start) {
-      if (index[static_cast<std::size_t>(start)] >= 0) continue;
-      std::vector<Frame> frames{{start, 0}};
-      while (!frames.empty()) {
-        const int v = frames.back().v;
-        const auto vi = static_cast<std::size_t>(v);
-        if (frames.back().next == 0 && index[vi] < 0) {
-          index[vi] = low[vi] = counter++;
-          stack.push_back(v);
-          on_stack[vi] = true;
-        }
-        if (frames.back().next < readers(v).size()) {
-          const auto& edge = readers(v)[frames.back().next++];
-          const auto wi = static_cast<std::size_t>(edge.to);
-          if (!follows(edge)) continue;
-          if (index[wi] < 0)
-            frames.push_back({edge.to, 0});
-          else if (on_stack[wi])
-            low[vi] = std::min(low[vi], index[wi]);
-          continue;
-        }
-        if (low[vi] == index[vi]) {
-          std::vector<int> component;
-          int w = -1;
-          do {
-            w = stack.back();
-            stack.pop_back();
-            on_stack[static_cast<std::size_t>(w)] = false;
-            component.push_back(w);
-          } while (w != v);
-          components.push_back(std::move(component));
-        }
-        frames.pop_back();
-        if (!frames.empty()) {
-          const auto parent = static_cast<std::size_t>(frames.back().v);
-          low[parent] = std::min(low[parent], low[vi]);
-        }
-      }
-    }
-    return components;
+    std::vector<std::vector<int>> next(readers_.size());
+    for (std::size_t v = 0; v < readers_.size(); ++v)
+      for (const auto& edge : readers_[v])
+        if (follows(edge)) next[v].push_back(edge.to);
+    return strong_components(next, Roots::LastToFirst);
   }
 
   /// Every cycle in `component` is cut by a delay of a frame or more.

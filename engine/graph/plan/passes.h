@@ -36,9 +36,9 @@ struct OrderedSection {
 };
 
 /// Puts the vertices in an order in which everything runs after what it reads. Strongly connected parts
-/// become loops with the largest possible sub-block. With `closed_outside`, a vertex that represents the world
-/// outside is put between all outputs and all inputs. Errors: one Cycle for each part of the graph with a loop
-/// without a delay, naming the loop edge by edge.
+/// become loops with the largest possible sub-block. With `closed_outside`, a vertex that represents the
+/// world outside is put between all outputs and all inputs. Errors: one Cycle for each part of the graph with
+/// a loop without a delay, naming the loop edge by edge.
 Checked<std::vector<OrderedSection>> order(const VertexGraph& graph, bool closed_outside);
 
 /// Lays the ordered vertices out as a flat list of steps over one arena.

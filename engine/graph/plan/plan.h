@@ -121,9 +121,9 @@ struct Plan {
   /// Of operations on nothing but controls and numbers: while those rest each is one number, which rests too.
   std::vector<Readers> can_rest;
   std::vector<double*> input_buffers;  ///< nullptr: nobody reads the channel
-  double* system_delay = nullptr;  ///< kWide times the same, in seconds, or nullptr if nobody reads it
+  double* system_delay = nullptr;      ///< kWide times the same, in seconds, or nullptr if nobody reads it
   Seconds system_delay_at_start;
-  Arena arena;                ///< buffers of signals, then constants
+  Arena arena;                     ///< buffers of signals, then constants
   std::size_t signal_doubles = 0;  ///< of `arena`
 
   /// Index in `controls`, or -1.

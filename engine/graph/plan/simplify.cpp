@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/plan/lane_sum.h"
+#include "engine/graph/plan/vector_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
 #include "engine/graph/semantics/operators.h"
 
@@ -86,12 +86,12 @@ class Simplifier {
     if (at(v).kind == Vertex::Kind::Operation && !is_copy(at(v))) return fold_operation(v);
     if (at(v).kind == Vertex::Kind::Node) return fold_node(v);
     if (at(v).kind == Vertex::Kind::Sum) return fold_sum(v);
-    if (at(v).kind == Vertex::Kind::Crossing) return fold_crossing(v);
+    if (at(v).kind == Vertex::Kind::RateConverter) return fold_rate_converter(v);
     return false;
   }
 
   /// What never changes is the same at every rate.
-  bool fold_crossing(int v) {
+  bool fold_rate_converter(int v) {
     const auto value = constant(at(v).in.front());
     if (value) make_constant(v, *value);
     return value.has_value();
@@ -124,9 +124,11 @@ class Simplifier {
         }
       }
     }
-    if (vertex.op == Expression::Op::Divide && same_in_all(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
+    if (vertex.op == Expression::Op::Divide && same_in_all(vertex.in[1]) == 1.0)
+      return replace(v, vertex.in[0]);
     // Of all numbers this changes -0 only, which no operation tells from 0.
-    if ((vertex.op == Expression::Op::Add || vertex.op == Expression::Op::Subtract) && same_in_all(vertex.in[1]) == 0.0)
+    if ((vertex.op == Expression::Op::Add || vertex.op == Expression::Op::Subtract) &&
+        same_in_all(vertex.in[1]) == 0.0)
       return replace(v, vertex.in[0]);
     if (vertex.op == Expression::Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
     return false;
@@ -153,7 +155,7 @@ class Simplifier {
     const auto& node = flat_.nodes[static_cast<std::size_t>(at(v).index)];
     if (!node.type->stateless) return false;
     NodeSetup setup;
-    setup.sample_rate = Hertz{sample_rate_.value / node.every};
+    setup.sample_rate = Hertz{sample_rate_.value / node.divisor};
     setup.type = node.type.get();
     setup.settings = node.settings;
     std::vector<double> values;
@@ -230,7 +232,7 @@ class Simplifier {
     for (std::size_t v = 0; v < written; ++v) {
       const auto& vertex = graph_.vertices[v];
       named_[v] = vertex.kind == Vertex::Kind::Node || vertex.kind == Vertex::Kind::Control ||
-                  vertex.kind == Vertex::Kind::Input || vertex.kind == Vertex::Kind::Crossing ||
+                  vertex.kind == Vertex::Kind::Input || vertex.kind == Vertex::Kind::RateConverter ||
                   (is_copy(vertex) && vertex.path != "system.rate");
     }
   }

@@ -4,7 +4,6 @@
 
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/graph/plan/lane_groups.h"
-#include "engine/graph/plan/lane_sum.h"
 #include "engine/graph/plan/vector_nodes.h"
 
 namespace tactus {
@@ -62,8 +61,7 @@ class Vectoriser {
       print.add(std::uint64_t{v == kNone});
       if (v == kNone) continue;
       const bool operation = at(v).kind == Vertex::Kind::Operation;
-      print.add(operation ? static_cast<std::uint64_t>(at(v).op)
-                          : at(v).fingerprint);
+      print.add(operation ? static_cast<std::uint64_t>(at(v).op) : at(v).fingerprint);
     }
     return print.value();
   }
@@ -83,7 +81,7 @@ class Vectoriser {
       return constants(row);
     if (all_of(row, [&](const Wire& wire) { return wire == first_of(row); }))
       return scalar(first_of(row), reader.path);
-    return packed(row, reader.path, reader.every);
+    return packed(row, reader.path, reader.divisor);
   }
 
   Wire all_lanes(int group, const LaneRow& row) const {
@@ -98,17 +96,17 @@ class Vectoriser {
     return {add(std::move(vertex)), 0, Wire::kAllLanes};
   }
 
-  Wire packed(const LaneRow& row, std::string path, int every) {
+  Wire packed(const LaneRow& row, std::string path, int divisor) {
     LaneRow wires;
     for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == kNone ? first_of(row) : wire));
     wires.resize(kWide, wires[0]);
     Vertex vertex;
     vertex.kind = Vertex::Kind::Pack;
     vertex.width = kWide;
-    vertex.every = every;
+    vertex.divisor = divisor;
     vertex.path = std::move(path);
     auto key = wires_of(wires);
-    key.push_back(every);
+    key.push_back(divisor);
     if (const auto known = packs_.find(key); known != packs_.end()) return known->second;
     vertex.in = std::move(wires);
     vertex.node = std::make_shared<Pack>();
@@ -141,7 +139,7 @@ class Vectoriser {
     Vertex row;
     row.kind = Vertex::Kind::Operation;
     row.op = Expression::Op::Signal;
-    row.every = at(wire.vertex).every;
+    row.divisor = at(wire.vertex).divisor;
     row.path = std::move(path);
     row.in = {lane};
     return known->second = {add(std::move(row)), 0};
@@ -170,7 +168,7 @@ class Vectoriser {
     LaneRow in;
     for (const auto& row : rows) {
       const int g = groups_.lined_up(row);
-      in.push_back(g == kNone ? packed(row, at(v).path, at(v).every) : all_lanes(g, row));
+      in.push_back(g == kNone ? packed(row, at(v).path, at(v).divisor) : all_lanes(g, row));
     }
     at(v).in = std::move(in);
     at(v).node = std::make_shared<LaneSum>(static_cast<int>(lanes.size()));

@@ -12,9 +12,9 @@ std::string Vertex::description() const {
       return "sum of lanes";
     case Kind::Pack:
       return "pack";
-    case Kind::Crossing:
-      return every > crossing.from ? "to 1/" + std::to_string(every)
-                                   : "from 1/" + std::to_string(crossing.from);
+    case Kind::RateConverter:
+      return divisor > conversion.from ? "to 1/" + std::to_string(divisor)
+                                       : "from 1/" + std::to_string(conversion.from);
     default:
       return "1 operation";
   }

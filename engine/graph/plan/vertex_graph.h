@@ -37,23 +37,23 @@ struct Vertex {
     Operation,
     Node,
     PhaseDelay,
-    Sum,       ///< all lanes of a signal; where no lane is vectorised, additions replace it
-    Pack,      ///< kWide scalar signals as one vectorised signal
-    Crossing,  ///< into a part with a rate of its own, or out of it
+    Sum,            ///< all lanes of a signal; where no lane is vectorised, additions replace it
+    Pack,           ///< kWide scalar signals as one vectorised signal
+    RateConverter,  ///< into a part with a rate of its own, or out of it
     Output
   };
 
   Kind kind = Kind::Constant;
   Expression::Op op = Expression::Op::Number;  ///< Operation; `Signal` copies
-  double value = 0;                ///< Constant; PhaseDelay: its sign
-  std::vector<double> values;      ///< Constant of width kWide
-  int index = -1;                  ///< of the channel, control, output channel, or flat node
-  int lane = 0;                    ///< the first one of a vectorised vertex
-  int lanes = 1;                   ///< of its origin
+  double value = 0;                            ///< Constant; PhaseDelay: its sign
+  std::vector<double> values;                  ///< Constant of width kWide
+  int index = -1;                              ///< of the channel, control, output channel, or flat node
+  int lane = 0;                                ///< the first one of a vectorised vertex
+  int lanes = 1;                               ///< of its origin
   Origin origin;
-  int width = 1;            ///< 1 or kWide
-  int every = 1;            ///< engine frames between two of its samples
-  SignalCrossing crossing;  ///< Crossing
+  int width = 1;              ///< 1 or kWide
+  int divisor = 1;            ///< engine frames between two of its samples
+  RateConversion conversion;  ///< RateConverter
   std::vector<Wire> in;
   int outputs = 1;
   std::string path;

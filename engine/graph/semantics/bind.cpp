@@ -50,7 +50,8 @@ Expression bind_spread(const Value& value, Mistakes& mistakes) {
       mistakes.add(quantity.error());
       return missing_signal(value.at);
     }
-    expression.arguments.push_back(number_expression(quantity->si, quantity->unit.dimension, quantity->bare, end->at));
+    expression.arguments.push_back(
+        number_expression(quantity->si, quantity->unit.dimension, quantity->bare, end->at));
   }
   if (expression.exponential && !(expression.arguments[0].number * expression.arguments[1].number > 0)) {
     mistakes.add(Errc::OutOfRange, value.at, "an exponential spread cannot begin, end or pass at 0",

@@ -10,8 +10,8 @@
 
 namespace tactus {
 
-/// A value in a signal port as a Expression: a number, a quantity or expression in a string, a list of lanes, or a
-/// spread { from, to, curve } over the lanes. With a mistake, the missing signal.
+/// A value in a signal port as a Expression: a number, a quantity or expression in a string, a list of lanes,
+/// or a spread { from, to, curve } over the lanes. With a mistake, the missing signal.
 Expression bind_signal(const Value& value, const Scope& scope, Mistakes& mistakes);
 
 /// Stands for what a mistake left out, and raises no second error.

@@ -1,5 +1,3 @@
-#include "engine/graph/semantics/check_facts.h"
-
 #include <cmath>
 
 #include "engine/graph/file/mistakes.h"
@@ -58,7 +56,8 @@ class Checks {
   void check_expression(const FlatSignal& signal) {
     check_units(signal.expression);
     check_lanes(signal.expression, signal.lanes);
-    if (signal.declared) check_unit_is(signal.expression, *signal.declared, "'" + local_name(signal.path) + "'");
+    if (signal.declared)
+      check_unit_is(signal.expression, *signal.declared, "'" + local_name(signal.path) + "'");
   }
 
   void check_output(const FlatOutput& output) {
@@ -123,7 +122,7 @@ class Checks {
                         : op == Expression::Op::Subtract ? "is taken from"
                         : op == Expression::Op::Lanes    ? "is a lane beside"
                         : op == Expression::Op::Spread   ? "ends a spread from"
-                                                   : "is compared with";
+                                                         : "is compared with";
     mistakes_.add(Errc::UnitMismatch, expression.at,
                   "this is " + spoken(b) + ", but it " + meets + " what is " + spoken(a),
                   op == Expression::Op::Lanes || op == Expression::Op::Spread
@@ -140,7 +139,8 @@ class Checks {
                                  : "give a quantity in " + to_string(wanted));
   }
 
-  void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule, const std::string& owner) {
+  void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule,
+                   const std::string& owner) {
     const auto found = range_of(graph_, expression);
     // Only what the file fixes can be wrong before it runs: numbers, and controls with a range.
     if (!found.bounded()) return;

@@ -26,8 +26,8 @@ struct UnitFact {
   }
 };
 
-/// How a signal comes into a part with a rate of its own, or out of it: see Crossing.
-struct SignalCrossing {
+/// How a signal comes into a part with a rate of its own, or out of it: see RateConverter.
+struct RateConversion {
   enum class How { Last, Smooth, Trigger };
   int from = 1;  ///< engine frames between two samples of what it is made of
   How how = How::Last;
@@ -40,12 +40,12 @@ struct FlatSignal {
   Kind kind = Kind::Expression;
   std::string path;  ///< "bridge.loss.low"
   Source at;
-  int index = -1;                          ///< of the input, control or node
-  int port = 0;                            ///< of the node's output
-  Expression expression;                               ///< Expression
-  std::optional<Dimension> declared;       ///< what the file says the unit is
-  int every = 1;                           ///< engine frames between two samples
-  std::optional<SignalCrossing> crossing;  ///< Expression at the border of a part
+  int index = -1;                            ///< of the input, control or node
+  int port = 0;                              ///< of the node's output
+  Expression expression;                     ///< Expression
+  std::optional<Dimension> declared;         ///< what the file says the unit is
+  int divisor = 1;                           ///< engine frames between two samples
+  std::optional<RateConversion> conversion;  ///< Expression at the border of a part
   // Inferred:
   UnitFact unit;
   int lanes = 1;
@@ -57,13 +57,13 @@ struct FlatNode {
   Source at;
   std::shared_ptr<const NodeType> type;
   std::vector<std::optional<Expression>> inputs;  ///< declaration order; nullopt: left out
-  std::vector<SettingValue> settings;       ///< declaration order
-  std::vector<int> outputs;                 ///< signals, declaration order
-  std::vector<int> compensate;              ///< nodes whose phase delay is taken off `time`
-  int voices = 1;                           ///< lanes asked for with `voices`
-  int every = 1;                            ///< engine frames between two of its own
-  int lanes = 1;                            ///< inferred
-  std::vector<Interval> ranges;             ///< inferred, of the inputs
+  std::vector<SettingValue> settings;             ///< declaration order
+  std::vector<int> outputs;                       ///< signals, declaration order
+  std::vector<int> compensate;                    ///< nodes whose phase delay is taken off `time`
+  int voices = 1;                                 ///< lanes asked for with `voices`
+  int divisor = 1;                                ///< engine frames between two of its own
+  int lanes = 1;                                  ///< inferred
+  std::vector<Interval> ranges;                   ///< inferred, of the inputs
 };
 
 struct FlatInput {

@@ -1,9 +1,6 @@
-#include "engine/graph/semantics/infer.h"
-
 #include <utility>
 #include <vector>
 
-#include "engine/graph/semantics/check_facts.h"
 #include "engine/graph/semantics/facts.h"
 
 namespace tactus {

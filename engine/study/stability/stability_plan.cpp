@@ -70,7 +70,7 @@ class PlanReader {
   bool is_read(const Step& step, int output) const {
     return plan_.outputs[index(step.first_out + output)] != nullptr;
   }
-  int every(const Step& step) const { return plan_.divisors[index(step.divider)]; }
+  int divisor(const Step& step) const { return plan_.divisors[index(step.divider)]; }
   double value(int slot) const { return *plan_.inputs[index(slot)].data; }
 
   void make_outputs(const Step& step) {
@@ -118,8 +118,7 @@ class PlanReader {
         graph_.has_touched |= steep != rest;
         graph_.bends |= steep != rest;
         const double gain = regime_.touched ? touched_slope(operation, k) : rest;
-        if (gain != 0)
-          graph_.edges.push_back({.from = signal(wire), .to = out, .path = path, .gain = gain});
+        if (gain != 0) graph_.edges.push_back({.from = signal(wire), .to = out, .path = path, .gain = gain});
       }
     }
   }
@@ -154,7 +153,9 @@ class PlanReader {
         if (is_read(step, o)) join_port(step, i, o, at, pulls_back);
   }
 
-  PlanSignal source(const Step& step, std::size_t input) const { return source(vertex(step.vertex).in[input]); }
+  PlanSignal source(const Step& step, std::size_t input) const {
+    return source(vertex(step.vertex).in[input]);
+  }
 
   /// To where the regime looks at a law. Whether it pulls back at some place, as a spring does.
   bool take_law(const Step& step, std::vector<double>& at, const std::vector<bool>& moves) {
@@ -182,8 +183,8 @@ class PlanReader {
     for (std::size_t i = 0; i < at.size(); ++i)
       if (const auto other = derived_.of(source(step, i)); moves[i] && other.source == from.source)
         slopes[i] = other.slope;
-    const auto answer = [node = plan_.nodes[index(step.node)], type = vertex(step.vertex).type,
-                         at, moves, slopes](double moved) {
+    const auto answer = [node = plan_.nodes[index(step.node)], type = vertex(step.vertex).type, at, moves,
+                         slopes](double moved) {
       auto there = at;
       for (std::size_t i = 0; i < there.size(); ++i) there[i] += slopes[i] * moved;
       return answer_at(*node, *type, there, moves);
@@ -201,12 +202,12 @@ class PlanReader {
                     .from = signal(from.in[index(input)]),
                     .to = signal(step.vertex, output),
                     .path = path_of(step.vertex),
-                    .frames = std::max(0, node->delay(input, output).most) * every(step),
+                    .frames = std::max(0, node->delay(input, output).most) * divisor(step),
                     .node = node,
                     .input = input,
                     .output = output,
                     .at = at,
-                    .every = every(step)};
+                    .divisor = divisor(step)};
     const auto response = node->response(input, output, kSomewhere, at);
     if (!response) {
       if (const auto instead = stands_for(from.description(), input)) {
@@ -264,11 +265,11 @@ class PlanReader {
                                   .from = from,
                                   .to = signal(step.vertex, o),
                                   .path = path,
-                                  .frames = every(step),
+                                  .frames = divisor(step),
                                   .input = static_cast<int>(s),
                                   .output = o,
                                   .network = number,
-                                  .every = every(step)});
+                                  .divisor = divisor(step)});
     }
   }
 
@@ -294,8 +295,7 @@ class PlanReader {
 
 }  // namespace
 
-Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime,
-                       const std::string& prefix) {
+Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime, const std::string& prefix) {
   return PlanReader{graph, plan, regime, prefix}.run();
 }
 

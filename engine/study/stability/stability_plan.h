@@ -16,7 +16,6 @@ struct Terminals {
 
 /// [control] Adds a plan (compiled with `vectorise` off) as it is at the place where its signals
 /// stand: it must have run, and last for one frame. `prefix` comes before its names.
-Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime,
-                       const std::string& prefix);
+Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime, const std::string& prefix);
 
 }  // namespace tactus

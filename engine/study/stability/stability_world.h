@@ -54,8 +54,7 @@ struct StabilitySubject {
 };
 
 /// [control] Both engines of a scene; for an instrument alone, the second one is the assumed device.
-Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options,
-                                bool vectorise);
+Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options, bool vectorise);
 
 /// An instrument in its world that has run for a moment on silence and unheard, so that every signal stands
 /// where it rests: what the instrument does to the world is what is to be judged, and might explode.

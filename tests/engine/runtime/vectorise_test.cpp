@@ -36,7 +36,7 @@ double relative_difference(const Channels& a, const Channels& b) {
 /// Side by side against one by one, and the block size against itself. Returns the engine that runs side by
 /// side.
 std::unique_ptr<Player> check_vectorised(const std::string& text, double tolerance = 1e-12,
-                                           const std::vector<JournalEntry>& journal = {}) {
+                                         const std::vector<JournalEntry>& journal = {}) {
   auto wide = engine_of(text, true);
   auto scalar = engine_of(text, false);
   wide->set_journal(journal);
@@ -115,12 +115,12 @@ TEST_CASE("side by side: pitches move, by one control or one a lane", "[runtime]
            "m = { type = \"one_pole\", in = \"x + 0.9 * d\", cutoff = \"4 kHz * t\" }\n" +
            mix));
   check_vectorised(body("w = [\"100 Hz\", \"120 Hz\", \"150 Hz\", \"200 Hz\", \"300 Hz\", \"310 Hz\", "
-                          "\"320 Hz\", \"440 Hz\"]\n"
-                          "p = \"bend * w\"\n"
-                          "m = { type = \"string\", in = \"x\", pitch = \"p\" }\n" +
-                              mix,
-                          controls),
-                     1e-12, journal);
+                        "\"320 Hz\", \"440 Hz\"]\n"
+                        "p = \"bend * w\"\n"
+                        "m = { type = \"string\", in = \"x\", pitch = \"p\" }\n" +
+                            mix,
+                        controls),
+                   1e-12, journal);
   const auto engine = check_vectorised(
       body("m = { type = \"low_pass\", in = \"x\", q = \"bend\", cutoff = [\"a\", \"b\", \"a\", \"a + b\", "
            "\"1 kHz\", \"b\", \"a\", \"a\"] }\n" +
@@ -134,9 +134,9 @@ TEST_CASE("side by side: scalars feed voices and hear single ones", "[runtime]")
   // Noise has no wide form: its lanes are packed; a table of levels unpacks them again.
   const auto engine =
       check_vectorised(body("n = { type = \"noise\", voices = 8, level = { from = 0.1, to = 0.8 } }\n"
-                              "m = { type = \"high_pass\", in = \"x + n\", cutoff = \"300 Hz\" }\n"
-                              "h = { type = \"sample_hold\", in = \"m\", trigger = \"5 * x\" }\n"
-                              "y = { type = \"mix\", in = \"h * m\" }\n"));
+                            "m = { type = \"high_pass\", in = \"x + n\", cutoff = \"300 Hz\" }\n"
+                            "h = { type = \"sample_hold\", in = \"m\", trigger = \"5 * x\" }\n"
+                            "y = { type = \"mix\", in = \"h * m\" }\n"));
   CHECK(runs(*engine, "m[0..7]"));
   CHECK(runs(*engine, "h[3]"));
 }

@@ -38,7 +38,8 @@ class Derivations {
   /// By how much a signal moves with its source; nullopt if that is not among `moved`.
   std::optional<double> moved(const PlanSignal& signal, const Displaced& moved) const;
   /// `in`: the operands; those that rest are not read.
-  void note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in, const Operands& operands);
+  void note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in,
+            const Operands& operands);
 
  private:
   std::map<PlanSignal, Derived> known_;

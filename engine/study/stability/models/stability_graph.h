@@ -31,7 +31,7 @@ struct LinearEdge {
   int input = 0, output = 0;    ///< of the node; column and row of a network's model
   std::vector<double> at = {};  ///< the node's inputs
   int network = -1;
-  int every = 1;  ///< engine frames between two of those that it runs in
+  int divisor = 1;  ///< engine frames between two of those that it runs in
 };
 
 /// A place where a force answers a position: what can be too stiff.

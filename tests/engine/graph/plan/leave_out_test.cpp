@@ -16,7 +16,6 @@ TEST_CASE("compile: 10000 nodes of which 12 matter become the steps and the memo
   CHECK(many.operations.size() == few.operations.size());
   CHECK(many.nodes.size() == few.nodes.size());
   CHECK(many.arena.size() == few.arena.size());
-  CHECK(many.constants.size() == few.constants.size());
   CHECK(many.sections.size() == few.sections.size());
   const auto x = test::noise(5000, 1);
   CHECK(test::run(*among, {x}, 5000, {64}) == test::run(*alone, {x}, 5000, {64}));

@@ -23,8 +23,9 @@ std::unique_ptr<Node> made(const NodeType& type) {
 }  // namespace
 
 TEST_CASE("stability law: slopes of operations are their derivatives", "[analysis]") {
-  const auto op = GENERATE(Expression::Op::Add, Expression::Op::Subtract, Expression::Op::Multiply, Expression::Op::Divide,
-                           Expression::Op::Min, Expression::Op::Max, Expression::Op::Negate, Expression::Op::Abs);
+  const auto op = GENERATE(Expression::Op::Add, Expression::Op::Subtract, Expression::Op::Multiply,
+                           Expression::Op::Divide, Expression::Op::Min, Expression::Op::Max,
+                           Expression::Op::Negate, Expression::Op::Abs);
   const auto value = [op](double a, double b) {
     switch (op) {
       case Expression::Op::Add:

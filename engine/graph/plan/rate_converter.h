@@ -20,9 +20,9 @@ namespace tactus {
 ///
 /// The grid is that of absolute frames, so that blocks change nothing. It runs in frames of the faster side,
 /// only `last` on its way in runs in those of the slower one. A reset begins like the first frame.
-class Crossing : public Node {
+class RateConverter : public Node {
  public:
-  Crossing(const SignalCrossing& how, int every, Hertz fast_rate);
+  RateConverter(const RateConversion& how, int divisor, Hertz fast_rate);
 
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override;
@@ -33,14 +33,14 @@ class Crossing : public Node {
   std::string about() const override;
 
   /// Player frames between two of the frames that it runs in.
-  static int runs_every(const SignalCrossing& how, int every);
+  static int runs_every(const RateConversion& how, int divisor);
 
  private:
   void take(const NodeBlock& block) noexcept;
   void give(const NodeBlock& block) noexcept;
   double between(std::int64_t position) const noexcept;
 
-  SignalCrossing::How how_;
+  RateConversion::How how_;
   bool into_;
   int ratio_;
   Hertz fast_rate_;

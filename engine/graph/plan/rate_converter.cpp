@@ -1,4 +1,4 @@
-#include "engine/graph/plan/crossing.h"
+#include "engine/graph/plan/rate_converter.h"
 
 #include <algorithm>
 
@@ -6,31 +6,31 @@
 
 namespace tactus {
 
-using How = SignalCrossing::How;
+using How = RateConversion::How;
 
-Crossing::Crossing(const SignalCrossing& how, int every, Hertz fast_rate)
+RateConverter::RateConverter(const RateConversion& how, int divisor, Hertz fast_rate)
     : how_(how.how),
-      into_(every > how.from),
-      ratio_(into_ ? every / how.from : how.from / every),
+      into_(divisor > how.from),
+      ratio_(into_ ? divisor / how.from : how.from / divisor),
       fast_rate_(fast_rate) {}
 
-int Crossing::runs_every(const SignalCrossing& how, int every) {
-  const bool into = every > how.from;
-  return into && how.how == How::Last ? every : std::min(every, how.from);
+int RateConverter::runs_every(const RateConversion& how, int divisor) {
+  const bool into = divisor > how.from;
+  return into && how.how == How::Last ? divisor : std::min(divisor, how.from);
 }
 
-void Crossing::reset() noexcept {
+void RateConverter::reset() noexcept {
   gathered_ = before_ = latest_ = 0;
   started_ = false;
 }
 
-void Crossing::process(const NodeBlock& block) noexcept {
+void RateConverter::process(const NodeBlock& block) noexcept {
   if (!into_) return give(block);
   if (how_ != How::Last) return take(block);
   for (int m = 0; m < block.frames; ++m) block.out[0][m] = block.in[0][m];
 }
 
-void Crossing::take(const NodeBlock& block) noexcept {
+void RateConverter::take(const NodeBlock& block) noexcept {
   double* out = block.out[0];
   auto position = block.first_frame % ratio_;
   for (int n = 0; n < block.frames; ++n) {
@@ -46,7 +46,7 @@ void Crossing::take(const NodeBlock& block) noexcept {
   }
 }
 
-void Crossing::give(const NodeBlock& block) noexcept {
+void RateConverter::give(const NodeBlock& block) noexcept {
   auto position = block.first_frame % ratio_;
   for (int n = 0, m = 0; n < block.frames; ++n) {
     if (position == 0) {
@@ -60,20 +60,20 @@ void Crossing::give(const NodeBlock& block) noexcept {
   }
 }
 
-double Crossing::between(std::int64_t position) const noexcept {
+double RateConverter::between(std::int64_t position) const noexcept {
   if (how_ == How::Last) return latest_;
   if (how_ == How::Trigger) return position == 0 ? latest_ : 0.0;
   const double part = static_cast<double>(position) / ratio_;
   return (1 - part) * before_ + part * latest_;
 }
 
-DelayRange Crossing::delay(int, int) const {
+DelayRange RateConverter::delay(int, int) const {
   if (into_) return {0, how_ == How::Last ? 0 : ratio_ - 1};
   return {0, how_ == How::Smooth ? ratio_ : ratio_ - 1};
 }
 
-std::optional<std::complex<double>> Crossing::response(int, int, std::complex<double> z,
-                                                       std::span<const double>) const {
+std::optional<std::complex<double>> RateConverter::response(int, int, std::complex<double> z,
+                                                            std::span<const double>) const {
   if (how_ == How::Trigger) return std::nullopt;
   if (into_ && how_ == How::Last) return 1.0;
   std::complex<double> mean = 0, power = 1;
@@ -81,7 +81,7 @@ std::optional<std::complex<double>> Crossing::response(int, int, std::complex<do
   return into_ || how_ == How::Last ? mean : mean * mean / z;
 }
 
-std::string Crossing::about() const {
+std::string RateConverter::about() const {
   const auto frames = std::to_string(ratio_) + " frames";
   const auto late = [&](double of_frames) {
     return short_quantity(of_frames / fast_rate_.value, parse_unit("s")->dimension) + " late";
