@@ -213,7 +213,7 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& inst
 
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict) {
   std::vector<ExtremePlan> plans;
-  if (verdict.bends) return plans;  // what moves far enough to be heard meets another law
+  if (verdict.nonlinear) return plans;  // what moves far enough to be heard meets another law
   // What an event opens and closes is no loop of its own.
   if (std::any_of(verdict.events.begin(), verdict.events.end(), [](const auto& e) { return e.on_loop; }))
     return plans;

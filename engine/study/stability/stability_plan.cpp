@@ -83,7 +83,7 @@ class PlanReader {
       std::string name = from.path;
       if (from.type != nullptr && o > 0) name += "." + from.type->outputs[index(o)].name;
       const int signal = made(step.vertex, o, name);
-      if (is_network(step) && name.ends_with(".wave")) graph_.joints.push_back(signal);
+      if (is_network(step) && name.ends_with(".wave")) graph_.wave_ports.push_back(signal);
     }
   }
 
@@ -116,7 +116,7 @@ class PlanReader {
         const double rest = slope_of(operation.op, operands, k, false);
         const double steep = slope_of(operation.op, operands, k, true);
         graph_.has_touched |= steep != rest;
-        graph_.bends |= steep != rest;
+        graph_.nonlinear |= steep != rest;
         const double gain = regime_.touched ? touched_slope(operation, k) : rest;
         if (gain != 0) graph_.edges.push_back({.from = signal(wire), .to = out, .path = path, .gain = gain});
       }
@@ -164,8 +164,8 @@ class PlanReader {
     const auto steep = steepest(node, *type, at, moves);
     graph_.has_touched |= steep.at != at;
     for (std::size_t i = 0; i < at.size(); ++i)
-      graph_.bends |= steep.bends && moves[i] && is_spring(*type, i, 0);
-    if (steep.bends) note_law(step, at, moves, steep);
+      graph_.nonlinear |= steep.nonlinear && moves[i] && is_spring(*type, i, 0);
+    if (steep.nonlinear) note_law(step, at, moves, steep);
     if (!regime_.touched) return steep.answer > 0;
     bool taken = false;
     for (std::size_t i = 0; i < at.size(); ++i)
@@ -220,7 +220,7 @@ class PlanReader {
     } else if (type != nullptr && type->stateless && *response == 0.0) {
       return;
     } else if (type != nullptr && is_spring(*type, index(input), index(output))) {
-      if (response->real() > 0 && pulls_back) return graph_.crests.push_back(edge.path);
+      if (response->real() > 0 && pulls_back) return graph_.unstable_equilibria.push_back(edge.path);
       return add_stiff(edge, type->name, -response->real());
     }
     graph_.edges.push_back(std::move(edge));
@@ -275,7 +275,7 @@ class PlanReader {
 
   /// What goes in may come out, nobody knows how.
   void skip_network(const Step& step, const std::string& path) {
-    graph_.not_looked_at.push_back(path);
+    graph_.skipped.push_back(path);
     for (int i = 0; i < step.inputs; ++i)
       for (int o = 0; o < step.outputs; ++o) {
         const int from = signal(vertex(step.vertex).in[index(i)]);
@@ -290,7 +290,7 @@ class PlanReader {
   const Regime& regime_;
   std::string prefix_;
   std::vector<std::vector<int>> places_;  ///< [vertex][port] signal of the graph, or -1
-  Derivations derived_;
+  AffineMaps derived_;
 };
 
 }  // namespace

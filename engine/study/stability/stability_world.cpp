@@ -200,7 +200,7 @@ std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime&
 std::vector<Regime> RestingWorld::regimes(double push) const {
   std::vector<Regime> regimes(1);
   const auto free = closed(regimes.front()).graph;
-  const auto places = free.has_touched ? places_of(free.laws) : std::vector<BendPlace>{};
+  const auto places = free.has_touched ? operating_points(free.laws) : std::vector<OperatingPoint>{};
   for (const auto& place : places)
     regimes.push_back({.name = place.name, .touched = true, .moved = place.moved});
   Regime all{.name = "everything touched", .touched = true};

@@ -100,7 +100,7 @@ SteepPlace steepest(const Node& node, const NodeType& type, const std::vector<do
     const auto height = [&](double value) {
       there[i] = value;
       const double found = answer_at(node, type, there, moves);
-      best.bends |= std::abs(found - rest) > 1e-6 * rest;
+      best.nonlinear |= std::abs(found - rest) > 1e-6 * rest;
       return found;
     };
     std::vector<double> middles{at[i], 0.0};

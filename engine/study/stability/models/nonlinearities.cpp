@@ -1,4 +1,4 @@
-#include "engine/study/stability/models/stability_bends.h"
+#include "engine/study/stability/models/nonlinearities.h"
 
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ bool is_linear(Expression::Op op, const Operands& operands) {
 /// The laws that one signal moves, and the places that are worth a look.
 struct Group {
   PlanSignal source;
-  std::vector<const Bend*> laws = {};
+  std::vector<const Nonlinearity*> laws = {};
   struct Choice {
     std::string path;
     double to = 0;
@@ -38,7 +38,7 @@ struct Group {
   /// Whether every law answers as much where the source has moved by `there` as where it has moved by `here`.
   bool serves(double there, double here) const {
     return std::all_of(laws.begin(), laws.end(),
-                       [&](const Bend* law) { return law->answer(there) >= law->answer(here) * (1 - 1e-9); });
+                       [&](const Nonlinearity* law) { return law->answer(there) >= law->answer(here) * (1 - 1e-9); });
   }
 
   void offer(Choice choice) {
@@ -67,7 +67,7 @@ struct Group {
   }
 };
 
-std::vector<Group> groups_of(const std::vector<Bend>& bends) {
+std::vector<Group> groups_of(const std::vector<Nonlinearity>& bends) {
   std::vector<Group> groups;
   for (const auto& bend : bends) {
     auto group =
@@ -80,8 +80,8 @@ std::vector<Group> groups_of(const std::vector<Bend>& bends) {
 }
 
 /// Every place so far with each of the group's; only where there is a choice is it told.
-std::vector<BendPlace> with(const std::vector<BendPlace>& places, const Group& group) {
-  std::vector<BendPlace> further;
+std::vector<OperatingPoint> with(const std::vector<OperatingPoint>& places, const Group& group) {
+  std::vector<OperatingPoint> further;
   for (const auto& place : places)
     for (const auto& choice : group.choices) {
       auto& made = further.emplace_back(place);
@@ -94,12 +94,12 @@ std::vector<BendPlace> with(const std::vector<BendPlace>& places, const Group& g
 
 }  // namespace
 
-Derived Derivations::of(const PlanSignal& signal) const {
+Derived AffineMaps::of(const PlanSignal& signal) const {
   const auto found = known_.find(signal);
   return found == known_.end() ? Derived{signal, 1} : found->second;
 }
 
-void Derivations::note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in,
+void AffineMaps::note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in,
                        const Operands& operands) {
   if (!is_linear(op, operands)) return;
   Derived derived{{}, 0};
@@ -113,13 +113,13 @@ void Derivations::note(const PlanSignal& out, Expression::Op op, const std::arra
   if (derived.source.plan != nullptr) known_[out] = derived;
 }
 
-std::optional<double> Derivations::moved(const PlanSignal& signal, const Displaced& moved) const {
+std::optional<double> AffineMaps::moved(const PlanSignal& signal, const Displaced& moved) const {
   const auto from = of(signal);
   const auto found = moved.find(from.source);
   return found == moved.end() ? std::nullopt : std::optional{from.slope * found->second};
 }
 
-std::optional<Bend> corner(const std::string& path, Expression::Op op, const Operands& operands, int which,
+std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands, int which,
                            const Derived& from) {
   const bool bends = op == Expression::Op::Min || op == Expression::Op::Max || op == Expression::Op::Abs;
   if (!bends || (operands.moves[0] && operands.moves[1])) return std::nullopt;
@@ -135,15 +135,15 @@ std::optional<Bend> corner(const std::string& path, Expression::Op op, const Ope
   double to = 0;
   for (const double beyond : {to_edge + little, to_edge - little})
     if (answer(beyond) > answer(to)) to = beyond;
-  return Bend{path, from.source, to, answer};
+  return Nonlinearity{path, from.source, to, answer};
 }
 
-std::vector<BendPlace> places_of(const std::vector<Bend>& bends) {
+std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& bends) {
   const auto groups = groups_of(bends);
   std::size_t count = 1;
   for (const auto& group : groups) count = std::min(count * group.choices.size(), kMostPlaces + 1);
   if (count > kMostPlaces) return {{kAllSteepest, {}}};
-  std::vector<BendPlace> places(1);
+  std::vector<OperatingPoint> places(1);
   for (const auto& group : groups) places = with(places, group);
   if (places.size() == 1) places.front().name = kAllSteepest;
   return places;

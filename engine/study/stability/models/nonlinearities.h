@@ -31,7 +31,7 @@ struct Derived {
 using Displaced = std::map<PlanSignal, double>;
 
 /// Which signals are sums and multiples of which.
-class Derivations {
+class AffineMaps {
  public:
   /// A signal that nothing is known of is its own source.
   Derived of(const PlanSignal& signal) const;
@@ -46,7 +46,7 @@ class Derivations {
 };
 
 /// A law without memory, or the corner of a minimum or maximum, that one signal takes where it answers most.
-struct Bend {
+struct Nonlinearity {
   std::string path;
   PlanSignal source;
   double to = 0;                         ///< how far the source moves until it is there
@@ -54,10 +54,10 @@ struct Bend {
 };
 
 /// [any] Of a minimum, maximum or absolute value of `from` and what rests; nullopt of other operations.
-std::optional<Bend> corner(const std::string& path, Expression::Op op, const Operands& operands, int which,
+std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands, int which,
                            const Derived& from);
 
-struct BendPlace {
+struct OperatingPoint {
   std::string name;
   Displaced moved;
 };
@@ -67,7 +67,7 @@ struct BendPlace {
 /// ends of a range are never touched at once. Laws on different signals are met in every combination, up to
 /// `kMostPlaces`; beyond that there is one place, where nothing is said to have moved and each law is taken
 /// where it is steepest by itself.
-std::vector<BendPlace> places_of(const std::vector<Bend>& bends);
+std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& bends);
 
 constexpr std::size_t kMostPlaces = 16;
 
