@@ -131,7 +131,7 @@ std::optional<Refusal> read(const CheckOptions& options, CheckJob& job) {
 
 /// Whether it is to hold where the run takes it, and what it does there.
 Checked<ExtremeRun> foresee_and_run(const CheckJob& job, ExtremePlan plan) {
-  if (!plan.linear) plan.expected = holds_with(job.subject(), plan.world, job.options.push);
+  if (!plan.linear) plan.expected = is_stable_with(job.subject(), plan.world, job.options.push);
   return run_extreme(job.subject(), plan);
 }
 

@@ -38,7 +38,7 @@ Json regime_json(const RegimeVerdict& regime) {
     entry.update({{"at", loop.at},
                   {"through", loop.way},
                   {"drive", loop.drive},
-                  {"joint", loop.joint},
+                  {"joint", loop.wave_port},
                   {"integrates", loop.integrates()},
                   {"growth_per_s_below_border", loop.growth_below},
                   {"growth_per_s_above_border", loop.growth_above}});
@@ -53,7 +53,7 @@ Json regime_json(const RegimeVerdict& regime) {
          {"stable_up_to_n_per_m", finite(stiff.stable_up_to)},
          {"border_hz", stiff.border_hz},
          {"passive_up_to_n_per_m", stiff.passive_up_to ? finite(*stiff.passive_up_to) : Json()}});
-  json["crests"] = regime.crests;
+  json["crests"] = regime.unstable_equilibria;
   json["device_damping_n_s_per_m"] = regime.device_damping ? finite(*regime.device_damping) : Json();
   return json;
 }
@@ -69,7 +69,7 @@ Json network_json(const NetworkVerdict& network) {
           {"weakest", network.weakest},
           {"contact_steps", finite(network.contact_steps)},
           {"contact_too_deep", network.too_deep},
-          {"holds", network.holds}};
+          {"holds", network.stable}};
 }
 
 Json run_json(const ExtremeRun& run) {
@@ -92,8 +92,8 @@ Json control_json(const ControlVerdict& control) {
           {"value", control.control.value},
           {"low", control.control.range.low},
           {"high", control.control.range.high},
-          {"holds_at_low", control.holds_low},
-          {"holds_at_high", control.holds_high},
+          {"holds_at_low", control.stable_low},
+          {"holds_at_high", control.stable_high},
           {"border", control.border ? Json(*control.border) : Json()}};
 }
 
@@ -115,7 +115,7 @@ void print_loops(const StabilityVerdict& verdict) {
     for (const auto& loop : regime.loops)
       fmt::print("  {:28} {:8} {:24} {:>10} {:9.4g} {:10.3g} {:>10}\n", regime.name,
                  regime.held ? "held" : "bare", loop.at,
-                 loop.joint          ? "passive"
+                 loop.wave_port          ? "passive"
                  : loop.integrates() ? "integrates"
                                      : decibels(loop.margin.border),
                  loop.margin.border_hz, loop.margin.peak,
@@ -152,8 +152,8 @@ void print_networks(const StabilityVerdict& verdict) {
 void print_controls(const StabilityVerdict& verdict) {
   fmt::print("\n  {:24} {:>14} {:>14} {:>14}\n", "control", "at its lowest", "at its highest", "border");
   for (const auto& control : verdict.controls)
-    fmt::print("  {:24} {:>14} {:>14} {:>14}\n", control.control.name, control.holds_low ? "holds" : "grows",
-               control.holds_high ? "holds" : "grows",
+    fmt::print("  {:24} {:>14} {:>14} {:>14}\n", control.control.name, control.stable_low ? "holds" : "grows",
+               control.stable_high ? "holds" : "grows",
                control.border ? in_unit(*control.border, control.control.unit) : "");
 }
 
@@ -178,7 +178,7 @@ nlohmann::ordered_json to_json(const CheckedSubject& subject, const StabilityVer
             {"sample_rate_hz", verdict.rate.value},
             {"delay_ms", 1e3 * verdict.delay_s},
             {"delay_from", subject.delay_from},
-            {"words", in_words(verdict)}};
+            {"words", describe(verdict)}};
   json["regimes"] = list_of(verdict.regimes, regime_json);
   json["networks"] = list_of(verdict.networks, network_json);
   json["controls"] = list_of(verdict.controls, control_json);
@@ -192,20 +192,20 @@ nlohmann::ordered_json to_json(const CheckedSubject& subject, const StabilityVer
     return {
         {"input", open.input}, {"output", open.output}, {"peak_gain", open.peak}, {"peak_hz", open.peak_hz}};
   });
-  json["not_looked_at"] = verdict.not_looked_at;
+  json["not_looked_at"] = verdict.skipped;
   json["runs"] = list_of(runs, run_json);
   return json;
 }
 
 bool holds(const StabilityVerdict& verdict, const std::vector<ExtremeRun>& runs) {
-  bool all = verdict.holds;
+  bool all = verdict.stable;
   for (const auto& run : runs) all = all && run.as_expected();
   return all;
 }
 
 void print(const CheckedSubject& subject, const StabilityVerdict& verdict,
            const std::vector<ExtremeRun>& runs) {
-  const auto words = in_words(verdict);
+  const auto words = describe(verdict);
   fmt::print("{}: {} ({})\n", subject.name, words.front(), subject.delay_from);
   for (std::size_t i = 1; i < words.size(); ++i) fmt::print("  {}\n", words[i]);
   std::size_t loops = 0, stiff = 0;

@@ -65,7 +65,7 @@ TakeFiles take_files(const LoadedGraph& graph, const NodeTable& table, const fs:
   return files;
 }
 
-std::map<std::string, double> take_settings(const Schedule& schedule) {
+std::map<std::string, double> take_settings(const Plan& schedule) {
   std::map<std::string, double> settings;
   for (const auto& scheduled : schedule.controls) settings[scheduled.control.name] = scheduled.control.value;
   return settings;
@@ -80,8 +80,8 @@ void add_rig(const Rig& rig, const std::string& text, TakeHeader& header) {
   std::for_each(rig.outputs.begin(), rig.outputs.end(), add);
 }
 
-TakeHeader take_header(const Engine& engine, const Guarded& guarded) {
-  const auto& schedule = engine.schedule();
+TakeHeader take_header(const Player& engine, const Guarded& guarded) {
+  const auto& schedule = engine.plan();
   TakeHeader header;
   header.sample_rate = schedule.sample_rate;
   header.inputs = schedule.input_names;

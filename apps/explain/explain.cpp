@@ -8,7 +8,7 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/build_scene.h"
 
 namespace tactus::app {
@@ -25,7 +25,7 @@ struct ExplainOptions {
 
 /// What each step costs: the least of several runs on silence, for other programs only ever make it longer.
 /// What is slow is run for a moment only.
-std::vector<double> measure_steps(Engine& engine, int block) {
+std::vector<double> measure_steps(Player& engine, int block) {
   constexpr int kRounds = 7;
   constexpr int kBlocks = 400;
   constexpr std::chrono::milliseconds kRound{50};
@@ -39,7 +39,7 @@ std::vector<double> measure_steps(Engine& engine, int block) {
   std::vector<double*> out_ptr;
   for (auto& channel : in) in_ptr.push_back(channel.data());
   for (auto& channel : out) out_ptr.push_back(channel.data());
-  std::vector<double> least(engine.schedule().steps.size(), 1e300);
+  std::vector<double> least(engine.plan().steps.size(), 1e300);
   std::vector<double> before = engine.step_nanoseconds();
   for (int round = 0; round < kRounds; ++round) {
     const auto end = std::chrono::steady_clock::now() + kRound;
@@ -58,59 +58,65 @@ const char* kind_of(const Step& step) {
   return kKinds[static_cast<int>(step.kind)];
 }
 
-std::string what_runs(const Schedule& schedule, const Step& step) {
+const Vertex& vertex_of(const Plan& plan, const Step& step) {
+  return plan.vertices[static_cast<std::size_t>(step.vertex)];
+}
+
+std::string name_of(const Plan& plan, const Step& step) {
+  return step.vertex < 0 ? "outside" : vertex_of(plan, step).path;
+}
+
+std::string what_runs(const Plan& plan, const Step& step) {
   if (step.kind == Step::Kind::Operations)
     return fmt::format("{} operation{}", step.operations, step.operations == 1 ? "" : "s");
   if (step.node < 0) return "the instrument answers";
-  return schedule.whats[static_cast<std::size_t>(step.node)];
+  return vertex_of(plan, step).description();
 }
 
-std::size_t memory_of(const Schedule& schedule) {
-  return schedule.arena.size() * sizeof(double) + schedule.steps.size() * sizeof(Step) +
-         schedule.inputs.size() * sizeof(Signal) + schedule.outputs.size() * sizeof(double*) +
-         schedule.operations.size() * sizeof(MicroOperation) + schedule.constants.size() * sizeof(double) +
-         schedule.wide_constants.size() * kWide * sizeof(double);
+std::size_t memory_of(const Plan& plan) {
+  return plan.arena.size() * sizeof(double) + plan.steps.size() * sizeof(Step) +
+         plan.inputs.size() * sizeof(Signal) + plan.outputs.size() * sizeof(double*) +
+         plan.operations.size() * sizeof(MicroOperation);
 }
 
 /// What a node tells about itself; of one that runs in two halves, once.
-std::string about_step(const Schedule& schedule, const Step& step) {
+std::string about_step(const Plan& plan, const Step& step) {
   return step.node < 0 || step.kind == Step::Kind::Absorb
              ? std::string{}
-             : schedule.nodes[static_cast<std::size_t>(step.node)]->about();
+             : plan.nodes[static_cast<std::size_t>(step.node)]->about();
 }
 
 void add_left_out(Json& json, const std::vector<LeftOut>& left_out) {
   for (const auto& left : left_out) json["left_out"].push_back({{"name", left.path}, {"why", left.reason}});
 }
 
-Json explain_engine(Engine& engine, const std::string& title, int block) {
-  const auto& schedule = engine.schedule();
+Json explain_engine(Player& engine, const std::string& title, int block) {
+  const auto& plan = engine.plan();
   const auto costs = measure_steps(engine, block);
   Json json{{"graph", title},
-            {"sample_rate_hz", schedule.sample_rate.value},
-            {"signal_memory_bytes", memory_of(schedule)},
+            {"sample_rate_hz", plan.sample_rate.value},
+            {"signal_memory_bytes", memory_of(plan)},
             {"about", Json::array()}};
   json["sections"] = Json::array();
-  for (const auto& section : schedule.sections) {
+  for (const auto& section : plan.sections) {
     Json part{{"loop", section.loop}, {"sub_block_frames", section.sub_block}, {"steps", Json::array()}};
     for (int s = section.first_step; s < section.end_step; ++s) {
-      const auto& step = schedule.steps[static_cast<std::size_t>(s)];
-      if (const auto about = about_step(schedule, step); !about.empty())
-        json["about"].push_back(
-            {{"name", schedule.paths[static_cast<std::size_t>(step.path)]}, {"what", about}});
-      part["steps"].push_back({{"name", schedule.paths[static_cast<std::size_t>(step.path)]},
-                               {"what", what_runs(schedule, step)},
+      const auto& step = plan.steps[static_cast<std::size_t>(s)];
+      if (const auto about = about_step(plan, step); !about.empty())
+        json["about"].push_back({{"name", name_of(plan, step)}, {"what", about}});
+      part["steps"].push_back({{"name", name_of(plan, step)},
+                               {"what", what_runs(plan, step)},
                                {"how", kind_of(step)},
                                {"ns_per_frame", costs[static_cast<std::size_t>(s)]}});
     }
     json["sections"].push_back(part);
   }
   json["loops"] = Json::array();
-  for (const auto& loop : schedule.loops)
+  for (const auto& loop : plan.loops)
     json["loops"].push_back(
         {{"through", loop.paths}, {"delay_frames", loop.delay_frames}, {"sub_block_frames", loop.sub_block}});
   json["left_out"] = Json::array();
-  add_left_out(json, schedule.left_out);
+  add_left_out(json, plan.left_out);
   return json;
 }
 
@@ -165,11 +171,11 @@ std::vector<LeftOut> around(const SceneSpec& scene, const BuiltScene& built) {
 }
 
 int finish(const ExplainOptions& options, const std::vector<LeftOut>& around,
-           std::vector<std::pair<std::string, Engine*>> engines) {
+           std::vector<std::pair<std::string, Player*>> engines) {
   Json all = Json::array();
   for (const auto& [title, engine] : engines) {
     if (auto status = engine->prepare(
-            {engine->schedule().sample_rate, engine->in_channels(), engine->out_channels(), options.block});
+            {engine->plan().sample_rate, engine->in_channels(), engine->out_channels(), options.block});
         !status)
       return report(status.error());
     all.push_back(explain_engine(*engine, title, options.block));
@@ -204,9 +210,9 @@ int run(const ExplainOptions& options) {
   const auto loaded = load_graph_leniently(file, root_of(file));
   CompileOptions compile_options;
   compile_options.sample_rate = *rate;
-  auto schedule = compile(loaded, standard_nodes(), compile_options);
-  if (!schedule) return report(schedule.error());
-  Engine engine{std::move(*schedule)};
+  auto plan = compile(loaded, standard_nodes(), compile_options);
+  if (!plan) return report(plan.error());
+  Player engine{std::move(*plan)};
   return finish(options, around(*loaded.spec), {{loaded.spec->name, &engine}});
 }
 

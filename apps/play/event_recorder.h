@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/play/play_report.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 
 namespace tactus::app {
 
@@ -14,7 +14,7 @@ namespace tactus::app {
 /// the sink.
 class EventRecorder {
  public:
-  EventRecorder(const Engine& engine, std::vector<std::string> names)
+  EventRecorder(const Player& engine, std::vector<std::string> names)
       : engine_(engine), names_(std::move(names)), taps_(names_.size()) {}
 
   void take(int frames) {
@@ -25,7 +25,7 @@ class EventRecorder {
   nlohmann::ordered_json events(Hertz sample_rate) const { return events_json(names_, taps_, sample_rate); }
 
  private:
-  const Engine& engine_;
+  const Player& engine_;
   std::vector<std::string> names_;
   std::vector<std::vector<double>> taps_;
 };

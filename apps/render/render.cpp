@@ -17,7 +17,7 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/guard_report.h"
 
@@ -99,14 +99,14 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
   auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
   if (!options.delay.empty()) announce_delay(*loaded.spec, *delay);
-  Engine engine{std::move(*schedule)};
+  Player engine{std::move(*schedule)};
   const auto drives = apply(options.guard, {}, root_of(file));
   if (!drives) return report(drives.error());
-  Guarded guarded{engine, guarded_channels(engine.schedule(), *drives)};
+  Guarded guarded{engine, guarded_channels(engine.plan(), *drives)};
   EventRecorder recorder{engine, compile_options.taps};
 
   const auto frames = input->frames();
-  const auto outputs = output_names(engine.schedule()), sounds = sound_names(engine.schedule());
+  const auto outputs = output_names(engine.plan()), sounds = sound_names(engine.plan());
   Samples output;
   output.sample_rate = input->sample_rate;
   output.channels.resize(outputs.size());
@@ -144,7 +144,7 @@ int render_instrument(const RenderOptions& options, const std::filesystem::path&
                {"faults", Json::array()}};
   for (const auto& fault : engine.faults())
     summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
-  const auto guard = report_of(guarded, engine.schedule(), *drives);
+  const auto guard = report_of(guarded, engine.plan(), *drives);
   summary["guard"] = guard_json(guard, input->sample_rate);
   if (options.json) {
     fmt::print("{}\n", summary.dump(2));

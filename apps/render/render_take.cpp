@@ -121,20 +121,20 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
   compile_options.controls = *settings;
   auto schedule = compile(loaded, standard_nodes(), compile_options);
   if (!schedule) return report(schedule.error());
-  Engine engine{std::move(*schedule)};
+  Player engine{std::move(*schedule)};
   engine.set_journal(journal_for(open.take, engine));
   const auto drives = apply(options.guard, recorded_drives(header), root_of(file));
   if (!drives) return report(drives.error());
-  const auto& inputs = engine.schedule().input_names;
+  const auto& inputs = engine.plan().input_names;
   const auto sensors = sensors_for(header, inputs);
   RigInputs rig{engine, scales_for(header, sensors), header.padding_frames};
-  Guarded guarded{rig, guarded_channels(engine.schedule(), *drives), header.armed};
+  Guarded guarded{rig, guarded_channels(engine.plan(), *drives), header.armed};
   const ReplayHost host{guarded, sensors, engine.out_channels(), {}, false};
   const auto replayed = play_into(options, open, host);
   if (!replayed) return report(replayed.error());
   if (options.json) {
     auto json = take_json(open, *replayed, loaded.spec->name);
-    json["outputs"] = output_names(engine.schedule());
+    json["outputs"] = output_names(engine.plan());
     fmt::print("{}\n", json.dump(2));
     return kDone;
   }

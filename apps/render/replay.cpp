@@ -47,8 +47,8 @@ RebuiltGraph::~RebuiltGraph() {
   fs::remove_all(folder_, ignored);
 }
 
-Checked<std::unique_ptr<Schedule>> RebuiltGraph::compile_version(
-    const TakeFiles& files, const std::map<std::string, double>& settings) {
+Checked<std::unique_ptr<Plan>> RebuiltGraph::compile_version(const TakeFiles& files,
+                                                             const std::map<std::string, double>& settings) {
   // All versions in one place: a node that plays a sound file is another one if the path is another one.
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
@@ -70,7 +70,7 @@ Checked<std::unique_ptr<RebuiltGraph>> RebuiltGraph::build(const TakeHeader& hea
   std::unique_ptr<RebuiltGraph> graph{new RebuiltGraph{header}};
   auto schedule = graph->compile_version(header.files, header.settings);
   if (!schedule) return tl::unexpected(schedule.error());
-  graph->engine_ = std::make_unique<Engine>(std::move(*schedule));
+  graph->engine_ = std::make_unique<Player>(std::move(*schedule));
   graph->rig_ = rig_of(header, *graph->engine_);
   return graph;
 }
@@ -81,7 +81,7 @@ Status RebuiltGraph::replace(const TakeEdit& edit) {
   return engine_->replace(std::move(*schedule));
 }
 
-std::vector<JournalEntry> journal_for(const Take& take, const Engine& engine) {
+std::vector<JournalEntry> journal_for(const Take& take, const Player& engine) {
   // Numbers stay; edits only add some.
   const auto& names = take.edits.empty() ? take.header.controls : take.edits.back().controls;
   std::vector<JournalEntry> entries;

@@ -8,7 +8,7 @@
 
 #include "backends/take/replay.h"
 #include "engine/rig/rig_inputs.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 
 namespace tactus::app {
 
@@ -23,7 +23,7 @@ class RebuiltGraph {
   RebuiltGraph& operator=(const RebuiltGraph&) = delete;
 
   const std::string& name() const { return name_; }
-  Engine& engine() { return *engine_; }
+  Player& engine() { return *engine_; }
   /// What the guard takes: the engine, and before it what the rig did to the inputs.
   BlockProcessor& processor() { return rig_ == nullptr ? static_cast<BlockProcessor&>(*engine_) : *rig_; }
   /// [control] What `ReplayHost::replace` wants.
@@ -31,19 +31,19 @@ class RebuiltGraph {
 
  private:
   explicit RebuiltGraph(const TakeHeader& header);
-  Checked<std::unique_ptr<Schedule>> compile_version(const TakeFiles& files,
-                                                     const std::map<std::string, double>& settings);
+  Checked<std::unique_ptr<Plan>> compile_version(const TakeFiles& files,
+                                                 const std::map<std::string, double>& settings);
 
   const TakeHeader& header_;
   std::filesystem::path folder_;
   std::string name_;
-  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Player> engine_;
   std::unique_ptr<RigInputs> rig_;
 };
 
 /// The changes of controls of a take as another graph counts them, by name; those that it does not have are
 /// left out, like edits.
-std::vector<JournalEntry> journal_for(const Take& take, const Engine& engine);
+std::vector<JournalEntry> journal_for(const Take& take, const Player& engine);
 
 /// Which recorded sensor each input of a graph hears, by name; -1: none.
 std::vector<int> sensors_for(const TakeHeader& header, const std::vector<std::string>& inputs);

@@ -19,7 +19,7 @@ Status check(const SimulatedWorld& world, const StreamRequest& request) {
   if (!request.device.empty() && request.device != kDeviceId)
     return fail(Errc::UnknownName, "", fmt::format("there is no device '{}'", request.device),
                 fmt::format("the only one here is '{}'", kDeviceId));
-  const auto rate = world.plant.schedule().sample_rate;
+  const auto rate = world.plant.plan().sample_rate;
   if (request.sample_rate && *request.sample_rate != rate)
     return fail(Errc::BadArgument, kDeviceId,
                 fmt::format("{} Hz is not to be had, the world runs at {} Hz", request.sample_rate->value,
@@ -132,7 +132,7 @@ Result<std::vector<Device>> SimulatedBackend::devices() {
   device.name = "the simulated world";
   device.in_channels = sensors_of(world_);
   device.out_channels = drives_of(world_);
-  device.default_rate = world_.plant.schedule().sample_rate;
+  device.default_rate = world_.plant.plan().sample_rate;
   device.sample_rates = {device.default_rate};
   device.is_default = true;
   return std::vector<Device>{device};
@@ -144,7 +144,7 @@ Result<std::unique_ptr<Stream>> SimulatedBackend::open(const StreamRequest& requ
     return fail(Errc::Device, kDeviceId, "another stream plays in this world", "close that one first");
   std::shared_ptr<void> use = std::make_shared<int>();
   auto stream = std::make_unique<SimulatedStream>(world_, processor, use);
-  const auto rate = world_.plant.schedule().sample_rate;
+  const auto rate = world_.plant.plan().sample_rate;
   if (auto status = stream->prepare(rate, request.block_frames.value_or(world_.block_frames)); !status)
     return tl::unexpected(status.error());
   in_use_ = use;

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "backends/backend.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/file/scene_spec.h"
 
@@ -12,7 +12,7 @@ namespace tactus {
 
 /// A stretch of the simulated world: what lies around the instrument, and for how long.
 struct SimulatedWorld {
-  Engine& plant;                       ///< compiled for the rate at which the world runs
+  Player& plant;                       ///< compiled for the rate at which the world runs
   int delay_frames = 0;                ///< system delay; 0 needs a plant compiled with `closed_outside`
   Converters converters = {};          ///< of the simulated card
   std::int64_t frames = 0;             ///< how long a run lasts

@@ -13,7 +13,7 @@
 namespace tactus {
 
 /// What a take is played through. The entries of the engine (`Take::engine`) are its own affair: give them to
-/// Engine::set_journal.
+/// Player::set_journal.
 struct ReplayHost {
   Guarded& guarded;          ///< the same: made with `guard` and `armed` of the header
   std::vector<int> sensors;  ///< [input] its recorded sensor; -1: silence

@@ -53,10 +53,10 @@ class TakeRecorder {
   TakeRecorder(const TakeRecorder&) = delete;
   TakeRecorder& operator=(const TakeRecorder&) = delete;
 
-  /// [control] For Guarded::set_tap and Engine::set_tap.
+  /// [control] For Guarded::set_tap and Player::set_tap.
   TakeRing& tap() { return *ring_; }
-  /// [control] Engine::replace took this version. Its frame is filled in when it takes over. `controls`: all
-  /// names by number, as Engine::control_index counts them.
+  /// [control] Player::replace took this version. Its frame is filled in when it takes over. `controls`: all
+  /// names by number, as Player::control_index counts them.
   void note_edit(TakeEdit edit);
   /// [control]
   TakeStatus status() const;

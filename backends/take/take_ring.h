@@ -29,7 +29,7 @@ class TakeRing final : public BlockTap {
   /// [control] Room for `frames` frames of `in_channels` + `out_channels` samples.
   TakeRing(int in_channels, int out_channels, std::int64_t frames);
 
-  /// [realtime] Hears Guarded and Engine alike.
+  /// [realtime] Hears Guarded and Player alike.
   void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING override;
   void observe(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override;
 

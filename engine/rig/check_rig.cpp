@@ -246,7 +246,7 @@ std::shared_ptr<const GraphSpec> without_left_out(const Rig& rig,
   return played;
 }
 
-Checked<RigWiring> wire_rig(const Rig& rig, const Schedule& schedule) {
+Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule) {
   RigWiring wiring;
   Mistakes mistakes{rig.file};
   Lanes lanes;

@@ -5,7 +5,7 @@
 
 #include "engine/core/error.h"
 #include "engine/graph/file/spec.h"
-#include "engine/graph/plan/schedule.h"
+#include "engine/graph/plan/plan.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"
 
@@ -31,7 +31,7 @@ struct RigWiring {
 
 /// [control] `schedule`: compiled from `without_left_out`, for a rig that `check_rig` found nothing against.
 /// Errors: OutOfRange for a port whose lanes are not as many as its channels.
-Checked<RigWiring> wire_rig(const Rig& rig, const Schedule& schedule);
+Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule);
 
 /// [control] Frames to add so that the system delay is `target` whatever the card's own is. Errors, at
 /// `where`: Missing when that was never measured; OutOfRange when it is longer already.

@@ -1,20 +1,17 @@
-#include "engine/runtime/handover.h"
-
 #include <algorithm>
-#include <optional>
+#include <bit>
+#include <map>
+#include <tuple>
 #include <unordered_map>
 
 #include "engine/graph/node.h"
-#include "engine/runtime/anatomy.h"
+#include "engine/runtime/replacement.h"
 
 namespace tactus {
 namespace {
 
-using Part = Anatomy::Part;
-using Operand = Anatomy::Operand;
-
-Status same_border(const Schedule& before, const Schedule& after) {
-  const auto same_channel = [](const ScheduledChannel& a, const ScheduledChannel& b) {
+Status same_border(const Plan& before, const Plan& after) {
+  const auto same_channel = [](const PlannedChannel& a, const PlannedChannel& b) {
     return a.name == b.name && a.use == b.use;
   };
   const char* what = nullptr;
@@ -30,42 +27,74 @@ Status same_border(const Schedule& before, const Schedule& after) {
               "stop it and play it again");
 }
 
+/// Finds in the plan before the vertex that a vertex of the new plan continues: by kind, name, and which of
+/// several with that name it is.
+class Twins {
+ public:
+  explicit Twins(const Plan& before) {
+    for (std::size_t v = 0; v < before.vertices.size(); ++v)
+      known_.emplace(key(before, before.vertices[v]), static_cast<int>(v));
+  }
+  /// Index in the vertices of the plan before, or -1.
+  int of(const Plan& after, const Vertex& vertex) const {
+    const auto found = known_.find(key(after, vertex));
+    return found == known_.end() ? -1 : found->second;
+  }
+
+ private:
+  using Key = std::tuple<Vertex::Kind, std::string_view, int>;
+
+  static Key key(const Plan& plan, const Vertex& vertex) {
+    using Kind = Vertex::Kind;
+    if (vertex.runs >= 0) return {Kind::Node, vertex.path, vertex.nth};
+    if (vertex.kind == Kind::Input) return {vertex.kind, {}, vertex.index};
+    if (vertex.kind == Kind::Control)
+      return {vertex.kind, plan.controls[static_cast<std::size_t>(vertex.index)].control.name, 0};
+    return {vertex.kind, vertex.kind == Kind::Operation ? vertex.path : std::string_view{}, vertex.nth};
+  }
+
+  std::map<Key, int> known_;
+};
+
 class Planner {
  public:
   Planner(const Running& before, Running& after)
-      : old_(before), new_(after), was_(anatomy(*before.schedule)), is_(anatomy(*after.schedule)) {
+      : old_(before), new_(after), was_(*before.plan), is_(*after.plan) {
+    const Twins twins{was_};
+    for (const auto& vertex : is_.vertices) twin_.push_back(twins.of(is_, vertex));
     for (std::size_t r = 0; r < old_.ramps.size(); ++r)
-      for (const int slot : old_.ramps[r].mover.readers.slots) ramp_at_.emplace(slot, static_cast<int>(r));
+      for (const int slot : old_.ramps[r].control.readers.slots) ramp_at_.emplace(slot, static_cast<int>(r));
   }
 
   void run() {
     pair_controls();
-    changed_.assign(is_.parts.size(), false);
-    for (std::size_t p = 0; p < is_.parts.size(); ++p) compare(p);
+    changed_.assign(is_.vertices.size(), false);
+    for (std::size_t v = 0; v < is_.vertices.size(); ++v)
+      if (is_step(is_.vertices[v])) compare(v);
     pair_silences();
     spread_changes();
-    for (std::size_t c = 0; c < new_.outputs.size(); ++c) {
-      const auto channel = static_cast<std::size_t>(new_.outputs[c]);
-      const auto& now = is_.channels[channel];
-      new_.handover.jumps.push_back(now.source != was_.channels[channel].source ||
-                                    now.constant != was_.channels[channel].constant || is_changed(now));
-    }
+    for (const int output : new_.outputs)
+      new_.handover.jumps.push_back(jumps(static_cast<std::size_t>(output)));
   }
 
  private:
-  /// Which entry of `silent_until` holds for each node: that of its step, or of the loop that it is in.
-  static std::vector<int> silence_of_nodes(const Schedule& schedule) {
-    std::vector<int> found(schedule.nodes.size(), 0);
-    for (const auto& section : schedule.sections)
+  static bool is_step(const Vertex& vertex) {
+    return vertex.runs >= 0 || vertex.kind == Vertex::Kind::Operation;
+  }
+
+  /// Which entry of `silent_until` applies to each node: that of its step, or of the loop that it is in.
+  static std::vector<int> silence_of_nodes(const Plan& plan) {
+    std::vector<int> found(plan.nodes.size(), 0);
+    for (const auto& section : plan.sections)
       for (int s = section.first_step; s < section.end_step; ++s)
-        if (const int node = schedule.steps[static_cast<std::size_t>(s)].node; node >= 0)
+        if (const int node = plan.steps[static_cast<std::size_t>(s)].node; node >= 0)
           found[static_cast<std::size_t>(node)] = section.loop ? section.first_step : s;
     return found;
   }
 
   /// A fault's silence goes on.
   void pair_silences() {
-    const auto was = silence_of_nodes(*old_.schedule), is = silence_of_nodes(*new_.schedule);
+    const auto was = silence_of_nodes(was_), is = silence_of_nodes(is_);
     for (const auto [from, to] : new_.handover.nodes)
       new_.handover.silences.push_back(
           {was[static_cast<std::size_t>(from)], is[static_cast<std::size_t>(to)]});
@@ -74,7 +103,7 @@ class Planner {
   void pair_controls() {
     std::unordered_map<std::string, int> index;
     for (std::size_t c = 0; c < new_.controls.size(); ++c)
-      index.emplace(new_.schedule->controls[c].control.name, static_cast<int>(c));
+      index.emplace(new_.plan->controls[c].control.name, static_cast<int>(c));
     std::vector<bool> known(new_.controls.size(), false);
     new_.control_of.assign(old_.control_of.size(), -1);
     new_.control_names = old_.control_names;
@@ -88,81 +117,94 @@ class Planner {
     for (std::size_t c = 0; c < known.size(); ++c) {
       if (known[c]) continue;
       new_.control_of.push_back(static_cast<int>(c));
-      new_.control_names.push_back(new_.schedule->controls[c].control.name);
+      new_.control_names.push_back(new_.plan->controls[c].control.name);
     }
   }
 
   void pair_control(int from, int to) {
-    const auto& before = old_.schedule->controls[static_cast<std::size_t>(from)];
-    const auto& after = new_.schedule->controls[static_cast<std::size_t>(to)];
+    const auto& before = old_.plan->controls[static_cast<std::size_t>(from)];
+    const auto& after = new_.plan->controls[static_cast<std::size_t>(to)];
     if (after.frozen) return;  // a node was made with the value of the file
     new_.handover.controls.push_back({from, to});
     new_.handover.new_value.push_back(before.control.value != after.control.value);
   }
 
-  void compare(std::size_t p) {
-    const Part& now = is_.parts[p];
-    const auto found = was_.index.find(now.name);
-    changed_[p] = true;
-    if (found == was_.index.end()) return;
-    const Part& then = was_.parts[found->second];
-    if (then.made_from != now.made_from || then.operands.size() != now.operands.size()) {
-      if (then.node >= 0 && now.node >= 0) new_.handover.remade.push_back({then.node, now.node});
+  void compare(std::size_t v) {
+    const auto& now = is_.vertices[v];
+    changed_[v] = true;
+    if (twin_[v] < 0) return;
+    const auto& then = was_.vertices[static_cast<std::size_t>(twin_[v])];
+    const bool same_making = now.runs >= 0 ? then.fingerprint == now.fingerprint : then.op == now.op;
+    if (!same_making || then.in.size() != now.in.size()) {
+      if (now.runs >= 0) new_.handover.remade.push_back({then.runs, now.runs});
       return;
     }
-    if (now.node >= 0) new_.handover.nodes.push_back({then.node, now.node});
-    changed_[p] = false;
-    for (std::size_t i = 0; i < now.operands.size(); ++i)
-      if (!same(then.operands[i], now.operands[i], now.pace)) changed_[p] = true;
+    if (now.runs >= 0) new_.handover.nodes.push_back({then.runs, now.runs});
+    changed_[v] = false;
+    for (int i = 0; i < static_cast<int>(now.in.size()); ++i)
+      if (!same_operand(then, now, i)) changed_[v] = true;
   }
 
   /// Constants are the same in this sense even if their values differ: then one moves to the other.
-  bool same(const Operand& then, const Operand& now, int pace) {
-    const auto ramp = ramp_at_.find(then.slot);
+  bool same_operand(const Vertex& then, const Vertex& now, int i) {
+    const auto& was = then.in[static_cast<std::size_t>(i)];
+    const auto& is = now.in[static_cast<std::size_t>(i)];
+    const auto before = was_.constant(was), after = is_.constant(is);
+    if (before.has_value() != after.has_value()) return false;
+    if (!before) return same_source(was, is);
+    const auto ramp = ramp_at_.find(then.first_in + i);
     const bool moves = ramp != ramp_at_.end();
-    const auto before =
-        moves ? old_.ramps[static_cast<std::size_t>(ramp->second)].mover.value.to : then.constant;
-    if (before.has_value() != now.constant.has_value()) return false;
-    if (!before) return then.source == now.source;
-    if (moves || *before != *now.constant) add_ramp(now, pace, *before, moves ? ramp->second : -1);
+    if (moves || *before != *after) add_ramp(now, i, *before, *after, moves ? ramp->second : -1);
     return true;
   }
 
-  void add_ramp(const Operand& now, int pace, double before, int ramp_before) {
+  bool same_source(const Wire& then, const Wire& now) const {
+    const auto &was = was_.vertex_of(then), &is = is_.vertex_of(now);
+    if (is.kind == Vertex::Kind::Constant)
+      return was.kind == Vertex::Kind::Constant &&
+             std::equal(was.values.begin(), was.values.end(), is.values.begin(), is.values.end(), same_bits);
+    return twin_[static_cast<std::size_t>(now.vertex)] == then.vertex && then.port == now.port &&
+           std::max(0, then.lane) == std::max(0, now.lane);
+  }
+
+  static bool same_bits(double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  }
+
+  void add_ramp(const Vertex& now, int input, double before, double after, int ramp_before) {
     auto& ramp = new_.ramps.emplace_back();
     ramp.before = ramp_before;
-    ramp.pace = pace;
+    const auto& divisors = is_.divisors;
+    const int divisor = now.kind == Vertex::Kind::RateConverter ? now.conversion.from : now.divisor;
+    ramp.divider = static_cast<int>(std::find(divisors.begin(), divisors.end(), divisor) - divisors.begin());
     ramp.samples.assign(kMaxPiece, 0.0);
-    ramp.mover.readers.slots = {now.slot};
-    ramp.mover.value = {before, *now.constant, 0, 0};
-    ramp.mover.buffer = ramp.samples.data();
-    new_.schedule->inputs[static_cast<std::size_t>(now.slot)].data = ramp.samples.data();
+    const int slot = now.first_in + input;
+    ramp.control.readers.slots = {slot};
+    ramp.control.value = {before, after, 0, 0};
+    ramp.control.buffer = ramp.samples.data();
+    new_.plan->inputs[static_cast<std::size_t>(slot)].data = ramp.samples.data();
   }
 
-  /// The part that an operand comes from, if it is one's.
-  std::optional<std::size_t> part_of(const Operand& operand) const {
-    const auto part = is_.index.find(operand.source.substr(0, operand.source.find_last_of(':')));
-    return part == is_.index.end() ? std::nullopt : std::optional{part->second};
-  }
-
-  bool is_changed(const Operand& operand) const {
-    const auto part = part_of(operand);
-    return part && changed_[*part];
+  bool jumps(std::size_t channel) const {
+    const auto &then = was_.channels[channel].from, &now = is_.channels[channel].from;
+    const auto before = was_.constant(then), after = is_.constant(now);
+    if (before || after) return before != after;
+    return !same_source(then, now) || changed_[static_cast<std::size_t>(now.vertex)];
   }
 
   /// Whoever reads what changed has changed.
   void spread_changes() {
-    std::vector<std::vector<std::size_t>> readers(is_.parts.size());
+    std::vector<std::vector<std::size_t>> readers(is_.vertices.size());
     std::vector<std::size_t> work;
-    for (std::size_t p = 0; p < is_.parts.size(); ++p) {
-      if (changed_[p]) work.push_back(p);
-      for (const auto& operand : is_.parts[p].operands)
-        if (const auto source = part_of(operand)) readers[*source].push_back(p);
+    for (std::size_t v = 0; v < is_.vertices.size(); ++v) {
+      if (changed_[v]) work.push_back(v);
+      if (!is_step(is_.vertices[v])) continue;
+      for (const auto& wire : is_.vertices[v].in) readers[static_cast<std::size_t>(wire.vertex)].push_back(v);
     }
     while (!work.empty()) {
-      const auto p = work.back();
+      const auto v = work.back();
       work.pop_back();
-      for (const auto reader : readers[p]) {
+      for (const auto reader : readers[v]) {
         if (changed_[reader]) continue;
         changed_[reader] = true;
         work.push_back(reader);
@@ -172,15 +214,16 @@ class Planner {
 
   const Running& old_;
   Running& new_;
-  Anatomy was_, is_;
-  std::unordered_map<int, int> ramp_at_;  ///< [slot of the schedule before] its ramp
-  std::vector<bool> changed_;             ///< [part]
+  const Plan &was_, &is_;
+  std::vector<int> twin_;                 ///< [vertex] the one before that it continues, or -1
+  std::unordered_map<int, int> ramp_at_;  ///< [slot of the plan before] its ramp
+  std::vector<bool> changed_;             ///< [vertex]
 };
 
 }  // namespace
 
 Status plan_handover(const Running& before, Running& after) {
-  if (auto status = same_border(*before.schedule, *after.schedule); !status) return status;
+  if (auto status = same_border(*before.plan, *after.plan); !status) return status;
   Planner{before, after}.run();
   return {};
 }

@@ -27,9 +27,9 @@ void unary(const Signal* in, double* out, int frames, F f) noexcept {
   for (int n = 0; n < frames; ++n) out[n] = f(in[0].data[n * in[0].stride]);
 }
 
-template <Term::Op kOp>
+template <Expression::Op kOp>
 void run(const Signal* in, double* out, int frames) noexcept {
-  if constexpr (kOp == Term::Op::Negate || kOp == Term::Op::Abs || kOp == Term::Op::Signal)
+  if constexpr (kOp == Expression::Op::Negate || kOp == Expression::Op::Abs || kOp == Expression::Op::Signal)
     unary(in, out, frames, [](double a) { return apply(kOp, a, 0); });
   else
     binary(in, out, frames, [](double a, double b) { return apply(kOp, a, b); });
@@ -37,30 +37,30 @@ void run(const Signal* in, double* out, int frames) noexcept {
 
 }  // namespace
 
-void run_operation_row(Term::Op op, const Signal* in, double* out, int frames) noexcept {
+void run_operation_row(Expression::Op op, const Signal* in, double* out, int frames) noexcept {
   if (in[0].constant() && in[1].constant()) {  // controls at rest
     std::fill_n(out, frames, apply(op, in[0][0], in[1][0]));
     return;
   }
   switch (op) {
-    case Term::Op::Negate:
-      return run<Term::Op::Negate>(in, out, frames);
-    case Term::Op::Add:
-      return run<Term::Op::Add>(in, out, frames);
-    case Term::Op::Subtract:
-      return run<Term::Op::Subtract>(in, out, frames);
-    case Term::Op::Multiply:
-      return run<Term::Op::Multiply>(in, out, frames);
-    case Term::Op::Divide:
-      return run<Term::Op::Divide>(in, out, frames);
-    case Term::Op::Min:
-      return run<Term::Op::Min>(in, out, frames);
-    case Term::Op::Max:
-      return run<Term::Op::Max>(in, out, frames);
-    case Term::Op::Abs:
-      return run<Term::Op::Abs>(in, out, frames);
+    case Expression::Op::Negate:
+      return run<Expression::Op::Negate>(in, out, frames);
+    case Expression::Op::Add:
+      return run<Expression::Op::Add>(in, out, frames);
+    case Expression::Op::Subtract:
+      return run<Expression::Op::Subtract>(in, out, frames);
+    case Expression::Op::Multiply:
+      return run<Expression::Op::Multiply>(in, out, frames);
+    case Expression::Op::Divide:
+      return run<Expression::Op::Divide>(in, out, frames);
+    case Expression::Op::Min:
+      return run<Expression::Op::Min>(in, out, frames);
+    case Expression::Op::Max:
+      return run<Expression::Op::Max>(in, out, frames);
+    case Expression::Op::Abs:
+      return run<Expression::Op::Abs>(in, out, frames);
     default:
-      return run<Term::Op::Signal>(in, out, frames);
+      return run<Expression::Op::Signal>(in, out, frames);
   }
 }
 

@@ -9,12 +9,12 @@
 
 namespace tactus {
 
-void run_operation_row(Term::Op op, const Signal* in, double* out, int frames) noexcept;
+void run_operation_row(Expression::Op op, const Signal* in, double* out, int frames) noexcept;
 bool row_is_finite(const double* samples, int frames) noexcept;
 
 /// [realtime] out[n] = op(in[0][n], in[1][n]), as `apply` in engine/graph/semantics/operators.h says, for n
 /// in [0, frames).
-inline void run_operation(Term::Op op, const Signal* in, double* out, int frames) noexcept {
+inline void run_operation(Expression::Op op, const Signal* in, double* out, int frames) noexcept {
   if (frames == 1)
     *out = apply(op, *in[0].data, *in[1].data);
   else

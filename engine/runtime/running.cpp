@@ -5,39 +5,39 @@
 
 namespace tactus {
 
-Running::Running(std::unique_ptr<Schedule> made, int max_frames)
-    : schedule(std::move(made)),
-      faults(schedule->paths.size()),
-      step_ns(schedule->steps.size(), 0.0),
-      silent_until(schedule->steps.size(), 0) {
-  for (std::size_t i = 0; i < schedule->channels.size(); ++i)
-    (schedule->channels[i].use == OutputUse::Tap ? tap_channels : outputs).push_back(static_cast<int>(i));
-  for (std::size_t c = 0; c < outputs.size(); ++c) side_by_side.push_back(begins_lanes(c));
+Running::Running(std::unique_ptr<Plan> made, int max_frames)
+    : plan(std::move(made)),
+      faults(plan->vertices.size()),
+      step_ns(plan->steps.size(), 0.0),
+      silent_until(plan->steps.size(), 0) {
+  for (std::size_t i = 0; i < plan->channels.size(); ++i)
+    (plan->channels[i].use == OutputUse::Tap ? tap_channels : outputs).push_back(static_cast<int>(i));
+  for (std::size_t c = 0; c < outputs.size(); ++c) vectorised.push_back(begins_lanes(c));
   std::size_t most_in = 2;
   std::size_t most_out = 1;
-  for (const auto& step : schedule->steps) {
+  for (const auto& step : plan->steps) {
     most_in = std::max(most_in, static_cast<std::size_t>(step.inputs));
     most_out = std::max(most_out, static_cast<std::size_t>(step.outputs));
   }
   moved_in.resize(most_in);
   moved_out.resize(most_out);
-  for (const auto& scheduled : schedule->controls) {
-    Mover mover;
-    mover.buffer = scheduled.buffer;
-    mover.readers = scheduled.readers;
-    mover.decibel = scheduled.control.decibel;
+  for (const auto& planned : plan->controls) {
+    SmoothedControl control;
+    control.buffer = planned.buffer;
+    control.readers = planned.readers;
+    control.decibel = planned.control.decibel;
     control_of.push_back(static_cast<int>(controls.size()));
-    control_names.push_back(scheduled.control.name);
-    controls.push_back(std::move(mover));
+    control_names.push_back(planned.control.name);
+    controls.push_back(std::move(control));
   }
-  for (const int every : schedule->paces) paces.push_back({every, 0, 0, {}});
+  for (const int divisor : plan->divisors) dividers.push_back({divisor, 0, 0, {}});
   start(max_frames);
 }
 
 bool Running::begins_lanes(std::size_t output) const {
   if (output + kWide > outputs.size()) return false;
   const auto signal = [&](std::size_t c) {
-    return schedule->channels[static_cast<std::size_t>(outputs[c])].signal;
+    return plan->channels[static_cast<std::size_t>(outputs[c])].signal;
   };
   const double* first = signal(output).data;
   for (std::size_t lane = 0; lane < kWide; ++lane)
@@ -47,35 +47,46 @@ bool Running::begins_lanes(std::size_t output) const {
 
 void Running::start(int max_frames) {
   taps.assign(tap_channels.size(), std::vector<double>(static_cast<std::size_t>(max_frames), 0.0));
-  std::fill_n(schedule->arena.data(), schedule->arena.size(), 0.0);
-  if (schedule->system_delay != nullptr)
-    std::fill_n(schedule->system_delay, kWide, schedule->system_delay_at_start.value);
-  for (auto& node : schedule->nodes) node->reset();
+  std::fill_n(plan->arena.data(), plan->signal_doubles, 0.0);
+  if (plan->system_delay != nullptr)
+    std::fill_n(plan->system_delay, kWide, plan->system_delay_at_start.value);
+  for (auto& node : plan->nodes) node->reset();
   std::fill(silent_until.begin(), silent_until.end(), 0);
   for (std::size_t i = 0; i < controls.size(); ++i) {
-    controls[i].value = Ramp::constant(schedule->controls[i].control.value);
-    rest(controls[i], true);
+    controls[i].value = Ramp::constant(plan->controls[i].control.value);
+    settle(controls[i], true);
   }
   for (auto& ramp : ramps) {
-    ramp.mover.value = Ramp::constant(ramp.mover.value.to);
-    rest(ramp.mover, true);
+    ramp.control.value = Ramp::constant(ramp.control.value.to);
+    settle(ramp.control, true);
   }
-  at_rest.assign(schedule->can_rest.size(), 0);
-  for (std::size_t i = 0; i < at_rest.size(); ++i) rest(static_cast<int>(i), false);
+  at_rest.assign(plan->can_rest.size(), 0);
+  for (std::size_t i = 0; i < at_rest.size(); ++i) settle(static_cast<int>(i), false);
   for (auto& count : faults) count.store(0, std::memory_order_relaxed);
 }
 
 void Running::move_control(std::size_t control, std::int64_t now, double target,
                            std::int64_t least_frames) noexcept {
-  const auto& scheduled = schedule->controls[control];
-  if (scheduled.frozen) return;
-  const auto& range = scheduled.control.range;
+  const auto& planned = plan->controls[control];
+  if (planned.frozen) return;
+  const auto& range = planned.control.range;
   const auto frames =
-      static_cast<std::int64_t>(std::lround(scheduled.control.smooth_s * schedule->sample_rate.value));
-  auto& mover = controls[control];
-  mover.value = {mover.at(now), std::clamp(target, range.low, range.high), now,
-                 std::max(frames, least_frames)};
-  rest(mover, false);
+      static_cast<std::int64_t>(std::lround(planned.control.smooth_s * plan->sample_rate.value));
+  auto& smoothed = controls[control];
+  smoothed.value = {smoothed.at(now), std::clamp(target, range.low, range.high), now,
+                    std::max(frames, least_frames)};
+  settle(smoothed, false);
+}
+
+void Running::take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
+  auto &nodes = plan->nodes, &old = before.plan->nodes;
+  for (const auto [from, to] : handover.remade)
+    nodes[static_cast<std::size_t>(to)]->adopt(*old[static_cast<std::size_t>(from)]);
+  for (const auto [from, to] : handover.nodes)
+    std::swap(nodes[static_cast<std::size_t>(to)], old[static_cast<std::size_t>(from)]);
+  if (plan->system_delay != nullptr && before.plan->system_delay != nullptr)
+    std::copy_n(before.plan->system_delay, kWide, plan->system_delay);
+  take_values(before, now, fade_frames);
 }
 
 void Running::take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
@@ -86,61 +97,63 @@ void Running::take_values(const Running& before, std::int64_t now, std::int64_t 
   for (std::size_t i = 0; i < handover.controls.size(); ++i) {
     const auto [from, to] = handover.controls[i];
     const auto c = static_cast<std::size_t>(to);
-    const double of_the_file = schedule->controls[c].control.value;
-    const auto& range = schedule->controls[c].control.range;
+    const double of_the_file = plan->controls[c].control.value;
+    const auto& range = plan->controls[c].control.range;
     controls[c].value = before.controls[static_cast<std::size_t>(from)].value;
     const double target = handover.new_value[i] ? of_the_file : controls[c].value.to;
     if (handover.new_value[i] || !range.contains(target))
       move_control(c, now, target, fade_frames);
     else
-      rest(controls[c], controls[c].value.done(now));
+      settle(controls[c], controls[c].value.done(now));
   }
   for (auto& ramp : ramps) {
-    auto& value = ramp.mover.value;
+    auto& value = ramp.control.value;
     const auto start = value;
-    if (ramp.before >= 0) value = before.ramps[static_cast<std::size_t>(ramp.before)].mover.value;
+    if (ramp.before >= 0) value = before.ramps[static_cast<std::size_t>(ramp.before)].control.value;
     if (ramp.before < 0 || value.to != start.to)
       value = {ramp.before < 0 ? start.from : value.at(now), start.to, now, fade_frames};
-    rest(ramp.mover, value.done(now));
+    settle(ramp.control, value.done(now));
   }
 }
 
-void Running::rest(Mover& mover, bool resting) noexcept {
-  moving_ += static_cast<int>(mover.resting) - static_cast<int>(resting);
-  mover.resting = resting;
-  if (mover.buffer == nullptr) return;
-  if (resting) std::fill_n(mover.buffer, kWide, mover.value.to);
-  set_strides(mover.readers, resting ? 0 : 1);
+void Running::settle(SmoothedControl& control, bool resting) noexcept {
+  moving_ += static_cast<int>(control.resting) - static_cast<int>(resting);
+  control.resting = resting;
+  if (control.buffer == nullptr) return;
+  if (resting) std::fill_n(control.buffer, kWide, control.value.to);
+  set_strides(control.readers, resting ? 0 : 1);
 }
 
-void Running::rest(int can_rest, bool rests) noexcept {
+void Running::settle(int can_rest, bool rests) noexcept {
   at_rest[static_cast<std::size_t>(can_rest)] = rests;
-  set_strides(schedule->can_rest[static_cast<std::size_t>(can_rest)], rests ? 0 : 1);
+  set_strides(plan->can_rest[static_cast<std::size_t>(can_rest)], rests ? 0 : 1);
 }
 
 void Running::set_strides(const Readers& readers, int stride) noexcept {
-  for (const int slot : readers.slots) schedule->inputs[static_cast<std::size_t>(slot)].stride = stride;
+  for (const int slot : readers.slots) plan->inputs[static_cast<std::size_t>(slot)].stride = stride;
   for (const int channel : readers.channels)
-    schedule->channels[static_cast<std::size_t>(channel)].signal.stride = stride;
+    plan->channels[static_cast<std::size_t>(channel)].signal.stride = stride;
 }
 
 void Running::advance(std::int64_t now, int frames) noexcept {
-  for (std::size_t p = 1; p < paces.size(); ++p) paces[p].begin(now, frames);
+  for (std::size_t d = 1; d < dividers.size(); ++d) dividers[d].begin(now, frames);
   if (moving_ == 0) return;
   for (auto& control : controls)
     if (!control.resting) advance(control, nullptr, now, frames);
   for (auto& ramp : ramps) {
-    const auto* pace = ramp.pace == 0 ? nullptr : &paces[static_cast<std::size_t>(ramp.pace)];
-    if (!ramp.mover.resting) advance(ramp.mover, pace, now, frames);
+    const auto* divider = ramp.divider == 0 ? nullptr : &dividers[static_cast<std::size_t>(ramp.divider)];
+    if (!ramp.control.resting) advance(ramp.control, divider, now, frames);
   }
 }
 
-/// `pace`: of its reader; nullptr for that of the engine.
-void Running::advance(Mover& mover, const Pace* pace, std::int64_t now, int frames) noexcept {
-  if (mover.value.done(now)) return rest(mover, true);
-  if (mover.buffer == nullptr) return;
-  const int samples = pace == nullptr ? frames : pace->count(frames);
-  for (int i = 0; i < samples; ++i) mover.buffer[i] = mover.at(now + (pace == nullptr ? i : pace->place(i)));
+/// `divider`: of its reader; nullptr for none.
+void Running::advance(SmoothedControl& control, const RateDivider* divider, std::int64_t now,
+                      int frames) noexcept {
+  if (control.value.done(now)) return settle(control, true);
+  if (control.buffer == nullptr) return;
+  const int samples = divider == nullptr ? frames : divider->count(frames);
+  for (int i = 0; i < samples; ++i)
+    control.buffer[i] = control.at(now + (divider == nullptr ? i : divider->place(i)));
 }
 
 }  // namespace tactus

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "engine/core/ramp.h"
-#include "engine/graph/plan/schedule.h"
-#include "engine/runtime/pace.h"
+#include "engine/graph/plan/plan.h"
+#include "engine/runtime/rate_divider.h"
 
 namespace tactus {
 
-/// A moving value that steps of a schedule read: one number with stride 0 while it rests, a sample a frame
+/// A moving value that steps of a plan read: one number with stride 0 while it rests, a sample a frame
 /// while it moves.
-struct Mover {
+struct SmoothedControl {
   Ramp value;
   double* buffer = nullptr;  ///< nullptr: nobody reads it
   Readers readers;
@@ -23,16 +23,16 @@ struct Mover {
   double at(std::int64_t frame) const noexcept { return decibel ? value.decibel_at(frame) : value.at(frame); }
 };
 
-/// A constant of the file that is read at one place and will move to a new value when the schedule takes
+/// A constant of the file that is read at one place and will move to a new value when the plan takes
 /// over.
 struct ConstantRamp {
-  Mover mover;
-  int before = -1;  ///< the ramp of the schedule before, if it has one for this place; its value then counts
-  int pace = 0;     ///< of who reads it
+  SmoothedControl control;
+  int before = -1;  ///< the ramp of the plan before, if it has one for this place; its value then counts
+  int divider = 0;  ///< of its reader
   std::vector<double> samples;
 };
 
-/// What carries over from the schedule before, worked out on the control side (see `plan_handover`).
+/// What carries over from the plan before, worked out on the control side (see `plan_handover`).
 struct Handover {
   struct Pair {
     int before, after;
@@ -45,10 +45,10 @@ struct Handover {
   std::vector<bool> jumps;      ///< [output] what feeds it is not the same
 };
 
-/// A Schedule and what the engine keeps beside it while it runs. Made and freed on the control side.
+/// A Plan and what the engine keeps beside it while it runs. Made and freed on the control side.
 struct Running {
   /// [control] Allocates everything that `process` needs.
-  Running(std::unique_ptr<Schedule> schedule, int max_frames);
+  Running(std::unique_ptr<Plan> plan, int max_frames);
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
 
@@ -58,28 +58,28 @@ struct Running {
   /// or more). Does nothing if it is frozen.
   void move_control(std::size_t control, std::int64_t now, double target,
                     std::int64_t least_frames = 0) noexcept;
-  /// [realtime] Values of controls and ramps go on from where they are in the version before.
-  void take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
+  /// [realtime] Continues from the version before as `handover` says: nodes, controls and ramps.
+  void take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
   /// [realtime] From here on the signal is one number, or a sample a frame.
-  void rest(int can_rest, bool resting) noexcept;
+  void settle(int can_rest, bool resting) noexcept;
   /// [realtime] Moves on by `frames` from `now`. Once for each piece, before its steps.
   void advance(std::int64_t now, int frames) noexcept;
 
-  std::unique_ptr<Schedule> schedule;
-  std::vector<Mover> controls;  ///< as Schedule::controls
+  std::unique_ptr<Plan> plan;
+  std::vector<SmoothedControl> controls;  ///< as Plan::controls
   std::vector<ConstantRamp> ramps;
   std::vector<int> control_of;  ///< [number, which stays the same for ever] index in `controls`; -1: gone
   std::vector<std::string> control_names;  ///< [number]
   std::vector<int> outputs;                ///< channels that are not taps
-  std::vector<bool> side_by_side;          ///< [output] it and those behind it are the lanes of one signal
+  std::vector<bool> vectorised;            ///< [output] it and those behind it are the lanes of one signal
   std::vector<int> tap_channels;
   std::vector<std::vector<double>> taps;
   std::vector<Signal> moved_in;  ///< a step's operands at an offset into the piece
   std::vector<double*> moved_out;
-  std::vector<std::atomic<std::int64_t>> faults;  ///< by path
+  std::vector<std::atomic<std::int64_t>> faults;  ///< [vertex]
   std::vector<double> step_ns;
-  std::vector<char> at_rest;  ///< as Schedule::can_rest
-  std::vector<Pace> paces;    ///< as Schedule::paces; the first stays unused
+  std::vector<char> at_rest;          ///< as Plan::can_rest
+  std::vector<RateDivider> dividers;  ///< as Plan::divisors; the first stays unused
   /// [step, of a loop its first] the frame where the silence after a fault ends.
   std::vector<std::int64_t> silent_until;
 
@@ -87,10 +87,11 @@ struct Running {
   Handover handover;
 
  private:
+  void take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
   bool begins_lanes(std::size_t output) const;
-  void rest(Mover& mover, bool resting) noexcept;
+  void settle(SmoothedControl& control, bool resting) noexcept;
   void set_strides(const Readers& readers, int stride) noexcept;
-  void advance(Mover& mover, const Pace* pace, std::int64_t now, int frames) noexcept;
+  void advance(SmoothedControl& control, const RateDivider* divider, std::int64_t now, int frames) noexcept;
 
   int moving_ = 0;  ///< controls and ramps that do not rest: a file may have thousands that nobody moves
 };

@@ -17,9 +17,9 @@
 namespace tactus {
 namespace {
 
-int inputs_of(const Schedule& schedule) { return static_cast<int>(schedule.input_names.size()); }
+int inputs_of(const Plan& schedule) { return static_cast<int>(schedule.input_names.size()); }
 
-int outputs_of(const Schedule& schedule) { return static_cast<int>(output_names(schedule).size()); }
+int outputs_of(const Plan& schedule) { return static_cast<int>(output_names(schedule).size()); }
 
 class SceneBuilder {
  public:
@@ -162,7 +162,7 @@ class SceneBuilder {
   // ---- compiling
 
   /// Nodes are made only of what is right; nullptr and mistakes otherwise.
-  std::unique_ptr<Schedule> compile_or_check(const GraphSpec& graph, const CompileOptions& options) {
+  std::unique_ptr<Plan> compile_or_check(const GraphSpec& graph, const CompileOptions& options) {
     if (mistakes_.any()) {
       mistakes_.add(check(graph, table_, options));
       return nullptr;
@@ -177,7 +177,7 @@ class SceneBuilder {
     CompileOptions options;
     options.sample_rate = rate_;
     options.system_delay = delay_;
-    options.side_by_side = options_.side_by_side;
+    options.vectorise = options_.vectorise;
     options.taps = taps_;
     options.closed_outside = built_.delay_frames == 0;
     auto compiled = compile_or_check(world_, options);
@@ -227,7 +227,7 @@ class SceneBuilder {
     CompileOptions options;
     options.sample_rate = rate_;
     options.system_delay = delay_;
-    options.side_by_side = options_.side_by_side;
+    options.vectorise = options_.vectorise;
     options.controls = controls_;
     options.taps = event_taps(*instrument_->graph, table_);
     auto compiled = compile_or_check(*instrument_->graph, options);
@@ -268,8 +268,8 @@ Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable&
 }
 
 BuiltScene::BuiltScene(CompiledScene compiled)
-    : instrument(std::make_unique<Engine>(std::move(compiled.instrument))),
-      plant(std::make_unique<Engine>(std::move(compiled.plant))),
+    : instrument(std::make_unique<Player>(std::move(compiled.instrument))),
+      plant(std::make_unique<Player>(std::move(compiled.plant))),
       delay_frames(compiled.delay_frames),
       plant_taps(std::move(compiled.plant_taps)),
       instrument_taps(std::move(compiled.instrument_taps)) {

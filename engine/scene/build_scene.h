@@ -9,7 +9,7 @@
 #include "engine/core/error.h"
 #include "engine/graph/node_table.h"
 #include "engine/graph/plan/compile.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
@@ -22,7 +22,7 @@ struct SceneOptions {
   /// A person strikes: the world gets a control `strike`, from 0 to 1, which every control of this name of a
   /// part follows, whatever the scene says about it.
   bool by_hand = false;
-  bool side_by_side = true;  ///< as CompileOptions::side_by_side
+  bool vectorise = true;  ///< as CompileOptions::vectorise
 };
 
 /// A signal that is recorded while a scene plays.
@@ -34,10 +34,10 @@ struct SceneTap {
 /// A scene turned into two schedules: the instrument as it would run on a card, and the world around it: the
 /// plant, every other part, the gestures, and the wires from them to the instrument's inputs.
 struct CompiledScene {
-  std::unique_ptr<Schedule> instrument, plant;
+  std::unique_ptr<Plan> instrument, plant;
   std::vector<JournalEntry> journal;  ///< what gestures do to the instrument's controls
   int delay_frames = 0;
-  std::vector<SceneTap> plant_taps;       ///< every output of every part, in the order of Engine::tap
+  std::vector<SceneTap> plant_taps;       ///< every output of every part, in the order of Player::tap
   std::vector<SceneTap> instrument_taps;  ///< triggers of the instrument ("instrument.hit") and their levels
 };
 
@@ -45,7 +45,7 @@ struct CompiledScene {
 struct BuiltScene {
   explicit BuiltScene(CompiledScene compiled);
 
-  std::unique_ptr<Engine> instrument, plant;
+  std::unique_ptr<Player> instrument, plant;
   int delay_frames = 0;
   std::vector<SceneTap> plant_taps, instrument_taps;
 };

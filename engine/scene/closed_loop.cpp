@@ -21,7 +21,7 @@ class ClosedLoop::Answer final : public BlockProcessor {
   ClosedLoop& loop_;
 };
 
-ClosedLoop::ClosedLoop(BlockProcessor& instrument, Engine& plant, int instrument_outputs, int delay_frames,
+ClosedLoop::ClosedLoop(BlockProcessor& instrument, Player& plant, int instrument_outputs, int delay_frames,
                        Converters converters)
     : instrument_(instrument),
       plant_(plant),

@@ -5,7 +5,7 @@
 
 #include "engine/core/block_io.h"
 #include "engine/core/channels.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
@@ -21,7 +21,7 @@ namespace tactus {
 class ClosedLoop {
  public:
   /// [control] Both must outlive this; the instrument comes guarded, like on any backend.
-  ClosedLoop(BlockProcessor& instrument, Engine& plant, int instrument_outputs, int delay_frames,
+  ClosedLoop(BlockProcessor& instrument, Player& plant, int instrument_outputs, int delay_frames,
              Converters converters);
   ~ClosedLoop();
   ClosedLoop(const ClosedLoop&) = delete;
@@ -49,7 +49,7 @@ class ClosedLoop {
   void run_piece(int frames) noexcept;
 
   BlockProcessor& instrument_;
-  Engine& plant_;
+  Player& plant_;
   int delay_;
   Converters converters_;
   double steps_;  ///< quantisation steps from 0 to full scale

@@ -52,7 +52,7 @@ PortWatches::PortWatches(const SceneSpec& scene, const std::vector<SceneTap>& pl
   }
 }
 
-void PortWatches::take(const Engine& plant, int frames) noexcept {
+void PortWatches::take(const Player& plant, int frames) noexcept {
   for (auto& [port, force, position, watch] : watched_)
     watch.take(plant.tap(force), plant.tap(position), frames);
 }

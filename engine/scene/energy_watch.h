@@ -50,7 +50,7 @@ class PortWatches {
   PortWatches(const SceneSpec& scene, const std::vector<SceneTap>& plant_taps);
 
   /// [realtime] After each piece.
-  void take(const Engine& plant, int frames) noexcept;
+  void take(const Player& plant, int frames) noexcept;
   std::vector<PortEnergy> energies(Hertz sample_rate) const;
 
  private:

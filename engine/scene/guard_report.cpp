@@ -52,14 +52,14 @@ const char* name_of(GuardEvent::Kind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-std::vector<std::string> output_names(const Schedule& schedule) {
+std::vector<std::string> output_names(const Plan& schedule) {
   std::vector<std::string> names;
   for (const auto& channel : schedule.channels)
     if (channel.use != OutputUse::Tap) names.push_back(channel.name);
   return names;
 }
 
-std::vector<std::string> sound_names(const Schedule& schedule) {
+std::vector<std::string> sound_names(const Plan& schedule) {
   std::vector<std::string> names, called_sound;
   for (const auto& channel : schedule.channels) {
     if (channel.use != OutputUse::Audio) continue;
@@ -70,7 +70,7 @@ std::vector<std::string> sound_names(const Schedule& schedule) {
   return called_sound.empty() ? names : called_sound;
 }
 
-std::vector<GuardedChannel> guarded_channels(const Schedule& schedule, const DriveBook& drives) {
+std::vector<GuardedChannel> guarded_channels(const Plan& schedule, const DriveBook& drives) {
   std::vector<GuardedChannel> channels;
   for (const auto& channel : schedule.channels) {
     if (channel.use == OutputUse::Audio) channels.push_back({DriveGuard::Kind::Audio, {}});
@@ -95,7 +95,7 @@ GuardReport report_of(Guarded& guarded, const std::vector<GuardedChannel>& chann
   return report;
 }
 
-GuardReport report_of(Guarded& guarded, const Schedule& schedule, const DriveBook& drives) {
+GuardReport report_of(Guarded& guarded, const Plan& schedule, const DriveBook& drives) {
   return report_of(guarded, guarded_channels(schedule, drives), schedule.input_names, output_names(schedule));
 }
 

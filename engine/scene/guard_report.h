@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/graph/plan/schedule.h"
+#include "engine/graph/plan/plan.h"
 #include "engine/guard/guarded.h"
 #include "engine/rig/profile.h"
 
@@ -33,18 +33,18 @@ const char* name_of(GuardStage stage);
 const char* name_of(GuardEvent::Kind kind);
 
 /// Names of the outputs that a schedule gives to the outside.
-std::vector<std::string> output_names(const Schedule& schedule);
+std::vector<std::string> output_names(const Plan& schedule);
 /// Of those, what is to be listened to: the one called `sound` if it is of kind "audio"; without it all of
 /// that kind. A carrier for a sensor is of that kind too.
-std::vector<std::string> sound_names(const Schedule& schedule);
+std::vector<std::string> sound_names(const Plan& schedule);
 /// Their guards.
-std::vector<GuardedChannel> guarded_channels(const Schedule& schedule, const DriveBook& drives);
+std::vector<GuardedChannel> guarded_channels(const Plan& schedule, const DriveBook& drives);
 
 /// [control, one thread] Names stand for channels, in their order. Takes the events out of `guarded`.
 GuardReport report_of(Guarded& guarded, const std::vector<GuardedChannel>& channels,
                       std::vector<std::string> inputs, const std::vector<std::string>& outputs);
 /// The same for what `guarded_channels` gave.
-GuardReport report_of(Guarded& guarded, const Schedule& schedule, const DriveBook& drives);
+GuardReport report_of(Guarded& guarded, const Plan& schedule, const DriveBook& drives);
 
 /// In words, a line each: "woofer: the travel limit held it back for 0.42 s, by up to 0.3 full scale".
 std::vector<std::string> in_words(const GuardReport& report, Hertz sample_rate);

@@ -76,7 +76,7 @@ std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec
   return WiredControl{*value, nullptr};
 }
 
-std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved, const Schedule& schedule) {
+std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved, const Plan& schedule) {
   std::vector<JournalEntry> entries;
   for (const auto& [control, gesture] : moved) {
     const int index = schedule.control_index(control);

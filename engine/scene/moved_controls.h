@@ -6,7 +6,7 @@
 
 #include "engine/core/journal.h"
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/plan/schedule.h"
+#include "engine/graph/plan/plan.h"
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
@@ -29,6 +29,6 @@ struct MovedControl {
 };
 /// The gestures as changes of controls, in order of time: a step becomes an entry at its frame; a slope
 /// becomes one a millisecond (at most 1000000 in all), which the control's own smoothing joins.
-std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved, const Schedule& schedule);
+std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved, const Plan& schedule);
 
 }  // namespace tactus

@@ -43,7 +43,7 @@ class Recorder {
   BuiltScene& built_;
 };
 
-void collect_faults(SceneRecording& recording, const Engine& engine, const std::string& prefix) {
+void collect_faults(SceneRecording& recording, const Player& engine, const std::string& prefix) {
   for (auto fault : engine.faults()) {
     fault.path = prefix + fault.path;
     recording.faults.push_back(std::move(fault));
@@ -73,18 +73,18 @@ std::vector<std::string> drive_names(const SceneRecording& recording) {
 Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,
                                   const std::function<void(double)>& progress) {
   SceneRecording recording;
-  recording.sample_rate = built.instrument->schedule().sample_rate;
+  recording.sample_rate = built.instrument->plan().sample_rate;
   recording.delay_frames = built.delay_frames;
-  Guarded guarded{*built.instrument, guarded_channels(built.instrument->schedule(), scene.drives)};
+  Guarded guarded{*built.instrument, guarded_channels(built.instrument->plan(), scene.drives)};
   ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames,
                   scene.converters};
   if (auto status = loop.prepare(recording.sample_rate, block); !status)
     return tl::unexpected(status.error());
   guarded.skip_soft_start();
   const auto frames = static_cast<int>(frames_in(scene.duration, recording.sample_rate));
-  recording.inputs = built.instrument->schedule().input_names;
-  recording.outputs = output_names(built.instrument->schedule());
-  recording.sounds = sound_names(built.instrument->schedule());
+  recording.inputs = built.instrument->plan().input_names;
+  recording.outputs = output_names(built.instrument->plan());
+  recording.sounds = sound_names(built.instrument->plan());
   Recorder recorder{recording, built, static_cast<std::size_t>(frames)};
   PortWatches ports{scene, built.plant_taps};
   const auto started = std::chrono::steady_clock::now();
@@ -99,7 +99,7 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   recording.run_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   collect_faults(recording, *built.instrument, "instrument.");
   collect_faults(recording, *built.plant, "");
-  recording.guard = report_of(guarded, built.instrument->schedule(), scene.drives);
+  recording.guard = report_of(guarded, built.instrument->plan(), scene.drives);
   recording.ports = ports.energies(recording.sample_rate);
   return recording;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "backends/backend.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 
 namespace tactus::test {
 

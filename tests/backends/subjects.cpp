@@ -35,7 +35,7 @@ Subject offline_subject() {
 }
 
 Subject simulated_subject() {
-  std::shared_ptr<Engine> plant = engine_of(R"(
+  std::shared_ptr<Player> plant = engine_of(R"(
 format = 1
 [inputs]
 drive = { unit = "full scale" }

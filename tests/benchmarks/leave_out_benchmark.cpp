@@ -34,12 +34,10 @@ class Timed {
     const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - before;
     return took.count() / (kBlocks * kFrames);
   }
-  double arena_bytes() const {
-    return static_cast<double>(engine_->schedule().arena.size() * sizeof(double));
-  }
+  double arena_bytes() const { return static_cast<double>(engine_->plan().arena.size() * sizeof(double)); }
 
  private:
-  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Player> engine_;
   std::vector<double> in_, out_;
 };
 

@@ -6,7 +6,7 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/guard/guarded.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "tests/benchmarks/faust_build.h"
 #include "tests/benchmarks/works.h"
 
@@ -56,7 +56,7 @@ class ProcessorPeer : public Peer {
   Tape<double> tape_;
 };
 
-inline std::unique_ptr<Schedule> compiled(const Work& work) {
+inline std::unique_ptr<Plan> compiled(const Work& work) {
   const auto graph = work.graph.empty() ? parse_graph_leniently(work.text, work.name)
                                         : load_graph_leniently(std::string(TACTUS_GRAPHS "/") + work.graph);
   CompileOptions options;
@@ -76,7 +76,7 @@ class GraphPeer : public Peer {
   void run(int frame, int frames) override { player_.run(frame, frames); }
 
  private:
-  Engine engine_;
+  Player engine_;
   ProcessorPeer player_;
 };
 
@@ -93,7 +93,7 @@ class GuardedPeer : public Peer {
   void run(int frame, int frames) override { player_.run(frame, frames); }
 
  private:
-  Engine engine_;
+  Player engine_;
   Guarded guarded_;
   ProcessorPeer player_;
 };

@@ -8,9 +8,9 @@ namespace {
 
 using namespace tactus;
 
-CompileOptions with(bool side_by_side) {
+CompileOptions with(bool vectorise) {
   CompileOptions options;
-  options.side_by_side = side_by_side;
+  options.vectorise = vectorise;
   return options;
 }
 
@@ -35,7 +35,7 @@ void voices(benchmark::State& state) {
                          benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(voices)
-    ->ArgNames({"frames", "one_node", "side_by_side"})
+    ->ArgNames({"frames", "one_node", "vectorise"})
     ->ArgsProduct({{1, 16, 64, 1024}, {0, 1}, {0, 1}});
 
 void compile_voices(benchmark::State& state) {

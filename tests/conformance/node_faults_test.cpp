@@ -88,7 +88,7 @@ struct Heard {
   std::int64_t bad_inputs = 0;
 };
 
-Heard hear(Engine& engine, const Rig& rig, std::optional<Bad> bad, bool by_control, int frames = kFrames,
+Heard hear(Player& engine, const Rig& rig, std::optional<Bad> bad, bool by_control, int frames = kFrames,
            const std::vector<int>& blocks = {64, 100}) {
   auto samples = noise(frames, 7, rig.good.low, rig.good.high);
   Channels in{noise(frames, 1)};
@@ -152,7 +152,7 @@ TEST_CASE("faults: whatever comes to an input or a control, the node is finite, 
       auto schedule = load();
       CHECK((schedule ? "" : to_string(schedule.error())) == "");
       if (!schedule) continue;
-      Engine engine{std::move(*schedule)};
+      Player engine{std::move(*schedule)};
       const auto undisturbed = hear(engine, rig, std::nullopt, by_control);
       CHECK(undisturbed.faults.empty());
       Heard long_undisturbed;

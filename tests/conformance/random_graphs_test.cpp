@@ -30,13 +30,13 @@ std::vector<JournalEntry> random_moves(unsigned seed, std::size_t controls) {
   return moves;
 }
 
-Channels run_guarded(Guarded& guarded, const Engine& engine, const Channels& in) {
+Channels run_guarded(Guarded& guarded, const Player& engine, const Channels& in) {
   Channels out(static_cast<std::size_t>(engine.out_channels()), Samples(kFrames));
   std::vector<const double*> from;
   std::vector<double*> to;
   for (const auto& channel : in) from.push_back(channel.data());
   for (auto& channel : out) to.push_back(channel.data());
-  const StreamFormat format{engine.schedule().sample_rate, 2, engine.out_channels(), kFrames};
+  const StreamFormat format{engine.plan().sample_rate, 2, engine.out_channels(), kFrames};
   if (const auto ready = guarded.prepare(format); !ready) throw std::runtime_error(to_string(ready.error()));
   guarded.process({from.data(), to.data(), kFrames});
   return out;
@@ -50,8 +50,8 @@ std::string complaint(unsigned seed, const TemporaryFolder& folder) {
   const auto text = RandomGraph{seed, lanes}.text(false);
   auto compiled = compile(parse_graph_leniently(text, file), standard_nodes(), {});
   if (!compiled) return to_string(compiled.error()) + "\n" + text;
-  Engine engine{std::move(*compiled)};
-  engine.set_journal(random_moves(seed, engine.schedule().controls.size()));
+  Player engine{std::move(*compiled)};
+  engine.set_journal(random_moves(seed, engine.plan().controls.size()));
   const Channels in{noise(kFrames, seed), noise(kFrames, seed + 1)};
   const auto out = run(engine, in, kFrames, {64});
   for (const auto& fault : engine.faults())

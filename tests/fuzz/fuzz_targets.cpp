@@ -7,7 +7,7 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/guard/guarded.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/build_scene.h"
 
 namespace tactus::fuzz {
@@ -46,8 +46,8 @@ void make_nasty(std::vector<double>& samples, int turn) {
 }
 
 /// Every control jumps to one end of its range, or far where it has none, every fourth one slowly.
-void throw_controls(Engine& engine, int turn) {
-  const auto& controls = engine.schedule().controls;
+void throw_controls(Player& engine, int turn) {
+  const auto& controls = engine.plan().controls;
   for (std::size_t i = 0; i < controls.size() && i < 32; ++i) {
     const auto& range = controls[i].control.range;
     const double ends[] = {range.low, range.high, 0.0};
@@ -59,9 +59,9 @@ void throw_controls(Engine& engine, int turn) {
   }
 }
 
-std::string run_blocks(Engine& engine) {
+std::string run_blocks(Player& engine) {
   Guarded guarded{engine, {}};
-  const StreamFormat format{engine.schedule().sample_rate, engine.in_channels(), engine.out_channels(),
+  const StreamFormat format{engine.plan().sample_rate, engine.in_channels(), engine.out_channels(),
                             kMostFrames};
   if (const auto ready = guarded.prepare(format); !ready) return to_string(ready.error());
   std::vector<std::vector<double>> in(static_cast<std::size_t>(engine.in_channels()),
@@ -109,7 +109,7 @@ std::string run_anything(std::string_view text) {
   if (!graph.mistakes.empty()) return {};
   auto compiled = compile(graph, standard_nodes(), small_graphs());
   if (!compiled) return badly_told(compiled.error());
-  Engine engine{std::move(*compiled)};
+  Player engine{std::move(*compiled)};
   return run_blocks(engine);
 }
 

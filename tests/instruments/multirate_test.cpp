@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/play_scene.h"
 #include "tests/support/graph_runner.h"
 
@@ -46,7 +46,7 @@ double force_at(const char* file, double ribs_hz, double frequency) {
   options.controls = {{"stiffness", 0.0}, {"ribs", 1.0}, {"spacing", 1 / ribs_hz}};
   auto schedule = compile(**graph, standard_nodes(), options);
   if (!schedule) throw std::runtime_error(to_string(schedule.error()));
-  Engine engine{std::move(*schedule)};
+  Player engine{std::move(*schedule)};
   std::vector<double> fader(9600);
   for (std::size_t n = 0; n < fader.size(); ++n) fader[n] = static_cast<double>(n) / 48000;
   const auto motor = test::run(engine, {fader}, 9600, {64})[0];

@@ -102,8 +102,8 @@ std::string line(const NodeType& type, const std::string& name, const std::strin
 
 }  // namespace
 
-Checked<std::unique_ptr<Schedule>> every_node(const NodeTable& table, const std::string& folder,
-                                              const std::string& sound_file, bool edited) {
+Checked<std::unique_ptr<Plan>> every_node(const NodeTable& table, const std::string& folder,
+                                          const std::string& sound_file, bool edited) {
   const Scale scale = edited ? kEdited : kFirst;
   std::string text = kBegin;
   if (edited) text.replace(text.find("12 g"), 4, "10 g");

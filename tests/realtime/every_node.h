@@ -5,7 +5,7 @@
 
 #include "engine/core/error.h"
 #include "engine/graph/node_table.h"
-#include "engine/graph/plan/schedule.h"
+#include "engine/graph/plan/plan.h"
 
 namespace tactus::realtime {
 
@@ -14,7 +14,7 @@ namespace tactus::realtime {
 /// drive, twice as loud as full scale; one control, `amount`. `sound_file` is for the types that play one,
 /// from the folder `folder`. The edited version has other constants, other numbers that nodes are made from,
 /// and a node more. Errors: those of the compiler.
-Checked<std::unique_ptr<Schedule>> every_node(const NodeTable& table, const std::string& folder,
-                                              const std::string& sound_file, bool edited = false);
+Checked<std::unique_ptr<Plan>> every_node(const NodeTable& table, const std::string& folder,
+                                          const std::string& sound_file, bool edited = false);
 
 }  // namespace tactus::realtime

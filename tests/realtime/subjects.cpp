@@ -44,7 +44,7 @@ class EveryNode {
   ~EveryNode() { fs::remove_all(folder_); }
   EveryNode(const EveryNode&) = delete;
 
-  std::unique_ptr<Schedule> version(bool edited) const {
+  std::unique_ptr<Plan> version(bool edited) const {
     return must(every_node(standard_nodes(), folder_.string(), "sound.wav", edited));
   }
 
@@ -55,19 +55,19 @@ class EveryNode {
 /// An engine behind its guard, both recorded, and hands on both.
 class Player {
  public:
-  Player(std::unique_ptr<Engine> engine, const DriveBook& drives)
+  Player(std::unique_ptr<Player> engine, const DriveBook& drives)
       : engine_(std::move(engine)),
-        guarded_(*engine_, guarded_channels(engine_->schedule(), drives)),
+        guarded_(*engine_, guarded_channels(engine_->plan(), drives)),
         take_(engine_->in_channels(), engine_->out_channels(), 4096) {
     guarded_.set_tap(&take_);
     engine_->set_tap(&take_);
   }
 
-  Engine& engine() { return *engine_; }
+  Player& engine() { return *engine_; }
   Guarded& guarded() { return guarded_; }
 
   void disturb(std::mt19937& random) {
-    const auto& controls = engine_->schedule().controls;
+    const auto& controls = engine_->plan().controls;
     for (std::size_t c = 0; c < controls.size(); ++c) {
       const auto& range = controls[c].control.range;
       if (!std::isfinite(range.low) || !std::isfinite(range.high)) continue;
@@ -97,7 +97,7 @@ class Player {
     for (TakeEvent event; take_.pop(event);) continue;
   }
 
-  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Player> engine_;
   Guarded guarded_;
   TakeRing take_;
 };
@@ -111,13 +111,13 @@ class SceneSubject final : public Subject {
               scene.converters),
         frames_(frames) {
     name = scene.name;
-    must_be(loop_.prepare(player_.engine().schedule().sample_rate, frames));
+    must_be(loop_.prepare(player_.engine().plan().sample_rate, frames));
   }
   void callback() noexcept override { loop_.run(frames_); }
   void disturb(std::mt19937& random) override { player_.disturb(random); }
 
  private:
-  std::unique_ptr<Engine> plant_;
+  std::unique_ptr<Player> plant_;
   Player player_;
   ClosedLoop loop_;
   int frames_;
@@ -127,7 +127,7 @@ class SceneSubject final : public Subject {
 class GraphSubject : public Subject {
  public:
   GraphSubject(const DriveBook& drives, int frames)
-      : player_(std::make_unique<Engine>(every_.version(false)), drives), frames_(frames), noise_(kNoise) {
+      : player_(std::make_unique<Player>(every_.version(false)), drives), frames_(frames), noise_(kNoise) {
     name = "every node";
     std::mt19937 random{1};
     for (auto& sample : noise_) sample = std::uniform_real_distribution{-1.0, 1.0}(random);

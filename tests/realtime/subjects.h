@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/guard/guarded.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 
 namespace tactus::realtime {
 

@@ -79,7 +79,7 @@ TEST_CASE("Guarded: arms, mutes and counts from another thread, every entry is a
   CHECK(guarded.frame() == kFrames * blocks);
 }
 
-TEST_CASE("Engine: its faults and its frame are read from another thread while controls move", "[runtime]") {
+TEST_CASE("Player: its faults and its frame are read from another thread while controls move", "[runtime]") {
   const auto engine = test::engine_of(R"(format = 1
 name = "test"
 [inputs]
@@ -115,7 +115,7 @@ namespace {
 
 /// The version says `gain` at its output: a number beside 16 combs and a string in their loops, an onset and
 /// a network. Every second one has a node more, every third one a mass of its own.
-std::unique_ptr<Schedule> version(int number) {
+std::unique_ptr<Plan> version(int number) {
   const auto gain = std::to_string(number);
   std::string text = R"(format = 1
 name = "test"
@@ -151,10 +151,10 @@ y = { from = "loud * (more + tuned + hit + drum.cone.position / 1 m) + " GAIN " 
 
 }  // namespace
 
-TEST_CASE("Engine: replaced from another thread, behind its guard, while controls move and counters are read",
+TEST_CASE("Player: replaced from another thread, behind its guard, while controls move and counters are read",
           "[runtime][replace]") {
   constexpr int kVersions = 200;
-  Engine engine{version(0)};
+  Player engine{version(0)};
   Guarded guarded{engine, {{DriveGuard::Kind::Audio, {}}}};
   REQUIRE(guarded.prepare({48_kHz, 1, 1, kFrames}));
   AudioThread audio{guarded};

@@ -7,7 +7,7 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 
 namespace tactus::test {
 
@@ -20,17 +20,17 @@ inline std::string mistakes(const std::string& text, CompileOptions options = {}
 }
 
 /// A graph text, compiled and ready to run. Throws what is wrong with the text.
-inline std::unique_ptr<Engine> engine_of(const std::string& text, CompileOptions options = {}) {
+inline std::unique_ptr<Player> engine_of(const std::string& text, CompileOptions options = {}) {
   const auto wrong = mistakes(text, options);
   if (!wrong.empty()) throw std::runtime_error(wrong);
-  return std::make_unique<Engine>(
+  return std::make_unique<Player>(
       *compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), options));
 }
 
 /// Runs from frame 0 in blocks of the given lengths, over and over, until the inputs (or `frames`) end.
 /// Returns the outputs, then the taps.
-inline Channels run(Engine& engine, const Channels& inputs, int frames, const std::vector<int>& blocks) {
-  StreamFormat format{engine.schedule().sample_rate, static_cast<int>(inputs.size()), engine.out_channels(),
+inline Channels run(Player& engine, const Channels& inputs, int frames, const std::vector<int>& blocks) {
+  StreamFormat format{engine.plan().sample_rate, static_cast<int>(inputs.size()), engine.out_channels(),
                       4096};
   if (const auto status = engine.prepare(format); !status)
     throw std::runtime_error(to_string(status.error()));

@@ -16,21 +16,21 @@ class PartGraphs {
   void write(const std::string& name, const std::string& text) const {
     folder_.write(name, "format = 1\n" + text);
   }
-  Checked<std::unique_ptr<Schedule>> schedule(const std::string& text, const NodeTable& table,
-                                              const CompileOptions& options = {}) const {
+  Checked<std::unique_ptr<Plan>> schedule(const std::string& text, const NodeTable& table,
+                                          const CompileOptions& options = {}) const {
     const auto file = (folder_.path() / "test.toml").string();
     return compile(parse_graph_leniently("format = 1\n" + text, file), table, options);
   }
   /// Throws what is wrong with the texts.
-  std::unique_ptr<Schedule> right(const std::string& text, const NodeTable& table = standard_nodes(),
-                                  const CompileOptions& options = {}) const {
+  std::unique_ptr<Plan> right(const std::string& text, const NodeTable& table = standard_nodes(),
+                              const CompileOptions& options = {}) const {
     auto made = schedule(text, table, options);
     if (!made) throw std::runtime_error(to_string(made.error()));
     return std::move(*made);
   }
-  std::unique_ptr<Engine> engine(const std::string& text, const NodeTable& table = standard_nodes(),
+  std::unique_ptr<Player> engine(const std::string& text, const NodeTable& table = standard_nodes(),
                                  const CompileOptions& options = {}) const {
-    return std::make_unique<Engine>(right(text, table, options));
+    return std::make_unique<Player>(right(text, table, options));
   }
   /// "" if there is none.
   std::string mistakes(const std::string& text, const CompileOptions& options = {}) const {

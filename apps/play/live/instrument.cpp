@@ -16,7 +16,7 @@ class LiveInstrument final : public Performer {
     auto schedule = made->compile_files();
     if (!schedule) return tl::unexpected(schedule.error());
     if (auto wired = made->wire(**schedule); !wired) return tl::unexpected(wired.error());
-    made->engine_ = std::make_unique<Engine>(std::move(*schedule));
+    made->engine_ = std::make_unique<Player>(std::move(*schedule));
     made->loaded_ = std::move(made->read_);
     if (RigInputs::needed(made->wiring_.input_scales, made->setup_.padding_frames))
       made->rig_inputs_.emplace(*made->engine_, made->wiring_.input_scales, made->setup_.padding_frames);
@@ -28,12 +28,12 @@ class LiveInstrument final : public Performer {
     if (rig_inputs_) return *rig_inputs_;
     return *engine_;
   }
-  Engine& instrument() override { return *engine_; }
-  const Engine& instrument() const override { return *engine_; }
-  std::vector<std::string> inputs() const override { return engine_->schedule().input_names; }
-  std::vector<std::string> outputs() const override { return output_names(engine_->schedule()); }
+  Player& instrument() override { return *engine_; }
+  const Player& instrument() const override { return *engine_; }
+  std::vector<std::string> inputs() const override { return engine_->plan().input_names; }
+  std::vector<std::string> outputs() const override { return output_names(engine_->plan()); }
   std::vector<GuardedChannel> guards() const override {
-    auto channels = guarded_channels(engine_->schedule(), wiring_.drives);
+    auto channels = guarded_channels(engine_->plan(), wiring_.drives);
     if (setup_.rig) return channels;
     for (auto& channel : channels)
       if (channel.kind == DriveGuard::Kind::Audio) channel = {DriveGuard::Kind::Drive, cautious_limits()};
@@ -62,7 +62,7 @@ class LiveInstrument final : public Performer {
  private:
   explicit LiveInstrument(InstrumentSetup setup) : setup_(std::move(setup)) { files_ = {setup_.file}; }
 
-  Checked<std::unique_ptr<Schedule>> compile_files() {
+  Checked<std::unique_ptr<Plan>> compile_files() {
     auto loaded = load_graph_leniently(setup_.file, setup_.root);
     if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
     read_ = loaded;
@@ -81,7 +81,7 @@ class LiveInstrument final : public Performer {
     return compile(loaded, standard_nodes(), options);
   }
 
-  Checked<void> wire(const Schedule& schedule) {
+  Checked<void> wire(const Plan& schedule) {
     if (setup_.rig) {
       auto wired = wire_rig(*setup_.rig, schedule);
       if (!wired) return tl::unexpected(wired.error());
@@ -98,7 +98,7 @@ class LiveInstrument final : public Performer {
   std::string name_;
   std::vector<std::filesystem::path> files_;
   LoadedGraph loaded_, read_;  ///< that plays; that was read last
-  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Player> engine_;
   std::optional<RigInputs> rig_inputs_;
 };
 

@@ -13,7 +13,7 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/guard/guarded.h"
 #include "engine/rig/rig.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "engine/scene/energy_watch.h"
 
 namespace tactus::app {
@@ -27,8 +27,8 @@ class Performer {
   /// What a Guarded is put around.
   virtual BlockProcessor& processor() = 0;
   /// Whose controls, faults and edits are shown.
-  virtual Engine& instrument() = 0;
-  virtual const Engine& instrument() const = 0;
+  virtual Player& instrument() = 0;
+  virtual const Player& instrument() const = 0;
   /// Channels of `processor`, and what is connected to each output.
   virtual std::vector<std::string> inputs() const = 0;
   virtual std::vector<std::string> outputs() const = 0;

@@ -45,7 +45,7 @@ void Recording::edited() {
   performer_.describe(now);
   TakeEdit edit;
   edit.files = std::move(now.files);
-  edit.settings = take_settings(performer_.instrument().schedule());
+  edit.settings = take_settings(performer_.instrument().plan());
   edit.controls = performer_.instrument().control_names();
   recorder_->note_edit(std::move(edit));
 }

@@ -56,10 +56,10 @@ struct Monitor {
   std::vector<std::size_t> channels;
 };
 
-Monitor monitor_of(const Engine& instrument, int speakers) {
+Monitor monitor_of(const Player& instrument, int speakers) {
   Monitor monitor;
   std::size_t output = 0;
-  for (const auto& channel : instrument.schedule().channels) {
+  for (const auto& channel : instrument.plan().channels) {
     if (channel.use == OutputUse::Audio) monitor.channels.push_back(output);
     if (channel.use != OutputUse::Tap) ++output;
   }
@@ -82,7 +82,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
         files_(files_of(scene_, setup_.file)),
         built_(std::move(read.compiled)),
         ports_(scene_, built_.plant_taps),
-        guarded_(*built_.instrument, guarded_channels(built_.instrument->schedule(), scene_.drives)),
+        guarded_(*built_.instrument, guarded_channels(built_.instrument->plan(), scene_.drives)),
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
         monitor_(monitor_of(*built_.instrument, setup_.speakers)),
@@ -90,11 +90,11 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
   const std::string& name() const override { return scene_.name; }
   BlockProcessor& processor() override { return *this; }
-  Engine& instrument() override { return *built_.instrument; }
-  const Engine& instrument() const override { return *built_.instrument; }
+  Player& instrument() override { return *built_.instrument; }
+  const Player& instrument() const override { return *built_.instrument; }
   std::vector<std::string> inputs() const override { return {}; }
   std::vector<std::string> outputs() const override {
-    const auto& schedule = built_.instrument->schedule();
+    const auto& schedule = built_.instrument->plan();
     const auto all = monitor_.sensors ? schedule.input_names : output_names(schedule);
     std::vector<std::string> names;
     for (const auto index : monitor_.channels) names.push_back(all[index]);

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/graph/file/nearest.h"
-#include "engine/graph/semantics/name_space.h"
+#include "engine/graph/semantics/scope.h"
 
 namespace tactus {
 namespace {

@@ -2,43 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
 #include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/plan/build_schedule.h"
-#include "engine/graph/plan/unfolded_nodes.h"
-#include "engine/graph/plan/widen.h"
-#include "engine/graph/semantics/infer.h"
+#include "engine/graph/plan/passes.h"
+#include "engine/graph/semantics/facts.h"
 #include "engine/graph/semantics/resolve.h"
 
 namespace tactus {
 namespace {
 
-/// Which inputs are late, and how late at least, in engine frames.
-void delays_of(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes& made,
-               std::vector<std::vector<bool>>& late, std::vector<int>& least) {
-  late.resize(graph.vertices.size());
-  least.assign(graph.vertices.size(), 0);
-  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
-    const auto& vertex = graph.vertices[v];
-    late[v].assign(vertex.in.size(), false);
-    if (vertex.kind != Vertex::Kind::Node) continue;
-    const auto& type = *flat.nodes[static_cast<std::size_t>(vertex.index)].type;
-    int shortest = std::numeric_limits<int>::max();
-    for (std::size_t i = 0; i < vertex.in.size(); ++i) {
-      late[v][i] = type.inputs[i].late;
-      if (!late[v][i]) continue;
-      // A node that could not be made is taken to delay as much as any, so that it seems to close no loop.
-      for (int output = 0; made.nodes[v] != nullptr && output < vertex.outputs; ++output)
-        shortest = std::min(shortest, made.nodes[v]->delay(static_cast<int>(i), output).least);
-    }
-    // In engine frames: any stretch of d R of them holds d frames of a part at a rate of 1/R, wherever it
-    // begins.
-    least[v] = shortest == std::numeric_limits<int>::max()
-                   ? kMaxPiece
-                   : std::min(shortest, std::numeric_limits<int>::max() / vertex.every) * vertex.every;
+/// Of one lane of an expression; a list has one entry for each lane.
+std::size_t size_of(const Expression& expression) {
+  if (expression.op == Expression::Op::Lanes || expression.op == Expression::Op::Spread) return 1;
+  std::size_t size = 1;
+  for (const auto& argument : expression.arguments) size += size_of(argument);
+  return size;
+}
+
+std::size_t in_lanes(std::size_t size, int lanes) { return size * static_cast<std::size_t>(lanes); }
+
+/// Nodes and operators, those of each lane counted separately.
+std::size_t unfolded_nodes(const FlatGraph& graph) {
+  std::size_t count = 0;
+  for (const auto& signal : graph.signals)
+    count += in_lanes(signal.kind == FlatSignal::Kind::Expression ? 1 + size_of(signal.expression) : 1,
+                      signal.lanes);
+  for (const auto& node : graph.nodes) {
+    std::size_t inputs = 1 + node.inputs.size() * (1 + node.compensate.size());
+    for (const auto& input : node.inputs)
+      if (input) inputs += size_of(*input);
+    count += in_lanes(inputs, node.lanes);
   }
+  for (const auto& output : graph.outputs) count += in_lanes(1 + size_of(output.expression), output.lanes);
+  return count;
 }
 
 /// What folded to no number: nothing that reads it could ever sound.
@@ -103,49 +101,42 @@ FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOp
   return std::move(resolved.graph);
 }
 
-Checked<std::vector<OrderedSection>> ordered(const VertexGraph& graph, const FlatGraph& flat,
-                                             const MadeNodes& made, const CompileOptions& options) {
-  std::vector<std::vector<bool>> late;
-  std::vector<int> least;
-  delays_of(graph, flat, made, late, least);
-  return order(graph, late, least, options.closed_outside);
-}
-
-/// Side by side where that makes no cycle of what was none: a lane may answer another one in the same frame.
-std::optional<std::vector<OrderedSection>> put_side_by_side(VertexGraph& graph, const FlatGraph& flat,
-                                                            MadeNodes& made, const CompileOptions& options) {
-  const bool has_lanes = std::any_of(graph.vertices.begin(), graph.vertices.end(),
-                                     [](const Vertex& v) { return v.alive && v.origin; });
-  if (!options.side_by_side || !has_lanes) return std::nullopt;
-  auto wide = graph;
-  if (!widen(wide, flat, made)) return std::nullopt;
-  expand_sums(wide, made);
-  auto sections = ordered(wide, flat, made, options);
-  if (!sections) {
-    undo_widen(graph, made);
-    return std::nullopt;
-  }
-  graph = std::move(wide);
-  drop_replaced(graph, made);
+/// Vectorised where that makes no cycle of what was none: a lane may answer another one in the same frame.
+std::optional<std::vector<OrderedSection>> order_vectorised(VertexGraph& graph, const FlatGraph& flat,
+                                                            const CompileOptions& options) {
+  if (!options.vectorise) return std::nullopt;
+  auto vectorised = graph;
+  if (!vectorise(vectorised, flat)) return std::nullopt;
+  expand_sums(vectorised);
+  auto sections = order(vectorised, options.closed_outside);
+  if (!sections) return std::nullopt;
+  graph = std::move(vectorised);
   return std::move(*sections);
 }
 
-Checked<std::unique_ptr<Schedule>> make_schedule(const FlatGraph& flat, const CompileOptions& options) {
+Checked<std::unique_ptr<Plan>> make_plan(const FlatGraph& flat, const CompileOptions& options) {
   auto graph = lower(flat);
   simplify(graph, flat, options.sample_rate);
   Mistakes mistakes;
   check_constants(graph, mistakes);
   if (mistakes.any()) return tl::unexpected(mistakes.take());
   auto made = make_nodes(graph, flat, options);
-  mistakes.add(std::move(made.mistakes));
-  auto sections = ordered(graph, flat, made, options);
-  if (!sections) mistakes.add(sections.error());
-  if (mistakes.any()) return tl::unexpected(mistakes.take());
-  if (auto wide = put_side_by_side(graph, flat, made, options))
-    sections = std::move(*wide);
-  else if (expand_sums(graph, made))
-    sections = ordered(graph, flat, made, options);
-  return build_schedule(graph, flat, *sections, std::move(made), options);
+  if (!made.mistakes.empty()) {
+    mistakes.add(std::move(made.mistakes));
+    if (const auto cycles = order(graph, options.closed_outside); !cycles) mistakes.add(cycles.error());
+    return tl::unexpected(mistakes.take());
+  }
+  auto sections = order_vectorised(graph, flat, options);
+  if (!sections) {
+    expand_sums(graph);
+    auto scalar = order(graph, options.closed_outside);
+    if (!scalar) {
+      mistakes.add(scalar.error());
+      return tl::unexpected(mistakes.take());
+    }
+    sections = std::move(*scalar);
+  }
+  return build_plan(std::move(graph), flat, *sections, made.frozen_controls, options);
 }
 
 }  // namespace
@@ -156,18 +147,18 @@ std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const Co
   return mistakes.take();
 }
 
-Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table,
-                                           const CompileOptions& options) {
+Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& table,
+                                       const CompileOptions& options) {
   Mistakes mistakes{spec.file};
   const auto flat = flatten(spec, table, options, mistakes);
   if (mistakes.any()) return tl::unexpected(mistakes.take());
-  auto schedule = make_schedule(flat, options);
-  if (schedule) (*schedule)->name = spec.name;
-  return schedule;
+  auto plan = make_plan(flat, options);
+  if (plan) (*plan)->name = spec.name;
+  return plan;
 }
 
-Checked<std::unique_ptr<Schedule>> compile(const LoadedGraph& graph, const NodeTable& table,
-                                           const CompileOptions& options) {
+Checked<std::unique_ptr<Plan>> compile(const LoadedGraph& graph, const NodeTable& table,
+                                       const CompileOptions& options) {
   if (graph.spec == nullptr) return tl::unexpected(graph.mistakes);
   if (graph.mistakes.empty()) return compile(*graph.spec, table, options);
   Mistakes mistakes{graph.spec->file};

@@ -11,7 +11,7 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/spec.h"
 #include "engine/graph/node_table.h"
-#include "engine/graph/plan/schedule.h"
+#include "engine/graph/plan/plan.h"
 
 namespace tactus {
 
@@ -36,24 +36,25 @@ struct CompileOptions {
   /// Signals that become outputs of their own ("hit", "hit.level"), for events, scopes and recordings.
   std::vector<std::string> taps;
   /// What lies outside answers within the same frame: every output must then be ready before any input is
-  /// read, and the schedule has one `Outside` step between the two.
+  /// read, and the plan has one `Outside` step between the two.
   bool closed_outside = false;
-  /// Lanes of the same thing run side by side (see widen.h). Off, each runs on its own: to compare.
-  bool side_by_side = true;
+  /// Eight lanes of the same thing run as one vector (see `vectorise`). Off, each runs on its own: to
+  /// compare.
+  bool vectorise = true;
 };
 
 /// The mistakes that show before any node is made, in file order: names, ports, settings, units, lanes,
 /// ranges.
 std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options);
 
-/// resolve → unfold lanes → prune and fold → make the nodes → put lanes side by side → schedule. Errors, in
+/// resolve → unfold lanes → prune and fold → make the nodes → vectorise → plan. Errors, in
 /// file order: those of `check`; without any, what the nodes say when they are made, and all loops without a
 /// delay.
-Checked<std::unique_ptr<Schedule>> compile(const GraphSpec& spec, const NodeTable& table,
-                                           const CompileOptions& options);
+Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& table,
+                                       const CompileOptions& options);
 
 /// The same for a graph just loaded: the mistakes of its text and those of `check` in one go.
-Checked<std::unique_ptr<Schedule>> compile(const LoadedGraph& graph, const NodeTable& table,
-                                           const CompileOptions& options);
+Checked<std::unique_ptr<Plan>> compile(const LoadedGraph& graph, const NodeTable& table,
+                                       const CompileOptions& options);
 
 }  // namespace tactus

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/graph/plan/wide_nodes.h"
+#include "engine/graph/plan/vector_nodes.h"
 
 namespace tactus {
 namespace {
@@ -20,8 +20,7 @@ const Wire& first_of(const LaneRow& row) {
   return *std::find_if(row.begin(), row.end(), [](const Wire& wire) { return wire.vertex != kNone; });
 }
 
-LaneGroups::LaneGroups(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes& made)
-    : graph_(graph), flat_(flat), made_(made) {
+LaneGroups::LaneGroups(const VertexGraph& graph, const FlatGraph& flat) : graph_(graph), flat_(flat) {
   find();
   drop_those_without_memory();
 }
@@ -53,14 +52,13 @@ void LaneGroups::find() {
 void LaneGroups::make_node(LaneGroup& group) const {
   const auto& first = at(group.first);
   if (first.kind == Vertex::Kind::Operation) {
-    group.node = std::make_unique<WideOperation>(first.op);
+    group.node = std::make_unique<VectorOperation>(first.op);
     return;
   }
   group.remembers = !flat_.nodes[static_cast<std::size_t>(first.index)].type->stateless;
   std::vector<const Node*> lanes;
-  for (const int v : group.members)
-    lanes.push_back(v == kNone ? nullptr : made_.nodes[static_cast<std::size_t>(v)].get());
-  group.node = made_.nodes[static_cast<std::size_t>(group.first)]->widened(lanes);
+  for (const int v : group.members) lanes.push_back(v == kNone ? nullptr : at(v).node.get());
+  group.node = first.node->widened(lanes);
 }
 
 void LaneGroups::number_members() {

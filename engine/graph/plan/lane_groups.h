@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "engine/graph/plan/make_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
@@ -37,10 +36,10 @@ bool all_of(const LaneRow& row, Condition holds) {
 /// half of them or more are there, and where one of the groups that read one another remembers something.
 class LaneGroups {
  public:
-  /// [control] `made`: the nodes of the single lanes.
-  LaneGroups(const VertexGraph& graph, const FlatGraph& flat, const MadeNodes& made);
+  /// [control] The nodes of the single lanes are made.
+  LaneGroups(const VertexGraph& graph, const FlatGraph& flat);
 
-  /// In the order of their first vertices, so that one file always gives one schedule.
+  /// In the order of their first vertices, so that one file always gives one plan.
   std::vector<LaneGroup>& groups() { return groups_; }
   const LaneGroup& operator[](int group) const { return groups_[static_cast<std::size_t>(group)]; }
   /// Index in `groups`, or kNone.
@@ -59,7 +58,6 @@ class LaneGroups {
 
   const VertexGraph& graph_;
   const FlatGraph& flat_;
-  const MadeNodes& made_;
   std::vector<LaneGroup> groups_;
   std::vector<int> group_of_;  ///< [scalar vertex]
 };

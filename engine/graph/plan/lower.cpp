@@ -28,9 +28,9 @@ class Lowering {
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
       if (signal.kind != FlatSignal::Kind::Expression) continue;
-      every_ = signal.crossing ? signal.crossing->from : signal.every;
+      divisor_ = signal.conversion ? signal.conversion->from : signal.divisor;
       for (int lane = 0; lane < signal.lanes; ++lane) {
-        const auto wire = lower(signal.term, lane, signal.lanes, signal.path);
+        const auto wire = lower(signal.expression, lane, signal.lanes, signal.path);
         graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {
             wire};
       }
@@ -61,7 +61,9 @@ class Lowering {
   void set_lane(Vertex& vertex, const void* of, int lane, int lanes) {
     vertex.lane = lane;
     vertex.lanes = lanes;
-    if (lanes > 1) vertex.origin = {of, made_of_[{of, lane}]++};
+    if (lanes < 2) return;
+    const int origin = origins_.try_emplace(of, static_cast<int>(origins_.size())).first->second;
+    vertex.origin = {origin, made_of_[{origin, lane}]++};
   }
 
   void make_inputs() {
@@ -76,7 +78,7 @@ class Lowering {
     Vertex vertex;
     vertex.path = lane_path(signal.path, lane, signal.lanes);
     vertex.at = signal.at;
-    vertex.every = signal.every;
+    vertex.divisor = signal.divisor;
     set_lane(vertex, &signal, lane, signal.lanes);
     switch (signal.kind) {
       case FlatSignal::Kind::Input:
@@ -95,10 +97,10 @@ class Lowering {
       case FlatSignal::Kind::Expression:
       case FlatSignal::Kind::NodeOutput:
         vertex.kind = Vertex::Kind::Operation;
-        vertex.op = Term::Op::Signal;
+        vertex.op = Expression::Op::Signal;
         break;
     }
-    if (signal.crossing) make_crossing(vertex, signal);
+    if (signal.conversion) make_rate_converter(vertex, signal);
     return add(std::move(vertex));
   }
 
@@ -108,18 +110,18 @@ class Lowering {
     return system_delay_;
   }
 
-  void make_crossing(Vertex& vertex, const FlatSignal& signal) const {
-    vertex.kind = Vertex::Kind::Crossing;
-    vertex.crossing = *signal.crossing;
+  void make_rate_converter(Vertex& vertex, const FlatSignal& signal) const {
+    vertex.kind = Vertex::Kind::RateConverter;
+    vertex.conversion = *signal.conversion;
     vertex.origin = {};
-    if (is_trigger(signal.term, 0)) vertex.crossing.how = SignalCrossing::How::Trigger;
+    if (is_trigger(signal.expression, 0)) vertex.conversion.how = RateConversion::How::Trigger;
   }
 
   /// A name for what a node fires, through as many files as there may be.
-  bool is_trigger(const Term& term, int depth) const {
-    if (term.op != Term::Op::Signal || depth > 64) return false;
-    const auto& signal = flat_.signals[static_cast<std::size_t>(term.signal)];
-    if (signal.kind == FlatSignal::Kind::Expression) return is_trigger(signal.term, depth + 1);
+  bool is_trigger(const Expression& expression, int depth) const {
+    if (expression.op != Expression::Op::Signal || depth > 64) return false;
+    const auto& signal = flat_.signals[static_cast<std::size_t>(expression.signal)];
+    if (signal.kind == FlatSignal::Kind::Expression) return is_trigger(signal.expression, depth + 1);
     if (signal.kind != FlatSignal::Kind::NodeOutput) return false;
     const auto& type = *flat_.nodes[static_cast<std::size_t>(signal.index)].type;
     return type.outputs[static_cast<std::size_t>(signal.port)].kind == OutputKind::Trigger;
@@ -139,11 +141,12 @@ class Lowering {
         Vertex vertex;
         vertex.kind = Vertex::Kind::Node;
         vertex.index = static_cast<int>(n);
+        vertex.type = node.type;
         set_lane(vertex, &node, lane, node.lanes);
         vertex.outputs = static_cast<int>(node.outputs.size());
         vertex.path = lane_path(node.path, lane, node.lanes);
         vertex.at = node.at;
-        vertex.every = node.every;
+        vertex.divisor = node.divisor;
         const auto wire = add(std::move(vertex));
         for (std::size_t port = 0; port < node.outputs.size(); ++port)
           wires_[static_cast<std::size_t>(node.outputs[port])][static_cast<std::size_t>(lane)] = {
@@ -155,7 +158,7 @@ class Lowering {
   void connect_nodes() {
     for (std::size_t n = 0; n < flat_.nodes.size(); ++n) {
       const auto& node = flat_.nodes[n];
-      every_ = node.every;
+      divisor_ = node.divisor;
       if (node.type->reduces_lanes) {
         connect_mix(node);
         continue;
@@ -185,7 +188,7 @@ class Lowering {
       vertex.value = where.sign;
       vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
       vertex.at = node.at;
-      vertex.every = node.every;
+      vertex.divisor = node.divisor;
       // What the compensations before this one left, then the period, then the parameters.
       vertex.in = {in[time], lower(*node.inputs[period], lane, node.lanes, node.path)};
       for (std::size_t i = 0; i < other.inputs.size(); ++i)
@@ -201,7 +204,7 @@ class Lowering {
     sum.kind = Vertex::Kind::Sum;
     sum.path = node.path;
     sum.at = node.at;
-    sum.every = node.every;
+    sum.divisor = node.divisor;
     for (int lane = 0; lane < node.lanes; ++lane)
       sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
     const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
@@ -209,58 +212,59 @@ class Lowering {
     graph_.vertices[static_cast<std::size_t>(out.vertex)].in = {wire};
   }
 
-  Wire lower(const Term& term, int lane, int lanes, const std::string& path) {
-    if (lanes == 1 || lanes_of(flat_, term) != 1) return lower_lane(term, lane, lanes, path);
-    const auto [known, fresh] = shared_.try_emplace(&term);
-    if (fresh) known->second = lower_lane(term, 0, 1, path);
+  Wire lower(const Expression& expression, int lane, int lanes, const std::string& path) {
+    if (lanes == 1 || lanes_of(flat_, expression) != 1) return lower_lane(expression, lane, lanes, path);
+    const auto [known, fresh] = shared_.try_emplace(&expression);
+    if (fresh) known->second = lower_lane(expression, 0, 1, path);
     return known->second;
   }
 
-  Wire lower_lane(const Term& term, int lane, int lanes, const std::string& path) {
-    switch (term.op) {
-      case Term::Op::Number:
-        return constant(term.number, term.at);
-      case Term::Op::Signal: {
-        const auto& wires = wires_[static_cast<std::size_t>(term.signal)];
+  Wire lower_lane(const Expression& expression, int lane, int lanes, const std::string& path) {
+    switch (expression.op) {
+      case Expression::Op::Number:
+        return constant(expression.number, expression.at);
+      case Expression::Op::Signal: {
+        const auto& wires = wires_[static_cast<std::size_t>(expression.signal)];
         return wires[wires.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
       }
-      case Term::Op::Lanes: {
-        const auto& own = term.arguments[term.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
-        return own.op == Term::Op::Number ? own_number(own.number, term, lane, lanes)
-                                          : lower(own, 0, 1, path);
+      case Expression::Op::Lanes: {
+        const auto& own =
+            expression.arguments[expression.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+        return own.op == Expression::Op::Number ? own_number(own.number, expression, lane, lanes)
+                                                : lower(own, 0, 1, path);
       }
-      case Term::Op::Spread:
-        return own_number(spread(term, lane, lanes), term, lane, lanes);
+      case Expression::Op::Spread:
+        return own_number(spread(expression, lane, lanes), expression, lane, lanes);
       default:
         break;
     }
     Vertex vertex;
     vertex.kind = Vertex::Kind::Operation;
-    vertex.op = term.op;
+    vertex.op = expression.op;
     vertex.path = path;
-    vertex.at = term.at;
-    vertex.every = every_;
-    set_lane(vertex, &term, lane, lanes);
-    for (const auto& argument : term.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
+    vertex.at = expression.at;
+    vertex.divisor = divisor_;
+    set_lane(vertex, &expression, lane, lanes);
+    for (const auto& argument : expression.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
     return add(std::move(vertex));
   }
 
   /// Of a list or a spread: its lanes stay together even where one of them is 0 or 1.
-  Wire own_number(double value, const Term& term, int lane, int lanes) {
-    const auto wire = constant(value, term.at);
-    set_lane(graph_.vertices.back(), &term, lane, lanes);
+  Wire own_number(double value, const Expression& expression, int lane, int lanes) {
+    const auto wire = constant(value, expression.at);
+    set_lane(graph_.vertices.back(), &expression, lane, lanes);
     return wire;
   }
 
-  static double spread(const Term& term, int lane, int lanes) {
-    const double from = term.arguments[0].number;
-    const double to = term.arguments[1].number;
+  static double spread(const Expression& expression, int lane, int lanes) {
+    const double from = expression.arguments[0].number;
+    const double to = expression.arguments[1].number;
     const double position = lanes > 1 ? static_cast<double>(lane) / (lanes - 1) : 0;
-    return term.bare ? from + (to - from) * position : from * std::pow(to / from, position);
+    return expression.exponential ? from * std::pow(to / from, position) : from + (to - from) * position;
   }
 
   void make_outputs() {
-    every_ = 1;
+    divisor_ = 1;
     for (const auto& output : flat_.outputs) {
       for (int lane = 0; lane < output.lanes; ++lane) {
         Vertex vertex;
@@ -269,7 +273,7 @@ class Lowering {
         vertex.path = lane_path(output.name, lane, output.lanes);
         vertex.at = output.at;
         vertex.outputs = 0;
-        vertex.in = {lower(output.term, lane, output.lanes, output.name)};
+        vertex.in = {lower(output.expression, lane, output.lanes, output.name)};
         graph_.outputs.push_back({vertex.path, output.use, output.dimension});
         add(std::move(vertex));
       }
@@ -278,13 +282,14 @@ class Lowering {
 
   const FlatGraph& flat_;
   VertexGraph graph_;
-  int every_ = 1;                         ///< of the expression that is being lowered
+  int divisor_ = 1;                       ///< of the expression that is being lowered
   std::vector<std::vector<Wire>> wires_;  ///< [signal][lane]
   Wire system_delay_;
-  std::vector<int> first_channel_;                      ///< [input]
-  std::vector<int> first_vertex_;                       ///< [node]
-  std::map<const Term*, Wire> shared_;                  ///< what all lanes have in common
-  std::map<std::pair<const void*, int>, int> made_of_;  ///< [origin, lane]: how many vertices
+  std::vector<int> first_channel_;              ///< [input]
+  std::vector<int> first_vertex_;               ///< [node]
+  std::map<const Expression*, Wire> shared_;    ///< what all lanes have in common
+  std::map<const void*, int> origins_;          ///< numbers of signals, nodes and expressions with lanes
+  std::map<std::pair<int, int>, int> made_of_;  ///< [origin, lane]: how many vertices
 };
 
 }  // namespace

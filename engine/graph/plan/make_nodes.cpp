@@ -1,13 +1,13 @@
-#include "engine/graph/plan/make_nodes.h"
 
 #include <algorithm>
 #include <functional>
 #include <optional>
 
-#include "engine/graph/plan/crossing.h"
 #include "engine/graph/plan/fingerprint.h"
-#include "engine/graph/plan/lane_sum.h"
+#include "engine/graph/plan/passes.h"
 #include "engine/graph/plan/phase_delay.h"
+#include "engine/graph/plan/rate_converter.h"
+#include "engine/graph/plan/vector_nodes.h"
 #include "engine/graph/semantics/operators.h"
 
 namespace tactus {
@@ -17,8 +17,6 @@ class Maker {
  public:
   Maker(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
       : graph_(graph), flat_(flat), options_(options), memory_(options.most_bytes) {
-    made_.nodes.resize(graph.vertices.size());
-    made_.fingerprints.resize(graph.vertices.size());
     made_.frozen_controls.assign(flat.controls.size(), false);
   }
 
@@ -26,22 +24,18 @@ class Maker {
     // Nodes that others are compensated for come first: their response bounds the delay of those.
     for (const bool compensated : {false, true}) {
       if (compensated) fold_phase_delays();
-      for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-        const auto& vertex = graph_.vertices[v];
-        if (vertex.alive && vertex.kind == Vertex::Kind::Node &&
-            flat_node(vertex).compensate.empty() != compensated)
-          make(v, vertex);
-      }
+      for (auto& vertex : graph_.vertices)
+        if (vertex.kind == Vertex::Kind::Node && flat_node(vertex).compensate.empty() != compensated)
+          make(vertex);
     }
-    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-      const auto& vertex = graph_.vertices[v];
-      if (vertex.alive && vertex.kind == Vertex::Kind::Crossing) make_crossing(v, vertex);
-      if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto other = static_cast<std::size_t>(vertex.index);
-      made_.fingerprints[v] = made_.fingerprints[other];
-      if (made_.nodes[other] != nullptr)
-        made_.nodes[v] = std::make_shared<PhaseDelay>(
-            made_.nodes[other], static_cast<int>(vertex.in.size()) - 2, rate_of(vertex.every), vertex.value);
+    for (auto& vertex : graph_.vertices) {
+      if (vertex.kind == Vertex::Kind::RateConverter) make_rate_converter(vertex);
+      if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
+      const auto& other = graph_.vertices[static_cast<std::size_t>(vertex.index)];
+      vertex.fingerprint = other.fingerprint;
+      if (other.node != nullptr)
+        vertex.node = std::make_shared<PhaseDelay>(other.node, static_cast<int>(vertex.in.size()) - 2,
+                                                   rate_of(vertex.divisor), vertex.value);
       else if (made_.mistakes.empty())
         complain_phase(vertex);
     }
@@ -54,25 +48,26 @@ class Maker {
   }
   const Vertex& at(Wire wire) const { return graph_.vertices[static_cast<std::size_t>(wire.vertex)]; }
 
-  Hertz rate_of(int every) const { return Hertz{options_.sample_rate.value / every}; }
+  Hertz rate_of(int divisor) const { return Hertz{options_.sample_rate.value / divisor}; }
 
-  void make_crossing(std::size_t v, const Vertex& vertex) {
-    const auto& how = vertex.crossing;
-    made_.nodes[v] = std::make_shared<Crossing>(how, vertex.every, rate_of(std::min(how.from, vertex.every)));
+  void make_rate_converter(Vertex& vertex) {
+    const auto& how = vertex.conversion;
+    vertex.node =
+        std::make_shared<RateConverter>(how, vertex.divisor, rate_of(std::min(how.from, vertex.divisor)));
     Fingerprint print;
-    for (const int number : {how.from, vertex.every, static_cast<int>(how.how)})
+    for (const int number : {how.from, vertex.divisor, static_cast<int>(how.how)})
       print.add(static_cast<std::uint64_t>(number));
-    made_.fingerprints[v] = print.value();
+    vertex.fingerprint = print.value();
   }
 
-  void make(std::size_t v, const Vertex& vertex) {
+  void make(Vertex& vertex) {
     const auto& node = flat_node(vertex);
     auto setup = setup_of(node, vertex);
     if (!setup || (!node.compensate.empty() && !shorten_time(node, vertex, *setup))) return;
     auto made = make_within(*setup);
     if (made) {
-      made_.nodes[v] = std::move(*made);
-      made_.fingerprints[v] = fingerprint(*setup);
+      vertex.node = std::move(*made);
+      vertex.fingerprint = fingerprint(*setup);
       return;
     }
     auto error = made.error();
@@ -95,13 +90,13 @@ class Maker {
   /// A phase delay that never changes leaves a delay time that rests.
   void fold_phase_delays() {
     for (auto& vertex : graph_.vertices) {
-      if (!vertex.alive || vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto& other = made_.nodes[static_cast<std::size_t>(vertex.index)];
+      if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
+      const auto& other = graph_.vertices[static_cast<std::size_t>(vertex.index)].node;
       std::vector<double> in;
       for (const auto& wire : vertex.in)
         if (at(wire).kind == Vertex::Kind::Constant) in.push_back(at(wire).value);
       if (other == nullptr || in.size() != vertex.in.size()) continue;
-      const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()}, rate_of(vertex.every));
+      const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()}, rate_of(vertex.divisor));
       if (!taken) continue;
       vertex.kind = Vertex::Kind::Constant;
       vertex.value = in[0] + vertex.value * *taken;
@@ -113,7 +108,7 @@ class Maker {
   std::optional<NodeSetup> setup_of(const FlatNode& node, const Vertex& vertex) {
     NodeSetup setup;
     bool right = true;
-    setup.sample_rate = rate_of(node.every);
+    setup.sample_rate = rate_of(node.divisor);
     setup.type = node.type.get();
     setup.settings = node.settings;
     setup.lane = vertex.lane;
@@ -147,7 +142,7 @@ class Maker {
       return flat_.controls[static_cast<std::size_t>(vertex.index)].value;
     }
     if (vertex.kind == Vertex::Kind::Sum) return starting_sum(vertex, depth);
-    if (vertex.kind == Vertex::Kind::Crossing) return starting_value(vertex.in[0], depth + 1);
+    if (vertex.kind == Vertex::Kind::RateConverter) return starting_value(vertex.in[0], depth + 1);
     if (vertex.kind != Vertex::Kind::Operation || depth > 1000) return std::nullopt;
     const auto a = starting_value(vertex.in[0], depth + 1);
     const auto b = vertex.in.size() > 1 ? starting_value(vertex.in[1], depth + 1) : std::optional{0.0};
@@ -172,15 +167,14 @@ class Maker {
     auto tuned = node.ranges[static_cast<std::size_t>(where.period)];
     if (!tuned.bounded()) return true;  // the node itself asks for bounds
     // No period is shorter than two frames.
-    const double shortest = 2 / rate_of(node.every).value;
+    const double shortest = 2 / rate_of(node.divisor).value;
     tuned = {std::max(tuned.low, shortest), std::max(tuned.high, shortest)};
     Wire wire = vertex.in[time];
     Interval left{0, 0};
     for (; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
-      const auto other = static_cast<std::size_t>(at(wire).index);
-      if (made_.nodes[other] == nullptr) return false;
-      const auto taken = PhaseDelay::range(made_.nodes[other], tuned,
-                                           flat_node(graph_.vertices[other]).ranges, rate_of(node.every));
+      const auto& other = graph_.vertices[static_cast<std::size_t>(at(wire).index)];
+      if (other.node == nullptr) return false;
+      const auto taken = PhaseDelay::range(other.node, tuned, flat_node(other).ranges, rate_of(node.divisor));
       if (!taken) return complain_phase(at(wire)), false;
       left = left + (where.sign < 0 ? Interval{-taken->high, -taken->low} : *taken);
     }

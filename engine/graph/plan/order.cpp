@@ -1,11 +1,11 @@
-#include "engine/graph/plan/order.h"
-
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <set>
 
 #include "engine/graph/file/mistakes.h"
+#include "engine/graph/plan/passes.h"
+#include "engine/graph/plan/strong_components.h"
 
 namespace tactus {
 namespace {
@@ -15,22 +15,35 @@ struct Edge {
   bool late;
 };
 
+bool is_late(const Vertex& vertex, std::size_t input) {
+  return vertex.kind == Vertex::Kind::Node && vertex.type->inputs[input].late;
+}
+
+/// Guaranteed from late inputs to outputs, in engine frames: any run of d R of them holds d frames of a part
+/// at a rate of 1/R, wherever it begins.
+int least_delay(const Vertex& vertex) {
+  if (vertex.kind != Vertex::Kind::Node) return 0;
+  int least = std::numeric_limits<int>::max();
+  // A node that could not be made is taken to delay as much as any, so that it seems to close no loop.
+  for (std::size_t i = 0; i < vertex.in.size() && vertex.node != nullptr; ++i)
+    for (int output = 0; is_late(vertex, i) && output < vertex.outputs; ++output)
+      least = std::min(least, vertex.node->delay(static_cast<int>(i), output).least);
+  if (least == std::numeric_limits<int>::max()) return kMaxPiece;
+  return std::min(least, std::numeric_limits<int>::max() / vertex.divisor) * vertex.divisor;
+}
+
 class Ordering {
  public:
-  Ordering(const VertexGraph& graph, const std::vector<std::vector<bool>>& late,
-           const std::vector<int>& least, bool closed_outside)
-      : graph_(graph),
-        least_(least),
-        size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
+  Ordering(const VertexGraph& graph, bool closed_outside)
+      : graph_(graph), size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
     readers_.resize(static_cast<std::size_t>(size_));
+    for (const auto& vertex : graph.vertices) least_.push_back(least_delay(vertex));
     least_.resize(static_cast<std::size_t>(size_), 0);
     const int outside = closed_outside ? size_ - 1 : -1;
     for (int v = 0; v < static_cast<int>(graph.vertices.size()); ++v) {
       const auto& vertex = vertex_at(v);
-      if (!vertex.alive) continue;
       for (std::size_t i = 0; i < vertex.in.size(); ++i)
-        readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back(
-            {v, late[static_cast<std::size_t>(v)][i]});
+        readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back({v, is_late(vertex, i)});
       if (outside < 0) continue;
       // A tap only listens: nothing outside answers it.
       if (vertex.kind == Vertex::Kind::Output &&
@@ -45,7 +58,7 @@ class Ordering {
     if (auto errors = cycle_errors(); !errors.empty()) return tl::unexpected(std::move(errors));
     auto components = find_components(every_edge);
     std::vector<OrderedSection> sections;
-    // Tarjan finds components in reverse order: what is read comes last.
+    // What is read comes last.
     for (auto it = components.rbegin(); it != components.rend(); ++it) {
       auto& component = *it;
       if (component.size() == 1 && !reads_itself(component.front(), every_edge)) {
@@ -61,7 +74,6 @@ class Ordering {
  private:
   const Vertex& vertex_at(int v) const { return graph_.vertices[static_cast<std::size_t>(v)]; }
   bool is_outside(int v) const { return v >= static_cast<int>(graph_.vertices.size()); }
-  bool alive(int v) const { return is_outside(v) || vertex_at(v).alive; }
   OrderedVertex::Half half_of_whole(int v) const {
     return is_outside(v) ? OrderedVertex::Half::Outside : OrderedVertex::Half::Whole;
   }
@@ -75,64 +87,15 @@ class Ordering {
 
   static bool every_edge(const Edge&) { return true; }
 
-  /// Tarjan's strongly connected components over the edges that `follows` takes, with a stack of our own:
-  /// graphs may be chains of 100,000 nodes.
+  /// Over the edges that `follows` takes.
   template <class Follows>
   std::vector<std::vector<int>> find_components(Follows follows) const {
-    struct Frame {
-      int v;
-      std::size_t next;
-    };
-    const auto n = static_cast<std::size_t>(size_);
-    std::vector<std::vector<int>> components;
-    std::vector<int> index(n, -1), low(n, 0);
-    std::vector<bool> on_stack(n, false);
-    std::vector<int> stack;
-    int counter = 0;
-    for (int start = size_ - 1; start >= 0; --start) {
-      if (index[static_cast<std::size_t>(start)] >= 0 || !alive(start)) continue;
-      std::vector<Frame> frames{{start, 0}};
-      while (!frames.empty()) {
-        const int v = frames.back().v;
-        const auto vi = static_cast<std::size_t>(v);
-        if (frames.back().next == 0 && index[vi] < 0) {
-          index[vi] = low[vi] = counter++;
-          stack.push_back(v);
-          on_stack[vi] = true;
-        }
-        if (frames.back().next < readers(v).size()) {
-          const auto& edge = readers(v)[frames.back().next++];
-          const auto wi = static_cast<std::size_t>(edge.to);
-          if (!follows(edge)) continue;
-          if (index[wi] < 0)
-            frames.push_back({edge.to, 0});
-          else if (on_stack[wi])
-            low[vi] = std::min(low[vi], index[wi]);
-          continue;
-        }
-        if (low[vi] == index[vi]) {
-          std::vector<int> component;
-          int w = -1;
-          do {
-            w = stack.back();
-            stack.pop_back();
-            on_stack[static_cast<std::size_t>(w)] = false;
-            component.push_back(w);
-          } while (w != v);
-          components.push_back(std::move(component));
-        }
-        frames.pop_back();
-        if (!frames.empty()) {
-          const auto parent = static_cast<std::size_t>(frames.back().v);
-          low[parent] = std::min(low[parent], low[vi]);
-        }
-      }
-    }
-    return components;
+    std::vector<std::vector<int>> next(readers_.size());
+    for (std::size_t v = 0; v < readers_.size(); ++v)
+      for (const auto& edge : readers_[v])
+        if (follows(edge)) next[v].push_back(edge.to);
+    return strong_components(next, Roots::LastToFirst);
   }
-
-  // ---- loops
-  // -----------------------------------------------------------------------------------------------
 
   /// Every cycle in `component` is cut by a delay of a frame or more.
   OrderedSection order_loop(std::vector<int>& component) const {
@@ -193,9 +156,6 @@ class Ordering {
     for (const int v : split) section.vertices.push_back({OrderedVertex::Half::Absorb, v});
     return section;
   }
-
-  // ---- loops without delay
-  // ---------------------------------------------------------------------------------
 
   /// One for each part of the graph in which signals go round within a frame.
   std::vector<Error> cycle_errors() const {
@@ -263,10 +223,8 @@ class Ordering {
 
 }  // namespace
 
-Checked<std::vector<OrderedSection>> order(const VertexGraph& graph,
-                                           const std::vector<std::vector<bool>>& late,
-                                           const std::vector<int>& least, bool closed_outside) {
-  return Ordering{graph, late, least, closed_outside}.run();
+Checked<std::vector<OrderedSection>> order(const VertexGraph& graph, bool closed_outside) {
+  return Ordering{graph, closed_outside}.run();
 }
 
 }  // namespace tactus

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/plan/lane_sum.h"
+#include "engine/graph/plan/vector_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
 #include "engine/graph/semantics/operators.h"
 
@@ -26,6 +26,7 @@ class Simplifier {
     fold();
     sweep(written, "reaches only what is multiplied by zero");
     reasons_to_report(written);
+    graph_.compact();
   }
 
  private:
@@ -45,13 +46,13 @@ class Simplifier {
   // ----------------------------------------------------------------------------------------------
 
   bool is_copy(const Vertex& v) const {
-    return v.kind == Vertex::Kind::Operation && v.op == Term::Op::Signal;
+    return v.kind == Vertex::Kind::Operation && v.op == Expression::Op::Signal;
   }
 
   Wire behind_copies(Wire wire) {
     const Wire first = wire;
     for (auto left = graph_.vertices.size(); is_copy(at(wire.vertex)); --left) {
-      if (left == 0) return first;  // names that only name each other: the scheduler reports the loop
+      if (left == 0) return first;  // names that only name each other: the ordering reports the loop
       wire = at(wire.vertex).in.front();
     }
     return wire;
@@ -85,12 +86,12 @@ class Simplifier {
     if (at(v).kind == Vertex::Kind::Operation && !is_copy(at(v))) return fold_operation(v);
     if (at(v).kind == Vertex::Kind::Node) return fold_node(v);
     if (at(v).kind == Vertex::Kind::Sum) return fold_sum(v);
-    if (at(v).kind == Vertex::Kind::Crossing) return fold_crossing(v);
+    if (at(v).kind == Vertex::Kind::RateConverter) return fold_rate_converter(v);
     return false;
   }
 
   /// What never changes is the same at every rate.
-  bool fold_crossing(int v) {
+  bool fold_rate_converter(int v) {
     const auto value = constant(at(v).in.front());
     if (value) make_constant(v, *value);
     return value.has_value();
@@ -114,7 +115,7 @@ class Simplifier {
       make_constant(v, apply(vertex.op, values[0], values.size() > 1 ? values[1] : 0));
       return true;
     }
-    if (vertex.op == Term::Op::Multiply) {
+    if (vertex.op == Expression::Op::Multiply) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (same_in_all(vertex.in[i]) == 1.0) return replace(v, vertex.in[1 - i]);
         if (zeros_ && constant(vertex.in[i]) == 0.0) {
@@ -123,11 +124,13 @@ class Simplifier {
         }
       }
     }
-    if (vertex.op == Term::Op::Divide && same_in_all(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
-    // Of all numbers this changes -0 only, which no operation tells from 0.
-    if ((vertex.op == Term::Op::Add || vertex.op == Term::Op::Subtract) && same_in_all(vertex.in[1]) == 0.0)
+    if (vertex.op == Expression::Op::Divide && same_in_all(vertex.in[1]) == 1.0)
       return replace(v, vertex.in[0]);
-    if (vertex.op == Term::Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
+    // Of all numbers this changes -0 only, which no operation tells from 0.
+    if ((vertex.op == Expression::Op::Add || vertex.op == Expression::Op::Subtract) &&
+        same_in_all(vertex.in[1]) == 0.0)
+      return replace(v, vertex.in[0]);
+    if (vertex.op == Expression::Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
     return false;
   }
 
@@ -138,7 +141,7 @@ class Simplifier {
   }
 
   bool replace(int v, Wire with) {
-    if (with.vertex == v) return false;  // it reads itself: the scheduler reports the loop
+    if (with.vertex == v) return false;  // it reads itself: the ordering reports the loop
     for (const int consumer : consumers_[static_cast<std::size_t>(v)])
       for (auto& wire : at(consumer).in)
         if (wire.vertex == v) {
@@ -152,7 +155,7 @@ class Simplifier {
     const auto& node = flat_.nodes[static_cast<std::size_t>(at(v).index)];
     if (!node.type->stateless) return false;
     NodeSetup setup;
-    setup.sample_rate = Hertz{sample_rate_.value / node.every};
+    setup.sample_rate = Hertz{sample_rate_.value / node.divisor};
     setup.type = node.type.get();
     setup.settings = node.settings;
     std::vector<double> values;
@@ -229,7 +232,7 @@ class Simplifier {
     for (std::size_t v = 0; v < written; ++v) {
       const auto& vertex = graph_.vertices[v];
       named_[v] = vertex.kind == Vertex::Kind::Node || vertex.kind == Vertex::Kind::Control ||
-                  vertex.kind == Vertex::Kind::Input || vertex.kind == Vertex::Kind::Crossing ||
+                  vertex.kind == Vertex::Kind::Input || vertex.kind == Vertex::Kind::RateConverter ||
                   (is_copy(vertex) && vertex.path != "system.rate");
     }
   }

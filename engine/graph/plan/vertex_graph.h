@@ -6,9 +6,11 @@
 
 #include "engine/graph/semantics/flat_graph.h"
 
+// Thread: [control]
+
 namespace tactus {
 
-/// Output `port` of vertex `vertex`; of a wide vertex one lane, or all of them for a wide reader.
+/// Output `port` of vertex `vertex`; of a vectorised vertex one lane, or all of them for a vectorised reader.
 struct Wire {
   static constexpr int kAllLanes = -1;
   int vertex = -1;
@@ -19,14 +21,13 @@ struct Wire {
 
 /// What of the file a vertex is a lane of: the node or the operator, and which of several that this makes.
 struct Origin {
-  const void* of = nullptr;  ///< nullptr: it has no other lanes
+  int of = -1;  ///< -1: it has no other lanes
   int nth = 0;
-  explicit operator bool() const { return of != nullptr; }
+  explicit operator bool() const { return of >= 0; }
   auto operator<=>(const Origin&) const = default;
 };
 
-/// The graph with every lane on its own: what is pruned, folded and scheduled. `widen` then puts lanes side
-/// by side again.
+/// One vertex of the graph. `lower` makes one for every lane; `vectorise` then replaces eight lanes by one.
 struct Vertex {
   enum class Kind {
     Constant,
@@ -36,28 +37,40 @@ struct Vertex {
     Operation,
     Node,
     PhaseDelay,
-    Sum,       ///< all lanes of a signal; where nothing is wide, `widen` makes additions of it
-    Pack,      ///< kWide signals put side by side
-    Crossing,  ///< into a part with a rate of its own, or out of it
+    Sum,            ///< all lanes of a signal; where no lane is vectorised, additions replace it
+    Pack,           ///< kWide scalar signals as one vectorised signal
+    RateConverter,  ///< into a part with a rate of its own, or out of it
     Output
   };
 
   Kind kind = Kind::Constant;
-  Term::Op op = Term::Op::Number;  ///< Operation; `Signal` copies
-  double value = 0;                ///< Constant; PhaseDelay: its sign
-  std::vector<double> values;      ///< Constant of width kWide
-  int index = -1;                  ///< of the channel, control, output channel, or flat node
-  int lane = 0;                    ///< the first one of a wide vertex
-  int lanes = 1;                   ///< of its origin
+  Expression::Op op = Expression::Op::Number;  ///< Operation; `Signal` copies
+  double value = 0;                            ///< Constant; PhaseDelay: its sign
+  std::vector<double> values;                  ///< Constant of width kWide
+  int index = -1;                              ///< of the channel, control, output channel, or flat node
+  int lane = 0;                                ///< the first one of a vectorised vertex
+  int lanes = 1;                               ///< of its origin
   Origin origin;
-  int width = 1;            ///< 1 or kWide
-  int every = 1;            ///< engine frames between two of its samples
-  SignalCrossing crossing;  ///< Crossing
+  int width = 1;              ///< 1 or kWide
+  int divisor = 1;            ///< engine frames between two of its samples
+  RateConversion conversion;  ///< RateConverter
   std::vector<Wire> in;
   int outputs = 1;
   std::string path;
   Source at;
   bool alive = true;
+
+  std::shared_ptr<const NodeType> type;  ///< Node; keeps network declarations alive
+  std::shared_ptr<Node> node;            ///< what runs it, until the plan takes it over (Plan::nodes)
+  std::uint64_t fingerprint = 0;         ///< of all that `node` was made from
+
+  // Set when the plan is built.
+  int runs = -1;      ///< its node in Plan::nodes, or -1
+  int nth = 0;        ///< of several vertices with the same path that run
+  int first_in = -1;  ///< its operands in Plan::inputs; of a node that runs in two halves, the first half's
+
+  /// What it does, for reports: "low_pass", "sum of lanes", "1 operation".
+  std::string description() const;
 };
 
 struct OutputChannel {
@@ -77,14 +90,28 @@ struct VertexGraph {
   std::vector<OutputChannel> outputs;
   std::vector<std::string> inputs;  ///< names of the channels
   std::vector<LeftOut> left_out;
+
+  /// Removes the vertices that are not alive, and constants that nothing reads.
+  void compact();
 };
 
 /// Unfolds the lanes: one vertex for each lane of each node, one for each operator of each expression. What
 /// is the same in all lanes is there once.
 VertexGraph lower(const FlatGraph& flat);
 
-/// Takes out what reaches no output and works out what never changes. `flat` tells which nodes may be
-/// evaluated.
+/// Removes what reaches no output and evaluates what never changes. `flat` says which nodes may be evaluated.
 void simplify(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate);
+
+/// Lanes 8k … 8k+7 of the same node, or of the same operator of an expression, become one vectorised vertex
+/// (see Node::widened), so that a recurrence runs across lanes instead of along time, where at least four of
+/// them exist. It reads another vectorised vertex as it is, one scalar for all lanes, or a Pack of scalars;
+/// scalar vertices read one lane. Only where nodes with a vectorised form and a state take part: operators
+/// alone are as fast along time. False: there is nothing to vectorise, and `graph` is as it was.
+///
+/// Lanes that run together have one sub-block, the shortest of theirs, and are reset together after a fault.
+bool vectorise(VertexGraph& graph, const FlatGraph& flat);
+
+/// Turns each Sum that no node does into additions.
+void expand_sums(VertexGraph& graph);
 
 }  // namespace tactus

@@ -1,5 +1,3 @@
-#include "engine/graph/semantics/check_facts.h"
-
 #include <cmath>
 
 #include "engine/graph/file/mistakes.h"
@@ -16,8 +14,8 @@ std::string spoken(const Dimension& dimension) {
 /// As the file at the error's place calls it: "bridge.loss" is the `loss` of a part.
 std::string local_name(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
-bool adds_or_compares(Term::Op op) {
-  using Op = Term::Op;
+bool adds_or_compares(Expression::Op op) {
+  using Op = Expression::Op;
   return op == Op::Add || op == Op::Subtract || op == Op::Min || op == Op::Max || op == Op::Lanes ||
          op == Op::Spread;
 }
@@ -37,35 +35,36 @@ class Checks {
   }
 
  private:
-  UnitFact unit(const Term& term) const { return unit_of(graph_, term); }
+  UnitFact unit(const Expression& expression) const { return unit_of(graph_, expression); }
 
-  void check_input(const FlatNode& node, std::size_t i, const Term& term) {
+  void check_input(const FlatNode& node, std::size_t i, const Expression& expression) {
     const auto& port = node.type->inputs[i];
-    check_units(term);
-    check_lanes(term, node.lanes);
+    check_units(expression);
+    check_lanes(expression, node.lanes);
     const auto rule = port_unit(node, port.unit);
     const auto owner = "'" + port.name + "' of " + node.type->name + " '" + local_name(node.path) + "'";
-    if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(term, rule.dimension, owner);
+    if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(expression, rule.dimension, owner);
     if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 &&
         node.inputs[static_cast<std::size_t>(rule.follows)]) {
       const auto followed = unit(*node.inputs[static_cast<std::size_t>(rule.follows)]);
       if (followed.kind == UnitFact::Kind::Known)
-        check_unit_is(term, followed.dimension * rule.dimension, owner);
+        check_unit_is(expression, followed.dimension * rule.dimension, owner);
     }
-    check_range(term, port, rule, owner);
+    check_range(expression, port, rule, owner);
   }
 
   void check_expression(const FlatSignal& signal) {
-    check_units(signal.term);
-    check_lanes(signal.term, signal.lanes);
-    if (signal.declared) check_unit_is(signal.term, *signal.declared, "'" + local_name(signal.path) + "'");
+    check_units(signal.expression);
+    check_lanes(signal.expression, signal.lanes);
+    if (signal.declared)
+      check_unit_is(signal.expression, *signal.declared, "'" + local_name(signal.path) + "'");
   }
 
   void check_output(const FlatOutput& output) {
-    check_units(output.term);
-    check_lanes(output.term, output.lanes);
+    check_units(output.expression);
+    check_lanes(output.expression, output.lanes);
     if (!output.declared) return;
-    const auto fact = unit(output.term);
+    const auto fact = unit(output.expression);
     if (fact.kind != UnitFact::Kind::Known || fact.dimension == *output.declared) return;
     mistakes_.add(Errc::UnitMismatch, output.at,
                   "output '" + output.name + "' is " + spoken(*output.declared) +
@@ -75,18 +74,18 @@ class Checks {
                                            : "mend 'from' or 'unit'");
   }
 
-  void check_lanes(const Term& term, int wanted) {
-    const int found = lanes_of(graph_, term);
+  void check_lanes(const Expression& expression, int wanted) {
+    const int found = lanes_of(graph_, expression);
     if (found > 1 && wanted > 1 && found != wanted)
-      return mistakes_.add(Errc::OutOfRange, term.at,
+      return mistakes_.add(Errc::OutOfRange, expression.at,
                            std::to_string(found) + " lanes meet " + std::to_string(wanted),
                            "give both the same number of lanes, or put a 'mix' between them");
-    if (term.op == Term::Op::Signal) return;
-    if (term.op == Term::Op::Lanes) return check_lanes_of_list(term);
-    for (const auto& argument : term.arguments) check_lanes(argument, wanted);
+    if (expression.op == Expression::Op::Signal) return;
+    if (expression.op == Expression::Op::Lanes) return check_lanes_of_list(expression);
+    for (const auto& argument : expression.arguments) check_lanes(argument, wanted);
   }
 
-  void check_lanes_of_list(const Term& list) {
+  void check_lanes_of_list(const Expression& list) {
     for (const auto& lane : list.arguments)
       if (const int found = lanes_of(graph_, lane); found > 1)
         mistakes_.add(Errc::OutOfRange, lane.at,
@@ -94,61 +93,62 @@ class Checks {
                       "put a 'mix' of it here, or take it out of the list");
   }
 
-  void check_units(const Term& term) {
-    if (adds_or_compares(term.op)) {
-      const Term* first = nullptr;
-      for (const auto& argument : term.arguments) {
+  void check_units(const Expression& expression) {
+    if (adds_or_compares(expression.op)) {
+      const Expression* first = nullptr;
+      for (const auto& argument : expression.arguments) {
         if (unit(argument).kind != UnitFact::Kind::Known) continue;
         if (first == nullptr) first = &argument;
-        check_agrees(argument, *first, term.op);
+        check_agrees(argument, *first, expression.op);
       }
     }
-    if (term.op == Term::Op::Divide) check_divisor(term.arguments[1]);
-    for (const auto& argument : term.arguments) check_units(argument);
+    if (expression.op == Expression::Op::Divide) check_divisor(expression.arguments[1]);
+    for (const auto& argument : expression.arguments) check_units(argument);
   }
 
   /// A signal may pass through 0, which then counts as 0; what is nothing else was not meant.
-  void check_divisor(const Term& term) {
-    const auto range = range_of(graph_, term);
+  void check_divisor(const Expression& expression) {
+    const auto range = range_of(graph_, expression);
     if (range.low == 0 && range.high == 0)
-      mistakes_.add(Errc::OutOfRange, term.at, "this divides by what is always 0",
+      mistakes_.add(Errc::OutOfRange, expression.at, "this divides by what is always 0",
                     "divide by another number");
   }
 
-  void check_agrees(const Term& term, const Term& first, Term::Op op) {
+  void check_agrees(const Expression& expression, const Expression& first, Expression::Op op) {
     const auto a = unit(first).dimension;
-    const auto b = unit(term).dimension;
+    const auto b = unit(expression).dimension;
     if (a == b) return;
-    const char* meets = op == Term::Op::Add        ? "is added to"
-                        : op == Term::Op::Subtract ? "is taken from"
-                        : op == Term::Op::Lanes    ? "is a lane beside"
-                        : op == Term::Op::Spread   ? "ends a spread from"
-                                                   : "is compared with";
-    mistakes_.add(Errc::UnitMismatch, term.at,
+    const char* meets = op == Expression::Op::Add        ? "is added to"
+                        : op == Expression::Op::Subtract ? "is taken from"
+                        : op == Expression::Op::Lanes    ? "is a lane beside"
+                        : op == Expression::Op::Spread   ? "ends a spread from"
+                                                         : "is compared with";
+    mistakes_.add(Errc::UnitMismatch, expression.at,
                   "this is " + spoken(b) + ", but it " + meets + " what is " + spoken(a),
-                  op == Term::Op::Lanes || op == Term::Op::Spread
+                  op == Expression::Op::Lanes || op == Expression::Op::Spread
                       ? "give both the same unit"
                       : "multiply one of them by a quantity that turns its unit into the other's");
   }
 
-  void check_unit_is(const Term& term, const Dimension& wanted, const std::string& owner) {
-    const auto fact = unit(term);
+  void check_unit_is(const Expression& expression, const Dimension& wanted, const std::string& owner) {
+    const auto fact = unit(expression);
     if (fact.kind != UnitFact::Kind::Known || fact.dimension == wanted) return;
-    mistakes_.add(Errc::UnitMismatch, term.at,
+    mistakes_.add(Errc::UnitMismatch, expression.at,
                   owner + " is " + spoken(wanted) + ", but this is " + spoken(fact.dimension),
                   wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
                                  : "give a quantity in " + to_string(wanted));
   }
 
-  void check_range(const Term& term, const InputPort& port, const PortUnit& rule, const std::string& owner) {
-    const auto found = range_of(graph_, term);
+  void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule,
+                   const std::string& owner) {
+    const auto found = range_of(graph_, expression);
     // Only what the file fixes can be wrong before it runs: numbers, and controls with a range.
     if (!found.bounded()) return;
     if (found.low >= port.low && found.high <= port.high) return;
     if (!found.single() && found.low <= port.high && found.high >= port.low) return;  // clamped while it runs
     const auto dimension = rule.kind == PortUnit::Kind::Fixed ? rule.dimension : Dimension{};
     const auto number = [&](double x) { return short_quantity(x, dimension); };
-    mistakes_.add(Errc::OutOfRange, term.at, owner + " cannot be " + number(found.low),
+    mistakes_.add(Errc::OutOfRange, expression.at, owner + " cannot be " + number(found.low),
                   std::isinf(port.high) ? "it must be at least " + number(port.low)
                   : std::isinf(port.low)
                       ? "it must be at most " + number(port.high)

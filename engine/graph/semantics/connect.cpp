@@ -25,9 +25,9 @@ void Instance::connect_top(const std::vector<std::string>& taps) {
 void Instance::connect_inside() {
   for (const auto& node : spec_.nodes) {
     if (!node.value) continue;
-    auto term = bind_signal(*node.value, scope_, mistakes_);
+    auto expression = bind_signal(*node.value, scope_, mistakes_);
     if (const auto id = scope_.find(node.name, node.at); id && *id != FlatGraph::kMissing)
-      signal(*id).term = std::move(term);
+      signal(*id).expression = std::move(expression);
   }
   for (const auto& pending : pending_nodes_) connect_node(*pending.spec, flat_.nodes[pending.flat]);
   for (const auto& pending : pending_parts_) connect_part(pending);
@@ -108,9 +108,9 @@ void Instance::connect_part(const PendingPart& pending) {
     const auto binding = part.bindings_.find(field.key);
     if (binding == part.bindings_.end()) continue;
     auto& bound = signal(binding->second);
-    bound.term = bind_signal(field.value, scope_, mistakes_);
+    bound.expression = bind_signal(field.value, scope_, mistakes_);
     // Nothing else says over how many lanes it is spread.
-    if (bound.term.op == Term::Op::Spread) bound.lanes = part.voices_;
+    if (bound.expression.op == Expression::Op::Spread) bound.lanes = part.voices_;
   }
   part.connect_inside();
   int id = pending.first_output;
@@ -127,7 +127,7 @@ void Instance::bind_output(const EntrySpec& entry, FlatSignal& given) {
   if (from == nullptr)
     mistakes_.add(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",
                   "say what it gives out, as in from = \"node\"");
-  given.term = from != nullptr ? bind_signal(*from, scope_, mistakes_) : missing_term(entry.at);
+  given.expression = from != nullptr ? bind_signal(*from, scope_, mistakes_) : missing_signal(entry.at);
   const auto unit = read_unit(entry, mistakes_);
   if (unit && find(entry.fields, "unit") != nullptr) given.declared = unit->dimension;
 }
@@ -138,7 +138,7 @@ void Instance::connect_output(const EntrySpec& entry) {
   FlatOutput output;
   output.name = entry.name;
   output.at = entry.at;
-  output.term = std::move(given.term);
+  output.expression = std::move(given.expression);
   output.declared = given.declared;
   // A drive is a plain number unless the file says otherwise; what it wrongly says is not known.
   if (find(entry.fields, "unit") == nullptr) output.declared = Dimension{};
@@ -152,8 +152,8 @@ void Instance::connect_tap(const std::string& name) {
   output.use = OutputUse::Tap;
   const auto found = scope_.find(name, spec_.file);
   if (mistakes_.keep(found) == nullptr) return;
-  output.term.op = Term::Op::Signal;
-  output.term.signal = *found;
+  output.expression.op = Expression::Op::Signal;
+  output.expression.signal = *found;
   flat_.outputs.push_back(std::move(output));
 }
 

@@ -9,16 +9,16 @@
 
 namespace tactus {
 
-Instance::Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices, int around,
-                   PartRate rate)
+Instance::Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices,
+                   int outer_divisor, PartRate rate)
     : spec_(spec),
       resolving_(resolving),
       flat_(resolving.flat),
       mistakes_(resolving.mistakes),
       prefix_(std::move(prefix)),
       voices_(voices),
-      around_(around),
-      every_(around * rate.ratio),
+      outer_divisor_(outer_divisor),
+      divisor_(outer_divisor * rate.ratio),
       rate_(rate) {
   if (spec.incomplete) scope_.tolerate("");
 }
@@ -31,7 +31,7 @@ int Instance::add_signal(const std::string& name, const Source& at, FlatSignal::
   added.at = at;
   added.index = index;
   added.port = port;
-  added.every = every_;
+  added.divisor = divisor_;
   flat_.signals.push_back(std::move(added));
   const int id = static_cast<int>(flat_.signals.size()) - 1;
   scope_.add(name, id);
@@ -40,7 +40,7 @@ int Instance::add_signal(const std::string& name, const Source& at, FlatSignal::
 
 int Instance::add_expression(const std::string& name, const Source& at) {
   const int id = add_signal(name, at, FlatSignal::Kind::Expression, -1);
-  signal(id).term = missing_term(at);  // until it is connected
+  signal(id).expression = missing_signal(at);  // until it is connected
   return id;
 }
 
@@ -76,12 +76,12 @@ void Instance::declare_control(const EntrySpec& entry) {
 }
 
 void Instance::declare_system() {
-  Term rate;
+  Expression rate;
   rate.number = sample_rate().value;
   rate.dimension = parse_unit("Hz")->dimension;
   rate.bare = false;
   const int system_rate = add_expression("system.rate", {});
-  signal(system_rate).term = rate;
+  signal(system_rate).expression = rate;
   const int delay = add_signal("system.delay", {}, FlatSignal::Kind::SystemDelay, -1);
   signal(delay).declared = parse_unit("s")->dimension;
   signal(delay).range = {0, 1};
@@ -153,7 +153,7 @@ void Instance::declare_outputs(const EntrySpec& entry, std::shared_ptr<const Nod
   node.type = type;
   // A sum adds the lanes that there are, in a part with voices too.
   node.voices = type->reduces_lanes ? 1 : voices_;
-  node.every = every_;
+  node.divisor = divisor_;
   for (std::size_t port = 0; port < type->outputs.size(); ++port) {
     const int id = add_signal(entry.name + "." + type->outputs[port].name, entry.at,
                               FlatSignal::Kind::NodeOutput, index, static_cast<int>(port));
@@ -173,8 +173,8 @@ void Instance::declare_part(const NodeSpec& node) {
   if (const auto* value = find(node.fields, "voices"))
     voices = read_whole_number(*value, "voices", 1, 1024, mistakes_);
   const auto rate = read_part_rate(node, *part->second, sample_rate(), mistakes_);
-  auto instance =
-      std::make_unique<Instance>(*part->second, resolving_, prefix_ + node.name + ".", voices, every_, rate);
+  auto instance = std::make_unique<Instance>(*part->second, resolving_, prefix_ + node.name + ".", voices,
+                                             divisor_, rate);
   instance->declare_as_part();
   const int first_output = static_cast<int>(flat_.signals.size());
   declare_part_outputs(node, *part->second, *instance);
@@ -191,11 +191,11 @@ bool Instance::too_large(const NodeSpec& node) {
 }
 
 void Instance::declare_part_outputs(const NodeSpec& node, const GraphSpec& part, const Instance& instance) {
-  using How = SignalCrossing::How;
+  using How = RateConversion::How;
   for (const auto& output : part.outputs) {
     const int id = add_expression(node.name + "." + output.name, node.at);
-    if (instance.every_ != every_)
-      signal(id).crossing = {instance.every_, instance.rate_.line ? How::Smooth : How::Last};
+    if (instance.divisor_ != divisor_)
+      signal(id).conversion = {instance.divisor_, instance.rate_.line ? How::Smooth : How::Last};
   }
   if (part.outputs.size() == 1)
     scope_.add(node.name, static_cast<int>(flat_.signals.size()) - 1);
@@ -207,10 +207,11 @@ void Instance::declare_part_outputs(const NodeSpec& node, const GraphSpec& part,
 
 /// What a part is given: it comes from the rate around the part into its own.
 int Instance::declare_binding(const EntrySpec& entry) {
-  using How = SignalCrossing::How;
+  using How = RateConversion::How;
   const int id = add_expression(entry.name, entry.at);
   bindings_[entry.name] = id;
-  if (every_ != around_) signal(id).crossing = {around_, rate_.mean ? How::Smooth : How::Last};
+  if (divisor_ != outer_divisor_)
+    signal(id).conversion = {outer_divisor_, rate_.mean ? How::Smooth : How::Last};
   return id;
 }
 
@@ -228,7 +229,7 @@ void Instance::declare_as_part() {
     const auto read = read_control(control, mistakes_);
     if (!read.unit_known) continue;
     signal(id).declared = read.control.unit.dimension;
-    auto& start = signal(id).term;
+    auto& start = signal(id).expression;
     start = {};
     start.number = read.control.value;
     start.dimension = read.control.unit.dimension;

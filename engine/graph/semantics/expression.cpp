@@ -157,7 +157,7 @@ class Parser {
       return syntax(start, "'" + word + "' is not a name",
                     "names are small letters, digits and _, ports follow a dot");
     if (++values_ > kMaxValues) return too_long(start);
-    auto whole = make(Expression::Op::Name, start);
+    auto whole = make(Expression::Op::Signal, start);
     whole.name = word;
     return whole;
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [any]
+
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,7 +13,7 @@
 
 namespace tactus {
 
-/// A parsed expression: what a string in a signal port means. Names are not looked up yet.
+/// What a signal port is set to. `parse_expression` leaves the names for `bind_signal` to look up.
 ///
 ///   sum     = product { ("+" | "-") product }
 ///   product = factor { ("*" | "/") factor }
@@ -22,14 +24,18 @@ namespace tactus {
 /// letters. Its factors are joined by spaces ("N s/m") or a '/' without spaces: in "2 N / s" and "2 N * s"
 /// the s is a name. A sign belongs to the number behind it, so "-34 dB" is a small gain. Names have dots:
 /// "filter.low", "drum.stick.position", "system.rate".
+///
+/// A signal port may also hold a list of one expression for each lane, or a spread over the lanes.
 struct Expression {
-  enum class Op { Number, Name, Negate, Add, Subtract, Multiply, Divide, Min, Max, Abs };
+  enum class Op { Number, Signal, Negate, Add, Subtract, Multiply, Divide, Min, Max, Abs, Lanes, Spread };
 
   Op op = Op::Number;
-  double number = 0;    ///< SI
-  Dimension dimension;  ///< of a number with a unit
-  bool bare = false;    ///< a number without a unit: takes the dimension that its place asks for
-  std::string name;
+  double number = 0;         ///< SI
+  Dimension dimension;       ///< of a number with a unit
+  bool bare = false;         ///< a number without a unit: takes the dimension that its place asks for
+  bool exponential = false;  ///< Spread: along a geometric curve
+  std::string name;          ///< Signal, as written
+  int signal = -1;           ///< Signal, once its name is looked up
   std::vector<Expression> arguments;
   Source at;  ///< of this part of the text; of an operator, its sign
 };

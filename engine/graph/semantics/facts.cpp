@@ -5,21 +5,21 @@
 namespace tactus {
 namespace {
 
-const FlatSignal& signal_of(const FlatGraph& graph, const Term& term) {
-  return graph.signals[static_cast<std::size_t>(term.signal)];
+const FlatSignal& signal_of(const FlatGraph& graph, const Expression& expression) {
+  return graph.signals[static_cast<std::size_t>(expression.signal)];
 }
 
 Dimension dimension_of(const std::string& unit) { return parse_unit(unit).value_or(Unit{}).dimension; }
 
 }  // namespace
 
-int lanes_of(const FlatGraph& graph, const Term& term) {
-  if (term.op == Term::Op::Number) return 1;
-  if (term.op == Term::Op::Spread) return 0;
-  if (term.op == Term::Op::Signal) return signal_of(graph, term).lanes;
-  if (term.op == Term::Op::Lanes) return static_cast<int>(term.arguments.size());
+int lanes_of(const FlatGraph& graph, const Expression& expression) {
+  if (expression.op == Expression::Op::Number) return 1;
+  if (expression.op == Expression::Op::Spread) return 0;
+  if (expression.op == Expression::Op::Signal) return signal_of(graph, expression).lanes;
+  if (expression.op == Expression::Op::Lanes) return static_cast<int>(expression.arguments.size());
   int most = 0;
-  for (const auto& argument : term.arguments) most = std::max(most, lanes_of(graph, argument));
+  for (const auto& argument : expression.arguments) most = std::max(most, lanes_of(graph, argument));
   return most;
 }
 
@@ -29,39 +29,39 @@ UnitFact product(UnitFact a, UnitFact b, bool divide) {
   return UnitFact::known(divide ? a.dimension / b.dimension : a.dimension * b.dimension);
 }
 
-UnitFact unit_of(const FlatGraph& graph, const Term& term) {
-  using Op = Term::Op;
-  const auto of = [&](std::size_t i) { return unit_of(graph, term.arguments[i]); };
-  switch (term.op) {
+UnitFact unit_of(const FlatGraph& graph, const Expression& expression) {
+  using Op = Expression::Op;
+  const auto of = [&](std::size_t i) { return unit_of(graph, expression.arguments[i]); };
+  switch (expression.op) {
     case Op::Number:
-      return term.bare ? UnitFact::bare() : UnitFact::known(term.dimension);
+      return expression.bare ? UnitFact::bare() : UnitFact::known(expression.dimension);
     case Op::Signal:
-      return signal_of(graph, term).unit;
+      return signal_of(graph, expression).unit;
     case Op::Negate:
     case Op::Abs:
       return of(0);
     case Op::Multiply:
     case Op::Divide:
-      return product(of(0), of(1), term.op == Op::Divide);
+      return product(of(0), of(1), expression.op == Op::Divide);
     default:
       break;
   }
   UnitFact fact = UnitFact::bare();
-  for (const auto& argument : term.arguments) {
+  for (const auto& argument : expression.arguments) {
     const auto other = unit_of(graph, argument);
     if (fact.kind != UnitFact::Kind::Known && other.kind != UnitFact::Kind::Bare) fact = other;
   }
   return fact;
 }
 
-Interval range_of(const FlatGraph& graph, const Term& term) {
-  using Op = Term::Op;
-  const auto of = [&](std::size_t i) { return range_of(graph, term.arguments[i]); };
-  switch (term.op) {
+Interval range_of(const FlatGraph& graph, const Expression& expression) {
+  using Op = Expression::Op;
+  const auto of = [&](std::size_t i) { return range_of(graph, expression.arguments[i]); };
+  switch (expression.op) {
     case Op::Number:
-      return Interval::exactly(term.number);
+      return Interval::exactly(expression.number);
     case Op::Signal:
-      return signal_of(graph, term).range;
+      return signal_of(graph, expression).range;
     case Op::Negate:
       return -of(0);
     case Op::Add:
@@ -83,7 +83,7 @@ Interval range_of(const FlatGraph& graph, const Term& term) {
       break;
   }
   Interval all = of(0);
-  for (std::size_t i = 1; i < term.arguments.size(); ++i) all = all.joined(of(i));
+  for (std::size_t i = 1; i < expression.arguments.size(); ++i) all = all.joined(of(i));
   return all;
 }
 

@@ -1,23 +1,25 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "engine/core/error.h"
 #include "engine/graph/semantics/flat_graph.h"
 
 namespace tactus {
 
-// What is known of a term once the facts about its signals are: asked again and again while they are
+// What is known of a expression once the facts about its signals are: asked again and again while they are
 // inferred.
 
-/// Lanes of a term; 0 if any number of them fits (a spread).
-int lanes_of(const FlatGraph& graph, const Term& term);
+/// Lanes of a expression; 0 if any number of them fits (a spread).
+int lanes_of(const FlatGraph& graph, const Expression& expression);
 
-/// Unit of a term. Only known units can contradict each other.
-UnitFact unit_of(const FlatGraph& graph, const Term& term);
+/// Unit of a expression. Only known units can contradict each other.
+UnitFact unit_of(const FlatGraph& graph, const Expression& expression);
 UnitFact product(UnitFact a, UnitFact b, bool divide);
 
-/// All values that a term can take.
-Interval range_of(const FlatGraph& graph, const Term& term);
+/// All values that a expression can take.
+Interval range_of(const FlatGraph& graph, const Expression& expression);
 /// Of an input of a node, its fallback included.
 Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t input);
 
@@ -28,5 +30,14 @@ struct PortUnit {
   int follows = -1;  ///< input port
 };
 PortUnit port_unit(const FlatNode& node, const std::string& declared);
+
+/// Works out and checks the unit, the number of lanes and the range of every signal, loops included, and
+/// fills them in. Each fact starts as "unknown" and passes are made until nothing changes; ranges start
+/// unbounded and only shrink, so they hold at every pass. Returns the mistakes, in file order.
+std::vector<Error> infer(FlatGraph& graph);
+
+/// Where units, lanes and ranges, once inferred, contradict each other or what a port wants; by place. A
+/// mistake in the file of a part that is used twice is told once.
+std::vector<Error> check_facts(const FlatGraph& graph);
 
 }  // namespace tactus

@@ -13,20 +13,6 @@
 
 namespace tactus {
 
-/// An expression with its names looked up: they have become numbers of signals.
-struct Term {
-  enum class Op { Number, Signal, Negate, Add, Subtract, Multiply, Divide, Min, Max, Abs, Lanes, Spread };
-
-  Op op = Op::Number;
-  double number = 0;
-  Dimension dimension;
-  bool bare =
-      true;  ///< Number without a unit; Spread: from one end to the other along a geometric curve if false
-  int signal = -1;
-  std::vector<Term> arguments;
-  Source at;
-};
-
 /// What is known about the unit of a signal: nothing yet (a loop), a bare number that fits anywhere, or a
 /// unit.
 struct UnitFact {
@@ -40,8 +26,8 @@ struct UnitFact {
   }
 };
 
-/// How a signal comes into a part with a rate of its own, or out of it: see Crossing.
-struct SignalCrossing {
+/// How a signal comes into a part with a rate of its own, or out of it: see RateConverter.
+struct RateConversion {
   enum class How { Last, Smooth, Trigger };
   int from = 1;  ///< engine frames between two samples of what it is made of
   How how = How::Last;
@@ -54,12 +40,12 @@ struct FlatSignal {
   Kind kind = Kind::Expression;
   std::string path;  ///< "bridge.loss.low"
   Source at;
-  int index = -1;                          ///< of the input, control or node
-  int port = 0;                            ///< of the node's output
-  Term term;                               ///< Expression
-  std::optional<Dimension> declared;       ///< what the file says the unit is
-  int every = 1;                           ///< engine frames between two samples
-  std::optional<SignalCrossing> crossing;  ///< Expression at the border of a part
+  int index = -1;                            ///< of the input, control or node
+  int port = 0;                              ///< of the node's output
+  Expression expression;                     ///< Expression
+  std::optional<Dimension> declared;         ///< what the file says the unit is
+  int divisor = 1;                           ///< engine frames between two samples
+  std::optional<RateConversion> conversion;  ///< Expression at the border of a part
   // Inferred:
   UnitFact unit;
   int lanes = 1;
@@ -70,14 +56,14 @@ struct FlatNode {
   std::string path;
   Source at;
   std::shared_ptr<const NodeType> type;
-  std::vector<std::optional<Term>> inputs;  ///< declaration order; nullopt: left out
-  std::vector<SettingValue> settings;       ///< declaration order
-  std::vector<int> outputs;                 ///< signals, declaration order
-  std::vector<int> compensate;              ///< nodes whose phase delay is taken off `time`
-  int voices = 1;                           ///< lanes asked for with `voices`
-  int every = 1;                            ///< engine frames between two of its own
-  int lanes = 1;                            ///< inferred
-  std::vector<Interval> ranges;             ///< inferred, of the inputs
+  std::vector<std::optional<Expression>> inputs;  ///< declaration order; nullopt: left out
+  std::vector<SettingValue> settings;             ///< declaration order
+  std::vector<int> outputs;                       ///< signals, declaration order
+  std::vector<int> compensate;                    ///< nodes whose phase delay is taken off `time`
+  int voices = 1;                                 ///< lanes asked for with `voices`
+  int divisor = 1;                                ///< engine frames between two of its own
+  int lanes = 1;                                  ///< inferred
+  std::vector<Interval> ranges;                   ///< inferred, of the inputs
 };
 
 struct FlatInput {
@@ -102,7 +88,7 @@ enum class OutputUse { Drive, Audio, Tap };
 struct FlatOutput {
   std::string name;
   OutputUse use = OutputUse::Drive;
-  Term term;
+  Expression expression;
   Source at;
   std::optional<Dimension> declared;
   Dimension dimension;  ///< inferred

@@ -1,17 +1,14 @@
-#include "engine/graph/semantics/infer.h"
-
 #include <utility>
 #include <vector>
 
-#include "engine/graph/semantics/check_facts.h"
 #include "engine/graph/semantics/facts.h"
 
 namespace tactus {
 namespace {
 
-void add_signals(const Term& term, std::vector<int>& signals) {
-  if (term.op == Term::Op::Signal) signals.push_back(term.signal);
-  for (const auto& argument : term.arguments) add_signals(argument, signals);
+void add_signals(const Expression& expression, std::vector<int>& signals) {
+  if (expression.op == Expression::Op::Signal) signals.push_back(expression.signal);
+  for (const auto& argument : expression.arguments) add_signals(argument, signals);
 }
 
 /// All signals, each behind those that it is made of, loops aside: so that facts run along the longest chain
@@ -54,7 +51,7 @@ class DependencyOrder {
   std::vector<int> needs(int id) const {
     const auto& signal = graph_.signals[static_cast<std::size_t>(id)];
     std::vector<int> signals;
-    if (signal.kind == FlatSignal::Kind::Expression) add_signals(signal.term, signals);
+    if (signal.kind == FlatSignal::Kind::Expression) add_signals(signal.expression, signals);
     if (signal.kind != FlatSignal::Kind::NodeOutput) return signals;
     const auto& node = graph_.nodes[static_cast<std::size_t>(signal.index)];
     if (id != node.outputs.front()) return {node.outputs.front()};
@@ -77,7 +74,7 @@ class Inference {
     infer_units();
     infer_ranges();
     for (auto& output : graph_.outputs)
-      output.dimension = output.declared.value_or(unit_of(graph_, output.term).dimension);
+      output.dimension = output.declared.value_or(unit_of(graph_, output.expression).dimension);
     for (auto& node : graph_.nodes)
       for (std::size_t i = 0; i < node.inputs.size(); ++i)
         node.ranges.push_back(input_range(graph_, node, i));
@@ -94,14 +91,14 @@ class Inference {
   void infer_lanes() {
     while (widen_all()) {
     }
-    for (auto& output : graph_.outputs) output.lanes = std::max(1, lanes_of(graph_, output.term));
+    for (auto& output : graph_.outputs) output.lanes = std::max(1, lanes_of(graph_, output.expression));
   }
 
   bool widen_all() {
     bool changed = false;
     for (const int id : order_) {
       auto& s = signal(id);
-      if (s.kind == FlatSignal::Kind::Expression) changed |= widen(s.lanes, lanes_of(graph_, s.term));
+      if (s.kind == FlatSignal::Kind::Expression) changed |= widen(s.lanes, lanes_of(graph_, s.expression));
       if (s.kind == FlatSignal::Kind::NodeOutput) changed |= widen_node(s, id);
     }
     return changed;
@@ -135,7 +132,7 @@ class Inference {
         auto& s = signal(id);
         if (s.unit.kind == UnitFact::Kind::Known) continue;
         UnitFact fact = s.unit;
-        if (s.kind == FlatSignal::Kind::Expression) fact = unit_of(graph_, s.term);
+        if (s.kind == FlatSignal::Kind::Expression) fact = unit_of(graph_, s.expression);
         if (s.kind == FlatSignal::Kind::NodeOutput) fact = output_unit(node_of(s), s.port);
         if (fact == s.unit || fact.kind == UnitFact::Kind::Unknown) continue;
         s.unit = fact;
@@ -168,7 +165,7 @@ class Inference {
     for (const int id : order_) {
       auto& s = signal(id);
       Interval found = s.range;
-      if (s.kind == FlatSignal::Kind::Expression) found = range_of(graph_, s.term);
+      if (s.kind == FlatSignal::Kind::Expression) found = range_of(graph_, s.expression);
       if (s.kind == FlatSignal::Kind::NodeOutput) found = output_range(node_of(s), s.port);
       if (found.low == s.range.low && found.high == s.range.high) continue;
       s.range = found;

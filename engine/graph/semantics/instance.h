@@ -31,9 +31,8 @@ struct Resolving {
 class Instance {
  public:
   /// `prefix` ("bridge.") stands before its names in the whole graph; `voices` is how many lanes its user
-  /// wants.
-  /// `around` is the pace of the file that uses it, in engine frames between two of its own.
-  Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices, int around = 1,
+  /// wants. `outer_divisor` is the rate divisor of the file that uses it.
+  Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices, int outer_divisor = 1,
            PartRate rate = {});
 
   void declare_top();
@@ -50,7 +49,7 @@ class Instance {
     int first_output;  ///< its signal; those of the other outputs follow
   };
 
-  Hertz sample_rate() const { return Hertz{resolving_.sample_rate.value / every_}; }
+  Hertz sample_rate() const { return Hertz{resolving_.sample_rate.value / divisor_}; }
   FlatSignal& signal(int id) { return flat_.signals[static_cast<std::size_t>(id)]; }
   int add_signal(const std::string& name, const Source& at, FlatSignal::Kind kind, int index, int port = 0);
   int add_expression(const std::string& name, const Source& at);
@@ -86,7 +85,7 @@ class Instance {
   Mistakes& mistakes_;
   std::string prefix_;
   int voices_;
-  int around_, every_;  ///< engine frames between two of its user's, and of its own
+  int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own
   PartRate rate_;
   Scope scope_;
   std::map<std::string, int> nodes_by_name_;

@@ -8,23 +8,23 @@ namespace tactus {
 
 /// One operator of an expression on numbers. A division by zero gives zero: a knob at its end must not make a
 /// loop fault. Minimum and maximum take `b` when `a` is not a number.
-inline double apply(Term::Op op, double a, double b) noexcept {
+inline double apply(Expression::Op op, double a, double b) noexcept {
   switch (op) {
-    case Term::Op::Negate:
+    case Expression::Op::Negate:
       return -a;
-    case Term::Op::Add:
+    case Expression::Op::Add:
       return a + b;
-    case Term::Op::Subtract:
+    case Expression::Op::Subtract:
       return a - b;
-    case Term::Op::Multiply:
+    case Expression::Op::Multiply:
       return a * b;
-    case Term::Op::Divide:
+    case Expression::Op::Divide:
       return b == 0 ? 0 : a / b;
-    case Term::Op::Min:
+    case Expression::Op::Min:
       return a < b ? a : b;
-    case Term::Op::Max:
+    case Expression::Op::Max:
       return a > b ? a : b;
-    case Term::Op::Abs:
+    case Expression::Op::Abs:
       return std::fabs(a);
     default:
       return a;
@@ -32,9 +32,9 @@ inline double apply(Term::Op op, double a, double b) noexcept {
 }
 
 /// Whether it can give what is not finite although its operands are.
-inline bool can_overflow(Term::Op op) noexcept {
-  return op == Term::Op::Add || op == Term::Op::Subtract || op == Term::Op::Multiply ||
-         op == Term::Op::Divide;
+inline bool can_overflow(Expression::Op op) noexcept {
+  return op == Expression::Op::Add || op == Expression::Op::Subtract || op == Expression::Op::Multiply ||
+         op == Expression::Op::Divide;
 }
 
 }  // namespace tactus

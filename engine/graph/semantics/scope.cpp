@@ -1,8 +1,26 @@
 #include "engine/graph/semantics/scope.h"
 
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+#include "engine/core/dimension.h"
 #include "engine/graph/file/nearest.h"
 
 namespace tactus {
+namespace {
+
+constexpr std::array<std::string_view, 4> kReserved = {"system", "min", "max", "abs"};
+
+bool small_letter(char c) { return c >= 'a' && c <= 'z'; }
+
+bool well_formed(std::string_view name) {
+  return !name.empty() && small_letter(name.front()) && std::all_of(name.begin(), name.end(), [](char c) {
+    return small_letter(c) || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+}  // namespace
 
 std::string Scope::suggestion(const std::string& name) const {
   // Each costs a look at every name: a file with thousands of wrong ones shall not take minutes.
@@ -29,6 +47,29 @@ Result<int> Scope::find(const std::string& name, const Source& at) const {
   return fail(
       Errc::UnknownName, at.text(), "there is no '" + name + "'",
       near.empty() ? "name an input, a control or a node of this file" : "did you mean '" + near + "'?");
+}
+
+void NameSpace::add(const std::string& name, const std::string& kind, const Source& at, Mistakes& mistakes) {
+  const auto quoted = "'" + name + "'";
+  if (!well_formed(name))
+    return mistakes.add(Errc::Syntax, at, quoted + " cannot name " + kind,
+                        "names begin with a small letter and go on with small letters, digits and _");
+  if (name.size() > 1 && is_unit_symbol(name))
+    return mistakes.add(Errc::Syntax, at, quoted + " is a unit and cannot name " + kind,
+                        "choose another name");
+  if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
+    return mistakes.add(Errc::Syntax, at, quoted + " is reserved and cannot name " + kind,
+                        "choose another name");
+  const auto [owner, is_new] = owners_.try_emplace(name, Owner{kind, at});
+  if (is_new) return;
+  // The later one in the file is the mistake, whichever section was read first.
+  const bool later = std::tie(at.line, at.column) > std::tie(owner->second.at.line, owner->second.at.column);
+  const Owner here = later ? Owner{kind, at} : owner->second;
+  const Owner there = later ? owner->second : Owner{kind, at};
+  mistakes.add(Errc::Duplicate, here.at,
+               quoted + " cannot name " + here.kind + ": it names " + there.kind + " in line " +
+                   std::to_string(there.at.line),
+               "choose another name");
 }
 
 }  // namespace tactus

@@ -6,7 +6,7 @@
 
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/graph/semantics/name_space.h"
+#include "engine/graph/semantics/scope.h"
 
 namespace tactus {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/graph/semantics/name_space.h"
+#include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/scene_sections.h"
 
 namespace tactus {

@@ -15,7 +15,7 @@ class RegimeJudge {
   RegimeJudge(const ClosedGraph& closed, const Regime& regime, Hertz rate)
       : closed_(closed),
         rate_(rate),
-        verdict_{.name = regime.name, .held = regime.hand.has_value(), .crests = closed.graph.crests} {}
+        verdict_{.name = regime.name, .held = regime.hand.has_value(), .unstable_equilibria = closed.graph.unstable_equilibria} {}
 
   RegimeVerdict run() {
     std::vector<int> wanted = closed_.drives;
@@ -45,7 +45,7 @@ class RegimeJudge {
       } else {
         verdict_.loops.push_back({closed_.graph.signals[static_cast<std::size_t>(cuts[c])],
                                   group.way_round(static_cast<int>(c)), among(closed_.drives, cuts[c]),
-                                  among(closed_.graph.joints, cuts[c]), margin});
+                                  among(closed_.graph.wave_ports, cuts[c]), margin});
         find_growth(scan, static_cast<int>(c), verdict_.loops.back());
       }
     }
@@ -124,8 +124,8 @@ class Judge {
     for (const auto& regime : regimes) judge_open(*world, regime);
     const auto controls = world->instrument().controls;
     for (const auto& control : controls) judge_control(control.control);
-    for (const auto& regime : verdict_.regimes) verdict_.holds &= regime.held || regime.holds();
-    for (const auto& network : verdict_.networks) verdict_.holds &= network.holds;
+    for (const auto& regime : verdict_.regimes) verdict_.stable &= regime.held || regime.is_stable();
+    for (const auto& network : verdict_.networks) verdict_.stable &= network.stable;
     return std::move(verdict_);
   }
 
@@ -139,11 +139,11 @@ class Judge {
   void judge(const RestingWorld& world, const Regime& regime) {
     const auto closed = world.closed(regime);
     judge_networks(closed.graph, regime);
-    verdict_.bends |= closed.graph.bends;
+    verdict_.nonlinear |= closed.graph.nonlinear;
     verdict_.regimes.push_back(judge_regime(closed, regime, verdict_.rate));
     if (verdict_.regimes.size() == 1)
       for (const auto& first : verdict_.regimes.front().too_large)
-        verdict_.not_looked_at.push_back("the loops around '" + first + "'");
+        verdict_.skipped.push_back("the loops around '" + first + "'");
     tell();
     if (!closed.mobility || verdict_.regimes.back().loops.empty()) return;
     auto held = regime;
@@ -160,20 +160,20 @@ class Judge {
       const auto& recipe = model.recipe();
       NetworkVerdict verdict{graph.network_paths[n], regime.name};
       verdict.solver = recipe.solver;
-      verdict.rubs = !recipe.elements.frictions.empty();
+      verdict.has_friction = !recipe.elements.frictions.empty();
       verdict.radius = model.radius();
       verdict.rate_hz = recipe.rate.value * recipe.oversample;
       if (const auto needed = model.needed_rate()) verdict.needed_hz = needed->value;
       verdict.weakest = model.weakest();
       judge_contacts(recipe, verdict);
       verdict.grows = model.grows();
-      verdict.holds = !verdict.grows && verdict.contacts_hold();
+      verdict.stable = !verdict.grows && verdict.contacts_stable();
       verdict_.networks.push_back(std::move(verdict));
     }
-    if (verdict_.not_looked_at.empty())
-      for (const auto& path : graph.not_looked_at)
+    if (verdict_.skipped.empty())
+      for (const auto& path : graph.skipped)
         if (EventLoops{graph}.go_through(path))
-          verdict_.not_looked_at.push_back("the loops through network '" + path + "'");
+          verdict_.skipped.push_back("the loops through network '" + path + "'");
   }
 
   /// Of the explicit solver: the others bound what a contact gives back, however short it is.
@@ -224,7 +224,7 @@ class Judge {
     auto with = options_.world;
     with.set[control.name] = ControlValue{value};
     tell();
-    return holds_with(subject_, with, options_.push);
+    return is_stable_with(subject_, with, options_.push);
   }
 
   /// Where one end holds and the other does not, the border between them.
@@ -232,14 +232,14 @@ class Judge {
     ControlVerdict verdict{.control = control};
     double low = control.range.low, high = control.range.high;
     if (!std::isfinite(low) || !std::isfinite(high)) return;
-    verdict.holds_low = holds_at(control, low);
-    verdict.holds_high = holds_at(control, high);
-    if (verdict.holds_low != verdict.holds_high) {
+    verdict.stable_low = holds_at(control, low);
+    verdict.stable_high = holds_at(control, high);
+    if (verdict.stable_low != verdict.stable_high) {
       for (int i = 0; i < kMostHalvings && !together(low, high); ++i) {
         const double middle = low > 0 && high > 0 ? std::sqrt(low * high) : 0.5 * (low + high);
-        (holds_at(control, middle) == verdict.holds_low ? low : high) = middle;
+        (holds_at(control, middle) == verdict.stable_low ? low : high) = middle;
       }
-      verdict.border = verdict.holds_low ? low : high;
+      verdict.border = verdict.stable_low ? low : high;
     }
     verdict_.controls.push_back(std::move(verdict));
   }
@@ -259,7 +259,7 @@ class Judge {
 
 }  // namespace
 
-bool holds_with(const StabilitySubject& subject, const WorldOptions& options, double push) {
+bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options, double push) {
   const auto world = RestingWorld::make(subject, options);
   if (!world) return false;
   const auto regimes = world->regimes(push);

@@ -17,7 +17,7 @@ namespace tactus {
 struct NetworkVerdict {
   std::string path, regime;
   Solver solver = Solver::Passive;
-  bool rubs = false;                     ///< has frictions, which are left out
+  bool has_friction = false;                     ///< has frictions, which are left out
   double radius = 0;                     ///< of one frame
   double rate_hz = 0;                    ///< that it runs at: rate times oversample
   std::optional<double> needed_hz = {};  ///< the least; nullopt: it holds at every rate, infinite: at none
@@ -26,9 +26,9 @@ struct NetworkVerdict {
   /// where none is stepped so.
   double contact_steps = std::numeric_limits<double>::infinity();
   bool too_deep = false;  ///< what it starts with presses an explicit contact too stiff for the rate
-  bool contacts_hold() const { return contact_steps >= kFewestContactSteps && !too_deep; }
+  bool contacts_stable() const { return contact_steps >= kFewestContactSteps && !too_deep; }
   bool grows = false;  ///< its linear part
-  bool holds = true;
+  bool stable = true;
 };
 
 /// A place where a loop was cut open.
@@ -36,7 +36,7 @@ struct LoopVerdict {
   std::string at;
   std::vector<std::string> way;  ///< once around
   bool drive = false;            ///< one of the instrument's outputs: its delay is the system's
-  bool joint = false;            ///< the port of a network: it gives back no more than it takes
+  bool wave_port = false;            ///< the port of a network: it gives back no more than it takes
   CutMargin margin;
   /// It adds up what comes in: a root stands at z = 1 on purpose, and no gain was to be turned up.
   bool integrates() const { return margin.border_hz == 0 && margin.border >= 1 && margin.border < 1 + 1e-6; }
@@ -64,8 +64,8 @@ struct RegimeVerdict {
   std::optional<double> device_damping = {};  ///< [N s/m] of what is driven, near 0 Hz
   /// Loops that are too many to be looked at, by their first signal.
   std::vector<std::string> too_large = {};
-  std::vector<std::string> crests = {};  ///< laws that push away here and pull back elsewhere: left out
-  bool holds() const { return growing == 0; }
+  std::vector<std::string> unstable_equilibria = {};  ///< laws that push away here and pull back elsewhere: left out
+  bool is_stable() const { return growing == 0; }
 };
 
 /// Loops that something closes only now and then.
@@ -77,7 +77,7 @@ struct EventVerdict {
 /// What a control does to it, all others staying where they are.
 struct ControlVerdict {
   FlatControl control;
-  bool holds_low = true, holds_high = true;
+  bool stable_low = true, stable_high = true;
   std::optional<double> border = {};  ///< where it stops to hold, if it does on one side of it
 };
 
@@ -95,10 +95,10 @@ struct StabilityVerdict {
   std::vector<EventVerdict> events;
   std::vector<ControlVerdict> controls;
   std::vector<OpenVerdict> open;
-  std::vector<std::string> not_looked_at;
-  bool bends = false;         ///< some force answers a position otherwise elsewhere
+  std::vector<std::string> skipped;
+  bool nonlinear = false;         ///< some force answers a position otherwise elsewhere
   bool outside_known = true;  ///< false: an instrument alone, and only what it holds itself is judged
-  bool holds = true;
+  bool stable = true;
 };
 
 struct StabilityOptions {
@@ -113,12 +113,12 @@ Checked<StabilityVerdict> judge_stability(const StabilitySubject& subject, const
 
 /// [control] Whether nothing grows with these options, in any of the regimes that the world has. False, too,
 /// if it cannot be made with them.
-bool holds_with(const StabilitySubject& subject, const WorldOptions& options, double push);
+bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options, double push);
 
 /// [control] One regime of a world that was made.
 RegimeVerdict judge_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate);
 
 /// [any] What breaks first and what to change, in sentences; the first says whether it holds.
-std::vector<std::string> in_words(const StabilityVerdict& verdict);
+std::vector<std::string> describe(const StabilityVerdict& verdict);
 
 }  // namespace tactus

@@ -84,9 +84,9 @@ class Disturbed final : public BlockProcessor {
   bool finite_ = true;
 };
 
-double stored(const Engine& engine) {
+double stored(const Player& engine) {
   double energy = 0;
-  for (const auto& node : engine.schedule().nodes)
+  for (const auto& node : engine.plan().nodes)
     if (const auto* network = dynamic_cast<const NetworkView*>(node.get())) energy += network->energy();
   return energy;
 }
@@ -102,7 +102,7 @@ struct Quarters {
   }
 };
 
-void count_faults(const Engine& engine, ExtremeRun& run) {
+void count_faults(const Player& engine, ExtremeRun& run) {
   for (const auto& fault : engine.faults()) run.faults += fault.count;
 }
 
@@ -111,7 +111,7 @@ ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan,
                        ExtremeRun run) {
   Disturbed disturbed{*built.instrument, plan};
   Guarded guarded{disturbed,
-                  guarded_channels(built.instrument->schedule(),
+                  guarded_channels(built.instrument->plan(),
                                    subject.scene != nullptr ? subject.scene->scene->drives : DriveBook{})};
   ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames,
                   subject.scene != nullptr ? subject.scene->scene->converters : Converters{.on = false}};
@@ -187,7 +187,7 @@ const char* name_of(Disturbance disturbance) {
   return kNames[static_cast<int>(disturbance)];
 }
 
-std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& instrument) {
+std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& instrument) {
   std::vector<ExtremePlan> plans;
   const auto plan = [&](std::string what) -> ExtremePlan& {
     plans.push_back({.what = std::move(what), .world = world, .disturbance = Disturbance::Impulses});
@@ -200,8 +200,8 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& 
     plan(fmt::format("{:g} kHz", rate.value / 1e3)).world.rate = rate;
   for (const double ms : {0.0, 1.0, 5.0, 20.0, 50.0, 100.0})
     plan(fmt::format("delay {:g} ms", ms)).world.delay = Seconds{1e-3 * ms};
-  for (const auto& scheduled : instrument.controls) {
-    const auto& control = scheduled.control;
+  for (const auto& planned : instrument.controls) {
+    const auto& control = planned.control;
     for (const double end : {control.range.low, control.range.high}) {
       if (!std::isfinite(end)) continue;
       auto& made = plan(fmt::format("{} = {:g}", control.name, control.unit.from_si(end)));
@@ -213,7 +213,7 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& 
 
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict) {
   std::vector<ExtremePlan> plans;
-  if (verdict.bends) return plans;  // what moves far enough to be heard meets another law
+  if (verdict.nonlinear) return plans;  // what moves far enough to be heard meets another law
   // What an event opens and closes is no loop of its own.
   if (std::any_of(verdict.events.begin(), verdict.events.end(), [](const auto& e) { return e.on_loop; }))
     return plans;
@@ -246,7 +246,7 @@ Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePl
   if (!built) return tl::unexpected(built.error());
   ExtremeRun run;
   run.what = plan.what;
-  run.rate = built->instrument->schedule().sample_rate;
+  run.rate = built->instrument->plan().sample_rate;
   run.delay_s = built->delay_frames / run.rate.value;
   run.seconds = plan.seconds;
   run.expected = plan.expected;

@@ -51,7 +51,7 @@ struct ExtremePlan {
 };
 
 /// [control] All that is worth trying: rates, delays, controls at both ends, disturbances.
-std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Schedule& instrument);
+std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& instrument);
 /// [control] A fiftieth below and above the border of the loop at rest that one drive closes, long enough to
 /// see the root grow or die; none where no such loop can grow, where a law bends, or where an event stands on
 /// it.

@@ -6,67 +6,10 @@
 #include <map>
 #include <set>
 
+#include "engine/graph/plan/strong_components.h"
 #include "engine/physics/index.h"
 
 namespace tactus {
-namespace {
-
-/// Tarjan's algorithm without recursion: graphs can be deep. SIAM J. Comput. 1(2), 1972.
-class StrongParts {
- public:
-  StrongParts(std::size_t count, const std::vector<std::vector<int>>& next)
-      : next_(next), number_(count, -1), low_(count), on_stack_(count, false), edge_(count, 0) {
-    for (std::size_t v = 0; v < count; ++v)
-      if (number_[v] < 0) visit(static_cast<int>(v));
-  }
-  std::vector<std::vector<int>> parts;
-
- private:
-  void enter(int v) {
-    number_[index(v)] = low_[index(v)] = counter_++;
-    stack_.push_back(v);
-    on_stack_[index(v)] = true;
-    path_.push_back(v);
-  }
-
-  void visit(int root) {
-    enter(root);
-    while (!path_.empty()) {
-      const int v = path_.back();
-      if (edge_[index(v)] < next_[index(v)].size()) {
-        const int to = next_[index(v)][edge_[index(v)]++];
-        if (number_[index(to)] < 0)
-          enter(to);
-        else if (on_stack_[index(to)])
-          low_[index(v)] = std::min(low_[index(v)], number_[index(to)]);
-        continue;
-      }
-      path_.pop_back();
-      if (!path_.empty()) low_[index(path_.back())] = std::min(low_[index(path_.back())], low_[index(v)]);
-      if (low_[index(v)] == number_[index(v)]) leave(v);
-    }
-  }
-
-  void leave(int v) {
-    auto& part = parts.emplace_back();
-    int out = -1;
-    do {
-      out = stack_.back();
-      stack_.pop_back();
-      on_stack_[index(out)] = false;
-      part.push_back(out);
-    } while (out != v);
-  }
-
-  const std::vector<std::vector<int>>& next_;
-  std::vector<int> number_, low_, stack_, path_;
-  std::vector<bool> on_stack_;
-  std::vector<std::size_t> edge_;
-  int counter_ = 0;
-};
-
-}  // namespace
-
 std::vector<std::vector<int>> loops_of(const LinearGraph& graph, bool events) {
   std::vector<std::vector<int>> next(graph.signals.size());
   std::set<int> own_loop;
@@ -75,7 +18,7 @@ std::vector<std::vector<int>> loops_of(const LinearGraph& graph, bool events) {
     next[index(edge.from)].push_back(edge.to);
     if (edge.from == edge.to) own_loop.insert(edge.from);
   }
-  auto parts = StrongParts{graph.signals.size(), next}.parts;
+  auto parts = strong_components(next, Roots::FirstToLast);
   std::erase_if(parts,
                 [&](const auto& part) { return part.size() == 1 && !own_loop.contains(part.front()); });
   for (auto& part : parts) std::sort(part.begin(), part.end());

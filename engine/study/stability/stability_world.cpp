@@ -32,9 +32,9 @@ class Unheard final : public BlockProcessor {
   int outputs_ = 0;
 };
 
-std::size_t count_channels(const Schedule& schedule) {
+std::size_t count_channels(const Plan& plan) {
   return static_cast<std::size_t>(
-      std::count_if(schedule.channels.begin(), schedule.channels.end(),
+      std::count_if(plan.channels.begin(), plan.channels.end(),
                     [](const auto& channel) { return channel.use != OutputUse::Tap; }));
 }
 
@@ -60,7 +60,7 @@ bool from_device(const Dimension& dimension) { return dimension == kMetre || dim
 
 /// The assumed device as a graph of its own: forces go to it, places and speeds come from it, and what is
 /// neither is left open.
-std::string device_text(const Schedule& instrument, const std::vector<Dimension>& sensors,
+std::string device_text(const Plan& instrument, const std::vector<Dimension>& sensors,
                         const AssumedDevice& device) {
   std::string inputs, push, outputs;
   int drives = 0;
@@ -91,12 +91,12 @@ std::string device_text(const Schedule& instrument, const std::vector<Dimension>
 }
 
 Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOptions& options,
-                                bool side_by_side) {
+                                bool vectorise) {
   CompileOptions with;
   with.sample_rate = options.rate.value_or(48_kHz);
   with.system_delay = options.delay;
   with.controls = options.set;
-  with.side_by_side = side_by_side;
+  with.vectorise = vectorise;
   auto instrument = compile(*subject.instrument, *subject.table, with);
   if (!instrument) return tl::unexpected(instrument.error());
   CompiledScene scene;
@@ -114,13 +114,13 @@ Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOpti
 }  // namespace
 
 Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options,
-                                bool side_by_side) {
-  if (subject.instrument != nullptr) return build_alone(subject, options, side_by_side);
+                                bool vectorise) {
+  if (subject.instrument != nullptr) return build_alone(subject, options, vectorise);
   SceneOptions with;
   with.delay = options.delay;
   with.rate = options.rate;
   with.set = options.set;
-  with.side_by_side = side_by_side;
+  with.vectorise = vectorise;
   return build_scene(options.friction ? *subject.scene : without_friction(*subject.scene), *subject.table,
                      with);
 }
@@ -145,7 +145,7 @@ void RestingWorld::rest() {
 
 ClosedGraph RestingWorld::closed(const Regime& regime) const {
   ClosedGraph closed;
-  const auto terminals = add_schedule(closed.graph, instrument(), regime, "instrument.");
+  const auto terminals = add_plan(closed.graph, instrument(), regime, "instrument.");
   const auto& channels = instrument().channels;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     if (channels[c].use == OutputUse::Tap) continue;
@@ -160,10 +160,10 @@ ClosedGraph RestingWorld::closed(const Regime& regime) const {
 
 void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const Terminals& instrument) const {
   auto& graph = closed.graph;
-  const auto plant = add_schedule(graph, built_.plant->schedule(), regime, "");
+  const auto plant = add_plan(graph, built_.plant->plan(), regime, "");
   for (std::size_t d = 0; d < closed.drives.size() && d < plant.inputs.size(); ++d)
     if (plant.inputs[d] >= 0) graph.delay(closed.drives[d], plant.inputs[d], built_.delay_frames);
-  const auto wires = count_channels(built_.plant->schedule());
+  const auto wires = count_channels(built_.plant->plan());
   for (std::size_t s = 0; s < wires && s < instrument.inputs.size(); ++s)
     if (plant.channels[s] >= 0 && instrument.inputs[s] >= 0)
       graph.join(plant.channels[s], instrument.inputs[s]);
@@ -175,7 +175,7 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
 }
 
 bool RestingWorld::outside_known() const {
-  const auto& wires = built_.plant->schedule().channels;
+  const auto& wires = built_.plant->plan().channels;
   return !alone_ ||
          std::any_of(wires.begin(), wires.end(), [](const auto& wire) { return !wire.signal.constant(); });
 }
@@ -183,8 +183,8 @@ bool RestingWorld::outside_known() const {
 std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime& regime) const {
   std::vector<OpenPair> pairs;
   if (!alone_) return pairs;
-  const auto terminals = add_schedule(graph, instrument(), regime, "instrument.");
-  const auto& outside = built_.plant->schedule();
+  const auto terminals = add_plan(graph, instrument(), regime, "instrument.");
+  const auto& outside = built_.plant->plan();
   for (std::size_t i = 0; i < terminals.inputs.size(); ++i)
     for (std::size_t c = 0; c < terminals.channels.size(); ++c) {
       const auto& channel = instrument().channels[c];
@@ -200,7 +200,7 @@ std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime&
 std::vector<Regime> RestingWorld::regimes(double push) const {
   std::vector<Regime> regimes(1);
   const auto free = closed(regimes.front()).graph;
-  const auto places = free.has_touched ? places_of(free.laws) : std::vector<BendPlace>{};
+  const auto places = free.has_touched ? operating_points(free.laws) : std::vector<OperatingPoint>{};
   for (const auto& place : places)
     regimes.push_back({.name = place.name, .touched = true, .moved = place.moved});
   Regime all{.name = "everything touched", .touched = true};

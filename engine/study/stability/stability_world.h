@@ -10,7 +10,7 @@
 #include "engine/scene/build_scene.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/study/stability/models/stability_graph.h"
-#include "engine/study/stability/stability_schedule.h"
+#include "engine/study/stability/stability_plan.h"
 
 namespace tactus {
 
@@ -54,8 +54,7 @@ struct StabilitySubject {
 };
 
 /// [control] Both engines of a scene; for an instrument alone, the second one is the assumed device.
-Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options,
-                                bool side_by_side);
+Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options, bool vectorise);
 
 /// An instrument in its world that has run for a moment on silence and unheard, so that every signal stands
 /// where it rests: what the instrument does to the world is what is to be judged, and might explode.
@@ -75,7 +74,7 @@ class RestingWorld {
 
   Hertz rate() const { return instrument().sample_rate; }
   int delay_frames() const { return built_.delay_frames; }
-  const Schedule& instrument() const { return built_.instrument->schedule(); }
+  const Plan& instrument() const { return built_.instrument->plan(); }
 
  private:
   explicit RestingWorld(BuiltScene built) : built_(std::move(built)) {}

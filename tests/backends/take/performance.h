@@ -66,7 +66,7 @@ class Performance {
   void replace(const std::string& text) {
     std::ofstream{graph_, std::ios::binary} << text;
     must(engine_.replace(compiled(), pick(2) == 0 ? JournalEntry::kNow : soon()));
-    recorder_->note_edit({0, files_, app::take_settings(engine_.schedule()), engine_.control_names()});
+    recorder_->note_edit({0, files_, app::take_settings(engine_.plan()), engine_.control_names()});
   }
   /// What the recorder says at the end.
   std::vector<std::string> finish() {
@@ -75,7 +75,7 @@ class Performance {
     return recorder_->finish();
   }
 
-  Engine& engine() { return engine_; }
+  Player& engine() { return engine_; }
   Guarded& guarded() { return guarded_; }
   TakeRecorder& recorder() { return *recorder_; }
 
@@ -85,7 +85,7 @@ class Performance {
   int pick(int count) { return static_cast<int>(bits_() % static_cast<unsigned>(count)); }
   std::int64_t soon() { return guarded_.frame() + pick(700); }
 
-  std::unique_ptr<Schedule> compiled() {
+  std::unique_ptr<Plan> compiled() {
     const auto loaded = load_graph_leniently(graph_, graph_.parent_path());
     if (loaded.spec == nullptr) throw std::runtime_error(to_string(loaded.mistakes));
     files_ = app::take_files(loaded, standard_nodes(), graph_.parent_path());
@@ -134,7 +134,7 @@ class Performance {
   std::filesystem::path graph_;
   std::mt19937 bits_;
   TakeFiles files_;
-  Engine engine_;
+  Player engine_;
   std::vector<double> scales_;
   int padding_;
   RigInputs rig_;

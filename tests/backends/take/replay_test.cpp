@@ -190,7 +190,7 @@ TEST_CASE("takes: what a restart leaves warm, muted or disarmed is in it", "[tak
   const TemporaryFolder folder;
   const auto graph = folder.write("test.toml", kBusyGraph + kOutputs);
   const StreamFormat format{Performance::kRate, 2, 3, 256};
-  Engine engine{must(compile(load_graph_leniently(graph), standard_nodes(), {}))};
+  Player engine{must(compile(load_graph_leniently(graph), standard_nodes(), {}))};
   Guarded first{engine, {{DriveGuard::Kind::Drive, woofer()}}};
   must(first.prepare(format));
   REQUIRE(first.post({0, JournalEntry::Kind::CoilHeat, 0, 0.5}));
@@ -224,7 +224,7 @@ TEST_CASE("takes: another instrument hears the sensors of its own names, and its
                    "format = 1\n[inputs]\nx = {}\n[controls]\npitch = { value = 0, range = [0, 1] }\n"
                    "strength = { value = 0, range = [0, 1] }\n[outputs]\n"
                    "y = { from = \"x * strength * pitch\" }\n");
-  const Engine engine{must(compile(load_graph_leniently(graph), standard_nodes(), {}))};
+  const Player engine{must(compile(load_graph_leniently(graph), standard_nodes(), {}))};
   const auto entries = app::journal_for(take, engine);
   REQUIRE(entries.size() == 2);
   CHECK(entries[0].index == engine.control_index("strength"));
@@ -247,7 +247,7 @@ TEST_CASE("takes: ports that a rig left out are left out again", "[take]") {
                   {},
                   ""};
   const auto graph = must(app::RebuiltGraph::build(header));
-  CHECK(graph->engine().schedule().input_names == std::vector<std::string>{"x"});
+  CHECK(graph->engine().plan().input_names == std::vector<std::string>{"x"});
   CHECK(graph->engine().out_channels() == 1);
 }
 

@@ -38,7 +38,7 @@ double partial(const test::Samples& y, std::size_t from, double near) {
   return near + std::arg(seen(from + kShift) / seen(from)) / (2 * std::numbers::pi * kShift / 48000.0);
 }
 
-test::Samples pluck(Engine& engine) { return test::run(engine, {test::impulse(48000)}, 48000, {256})[0]; }
+test::Samples pluck(Player& engine) { return test::run(engine, {test::impulse(48000)}, 48000, {256})[0]; }
 
 const std::string kOnePole = "type = \"one_pole\", cutoff = \"6 * pitch\"";
 
@@ -61,7 +61,7 @@ TEST_CASE("compensate: a loop with a filter in it is in tune", "[runtime]") {
     INFO(pitch);
     const auto engine = test::engine_of(comb(kOnePole, "0.999", ranged));
     CHECK(std::abs(cents(partial(pluck(*engine), 4800, pitch), pitch)) < 0.5);
-    for (const auto& node : engine->schedule().nodes) CHECK(node->clamped() == 0);
+    for (const auto& node : engine->plan().nodes) CHECK(node->clamped() == 0);
     auto plain = comb(kOnePole, "0.999", ranged);
     plain.erase(plain.find(", compensate"), std::string{", compensate = [\"loss\"]"}.size());
     const double flat = partial(pluck(*test::engine_of(plain)), 4800, untuned(pitch));
@@ -77,7 +77,7 @@ TEST_CASE("compensate: a loop stays in tune when its pitch moves", "[runtime]") 
         test::engine_of(comb(kOnePole, "0.999", "value = \"300 Hz\", range = [\"100 Hz\", \"2 kHz\"]"));
     engine->set_journal({{1001, JournalEntry::Kind::ControlChange, 0, pitch}});
     CHECK(std::abs(cents(partial(pluck(*engine), 4800, pitch), pitch)) < 0.5);
-    for (const auto& node : engine->schedule().nodes) CHECK(node->clamped() == 0);
+    for (const auto& node : engine->plan().nodes) CHECK(node->clamped() == 0);
   }
 }
 
@@ -85,7 +85,7 @@ TEST_CASE("compensate: a filter whose phase leads lengthens the delay", "[runtim
   const auto engine = test::engine_of(comb("type = \"high_pass\", cutoff = \"40 Hz\", q = 0.7", "0.99",
                                            "value = \"440 Hz\", range = [\"440 Hz\", \"441 Hz\"]"));
   CHECK(std::abs(cents(partial(pluck(*engine), 4800, 440), 440)) < 0.5);
-  for (const auto& node : engine->schedule().nodes) CHECK(node->clamped() == 0);
+  for (const auto& node : engine->plan().nodes) CHECK(node->clamped() == 0);
 }
 
 TEST_CASE("compensate: several filters at once, and the sub-block stays within what is left", "[runtime]") {
@@ -96,10 +96,10 @@ TEST_CASE("compensate: several filters at once, and the sub-block stays within w
                "[nodes]\nmore = { type = \"one_pole\", cutoff = \"3 kHz\", in = \"loss\" }");
   const auto engine = test::engine_of(text);
   CHECK(std::abs(cents(partial(pluck(*engine), 4800, 440), 440)) < 0.5);
-  REQUIRE(engine->schedule().loops.size() == 1);
+  REQUIRE(engine->plan().loops.size() == 1);
   // 48000 / 500 = 96 frames, less 1.5 and 2.5 of the filters and 1 of the interpolator.
-  CHECK(engine->schedule().loops[0].delay_frames <= 91);
-  CHECK(engine->schedule().loops[0].delay_frames >= 89);
+  CHECK(engine->plan().loops[0].delay_frames <= 91);
+  CHECK(engine->plan().loops[0].delay_frames >= 89);
 }
 
 TEST_CASE("compensate: a node whose phase is not known is refused", "[runtime]") {

@@ -42,7 +42,7 @@ const NodeType& fragile_type() {
   return type;
 }
 
-std::unique_ptr<Engine> engine_of(const std::string& body) {
+std::unique_ptr<Player> engine_of(const std::string& body) {
   auto table = standard_nodes();
   table.types.push_back(&fragile_type());
   const auto spec =
@@ -50,11 +50,11 @@ std::unique_ptr<Engine> engine_of(const std::string& body) {
   if (!spec) throw std::runtime_error(to_string(spec.error()));
   auto compiled = compile(**spec, table, {});
   if (!compiled) throw std::runtime_error(to_string(compiled.error()));
-  return std::make_unique<Engine>(std::move(*compiled));
+  return std::make_unique<Player>(std::move(*compiled));
 }
 
 /// "path: count, ..."
-std::string faults_of(const Engine& engine) {
+std::string faults_of(const Player& engine) {
   std::string text;
   for (const auto& fault : engine.faults()) text += fault.path + ": " + std::to_string(fault.count) + "; ";
   return text;
@@ -81,7 +81,7 @@ clean = { from = "clean" }
 
 }  // namespace
 
-TEST_CASE("Engine: a node that breaks is counted, silent and starts again, the rest sounds on", "[runtime]") {
+TEST_CASE("Player: a node that breaks is counted, silent and starts again, the rest sounds on", "[runtime]") {
   const auto engine = engine_of(
       "[nodes]\nbad = { type = \"fragile\", in = \"x\", poison = \"poison\" }\n"
       "y = \"bad + 1\"\n" +
@@ -103,14 +103,14 @@ TEST_CASE("Engine: a node that breaks is counted, silent and starts again, the r
   }
 }
 
-TEST_CASE("Engine: a loop that breaks is reset as a whole and silent to the end of its 64 frames",
+TEST_CASE("Player: a loop that breaks is reset as a whole and silent to the end of its 64 frames",
           "[runtime]") {
   const auto engine = engine_of(
       "[nodes]\nbad = { type = \"fragile\", in = \"x + 0.5 * line\", poison = \"poison\" }\n"
       "line = { type = \"delay\", in = \"y\", time = \"20 / system.rate\", interpolation = \"none\" }\n"
       "y = \"0.9 * bad\"\n" +
       kBesides);
-  REQUIRE(engine->schedule().loops.size() == 2);
+  REQUIRE(engine->plan().loops.size() == 2);
   const auto x = test::noise(1280, 1);
   const auto sound = test::run(*engine, {x, test::Samples(1280)}, 1280, {64});
   const auto out = test::run(*engine, {x, poison_at(1280, 200, 1)}, 1280, {64});
@@ -126,7 +126,7 @@ TEST_CASE("Engine: a loop that breaks is reset as a whole and silent to the end 
   CHECK(test::first_difference({fresh[0]}, {{out[0].begin() + 256, out[0].end()}}) == "");
 }
 
-TEST_CASE("Engine: what a fault silences does not depend on the blocks", "[runtime]") {
+TEST_CASE("Player: what a fault silences does not depend on the blocks", "[runtime]") {
   const auto straight = engine_of(
       "[nodes]\nbad = { type = \"fragile\", in = \"x\", poison = \"poison\" }\ny = \"bad + 1\"\n" + kBesides);
   // The line stands before what breaks, and a second thing breaks a frame earlier in the second half.
@@ -157,7 +157,7 @@ TEST_CASE("Engine: what a fault silences does not depend on the blocks", "[runti
   }
 }
 
-TEST_CASE("Engine: a loop that grows beyond all bounds is counted under the first bad step", "[runtime]") {
+TEST_CASE("Player: a loop that grows beyond all bounds is counted under the first bad step", "[runtime]") {
   const auto engine = engine_of(
       "[nodes]\nline = { type = \"delay\", in = \"grown\", time = \"1 / system.rate\", interpolation = "
       "\"none\" }\n"
@@ -170,7 +170,7 @@ TEST_CASE("Engine: a loop that grows beyond all bounds is counted under the firs
   for (const auto sample : out[0]) CHECK(std::isfinite(sample));
 }
 
-TEST_CASE("Engine: an operator that overflows loses its bad frames only, under its own name", "[runtime]") {
+TEST_CASE("Player: an operator that overflows loses its bad frames only, under its own name", "[runtime]") {
   const auto engine =
       engine_of("[nodes]\nfine = \"2 * x\"\nhuge = \"1e300 * poison\"\ny = \"fine + huge\"\n" + kBesides);
   const auto x = test::noise(100, 1);
@@ -181,7 +181,7 @@ TEST_CASE("Engine: an operator that overflows loses its bad frames only, under i
   }
 }
 
-TEST_CASE("Engine: what is not finite at an input is counted and read as zero", "[runtime]") {
+TEST_CASE("Player: what is not finite at an input is counted and read as zero", "[runtime]") {
   const auto engine = engine_of("[nodes]\ny = \"x\"\n" + kBesides);
   auto x = test::noise(300, 1);
   auto repaired = x;

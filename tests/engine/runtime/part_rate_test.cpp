@@ -213,9 +213,9 @@ y = { from = "late" }
   const auto engine = graphs.engine(
       "[inputs]\nx = {}\n[nodes]\nsum = \"x + 0.5 * part\"\n"
       "part = { use = \"part.toml\", x = \"sum\", rate = \"1/16\" }\n[outputs]\ny = { from = \"sum\" }\n");
-  REQUIRE(engine->schedule().loops.size() == 1);
-  CHECK(engine->schedule().loops[0].delay_frames == 32);
-  CHECK(engine->schedule().loops[0].sub_block == 32);
+  REQUIRE(engine->plan().loops.size() == 1);
+  CHECK(engine->plan().loops[0].delay_frames == 32);
+  CHECK(engine->plan().loops[0].sub_block == 32);
   const auto y = test::run(*engine, {test::impulse(200)}, 200, {64})[0];
   for (std::size_t n = 1; n < y.size(); ++n) {
     // Once around takes two frames of the part, 32 outside; each time it is held for 16.
@@ -322,7 +322,7 @@ TEST_CASE("part rate: a part at a sixteenth runs a sixteenth of the frames", "[r
   }
 }
 
-TEST_CASE("Engine: every file that asks for the system delay is told the same", "[runtime]") {
+TEST_CASE("Player: every file that asks for the system delay is told the same", "[runtime]") {
   const PartGraphs graphs{"[outputs]\ny = { from = \"system.delay / 1 s\" }\n"};
   CompileOptions options;
   options.system_delay = 20_ms;

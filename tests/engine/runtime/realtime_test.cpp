@@ -17,7 +17,7 @@ z = { from = "back" }
 
 }  // namespace
 
-TEST_CASE("Engine: process allocates nothing", "[runtime]") {
+TEST_CASE("Player: process allocates nothing", "[runtime]") {
   CompileOptions options;
   options.taps = {"hit", "hit.level"};
   const auto engine = test::engine_of(kBig, options);
@@ -40,7 +40,7 @@ TEST_CASE("Engine: process allocates nothing", "[runtime]") {
   CHECK(engine->faults().empty());
 }
 
-TEST_CASE("Engine: entries posted from another thread hold from their frame, none is lost", "[runtime]") {
+TEST_CASE("Player: entries posted from another thread hold from their frame, none is lost", "[runtime]") {
   const auto engine = test::engine_of(R"(format = 1
 name = "test"
 [controls]

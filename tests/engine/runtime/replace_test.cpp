@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/busy_graph.h"
 #include "tests/support/graph_runner.h"
@@ -17,7 +17,7 @@ using Kind = JournalEntry::Kind;
 
 std::string graph(const std::string& body) { return "format = 1\nname = \"test\"\n" + body; }
 
-std::unique_ptr<Schedule> schedule_of(const std::string& text) {
+std::unique_ptr<Plan> schedule_of(const std::string& text) {
   auto made = compile(parse_graph_leniently(text, "test.toml"), standard_nodes(), {});
   if (!made) throw std::runtime_error(to_string(made.error()));
   return std::move(*made);
@@ -82,7 +82,7 @@ test::Channels excitation(int frames) {
 
 }  // namespace
 
-TEST_CASE("Engine: an edit that changes nothing changes no bit", "[runtime][replace]") {
+TEST_CASE("Player: an edit that changes nothing changes no bit", "[runtime][replace]") {
   constexpr int kFrames = 6000;
   const std::vector<JournalEntry> journal{{300, Kind::ControlChange, 1, 700},
                                           {2900, Kind::ControlChange, 0, 0.1}};
@@ -97,7 +97,7 @@ TEST_CASE("Engine: an edit that changes nothing changes no bit", "[runtime][repl
   }
 }
 
-TEST_CASE("Engine: an edit takes over at its frame in blocks of any size", "[runtime][replace]") {
+TEST_CASE("Player: an edit takes over at its frame in blocks of any size", "[runtime][replace]") {
   constexpr int kFrames = 3000;
   auto edited = kBig;
   edited.replace(edited.find("0.9 * damped"), 12, "abs(0.8 * damped)");
@@ -110,7 +110,7 @@ TEST_CASE("Engine: an edit takes over at its frame in blocks of any size", "[run
     CHECK(test::first_difference(expected, play(kBig, edits, inputs, kFrames, block)) == "");
 }
 
-TEST_CASE("Engine: a constant that is edited moves to its new value in 10 ms", "[runtime][replace]") {
+TEST_CASE("Player: a constant that is edited moves to its new value in 10 ms", "[runtime][replace]") {
   const test::Samples ones(2000, 1.0);
   const auto y =
       play(simple("0.8 * x"), {{100, simple("0.2 * x")}, {340, simple("0.6 * x")}}, {ones}, 2000, 64)[0];
@@ -123,7 +123,7 @@ TEST_CASE("Engine: a constant that is edited moves to its new value in 10 ms", "
   CHECK(y[1999] == 0.6);
 }
 
-TEST_CASE("Engine: an edited parameter leaves the node its state", "[runtime][replace]") {
+TEST_CASE("Player: an edited parameter leaves the node its state", "[runtime][replace]") {
   // A one-pole charged to 1 stays at 1 whatever its cutoff becomes; made anew it would start at 0.
   const auto filter = [](const char* cutoff) {
     return simple("slow",
@@ -133,7 +133,7 @@ TEST_CASE("Engine: an edited parameter leaves the node its state", "[runtime][re
   for (std::size_t n = 5000; n < 8000; ++n) REQUIRE(y[n] == Approx(1.0).epsilon(1e-9));
 }
 
-TEST_CASE("Engine: an output that would jump gets an offset that fades on a line", "[runtime][replace]") {
+TEST_CASE("Player: an output that would jump gets an offset that fades on a line", "[runtime][replace]") {
   const auto y =
       play(simple("0.8 * x"), {{100, simple("abs(x) - 0.7")}}, {test::Samples(1000, 1.0)}, 1000, 64)[0];
   for (int n = 100; n < 1000; ++n) {
@@ -142,7 +142,7 @@ TEST_CASE("Engine: an output that would jump gets an offset that fades on a line
   }
 }
 
-TEST_CASE("Engine: no edit makes a step beyond those of the old and the new signal and the fade",
+TEST_CASE("Player: no edit makes a step beyond those of the old and the new signal and the fade",
           "[runtime][replace]") {
   constexpr int kFrames = 4000, kEdit = 1999;
   const std::string sine = "s = { type = \"sine\", frequency = \"441 Hz\" }\n";
@@ -172,7 +172,7 @@ TEST_CASE("Engine: no edit makes a step beyond those of the old and the new sign
   }
 }
 
-TEST_CASE("Engine: an output that an edit does not reach keeps every bit", "[runtime][replace]") {
+TEST_CASE("Player: an output that an edit does not reach keeps every bit", "[runtime][replace]") {
   const auto two = [](const std::string& z) {
     return graph(
         "[inputs]\nx = {}\n[nodes]\nline = { type = \"delay\", in = \"x + 0.7 * line\", time = \"3 ms\" }\n"
@@ -186,7 +186,7 @@ TEST_CASE("Engine: an output that an edit does not reach keeps every bit", "[run
   CHECK(test::first_difference({expected[1]}, {edited[1]}) != "");
 }
 
-TEST_CASE("Engine: controls keep value and number through edits, unless the file gives them another value",
+TEST_CASE("Player: controls keep value and number through edits, unless the file gives them another value",
           "[runtime][replace]") {
   const auto with = [](const std::string& controls) {
     return graph("[controls]\n" + controls + "[outputs]\ny = { from = \"b\" }\nz = { from = \"c\" }\n");
@@ -220,7 +220,7 @@ TEST_CASE("Engine: controls keep value and number through edits, unless the file
   CHECK(engine->control_index("a") == 0);
 }
 
-TEST_CASE("Engine: what cannot take over is refused, and the sounding graph plays on", "[runtime][replace]") {
+TEST_CASE("Player: what cannot take over is refused, and the sounding graph plays on", "[runtime][replace]") {
   const auto engine = engine_of(simple("x"));
   REQUIRE(engine->prepare({48_kHz, 1, 1, 64}));
   const auto refused = [&](const std::string& text) {
@@ -242,7 +242,7 @@ TEST_CASE("Engine: what cannot take over is refused, and the sounding graph play
   CHECK(refused(simple("3 * x")) == "");
 }
 
-TEST_CASE("Engine: taking over allocates nothing and loses no fault", "[runtime][replace]") {
+TEST_CASE("Player: taking over allocates nothing and loses no fault", "[runtime][replace]") {
   const auto text = simple("x * 1e200 * 1e200 * x");
   const auto engine = engine_of(text);
   REQUIRE(engine->prepare({48_kHz, 1, 1, 64}));
@@ -307,16 +307,16 @@ void swap_and_check(int swaps) {
 
 }  // namespace
 
-TEST_CASE("Engine: swaps, half of them of broken files, cost no fault and no memory", "[runtime][replace]") {
+TEST_CASE("Player: swaps, half of them of broken files, cost no fault and no memory", "[runtime][replace]") {
   swap_and_check(1000);
 }
 
 // tactus_tests "[replace-soak]": 2 minutes or so.
-TEST_CASE("Engine: a hundred thousand swaps, half of them broken", "[.][replace-soak]") {
+TEST_CASE("Player: a hundred thousand swaps, half of them broken", "[.][replace-soak]") {
   swap_and_check(100'000);
 }
 
-TEST_CASE("Engine: a delay whose longest time is edited goes on with what it remembers",
+TEST_CASE("Player: a delay whose longest time is edited goes on with what it remembers",
           "[runtime][replace]") {
   const auto late = [](const char* time) {
     return simple("late", "late = { type = \"delay\", in = \"x\", time = \"" + std::string(time) +
@@ -330,7 +330,7 @@ TEST_CASE("Engine: a delay whose longest time is edited goes on with what it rem
   for (std::size_t n = 1480; n < 3000; ++n) REQUIRE(y[n] == static_cast<double>(n) - 720);
 }
 
-TEST_CASE("Engine: a network whose stiffness is edited goes on from where it is", "[runtime][replace]") {
+TEST_CASE("Player: a network whose stiffness is edited goes on from where it is", "[runtime][replace]") {
   // A mass at rest 1 mm up on its spring: whatever the stiffness becomes, it starts from 1 mm.
   const auto hung = [](const char* stiffness) {
     return graph(
@@ -348,7 +348,7 @@ TEST_CASE("Engine: a network whose stiffness is edited goes on from where it is"
   for (std::size_t n = kEdit; n < kFrames; ++n) REQUIRE(y[n] > 0.99);  // it never falls back to 0
 }
 
-TEST_CASE("Engine: edits from another thread all arrive", "[runtime][replace]") {
+TEST_CASE("Player: edits from another thread all arrive", "[runtime][replace]") {
   const auto engine = engine_of(simple("0 + x"));
   REQUIRE(engine->prepare({48_kHz, 1, 1, 64}));
   std::atomic<bool> stop{false};
@@ -375,7 +375,7 @@ TEST_CASE("Engine: edits from another thread all arrive", "[runtime][replace]") 
   CHECK(last == 300);
 }
 
-TEST_CASE("Engine: an edited string, comb or filter goes on sounding", "[runtime][replace]") {
+TEST_CASE("Player: an edited string, comb or filter goes on sounding", "[runtime][replace]") {
   constexpr int kFrames = 9600, kEdit = 4800;
   const auto string = [](const std::string& voices, const std::string& pitch) {
     return simple("s", "g = { type = \"string\", in = \"x\", pitch = \"" + pitch +
@@ -408,7 +408,7 @@ TEST_CASE("Engine: an edited string, comb or filter goes on sounding", "[runtime
   }
 }
 
-TEST_CASE("Engine: a control that jumps at once when it is played moves when the file is edited",
+TEST_CASE("Player: a control that jumps at once when it is played moves when the file is edited",
           "[runtime][replace]") {
   const auto with = [](const std::string& value) {
     return graph("[inputs]\nx = {}\n[controls]\ng = { value = " + value +
@@ -420,7 +420,7 @@ TEST_CASE("Engine: a control that jumps at once when it is played moves when the
   CHECK(largest_step(out, 1, 2000) == Approx(0.8 / 480).epsilon(1e-6));
 }
 
-TEST_CASE("Engine: the silence after a fault outlasts an edit that changes nothing", "[runtime][replace]") {
+TEST_CASE("Player: the silence after a fault outlasts an edit that changes nothing", "[runtime][replace]") {
   const auto text = simple("d", "d = { type = \"delay\", in = \"x + 0.5 * d\", time = \"1 ms\" }");
   auto burst = test::noise(1000, 3);
   burst[200] = 1e308;

@@ -86,7 +86,7 @@ TEST_CASE("scenes: the closed loop allocates nothing while it runs", "[scene]") 
   const auto scene = first_half_second(kInstruments / "haptic_drum" / "scene.toml");
   for (const auto delay : {0_ms, 20_ms}) {
     auto engines = built(scene, delay);
-    Guarded guarded{*engines.instrument, guarded_channels(engines.instrument->schedule(), scene.drives)};
+    Guarded guarded{*engines.instrument, guarded_channels(engines.instrument->plan(), scene.drives)};
     ClosedLoop loop{guarded, *engines.plant, engines.instrument->out_channels(), engines.delay_frames,
                     scene.converters};
     REQUIRE(loop.prepare(48_kHz, 64));

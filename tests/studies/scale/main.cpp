@@ -11,7 +11,7 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
-#include "engine/runtime/engine.h"
+#include "engine/runtime/player.h"
 
 // How many masses a core runs at 48 kHz, by solver and kind of network, from graph files. Prints Markdown.
 
@@ -90,7 +90,7 @@ Measured measure(const std::string& text) {
     result.refused = schedule.error().front().what;
     return result;
   }
-  Engine engine{std::move(*schedule)};
+  Player engine{std::move(*schedule)};
   if (!engine.prepare({Hertz{kRate}, 1, 1, kBlock})) return result;
   std::vector<double> in(kBlock), out(kBlock);
   for (std::size_t i = 0; i < in.size(); ++i) in[i] = std::sin(0.1 * static_cast<double>(i));

@@ -17,7 +17,7 @@ auto named(std::vector<LiveControl>& controls, const std::string& name) {
 
 void LiveControls::renew() {
   std::vector<LiveControl> now;
-  for (const auto& scheduled : engine_.schedule().controls) {
+  for (const auto& scheduled : player_.plan().controls) {
     LiveControl live{scheduled.control, scheduled.frozen};
     const auto before = named(controls_, live.control.name);
     if (before != controls_.end() && !live.frozen) live.control.value = before->control.value;
@@ -36,11 +36,11 @@ double LiveControls::position(std::size_t index) const {
 
 bool LiveControls::turn(std::size_t index, double position) {
   auto& [control, frozen] = controls_[index];
-  const int number = engine_.control_index(control.name);
+  const int number = player_.control_index(control.name);
   if (frozen || number < 0 || !control.range.bounded()) return false;
   const double low = control.range.low, high = control.range.high, at = std::clamp(position, 0.0, 1.0);
   const double value = control.decibel && low > 0 ? low * std::pow(high / low, at) : low + (high - low) * at;
-  if (!engine_.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, number, value})) return false;
+  if (!player_.post({JournalEntry::kNow, JournalEntry::Kind::ControlChange, number, value})) return false;
   control.value = value;
   return true;
 }

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/graph/plan/schedule.h"
-#include "engine/runtime/engine.h"
+#include "engine/graph/plan/plan.h"
+#include "engine/runtime/player.h"
 
 namespace tactus::app {
 
@@ -19,7 +19,7 @@ struct LiveControl {
 /// control is.
 class LiveControls {
  public:
-  explicit LiveControls(Engine& engine) : engine_(engine) { renew(); }
+  explicit LiveControls(Player& player) : player_(player) { renew(); }
 
   /// After an edit: reads the controls again; those that remain keep their value.
   void renew();
@@ -35,7 +35,7 @@ class LiveControls {
   std::string text(std::size_t index) const;
 
  private:
-  Engine& engine_;
+  Player& player_;
   std::vector<LiveControl> controls_;
 };
 

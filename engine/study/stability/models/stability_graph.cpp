@@ -30,11 +30,12 @@ void LinearGraph::gains(std::complex<double> z, const std::vector<std::size_t>& 
         break;
       case LinearEdge::Kind::Node:
         gains[e] =
-            edge.node->response(edge.input, edge.output, std::pow(z, edge.every), edge.at).value_or(0.0);
+            edge.node->response(edge.input, edge.output, std::pow(z, edge.divisor), edge.at).value_or(0.0);
         break;
       case LinearEdge::Kind::Network: {
         auto& response = responses[index(edge.network)];
-        if (response.size() == 0) response = networks[index(edge.network)]->response(std::pow(z, edge.every));
+        if (response.size() == 0)
+          response = networks[index(edge.network)]->response(std::pow(z, edge.divisor));
         gains[e] = response(edge.output, edge.input);
         break;
       }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/graph/node.h"
-#include "engine/study/stability/models/stability_bends.h"
+#include "engine/study/stability/models/nonlinearities.h"
 #include "engine/study/stability/models/stability_network.h"
 
 namespace tactus {
@@ -31,7 +31,7 @@ struct LinearEdge {
   int input = 0, output = 0;    ///< of the node; column and row of a network's model
   std::vector<double> at = {};  ///< the node's inputs
   int network = -1;
-  int every = 1;  ///< engine frames between two of those that it runs in
+  int divisor = 1;  ///< engine frames between two of those that it runs in
 };
 
 /// A place where a force answers a position: what can be too stiff.
@@ -57,19 +57,19 @@ struct Regime {
   std::optional<Fingertip> hand = {};
 };
 
-/// Signals and what they do to one another, by little. May hold several schedules.
+/// Signals and what they do to one another, by little. May hold several plans.
 struct LinearGraph {
   std::vector<std::string> signals;  ///< names, for people
   std::vector<LinearEdge> edges;
   std::vector<std::shared_ptr<const LinearNetwork>> networks;
   std::vector<std::string> network_paths;
-  std::vector<std::string> not_looked_at;  ///< networks that are too large
+  std::vector<std::string> skipped;  ///< networks that are too large
   std::vector<StiffPlace> stiff;
   std::vector<EventPlace> events;
-  std::vector<std::string> crests;  ///< laws that push away where they rest and pull back elsewhere: left out
-  std::vector<int> joints;          ///< waves that leave a network
-  std::vector<Bend> laws;           ///< that answer otherwise elsewhere
-  bool bends = false;               ///< some force answers a position otherwise elsewhere
+  std::vector<std::string> unstable_equilibria;  ///< laws that push away where they rest and pull back elsewhere: left out
+  std::vector<int> wave_ports;          ///< waves that leave a network
+  std::vector<Nonlinearity> laws;           ///< that answer otherwise elsewhere
+  bool nonlinear = false;               ///< some force answers a position otherwise elsewhere
   bool has_touched = false;         ///< some law is steeper elsewhere than where it rests
 
   int add_signal(std::string name);

@@ -17,36 +17,36 @@ double chosen(const Operands& operands, int which, bool first, bool touched) {
 
 }  // namespace
 
-int operands_of(Term::Op op) {
+int operands_of(Expression::Op op) {
   switch (op) {
-    case Term::Op::Add:
-    case Term::Op::Subtract:
-    case Term::Op::Multiply:
-    case Term::Op::Divide:
-    case Term::Op::Min:
-    case Term::Op::Max:
+    case Expression::Op::Add:
+    case Expression::Op::Subtract:
+    case Expression::Op::Multiply:
+    case Expression::Op::Divide:
+    case Expression::Op::Min:
+    case Expression::Op::Max:
       return 2;
     default:
       return 1;
   }
 }
 
-double slope_of(Term::Op op, const Operands& operands, int which, bool touched) {
+double slope_of(Expression::Op op, const Operands& operands, int which, bool touched) {
   const double a = operands.a, b = operands.b;
   switch (op) {
-    case Term::Op::Negate:
+    case Expression::Op::Negate:
       return -1;
-    case Term::Op::Subtract:
+    case Expression::Op::Subtract:
       return which == 0 ? 1 : -1;
-    case Term::Op::Multiply:
+    case Expression::Op::Multiply:
       return which == 0 ? b : a;
-    case Term::Op::Divide:
+    case Expression::Op::Divide:
       return b == 0 ? 0 : which == 0 ? 1 / b : -a / (b * b);
-    case Term::Op::Min:
+    case Expression::Op::Min:
       return chosen(operands, which, a < b, touched);
-    case Term::Op::Max:
+    case Expression::Op::Max:
       return chosen(operands, which, a > b, touched);
-    case Term::Op::Abs:
+    case Expression::Op::Abs:
       return a < 0 ? -1 : a > 0 || touched ? 1 : 0;
     default:
       return 1;
@@ -100,7 +100,7 @@ SteepPlace steepest(const Node& node, const NodeType& type, const std::vector<do
     const auto height = [&](double value) {
       there[i] = value;
       const double found = answer_at(node, type, there, moves);
-      best.bends |= std::abs(found - rest) > 1e-6 * rest;
+      best.nonlinear |= std::abs(found - rest) > 1e-6 * rest;
       return found;
     };
     std::vector<double> middles{at[i], 0.0};

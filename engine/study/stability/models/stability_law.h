@@ -17,11 +17,11 @@ struct Operands {
 };
 
 /// [any] How many operands it has.
-int operands_of(Term::Op op);
+int operands_of(Expression::Op op);
 
 /// [any] d(out)/d(operand `which`) of an operation. At a corner (a minimum, a maximum, an absolute value)
 /// `touched` takes the side where the moving operand comes through.
-double slope_of(Term::Op op, const Operands& operands, int which, bool touched);
+double slope_of(Expression::Op op, const Operands& operands, int which, bool touched);
 
 /// [any] Whether output `output` of a law is a force that answers a position at `input`.
 bool is_spring(const NodeType& type, std::size_t input, std::size_t output);
@@ -30,7 +30,7 @@ bool is_spring(const NodeType& type, std::size_t input, std::size_t output);
 struct SteepPlace {
   std::vector<double> at;  ///< its inputs there
   double answer = 0;       ///< sum of the slopes; of a force that answers a position only what pulls back
-  bool bends = false;      ///< it answers otherwise elsewhere
+  bool nonlinear = false;      ///< it answers otherwise elsewhere
   int input = -1;          ///< what moved to get there; the first that can, where nothing had to
 };
 

@@ -69,13 +69,13 @@ two   = "1 + 1"
 y = { from = "two * x + 0 * muted" }
 )"));
   std::map<std::string, std::string> reasons;
-  for (const auto& left : engine->schedule().left_out) reasons[left.path] = left.reason;
+  for (const auto& left : engine->plan().left_out) reasons[left.path] = left.reason;
   CHECK(reasons["lost"] == "reaches no output");
   CHECK(reasons["unused"] == "reaches no output");
   CHECK(reasons["muted"] == "reaches only what is multiplied by zero");
   CHECK(reasons["nobody"] == "nobody reads it");
   CHECK(reasons["two"] == "is always 2");
-  CHECK(engine->schedule().nodes.empty());
+  CHECK(engine->plan().nodes.empty());
 }
 
 TEST_CASE("compile: a loop without delay is named edge by edge", "[graph]") {

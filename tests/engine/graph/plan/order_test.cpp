@@ -1,7 +1,6 @@
-#include "engine/graph/plan/order.h"
-
 #include <catch2/catch.hpp>
 
+#include "engine/graph/plan/passes.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/temporary_folder.h"
 

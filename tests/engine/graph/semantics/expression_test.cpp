@@ -12,7 +12,7 @@ const Source kAt{std::make_shared<const std::string>("a.toml"), 3, 10};
 /// The tree in brackets: "(+ x (* 2 y))".
 std::string show(const Expression& e) {
   using Op = Expression::Op;
-  if (e.op == Op::Name) return e.name;
+  if (e.op == Op::Signal) return e.name;
   if (e.op == Op::Number) {
     char text[64];
     std::snprintf(text, sizeof text, "%.6g", e.number);

@@ -46,7 +46,7 @@ std::vector<double> lanes_of_part(const std::string& fields, const std::string& 
                                  fields + " }\n[outputs]\ny = { from = \"" + from + "\" }\n");
   auto compiled = compile(load_graph_leniently(file), standard_nodes(), {});
   if (!compiled) throw std::runtime_error(to_string(compiled.error()));
-  Engine engine{std::move(*compiled)};
+  Player engine{std::move(*compiled)};
   std::vector<double> lanes;
   for (const auto& channel : test::run(engine, {{1.0}}, 1, {1})) lanes.push_back(channel[0]);
   return lanes;

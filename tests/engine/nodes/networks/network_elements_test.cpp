@@ -222,7 +222,7 @@ TEST_CASE("network elements: the solver that auto takes, and why, is told", "[ph
       "solver = \"auto\"\nc = { type = \"chain\", masses = 3, mass = \"1 g\", stiffness = \"921.6 kN/m\" }",
       "n.energy / 1 J"));
   std::string about;
-  for (const auto& node : engine->schedule().nodes) about += node->about();
+  for (const auto& node : engine->plan().nodes) about += node->about();
   CHECK(
       about ==
       "solver exact, 36 multiplications a frame, exact\n  not explicit: wrong by up to 5.7 %\n  not passive: "
@@ -238,7 +238,7 @@ TEST_CASE("network elements: a choice among bad ones is told as that, in a line 
                                             "= \"2280 kN/m\" }",
                                         "n.energy / 1 J"));
     std::string about;
-    for (const auto& node : engine->schedule().nodes) about += node->about();
+    for (const auto& node : engine->plan().nodes) about += node->about();
     return about;
   };
   const auto forced = told("oversample = 1\n");

@@ -66,7 +66,7 @@ const RegimeVerdict* find_regime(const StabilityVerdict& verdict, std::string_vi
 TEST_CASE("stability: a scene is judged with its own plant, ring and coil", "[analysis]") {
   const LeverFolder folder;
   const auto verdict = judged(folder);
-  CHECK(verdict.holds);
+  CHECK(verdict.stable);
   CHECK(verdict.delay_s == Approx(0.002));
   const auto* bare = find_regime(verdict, "at rest", false);
   REQUIRE(bare != nullptr);
@@ -124,9 +124,9 @@ ball = {{ from = "n.ball.position", unit = "m" }}
     return *verdict;
   };
   const auto refused = verdict_of("explicit");
-  CHECK_FALSE(refused.holds);
+  CHECK_FALSE(refused.stable);
   REQUIRE_FALSE(refused.networks.empty());
   CHECK(refused.networks[0].contact_steps ==
         Approx(std::numbers::pi * std::sqrt(1e-3 / 4e6) * 48000).epsilon(0.01));
-  CHECK(verdict_of("passive").holds);
+  CHECK(verdict_of("passive").stable);
 }

@@ -103,9 +103,9 @@ TEST_CASE("stability: with a long delay the stiffest spring is that of phi tan p
 TEST_CASE("stability: a spring below its border holds and one above it grows", "[analysis]") {
   const double border = 0.1 / (0.001 + 0.5 / 48000);
   const auto below = judged(spring_text(0.97 * border), {}), above = judged(spring_text(1.03 * border), {});
-  CHECK(below.holds);
+  CHECK(below.stable);
   CHECK(regime(below, "at rest", false).growing == 0);
-  CHECK_FALSE(above.holds);
+  CHECK_FALSE(above.stable);
   // A pair of roots, at sqrt(K/m) rad/s, growing by (K tau - b) / 2m.
   const auto& grown = regime(above, "at rest", false);
   CHECK(grown.growing == 2);
@@ -153,11 +153,11 @@ mirror = { type = "wall", position = "-place", stiffness = "80 N/m", at = "5 mm"
   const auto* const by_hand = R"x(low = "80 N/m * max(0 m, -place - 5 mm)")x";
   const auto* const second = GENERATE_COPY(mirrored, by_hand);
   const auto ends = two_walls(second);
-  CHECK(ends.holds);
+  CHECK(ends.stable);
   CHECK(regime(ends, "where 'instrument.high' is steepest", false).stiff.at(0).stable_up_to ==
         Approx(border).epsilon(0.01));
   CHECK_FALSE(
-      two_walls(R"(low = { type = "wall", position = "place", stiffness = "80 N/m", at = "4 mm" })").holds);
+      two_walls(R"(low = { type = "wall", position = "place", stiffness = "80 N/m", at = "4 mm" })").stable);
 }
 
 TEST_CASE("stability: on a crest a law is judged where it pulls back", "[analysis]") {
@@ -172,8 +172,8 @@ ribs = { type = "terrain", position = "place", profile = "sine", weight = "0.1 N
 push = { from = "ribs", unit = "N" }
 )",
                               {});
-  CHECK(verdict.holds);
-  CHECK(regime(verdict, "at rest", false).crests == std::vector<std::string>{"instrument.ribs"});
+  CHECK(verdict.stable);
+  CHECK(regime(verdict, "at rest", false).unstable_equilibria == std::vector<std::string>{"instrument.ribs"});
   CHECK(regime(verdict, "at rest", false).stiff.empty());
   const auto& steep = regime(verdict, "laws where they are steepest", false);
   REQUIRE(steep.stiff.size() == 1);
@@ -191,7 +191,7 @@ place = { unit = "m" }
 [outputs]
 push = { from = "5 N/m * place", unit = "N" }
 )";
-  CHECK_FALSE(judged(kPushes, {.delay_s = delay}).holds);
+  CHECK_FALSE(judged(kPushes, {.delay_s = delay}).stable);
 }
 
 TEST_CASE("stability: a spring far beyond its border is refused although the drive saturates", "[analysis]") {
@@ -208,7 +208,7 @@ push = {{ from = "held", unit = "N" }}
 )",
                                  stiffness),
                      {})
-                  .holds);
+                  .stable);
 }
 
 TEST_CASE("stability: an instrument whose outside is not known says so", "[analysis]") {
@@ -248,7 +248,7 @@ far  = { type = "delay", in = "sum", time = "6.9 ms", interpolation = "none" }
 out = { from = "sum" }
 )",
                               {});
-  CHECK(verdict.holds);
+  CHECK(verdict.stable);
   REQUIRE(verdict.regimes[0].loops.size() == 1);
   const auto& margin = verdict.regimes[0].loops[0].margin;
   CHECK(margin.border == Approx(1 / 0.8).epsilon(1e-5));
@@ -275,11 +275,11 @@ back   = { type = "delay", in = "echo", time = "1 ms", interpolation = "none" }
 out = { from = "sum + echo" }
 )",
                               {});
-  CHECK(verdict.holds);
+  CHECK(verdict.stable);
   const auto& loops = verdict.regimes[0].loops;
   REQUIRE(loops.size() == 2);
   CHECK(loops[0].integrates() != loops[1].integrates());
-  CHECK(in_words(verdict)[0].find("margin 6.0 dB") != std::string::npos);
+  CHECK(describe(verdict)[0].find("margin 6.0 dB") != std::string::npos);
 }
 
 TEST_CASE("stability: every root of a loop that is only a delay is counted", "[analysis]") {
@@ -295,7 +295,7 @@ back = { type = "delay", in = "sum", time = "0.5 ms", interpolation = "none" }
 out = { from = "sum" }
 )",
                               {});
-  CHECK_FALSE(verdict.holds);
+  CHECK_FALSE(verdict.stable);
   CHECK(verdict.regimes[0].growing == 24);
   for (const auto& root : verdict.regimes[0].roots) {
     CHECK(root.growth_per_s == Approx(48000 * std::log(1.1) / 24).epsilon(1e-6));
@@ -319,8 +319,8 @@ out = { from = "sum" }
 )",
                               {});
   REQUIRE(verdict.controls.size() == 1);
-  CHECK(verdict.controls[0].holds_low);
-  CHECK_FALSE(verdict.controls[0].holds_high);
+  CHECK(verdict.controls[0].stable_low);
+  CHECK_FALSE(verdict.controls[0].stable_high);
   REQUIRE(verdict.controls[0].border);
   CHECK(*verdict.controls[0].border == Approx(1).epsilon(1e-3));
 }
@@ -337,12 +337,12 @@ pulse = { type = "decay", trigger = "hit", time = "5 ms" }
 push = { from = "2 N * pulse", unit = "N" }
 )",
                               {});
-  CHECK(verdict.holds);
+  CHECK(verdict.stable);
   REQUIRE(verdict.events.size() >= 1);
   CHECK(verdict.events[0].place.path == "instrument.hit");
   CHECK(verdict.events[0].on_loop);
   CHECK(verdict.events[0].place.hold_s.value() == Approx(0.02));
-  CHECK(in_words(verdict)[1].find("50 events a second") != std::string::npos);
+  CHECK(describe(verdict)[1].find("50 events a second") != std::string::npos);
 }
 
 TEST_CASE("stability: the border of a loop that an event may open or close is not run", "[analysis]") {
@@ -428,7 +428,7 @@ out = {{ from = "sung" }}
 )",
                                 c.pitch, c.gain, 2 * c.pitch);
   const auto verdict = judged(text, {.rate = 44100});
-  CHECK(verdict.holds);
+  CHECK(verdict.stable);
   REQUIRE(verdict.regimes[0].loops.size() == 1);
   const auto& margin = verdict.regimes[0].loops[0].margin;
   CHECK(0.005 * margin.border == Approx(c.threshold).epsilon(0.01));

@@ -23,23 +23,24 @@ std::unique_ptr<Node> made(const NodeType& type) {
 }  // namespace
 
 TEST_CASE("stability law: slopes of operations are their derivatives", "[analysis]") {
-  const auto op = GENERATE(Term::Op::Add, Term::Op::Subtract, Term::Op::Multiply, Term::Op::Divide,
-                           Term::Op::Min, Term::Op::Max, Term::Op::Negate, Term::Op::Abs);
+  const auto op = GENERATE(Expression::Op::Add, Expression::Op::Subtract, Expression::Op::Multiply,
+                           Expression::Op::Divide, Expression::Op::Min, Expression::Op::Max,
+                           Expression::Op::Negate, Expression::Op::Abs);
   const auto value = [op](double a, double b) {
     switch (op) {
-      case Term::Op::Add:
+      case Expression::Op::Add:
         return a + b;
-      case Term::Op::Subtract:
+      case Expression::Op::Subtract:
         return a - b;
-      case Term::Op::Multiply:
+      case Expression::Op::Multiply:
         return a * b;
-      case Term::Op::Divide:
+      case Expression::Op::Divide:
         return a / b;
-      case Term::Op::Min:
+      case Expression::Op::Min:
         return std::min(a, b);
-      case Term::Op::Max:
+      case Expression::Op::Max:
         return std::max(a, b);
-      case Term::Op::Negate:
+      case Expression::Op::Negate:
         return -a;
       default:
         return std::abs(a);
@@ -57,8 +58,8 @@ TEST_CASE("stability law: slopes of operations are their derivatives", "[analysi
 TEST_CASE("stability law: a wall made of a maximum is open at rest and closed when touched", "[analysis]") {
   // max(0, depth) with the depth at -5 mm: the 0 wins, but it never moves.
   const Operands operands{0, -0.005, {false, true}};
-  CHECK(slope_of(Term::Op::Max, operands, 1, false) == 0);
-  CHECK(slope_of(Term::Op::Max, operands, 1, true) == 1);
+  CHECK(slope_of(Expression::Op::Max, operands, 1, false) == 0);
+  CHECK(slope_of(Expression::Op::Max, operands, 1, true) == 1);
 }
 
 TEST_CASE("stability law: the steepest place of a wall lies behind it", "[analysis]") {

@@ -1,0 +1,293 @@
+#include <algorithm>
+#include <map>
+
+#include "engine/graph/plan/passes.h"
+#include "engine/graph/plan/rate_converter.h"
+#include "engine/graph/semantics/operators.h"
+
+namespace tactus {
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+class Builder {
+ public:
+  Builder(VertexGraph graph, const FlatGraph& flat, const CompileOptions& options)
+      : graph_(std::move(graph)), flat_(flat), options_(options), plan_(std::make_unique<Plan>()) {}
+
+  std::unique_ptr<Plan> run(const std::vector<OrderedSection>& sections,
+                            const std::vector<bool>& frozen_controls) {
+    plan_->sample_rate = options_.sample_rate;
+    plan_->system_delay_at_start = options_.system_delay;
+    find_read_ports();
+    lay_out_signals();
+    lay_out_constants();
+    take_nodes();
+    name_sources(frozen_controls);
+    for (const auto& section : sections) add_section(section);
+    add_channels();
+    find_readers_at_rest();
+    for (auto& vertex : graph_.vertices) vertex.origin = {};
+    plan_->vertices = std::move(graph_.vertices);
+    plan_->input_names = std::move(graph_.inputs);
+    plan_->left_out = std::move(graph_.left_out);
+    return std::move(plan_);
+  }
+
+ private:
+  Vertex& at(int v) { return graph_.vertices[index(v)]; }
+
+  static bool has_buffer(const Vertex& vertex) {
+    return vertex.kind != Vertex::Kind::Constant && vertex.kind != Vertex::Kind::Output;
+  }
+
+  void find_read_ports() {
+    read_.assign(graph_.vertices.size(), {});
+    for (const auto& vertex : graph_.vertices)
+      for (const auto& wire : vertex.in) read_[index(wire.vertex)].push_back(wire.port);
+  }
+
+  void lay_out_signals() {
+    place_.assign(graph_.vertices.size(), 0);
+    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+      place_[v] = plan_->signal_doubles;
+      const auto& vertex = graph_.vertices[v];
+      if (has_buffer(vertex)) plan_->signal_doubles += index(vertex.outputs * vertex.width) * kMaxPiece;
+    }
+  }
+
+  /// Behind the signals; those for all lanes first, so that they lie on cache lines.
+  void lay_out_constants() {
+    auto doubles = plan_->signal_doubles;
+    for (const int width : {kWide, 1})
+      for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+        const auto& vertex = graph_.vertices[v];
+        if (vertex.kind != Vertex::Kind::Constant || vertex.width != width || read_[v].empty()) continue;
+        place_[v] = doubles;
+        doubles += index(width);
+      }
+    plan_->arena.resize(doubles);
+    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+      const auto& vertex = graph_.vertices[v];
+      if (vertex.kind != Vertex::Kind::Constant || read_[v].empty()) continue;
+      if (vertex.width == 1)
+        *(plan_->arena.data() + place_[v]) = vertex.value;
+      else
+        std::copy_n(vertex.values.begin(), kWide, plan_->arena.data() + place_[v]);
+    }
+  }
+
+  void name_sources(const std::vector<bool>& frozen_controls) {
+    plan_->input_buffers.assign(graph_.inputs.size(), nullptr);
+    for (std::size_t c = 0; c < flat_.controls.size(); ++c)
+      plan_->controls.push_back({flat_.controls[c], nullptr, {}, frozen_controls[c]});
+    for (int v = 0; v < static_cast<int>(graph_.vertices.size()); ++v) {
+      const auto& vertex = at(v);
+      if (vertex.kind == Vertex::Kind::Input) plan_->input_buffers[index(vertex.index)] = buffer(v, 0);
+      if (vertex.kind == Vertex::Kind::Control) plan_->controls[index(vertex.index)].buffer = buffer(v, 0);
+      if (vertex.kind == Vertex::Kind::SystemDelay) plan_->system_delay = buffer(v, 0);
+    }
+  }
+
+  double* buffer(int v, int port) {
+    return plan_->arena.data() + place_[index(v)] + port * at(v).width * kMaxPiece;
+  }
+
+  /// A lane of a vectorised vertex is a signal with a longer stride. Controls rest until they are moved;
+  /// their stride is set while they ramp.
+  Signal signal(const Wire& wire) {
+    const auto& vertex = at(wire.vertex);
+    double* const data = buffer(wire.vertex, wire.port);
+    if (vertex.kind == Vertex::Kind::Constant) return {data, 0};
+    if (vertex.width > 1) return {data + std::max(0, wire.lane), kWide};
+    const bool rests = vertex.kind == Vertex::Kind::Control || vertex.kind == Vertex::Kind::SystemDelay;
+    return {data, rests ? 0 : 1};
+  }
+
+  void add_input(const Wire& wire) {
+    plan_->inputs.push_back(signal(wire));
+    sources_.push_back(wire.vertex);
+  }
+
+  int add_inputs(Vertex& vertex) {
+    const int first = static_cast<int>(plan_->inputs.size());
+    for (const auto& wire : vertex.in) add_input(wire);
+    if (vertex.first_in < 0) vertex.first_in = first;
+    return first;
+  }
+
+  void take_nodes() {
+    for (auto& vertex : graph_.vertices) {
+      if (vertex.node == nullptr) continue;
+      vertex.runs = static_cast<int>(plan_->nodes.size());
+      plan_->nodes.push_back(std::move(vertex.node));
+    }
+  }
+
+  /// Several operations of one expression have one path, and so have vectorised ones.
+  void number(Vertex& vertex) {
+    if (vertex.first_in < 0) vertex.nth = paths_[{vertex.runs < 0, vertex.path}]++;
+  }
+
+  int divider(int divisor) {
+    auto& divisors = plan_->divisors;
+    const auto found = std::find(divisors.begin(), divisors.end(), divisor);
+    if (found != divisors.end()) return static_cast<int>(found - divisors.begin());
+    divisors.push_back(divisor);
+    return static_cast<int>(divisors.size()) - 1;
+  }
+
+  void set_dividers(Step& step, const Vertex& vertex) {
+    const bool crosses = vertex.kind == Vertex::Kind::RateConverter;
+    step.divider =
+        divider(crosses ? RateConverter::runs_every(vertex.conversion, vertex.divisor) : vertex.divisor);
+    step.divider_in = divider(crosses ? vertex.conversion.from : vertex.divisor);
+    step.divider_out = divider(vertex.divisor);
+  }
+
+  void add_section(const OrderedSection& ordered) {
+    Section section;
+    section.first_step = static_cast<int>(plan_->steps.size());
+    section.sub_block = ordered.sub_block;
+    section.loop = ordered.loop;
+    for (const auto& item : ordered.vertices) add_step(item, section.first_step);
+    section.end_step = static_cast<int>(plan_->steps.size());
+    if (section.end_step == section.first_step) return;
+    if (section.loop) report_loop(ordered);
+    // Straight parts that follow one another (what only names inputs is no step) run as one.
+    auto& sections = plan_->sections;
+    if (!section.loop && !sections.empty() && !sections.back().loop)
+      sections.back().end_step = section.end_step;
+    else
+      sections.push_back(section);
+  }
+
+  void add_step(const OrderedVertex& item, int section_start) {
+    using Half = OrderedVertex::Half;
+    Step step;
+    if (item.half == Half::Outside) {
+      step.kind = Step::Kind::Outside;
+      plan_->steps.push_back(step);
+      return;
+    }
+    auto& vertex = at(item.vertex);
+    if (vertex.runs < 0 && vertex.kind == Vertex::Kind::Operation)
+      return add_operation(item.vertex, vertex, section_start);
+    if (vertex.runs < 0) return;
+    number(vertex);
+    step.kind = item.half == Half::Emit     ? Step::Kind::Emit
+                : item.half == Half::Absorb ? Step::Kind::Absorb
+                                            : Step::Kind::Process;
+    step.vertex = item.vertex;
+    step.node = vertex.runs;
+    step.width = vertex.width;
+    set_dividers(step, vertex);
+    step.can_fail = vertex.kind != Vertex::Kind::Pack && vertex.kind != Vertex::Kind::RateConverter &&
+                    (vertex.kind != Vertex::Kind::Operation || can_overflow(vertex.op));
+    step.first_in = add_inputs(vertex);
+    step.inputs = static_cast<int>(vertex.in.size());
+    step.first_out = static_cast<int>(plan_->outputs.size());
+    step.outputs = vertex.outputs;
+    const bool skips = vertex.type != nullptr && vertex.type->skips_unread;
+    const auto& ports = read_[index(item.vertex)];
+    for (int port = 0; port < vertex.outputs; ++port) {
+      const bool read = !skips || std::find(ports.begin(), ports.end(), port) != ports.end();
+      plan_->outputs.push_back(read ? buffer(item.vertex, port) : nullptr);
+    }
+    plan_->steps.push_back(step);
+  }
+
+  void add_operation(int v, Vertex& vertex, int section_start) {
+    auto& steps = plan_->steps;
+    if (static_cast<int>(steps.size()) == section_start || steps.back().kind != Step::Kind::Operations ||
+        steps.back().divider != divider(vertex.divisor)) {
+      Step step;
+      set_dividers(step, vertex);
+      step.kind = Step::Kind::Operations;
+      step.vertex = v;
+      step.first_operation = static_cast<int>(plan_->operations.size());
+      step.first_out = static_cast<int>(plan_->outputs.size());
+      steps.push_back(step);
+    }
+    number(vertex);
+    MicroOperation operation;
+    operation.op = vertex.op;
+    operation.vertex = v;
+    operation.first_in = add_inputs(vertex);
+    if (vertex.in.size() == 1) add_input(vertex.in[0]);  // every operation has two operands to point at
+    operation.out = buffer(v, 0);
+    if (std::all_of(vertex.in.begin(), vertex.in.end(),
+                    [this](const Wire& wire) { return can_rest(wire); })) {
+      operation.can_rest = can_rest_[v] = static_cast<int>(plan_->can_rest.size());
+      plan_->can_rest.emplace_back();
+    }
+    plan_->operations.push_back(operation);
+    plan_->outputs.push_back(operation.out);
+    ++steps.back().operations;
+    ++steps.back().outputs;
+  }
+
+  bool can_rest(const Wire& wire) {
+    const auto kind = at(wire.vertex).kind;
+    return kind == Vertex::Kind::Constant || kind == Vertex::Kind::Control ||
+           kind == Vertex::Kind::SystemDelay || can_rest_.contains(wire.vertex);
+  }
+
+  void report_loop(const OrderedSection& ordered) {
+    LoopReport report;
+    report.sub_block = ordered.sub_block;
+    report.delay_frames = ordered.delay_frames;
+    for (const auto& item : ordered.vertices)
+      if (item.half != OrderedVertex::Half::Absorb && item.half != OrderedVertex::Half::Outside &&
+          (report.paths.empty() || report.paths.back() != at(item.vertex).path))
+        report.paths.push_back(at(item.vertex).path);
+    plan_->loops.push_back(std::move(report));
+  }
+
+  void add_channels() {
+    plan_->channels.resize(graph_.outputs.size());
+    for (const auto& vertex : graph_.vertices) {
+      if (vertex.kind != Vertex::Kind::Output) continue;
+      auto& channel = plan_->channels[static_cast<std::size_t>(vertex.index)];
+      const auto& output = graph_.outputs[static_cast<std::size_t>(vertex.index)];
+      const auto& from = vertex.in.front();
+      channel = {output.name, output.use, output.dimension, from, signal(from)};
+    }
+  }
+
+  /// The slots and channels that read a control, or an operation that can rest.
+  Readers* readers_of(int source) {
+    const auto& vertex = at(source);
+    if (vertex.kind == Vertex::Kind::Control) return &plan_->controls[index(vertex.index)].readers;
+    const auto found = can_rest_.find(source);
+    return found == can_rest_.end() ? nullptr : &plan_->can_rest[index(found->second)];
+  }
+
+  void find_readers_at_rest() {
+    for (std::size_t slot = 0; slot < sources_.size(); ++slot)
+      if (auto* readers = readers_of(sources_[slot])) readers->slots.push_back(static_cast<int>(slot));
+    for (std::size_t c = 0; c < plan_->channels.size(); ++c)
+      if (auto* readers = readers_of(plan_->channels[c].from.vertex))
+        readers->channels.push_back(static_cast<int>(c));
+  }
+
+  VertexGraph graph_;
+  const FlatGraph& flat_;
+  const CompileOptions& options_;
+  std::unique_ptr<Plan> plan_;
+  std::vector<std::size_t> place_;                     ///< [vertex] in the arena
+  std::vector<std::vector<int>> read_;                 ///< [vertex]: ports that somebody reads
+  std::vector<int> sources_;                           ///< [slot of Plan::inputs] the vertex that it reads
+  std::map<int, int> can_rest_;                        ///< [vertex] in Plan::can_rest
+  std::map<std::pair<bool, std::string>, int> paths_;  ///< [operation, path] how many so far
+};
+
+}  // namespace
+
+std::unique_ptr<Plan> build_plan(VertexGraph graph, const FlatGraph& flat,
+                                 const std::vector<OrderedSection>& sections,
+                                 const std::vector<bool>& frozen_controls, const CompileOptions& options) {
+  return Builder{std::move(graph), flat, options}.run(sections, frozen_controls);
+}
+
+}  // namespace tactus

@@ -1,0 +1,136 @@
+#pragma once
+
+// Thread: [control]; what runs on the audio thread is Running.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/units.h"
+#include "engine/graph/node_type.h"
+#include "engine/graph/plan/vertex_graph.h"
+
+namespace tactus {
+
+/// Doubles on cache-line boundaries, so that vector loads of whole groups never straddle two lines.
+class Arena {
+ public:
+  void resize(std::size_t doubles);
+  double* data() const { return base_; }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::unique_ptr<double[]> storage_;
+  double* base_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// The places that read a signal which may rest: their stride is 0 while it does, else 1.
+struct Readers {
+  std::vector<int> slots;     ///< in Plan::inputs
+  std::vector<int> channels;  ///< in Plan::channels
+};
+
+/// One element-wise operation over the frames of a sub-block.
+struct MicroOperation {
+  Expression::Op op;
+  int first_in = 0;  ///< in Plan::inputs
+  double* out = nullptr;
+  int vertex = 0;
+  int can_rest = -1;  ///< in Plan::can_rest, or -1
+};
+
+/// One entry of the flat list that a block runs through.
+struct Step {
+  enum class Kind : std::uint8_t {
+    Process,     ///< node->process
+    Emit,        ///< first half of a node that closes a loop
+    Absorb,      ///< its second half
+    Operations,  ///< adjacent element-wise operations, one call
+    Outside,  ///< the place where what lies outside answers (a plant whose drive depends on its own sensors)
+  };
+  Kind kind = Kind::Process;
+  int node = -1;
+  int first_in = 0, inputs = 0;    ///< in Plan::inputs
+  int first_out = 0, outputs = 0;  ///< in Plan::outputs
+  int first_operation = 0, operations = 0;
+  int width = 1;  ///< numbers a frame of every output
+  /// Of the frames that it runs in, and of what it reads and gives (which differ at the border of a part with
+  /// a rate of its own): in Plan::divisors.
+  int divider = 0, divider_in = 0, divider_out = 0;
+  bool can_fail = true;  ///< its outputs can be non-finite although all inputs are finite
+  int vertex = -1;       ///< of Operations the first; Outside: -1
+};
+
+/// Steps that run together, `sub_block` frames at a time. A section that is a loop is reset as a whole when
+/// one of its steps gives something that is not finite.
+struct Section {
+  int first_step = 0;
+  int end_step = 0;
+  int sub_block = kMaxPiece;
+  bool loop = false;
+};
+
+struct PlannedControl {
+  FlatControl control;
+  double* buffer = nullptr;  ///< samples while it ramps; kWide times the same while it rests
+  Readers readers;
+  bool frozen = false;  ///< some node needed its value when it was made: it cannot change while running
+};
+
+struct PlannedChannel {
+  std::string name;
+  OutputUse use = OutputUse::Drive;
+  Dimension dimension;
+  Wire from;
+  Signal signal;
+};
+
+/// What `tactus explain` tells about a loop.
+struct LoopReport {
+  std::vector<std::string> paths;
+  int sub_block = 0;
+  int delay_frames = 0;  ///< least delay once around, over the edges that were cut
+};
+
+/// A graph ready to run: the frozen graph, a flat list of steps that refer to its vertices, and one arena for
+/// their signals and constants.
+struct Plan {
+  std::string name;
+  Hertz sample_rate = 48_kHz;
+
+  // The graph.
+  std::vector<Vertex> vertices;
+  std::vector<std::string> input_names;
+  std::vector<PlannedControl> controls;
+  std::vector<PlannedChannel> channels;
+  std::vector<LeftOut> left_out;
+  std::vector<LoopReport> loops;
+
+  // Its execution.
+  /// What runs, with its state. A replacement swaps the nodes that continue with those of the plan before.
+  std::vector<std::shared_ptr<Node>> nodes;
+  std::vector<Step> steps;
+  std::vector<Section> sections;
+  std::vector<int> divisors = {1};  ///< engine frames for each of a part's own; the first is the engine's
+  std::vector<Signal> inputs;
+  std::vector<double*> outputs;
+  std::vector<MicroOperation> operations;
+  /// Of operations on nothing but controls and numbers: while those rest each is one number, which rests too.
+  std::vector<Readers> can_rest;
+  std::vector<double*> input_buffers;  ///< nullptr: nobody reads the channel
+  double* system_delay = nullptr;      ///< kWide times the same, in seconds, or nullptr if nobody reads it
+  Seconds system_delay_at_start;
+  Arena arena;                     ///< buffers of signals, then constants
+  std::size_t signal_doubles = 0;  ///< of `arena`
+
+  /// Index in `controls`, or -1.
+  int control_index(std::string_view control) const;
+  const Vertex& vertex_of(const Wire& wire) const { return vertices[static_cast<std::size_t>(wire.vertex)]; }
+  /// The number at a wire that never changes (the same for all lanes), or nullopt.
+  std::optional<double> constant(const Wire& wire) const;
+};
+
+}  // namespace tactus

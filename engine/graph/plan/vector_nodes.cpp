@@ -1,0 +1,99 @@
+#include "engine/graph/plan/vector_nodes.h"
+
+#include <algorithm>
+#include <array>
+
+#include "engine/core/transpose.h"
+#include "engine/graph/semantics/operators.h"
+
+namespace tactus {
+namespace {
+
+using Row = std::array<double, kWide>;
+
+/// The lanes of one frame of an input, whatever its stride.
+template <bool kSame>
+double lane_of(const double* frame, int lane) noexcept {
+  return frame[kSame ? 0 : lane];
+}
+
+template <Expression::Op kOp, bool kSameLeft, bool kSameRight>
+void run(const Signal* in, double* out, int frames) noexcept {
+  const double* left = in[0].data;
+  const double* right = in[1].data;
+  const auto left_stride = in[0].stride, right_stride = in[1].stride;
+  for (int n = 0; n < frames; ++n, out += kWide) {
+    Row result;
+    for (int lane = 0; lane < kWide; ++lane)
+      result[static_cast<std::size_t>(lane)] =
+          apply(kOp, lane_of<kSameLeft>(left, lane), lane_of<kSameRight>(right, lane));
+    std::copy_n(result.data(), kWide, out);
+    left += left_stride;
+    right += right_stride;
+  }
+}
+
+template <Expression::Op kOp>
+void run(const Signal* in, double* out, int frames) noexcept {
+  const bool same_left = in[0].stride == 1, same_right = in[1].stride == 1;
+  if (same_left && same_right) return run<kOp, true, true>(in, out, frames);
+  if (same_left) return run<kOp, true, false>(in, out, frames);
+  if (same_right) return run<kOp, false, true>(in, out, frames);
+  return run<kOp, false, false>(in, out, frames);
+}
+
+}  // namespace
+
+void VectorOperation::process(const NodeBlock& block) noexcept {
+  double* const out = block.out[0];
+  switch (op_) {
+    case Expression::Op::Negate:
+      return run<Expression::Op::Negate>(block.in, out, block.frames);
+    case Expression::Op::Add:
+      return run<Expression::Op::Add>(block.in, out, block.frames);
+    case Expression::Op::Subtract:
+      return run<Expression::Op::Subtract>(block.in, out, block.frames);
+    case Expression::Op::Multiply:
+      return run<Expression::Op::Multiply>(block.in, out, block.frames);
+    case Expression::Op::Divide:
+      return run<Expression::Op::Divide>(block.in, out, block.frames);
+    case Expression::Op::Min:
+      return run<Expression::Op::Min>(block.in, out, block.frames);
+    case Expression::Op::Max:
+      return run<Expression::Op::Max>(block.in, out, block.frames);
+    case Expression::Op::Abs:
+      return run<Expression::Op::Abs>(block.in, out, block.frames);
+    default:
+      return run<Expression::Op::Signal>(block.in, out, block.frames);
+  }
+}
+
+void Pack::process(const NodeBlock& block) noexcept {
+  double* out = block.out[0];
+  if (std::all_of(block.in, block.in + kWide, [](const Signal& lane) { return lane.stride == 1; })) {
+    std::array<const double*, kWide> rows;
+    for (std::size_t lane = 0; lane < kWide; ++lane) rows[lane] = block.in[lane].data;
+    return Transpose::pack(rows, out, block.frames);
+  }
+  for (int n = 0; n < block.frames; ++n)
+    for (int lane = 0; lane < kWide; ++lane) *out++ = block.in[lane][n];
+}
+
+void LaneSum::process(const NodeBlock& block) noexcept {
+  const int whole = lanes_ / kWide, rest = lanes_ % kWide, all = block.frames * kWide;
+  // Adding -0 changes no number, not even its sign.
+  if (whole == 0) std::fill_n(sums_.begin(), all, -0.0);
+  if (whole > 0) std::copy_n(block.in[0].data, all, sums_.begin());
+  for (int i = 1; i < whole; ++i) {
+    const double* const rows = block.in[i].data;
+    for (int k = 0; k < all; ++k) sums_[static_cast<std::size_t>(k)] += rows[k];
+  }
+  double* sum = sums_.data();
+  for (int n = 0; n < block.frames; ++n, sum += kWide) {
+    for (int lane = 0; lane < rest; ++lane) sum[lane] += block.in[whole].data[n * kWide + lane];
+    const auto half = [sum](int lane) { return sum[lane] + sum[lane + kWide / 2]; };
+    block.out[0][n] = (half(0) + half(2)) + (half(1) + half(3));
+  }
+}
+
+}  // namespace tactus

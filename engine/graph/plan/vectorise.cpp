@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "engine/graph/plan/fingerprint.h"
+#include "engine/graph/plan/lane_groups.h"
+#include "engine/graph/plan/vector_nodes.h"
+
+namespace tactus {
+namespace {
+
+using Group = LaneGroup;
+
+constexpr int kNone = Group::kNone;
+
+class Vectoriser {
+ public:
+  Vectoriser(VertexGraph& graph, const FlatGraph& flat) : graph_(graph), groups_(graph, flat) {}
+
+  bool run() {
+    if (groups_.groups().empty()) return false;
+    const auto scalars = graph_.vertices.size();
+    for (auto& group : groups_.groups()) add_wide(group);
+    for (auto& group : groups_.groups()) connect(group);
+    for (std::size_t v = 0; v < scalars; ++v) connect_scalar(static_cast<int>(v));
+    for (const auto& group : groups_.groups())
+      for (const int member : group.members)
+        if (member != kNone) at(member).alive = false;
+    graph_.compact();
+    return true;
+  }
+
+ private:
+  Vertex& at(int v) { return graph_.vertices[static_cast<std::size_t>(v)]; }
+
+  int add(Vertex vertex) {
+    graph_.vertices.push_back(std::move(vertex));
+    return static_cast<int>(graph_.vertices.size()) - 1;
+  }
+
+  // ---- wide vertices
+
+  void add_wide(Group& group) {
+    Vertex wide = at(group.first);
+    const int first = wide.lane / kWide * kWide, last = std::min(first + kWide, wide.lanes) - 1;
+    // Lanes of a node are named one by one, operators after their expression.
+    if (wide.kind == Vertex::Kind::Node) wide.path.resize(wide.path.rfind('['));
+    wide.path += "[" + std::to_string(first) + ".." + std::to_string(last) + "]";
+    wide.origin = {};
+    wide.width = kWide;
+    wide.in.clear();
+    wide.node = std::move(group.node);
+    wide.fingerprint = made_from(group);
+    group.vertex = add(std::move(wide));
+  }
+
+  /// What its lanes were made from.
+  std::uint64_t made_from(const Group& group) {
+    Fingerprint print;
+    for (const int v : group.members) {
+      print.add(std::uint64_t{v == kNone});
+      if (v == kNone) continue;
+      const bool operation = at(v).kind == Vertex::Kind::Operation;
+      print.add(operation ? static_cast<std::uint64_t>(at(v).op) : at(v).fingerprint);
+    }
+    return print.value();
+  }
+
+  void connect(const Group& group) {
+    std::vector<Wire> in;
+    for (std::size_t i = 0; i < at(group.first).in.size(); ++i)
+      in.push_back(wide_input(groups_.input(group, i), at(group.vertex)));
+    // Every operation has two operands to point at.
+    if (at(group.vertex).kind == Vertex::Kind::Operation && in.size() == 1) in.push_back(in[0]);
+    at(group.vertex).in = std::move(in);
+  }
+
+  Wire wide_input(const LaneRow& row, const Vertex& reader) {
+    if (const int g = groups_.lined_up(row); g != kNone) return all_lanes(g, row);
+    if (all_of(row, [&](const Wire& wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; }))
+      return constants(row);
+    if (all_of(row, [&](const Wire& wire) { return wire == first_of(row); }))
+      return scalar(first_of(row), reader.path);
+    return packed(row, reader.path, reader.divisor);
+  }
+
+  Wire all_lanes(int group, const LaneRow& row) const {
+    return {groups_[group].vertex, first_of(row).port, Wire::kAllLanes};
+  }
+
+  Wire constants(const LaneRow& row) {
+    Vertex vertex;
+    vertex.width = kWide;
+    for (const auto& wire : row)
+      vertex.values.push_back(at(wire.vertex == kNone ? first_of(row).vertex : wire.vertex).value);
+    return {add(std::move(vertex)), 0, Wire::kAllLanes};
+  }
+
+  Wire packed(const LaneRow& row, std::string path, int divisor) {
+    LaneRow wires;
+    for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == kNone ? first_of(row) : wire));
+    wires.resize(kWide, wires[0]);
+    Vertex vertex;
+    vertex.kind = Vertex::Kind::Pack;
+    vertex.width = kWide;
+    vertex.divisor = divisor;
+    vertex.path = std::move(path);
+    auto key = wires_of(wires);
+    key.push_back(divisor);
+    if (const auto known = packs_.find(key); known != packs_.end()) return known->second;
+    vertex.in = std::move(wires);
+    vertex.node = std::make_shared<Pack>();
+    return packs_[key] = {add(std::move(vertex)), 0, Wire::kAllLanes};
+  }
+
+  static std::vector<int> wires_of(const LaneRow& wires) {
+    std::vector<int> key;
+    for (const auto& wire : wires) key.insert(key.end(), {wire.vertex, wire.port, wire.lane});
+    return key;
+  }
+
+  // ---- what stays scalar
+
+  /// Where the signal is now: on its own, or a lane of what is wide.
+  Wire lane_of(const Wire& wire) const {
+    const int g = groups_.group_of(wire);
+    if (g == kNone) return wire;
+    const auto& group = groups_[g];
+    const auto lane = std::find(group.members.begin(), group.members.end(), wire.vertex);
+    return {group.vertex, wire.port, static_cast<int>(lane - group.members.begin())};
+  }
+
+  /// Its samples in a row.
+  Wire scalar(const Wire& wire, std::string path) {
+    if (groups_.group_of(wire) == kNone) return wire;
+    const auto lane = lane_of(wire);
+    const auto [known, fresh] = rows_.try_emplace(wires_of({lane}));
+    if (!fresh) return known->second;
+    Vertex row;
+    row.kind = Vertex::Kind::Operation;
+    row.op = Expression::Op::Signal;
+    row.divisor = at(wire.vertex).divisor;
+    row.path = std::move(path);
+    row.in = {lane};
+    return known->second = {add(std::move(row)), 0};
+  }
+
+  void connect_scalar(int v) {
+    if (!at(v).alive || groups_.group_of({v, 0}) != kNone) return;
+    if (at(v).kind == Vertex::Kind::Sum && sum_wide(v)) return;
+    const bool takes_lanes = at(v).kind == Vertex::Kind::Output;
+    auto in = at(v).in;
+    for (auto& wire : in) wire = takes_lanes ? lane_of(wire) : scalar(wire, at(v).path);
+    at(v).in = std::move(in);
+  }
+
+  /// False if none of its lanes are wide.
+  bool sum_wide(int v) {
+    const auto lanes = at(v).in;
+    std::vector<LaneRow> rows;
+    for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
+      if (lane % kWide == 0) rows.emplace_back();
+      rows.back().push_back(lanes[lane]);
+    }
+    if (std::none_of(rows.begin(), rows.end(),
+                     [this](const LaneRow& row) { return groups_.lined_up(row) != kNone; }))
+      return false;
+    LaneRow in;
+    for (const auto& row : rows) {
+      const int g = groups_.lined_up(row);
+      in.push_back(g == kNone ? packed(row, at(v).path, at(v).divisor) : all_lanes(g, row));
+    }
+    at(v).in = std::move(in);
+    at(v).node = std::make_shared<LaneSum>(static_cast<int>(lanes.size()));
+    at(v).fingerprint = lanes.size();
+    return true;
+  }
+
+  VertexGraph& graph_;
+  LaneGroups groups_;
+  std::map<std::vector<int>, Wire> packs_, rows_;
+};
+
+}  // namespace
+
+bool vectorise(VertexGraph& graph, const FlatGraph& flat) { return Vectoriser{graph, flat}.run(); }
+
+void expand_sums(VertexGraph& graph) {
+  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
+    if (graph.vertices[v].kind != Vertex::Kind::Sum || graph.vertices[v].node != nullptr) continue;
+    const auto lanes = graph.vertices[v].in;
+    Vertex addition = graph.vertices[v];
+    addition.kind = Vertex::Kind::Operation;
+    addition.op = Expression::Op::Add;
+    add_lanes(lanes, [&](Wire a, Wire b) {
+      addition.in = {a, b};
+      graph.vertices.push_back(addition);
+      return Wire{static_cast<int>(graph.vertices.size()) - 1, 0};
+    });
+    graph.vertices.pop_back();  // the last one takes the place of the sum
+    graph.vertices[v] = std::move(addition);
+  }
+}
+
+}  // namespace tactus

@@ -1,0 +1,196 @@
+#include "engine/runtime/player.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "engine/core/transpose.h"
+#include "engine/dsp/simd/lanes.h"
+#include "engine/runtime/operations.h"
+
+namespace tactus {
+namespace {
+
+constexpr double kFadeSeconds = 0.010;
+
+}  // namespace
+
+Player::Player(std::unique_ptr<Plan> plan) : versions_(std::move(plan)), running_(&versions_.restart()) {}
+
+Player::~Player() = default;
+
+Status Player::prepare(const StreamFormat& format) {
+  if (format.sample_rate != plan().sample_rate)
+    return fail(Errc::BadArgument, {}, "the graph was compiled for another sample rate",
+                "compile it for the rate of the stream");
+  format_ = format;
+  running_ = &versions_.restart();
+  running_->start(format.max_frames);
+  fades_.assign(running_->outputs.size(), {});
+  fading_until_ = 0;
+  last_frames_ = 0;
+  outside_buffers_.assign(running_->outputs.size() + plan().input_names.size(),
+                          std::vector<double>(kMaxPiece, 0.0));
+  outside_in_.clear();
+  outside_out_.clear();
+  for (std::size_t i = 0; i < outside_buffers_.size(); ++i) {
+    if (i < running_->outputs.size())
+      outside_in_.push_back(outside_buffers_[i].data());
+    else
+      outside_out_.push_back(outside_buffers_[i].data());
+  }
+  bad_inputs_ = 0;
+  replacements_ = 0;
+  now_ = 0;
+  frame_ = 0;
+  inbox_.restart();
+  return {};
+}
+
+void Player::process(const BlockIo& io) noexcept { run_block<false>(io); }
+void Player::process_timed(const BlockIo& io) noexcept { run_block<true>(io); }
+
+template <bool kTimed>
+void Player::run_block(const BlockIo& io) noexcept {
+  const NoDenormals no_denormals;
+  io_ = io;
+  for (offset_ = 0; offset_ < io.frames;) {
+    const int frames = frames_to_next_entry(std::min(io.frames - offset_, kMaxPiece));
+    run_sub_block<kTimed>(frames);
+    offset_ += frames;
+    now_ += frames;
+    last_frames_ = frames;
+  }
+  frame_.store(now_, std::memory_order_relaxed);
+}
+
+template <bool kTimed>
+void Player::run_sub_block(int frames) noexcept {
+  running_->advance(now_, frames);
+  if (outside_ == nullptr) load_inputs(frames);
+  steps_.run<kTimed>(*running_, *this, now_, frames);
+  if (outside_ == nullptr) store_outputs(frames);
+  for (std::size_t t = 0; t < running_->taps.size(); ++t) {
+    const auto& signal = running_->plan->channels[static_cast<std::size_t>(running_->tap_channels[t])].signal;
+    for (int n = 0; n < frames; ++n) running_->taps[t][static_cast<std::size_t>(offset_ + n)] = signal[n];
+  }
+}
+
+// Journal and replacement.
+
+int Player::frames_to_next_entry(int frames) noexcept {
+  std::int64_t until = frames;
+  if (Running* next = versions_.next(); next != nullptr) {
+    if (next->frame <= now_)
+      take_over(*next);
+    else
+      until = std::min(until, next->frame - now_);
+  }
+  return static_cast<int>(
+      inbox_.take_due(now_, until, [this](const JournalEntry& entry) noexcept { apply(entry); }));
+}
+
+void Player::apply(const JournalEntry& entry) noexcept {
+  const auto& plan = *running_->plan;
+  // Where it is no longer known, the last known value is the best guess.
+  if (entry.kind == JournalEntry::Kind::SystemDelay && plan.system_delay != nullptr && entry.value >= 0)
+    std::fill_n(plan.system_delay, kWide, entry.value / plan.sample_rate.value);
+  if (entry.kind != JournalEntry::Kind::ControlChange) return;
+  if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
+  const int index = running_->control_of[static_cast<std::size_t>(entry.index)];
+  if (index < 0 || !std::isfinite(entry.value)) return;
+  running_->move_control(static_cast<std::size_t>(index), now_, entry.value);
+}
+
+int Player::control_index(std::string_view control) const {
+  const auto& names = control_names();
+  const auto found = std::find(names.begin(), names.end(), control);
+  if (found == names.end()) return -1;
+  const auto number = found - names.begin();
+  return versions_.newest().control_of[static_cast<std::size_t>(number)] < 0 ? -1 : static_cast<int>(number);
+}
+
+void Player::take_over(Running& next) noexcept {
+  const auto fade = static_cast<std::int64_t>(std::lround(kFadeSeconds * next.plan->sample_rate.value));
+  next.take_over(*running_, now_, fade);
+  for (std::size_t c = 0; c < fades_.size(); ++c)
+    if (next.handover.jumps[c]) fades_[c].begin(now_, fade, last_output(c));
+  fading_until_ = now_ + fade;
+  running_ = &next;
+  inbox_.observe({now_, JournalEntry::Kind::Replacement, ++replacements_, 0.0});
+  versions_.done();
+}
+
+/// What went out in the frame before this one.
+double Player::last_output(std::size_t output) const noexcept {
+  if (last_frames_ == 0) return 0.0;
+  return output_signal(output)[last_frames_ - 1] + fades_[output].at(now_ - 1);
+}
+
+// Samples.
+
+const Signal& Player::output_signal(std::size_t output) const noexcept {
+  return running_->plan->channels[static_cast<std::size_t>(running_->outputs[output])].signal;
+}
+
+void Player::load_inputs(int frames) noexcept {
+  const auto& buffers = running_->plan->input_buffers;
+  for (std::size_t c = 0; c < buffers.size(); ++c) {
+    if (buffers[c] == nullptr) continue;
+    if (static_cast<int>(c) >= format_.in_channels) {
+      std::fill_n(buffers[c], frames, 0.0);
+      continue;
+    }
+    copy_samples(io_.in[c] + offset_, frames, buffers[c]);
+    make_finite(buffers[c], frames);
+  }
+}
+
+void Player::make_finite(double* samples, int frames) noexcept {
+  if (!all_finite(samples, frames))
+    bad_inputs_.fetch_add(clear_nonfinite(samples, frames), std::memory_order_relaxed);
+  // Denormals are 0 to arithmetic, but not to what only copies or chooses: nodes must not see any.
+  for (int n = 0; n < frames; ++n)
+    samples[n] = std::abs(samples[n]) < std::numeric_limits<double>::min() ? 0.0 : samples[n];
+}
+
+void Player::store_outputs(int frames) noexcept {
+  const auto channels = std::min(static_cast<std::size_t>(format_.out_channels), running_->outputs.size());
+  for (std::size_t c = 0; c < channels; ++c) {
+    const auto& signal = output_signal(c);
+    if (signal.stride == 1) {
+      copy_samples(signal.data, frames, io_.out[c] + offset_);
+    } else if (running_->vectorised[c] && c + kWide <= channels) {
+      std::array<double*, kWide> lanes;
+      for (std::size_t lane = 0; lane < kWide; ++lane) lanes[lane] = io_.out[c + lane] + offset_;
+      Transpose::unpack(signal.data, lanes, frames);
+      c += kWide - 1;
+    } else {
+      for (int n = 0; n < frames; ++n) io_.out[c][offset_ + n] = signal[n];
+    }
+  }
+  if (now_ >= fading_until_) return;
+  for (std::size_t c = 0; c < channels; ++c) fades_[c].process(io_.out[c] + offset_, frames, now_);
+}
+
+void Player::answer(int offset, int frames) noexcept {
+  if (outside_ == nullptr) return;  // nobody there: the channels were loaded like any others
+  for (std::size_t c = 0; c < running_->outputs.size(); ++c) {
+    const auto& signal = output_signal(c);
+    double* samples = outside_buffers_[c].data();
+    for (int n = 0; n < frames; ++n) samples[n] = signal[offset + n];
+    if (now_ + offset < fading_until_) fades_[c].process(samples, frames, now_ + offset);
+    if (static_cast<int>(c) < format_.out_channels)
+      std::copy_n(samples, frames, io_.out[c] + offset_ + offset);
+  }
+  outside_->process({outside_in_.data(), outside_out_.data(), frames});
+  const auto& buffers = running_->plan->input_buffers;
+  for (std::size_t c = 0; c < buffers.size(); ++c) {
+    if (buffers[c] == nullptr) continue;
+    std::copy_n(outside_out_[c], frames, buffers[c] + offset);
+    make_finite(buffers[c] + offset, frames);
+  }
+}
+
+}  // namespace tactus

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/runtime/running.h"
+
+namespace tactus {
+
+/// What answers at a plan's `Outside` step.
+class Outside {
+ public:
+  /// [realtime] For `frames` frames from `offset` into the sub-block on.
+  virtual void answer(int offset, int frames) noexcept = 0;
+
+ protected:
+  ~Outside() = default;
+};
+
+/// Runs the steps of a plan over one sub-block. A non-finite value of a step silences it, or the loop that it
+/// lies in, to the end of its cell on a grid of kMaxPiece frames, and resets it: so the output does not
+/// depend on the blocks either. Its vertex is counted.
+class StepRunner {
+ public:
+  /// [realtime] Frames [now, now + frames). With `kTimed` it adds the time of each step to Running::step_ns.
+  template <bool kTimed>
+  void run(Running& running, Outside& outside, std::int64_t now, int frames) noexcept;
+
+ private:
+  static constexpr int kSound = -1;
+  /// The first non-finite frame of a step, and its vertex.
+  struct Fault {
+    int vertex = kSound;
+    int frame = kMaxPiece;
+  };
+
+  template <bool kTimed>
+  void run_straight(const Section& section, int frames) noexcept;
+  template <bool kTimed>
+  void run_loop(const Section& section, int frames) noexcept;
+  void run_alone(int step, int frames) noexcept;
+  Fault run_step(const Step& step, bool loop, int offset, int frames) noexcept;
+  Fault run_node(const Step& step, const NodeBlock& block) noexcept;
+  Fault run_operations(const Step& step, bool loop, int offset, int frames) noexcept;
+  bool run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept;
+  [[gnu::noinline]] void move_operands(const Step& step, int offset, NodeBlock& block) noexcept;
+  // Steps of a part with a rate divider, and at its border.
+  [[gnu::noinline]] Fault run_divided(const Step& step, bool loop, int offset, int frames) noexcept;
+  void move_divided(const Step& step, int offset, NodeBlock& block) noexcept;
+  void move(const Step& step, int from, int apart, int to, NodeBlock& block) noexcept;
+  /// nullptr: none.
+  const RateDivider* divider(int of) const noexcept {
+    return of == 0 ? nullptr : &running_->dividers[static_cast<std::size_t>(of)];
+  }
+  static Fault fault_of(const Step& step, const NodeBlock& block) noexcept;
+  void count_fault(int vertex, int times = 1) noexcept;
+  void reset(const Step& step) noexcept;
+  void silence(const Step& step, int offset, int frames) noexcept;
+
+  Running* running_ = nullptr;
+  const Plan* plan_ = nullptr;
+  Outside* outside_ = nullptr;
+  std::int64_t now_ = 0;
+};
+
+}  // namespace tactus

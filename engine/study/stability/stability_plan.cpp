@@ -1,0 +1,302 @@
+#include "engine/study/stability/stability_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "engine/physics/index.h"
+#include "engine/study/stability/models/stability_law.h"
+
+namespace tactus {
+namespace {
+
+/// Any z serves to ask whether there is a response at all.
+const std::complex<double> kSomewhere = std::polar(1.0, 0.01);
+
+class PlanReader {
+ public:
+  PlanReader(LinearGraph& graph, const Plan& plan, const Regime& regime, std::string prefix)
+      : graph_(graph), plan_(plan), regime_(regime), prefix_(std::move(prefix)) {}
+
+  Terminals run() {
+    Terminals terminals;
+    places_.resize(plan_.vertices.size());
+    std::vector<int> input_vertex(plan_.input_names.size(), -1);
+    for (int v = 0; v < static_cast<int>(plan_.vertices.size()); ++v)
+      if (vertex(v).kind == Vertex::Kind::Input) input_vertex[index(vertex(v).index)] = v;
+    for (std::size_t i = 0; i < input_vertex.size(); ++i)
+      terminals.inputs.push_back(input_vertex[i] < 0 ? -1 : made(input_vertex[i], 0, plan_.input_names[i]));
+    for (const auto& step : plan_.steps)
+      if (step.kind == Step::Kind::Operations)
+        make_operations(step);
+      else if (gives(step))
+        make_outputs(step);
+    for (const auto& step : plan_.steps)
+      if (step.kind == Step::Kind::Operations)
+        join_operations(step);
+      else if (gives(step))
+        join_node(step);
+    for (const auto& channel : plan_.channels) terminals.channels.push_back(signal(channel.from));
+    return terminals;
+  }
+
+ private:
+  static bool gives(const Step& step) {
+    return step.kind == Step::Kind::Process || step.kind == Step::Kind::Emit;
+  }
+  const Vertex& vertex(int v) const { return plan_.vertices[index(v)]; }
+  bool is_network(const Step& step) const {
+    return dynamic_cast<const NetworkView*>(plan_.nodes[index(step.node)].get()) != nullptr;
+  }
+  std::string path_of(int v) const { return prefix_ + vertex(v).path; }
+
+  int made(int v, int port, const std::string& name) {
+    auto& ports = places_[index(v)];
+    if (ports.empty()) ports.assign(index(vertex(v).outputs), -1);
+    return ports[index(port)] = graph_.add_signal(prefix_ + name);
+  }
+  /// -1: a number, a control, or what is made of nothing else.
+  int signal(int v, int port) const {
+    const auto& ports = places_[index(v)];
+    return ports.empty() ? -1 : ports[index(port)];
+  }
+  int signal(const Wire& wire) const { return signal(wire.vertex, wire.port); }
+  /// What an operand reads; operations on one number have two operands that are the same.
+  const Wire& operand(int v, int k) const {
+    const auto& in = vertex(v).in;
+    return in[std::min(index(k), in.size() - 1)];
+  }
+  PlanSignal source(const Wire& wire) const { return {&plan_, wire.vertex, wire.port}; }
+  bool is_read(const Step& step, int output) const {
+    return plan_.outputs[index(step.first_out + output)] != nullptr;
+  }
+  int divisor(const Step& step) const { return plan_.divisors[index(step.divider)]; }
+  double value(int slot) const { return *plan_.inputs[index(slot)].data; }
+
+  void make_outputs(const Step& step) {
+    // What rests goes into a part with a rate of its own, or out of it, as the number that it is.
+    const bool crosses = step.divider_in != step.divider_out;
+    const auto& from = vertex(step.vertex);
+    if (crosses && signal(from.in.front()) < 0) return;
+    for (int o = 0; o < step.outputs; ++o) {
+      if (!is_read(step, o)) continue;
+      std::string name = from.path;
+      if (from.type != nullptr && o > 0) name += "." + from.type->outputs[index(o)].name;
+      const int signal = made(step.vertex, o, name);
+      if (is_network(step) && name.ends_with(".wave")) graph_.wave_ports.push_back(signal);
+    }
+  }
+
+  /// What is made of controls alone moves only when a person moves them.
+  void make_operations(const Step& step) {
+    for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
+      const auto& operation = plan_.operations[index(i)];
+      const auto* in = plan_.inputs.data() + operation.first_in;
+      const bool rests = operation.can_rest >= 0 || (in[0].constant() && in[1].constant());
+      if (rests) continue;
+      const int v = operation.vertex;
+      made(v, 0, vertex(v).path);
+      derived_.note({&plan_, v, 0}, operation.op, {source(operand(v, 0)), source(operand(v, 1))},
+                    operands_of_vertex(operation));
+    }
+  }
+
+  void join_operations(const Step& step) {
+    for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
+      const auto& operation = plan_.operations[index(i)];
+      const int out = signal(operation.vertex, 0);
+      if (out < 0) continue;
+      const auto operands = operands_of_vertex(operation);
+      for (int k = 0; k < operands_of(operation.op); ++k) {
+        if (!operands.moves[index(k)]) continue;
+        const auto& wire = operand(operation.vertex, k);
+        const auto path = path_of(operation.vertex);
+        if (auto bend = corner(path, operation.op, operands, k, derived_.of(source(wire))))
+          graph_.laws.push_back(std::move(*bend));
+        const double rest = slope_of(operation.op, operands, k, false);
+        const double steep = slope_of(operation.op, operands, k, true);
+        graph_.has_touched |= steep != rest;
+        graph_.nonlinear |= steep != rest;
+        const double gain = regime_.touched ? touched_slope(operation, k) : rest;
+        if (gain != 0) graph_.edges.push_back({.from = signal(wire), .to = out, .path = path, .gain = gain});
+      }
+    }
+  }
+
+  Operands operands_of_vertex(const MicroOperation& operation) const {
+    const auto moves = [&](int k) { return signal(operand(operation.vertex, k)) >= 0; };
+    return {value(operation.first_in), value(operation.first_in + 1), {moves(0), moves(1)}};
+  }
+
+  double touched_slope(const MicroOperation& operation, int which) const {
+    auto operands = operands_of_vertex(operation);
+    bool taken = false;
+    for (int k = 0; k < operands_of(operation.op); ++k)
+      if (const auto by = derived_.moved(source(operand(operation.vertex, k)), regime_.moved))
+        (k == 0 ? operands.a : operands.b) += *by, taken = true;
+    return slope_of(operation.op, operands, which, !taken);
+  }
+
+  void join_node(const Step& step) {
+    if (is_network(step)) return join_network(step);
+    const auto& from = vertex(step.vertex);
+    const auto* type = from.type.get();
+    std::vector<double> at;
+    std::vector<bool> moves;
+    for (int i = 0; i < step.inputs; ++i) {
+      at.push_back(value(step.first_in + i));
+      moves.push_back(signal(from.in[index(i)]) >= 0);
+    }
+    const bool pulls_back = type != nullptr && type->stateless && take_law(step, at, moves);
+    for (int i = 0; i < step.inputs; ++i)
+      for (int o = 0; moves[index(i)] && o < step.outputs; ++o)
+        if (is_read(step, o)) join_port(step, i, o, at, pulls_back);
+  }
+
+  PlanSignal source(const Step& step, std::size_t input) const {
+    return source(vertex(step.vertex).in[input]);
+  }
+
+  /// To where the regime looks at a law. Whether it pulls back at some place, as a spring does.
+  bool take_law(const Step& step, std::vector<double>& at, const std::vector<bool>& moves) {
+    const auto& node = *plan_.nodes[index(step.node)];
+    const auto& type = vertex(step.vertex).type;
+    const auto steep = steepest(node, *type, at, moves);
+    graph_.has_touched |= steep.at != at;
+    for (std::size_t i = 0; i < at.size(); ++i)
+      graph_.nonlinear |= steep.nonlinear && moves[i] && is_spring(*type, i, 0);
+    if (steep.nonlinear) note_law(step, at, moves, steep);
+    if (!regime_.touched) return steep.answer > 0;
+    bool taken = false;
+    for (std::size_t i = 0; i < at.size(); ++i)
+      if (const auto by = derived_.moved(source(step, i), regime_.moved); moves[i] && by)
+        at[i] += *by, taken = true;
+    if (!taken) at = steep.at;
+    return steep.answer > 0;
+  }
+
+  void note_law(const Step& step, const std::vector<double>& at, const std::vector<bool>& moves,
+                const SteepPlace& steep) {
+    const auto input = index(steep.input);
+    const auto from = derived_.of(source(step, input));
+    std::vector<double> slopes(at.size(), 0.0);
+    for (std::size_t i = 0; i < at.size(); ++i)
+      if (const auto other = derived_.of(source(step, i)); moves[i] && other.source == from.source)
+        slopes[i] = other.slope;
+    const auto answer = [node = plan_.nodes[index(step.node)], type = vertex(step.vertex).type, at, moves,
+                         slopes](double moved) {
+      auto there = at;
+      for (std::size_t i = 0; i < there.size(); ++i) there[i] += slopes[i] * moved;
+      return answer_at(*node, *type, there, moves);
+    };
+    graph_.laws.push_back(
+        {path_of(step.vertex), from.source, (steep.at[input] - at[input]) / from.slope, answer});
+  }
+
+  /// `pulls_back`: at some place, as a spring does.
+  void join_port(const Step& step, int input, int output, const std::vector<double>& at, bool pulls_back) {
+    const auto& node = plan_.nodes[index(step.node)];
+    const auto& from = vertex(step.vertex);
+    const auto* type = from.type.get();
+    LinearEdge edge{.kind = LinearEdge::Kind::Node,
+                    .from = signal(from.in[index(input)]),
+                    .to = signal(step.vertex, output),
+                    .path = path_of(step.vertex),
+                    .frames = std::max(0, node->delay(input, output).most) * divisor(step),
+                    .node = node,
+                    .input = input,
+                    .output = output,
+                    .at = at,
+                    .divisor = divisor(step)};
+    const auto response = node->response(input, output, kSomewhere, at);
+    if (!response) {
+      if (type != nullptr && input == 0 && type->small_signal_gain) {
+        edge.kind = LinearEdge::Kind::Gain;
+        edge.gain = *type->small_signal_gain;
+      } else {
+        edge.kind = LinearEdge::Kind::Event;
+        note_event(edge, type, at);
+      }
+    } else if (type != nullptr && type->stateless && *response == 0.0) {
+      return;
+    } else if (type != nullptr && is_spring(*type, index(input), index(output))) {
+      if (response->real() > 0 && pulls_back) return graph_.unstable_equilibria.push_back(edge.path);
+      return add_stiff(edge, type->name, -response->real());
+    }
+    graph_.edges.push_back(std::move(edge));
+  }
+
+  /// A signal of its own between position and force, where the stiffness can be turned up.
+  void add_stiff(LinearEdge edge, const std::string& type, double stiffness) {
+    const int between = graph_.add_signal(edge.path);
+    graph_.stiff.push_back({between, edge.path, type, stiffness, regime_.touched});
+    graph_.join(between, edge.to);
+    edge.to = between;
+    graph_.edges.push_back(std::move(edge));
+  }
+
+  void note_event(const LinearEdge& edge, const NodeType* type, const std::vector<double>& at) {
+    EventPlace place{edge.path, type != nullptr ? type->name : "phase delay", {}};
+    for (std::size_t i = 0; type != nullptr && i < type->inputs.size(); ++i)
+      if (type->inputs[i].hold) place.hold_s = at[i];
+    const bool known = std::any_of(graph_.events.begin(), graph_.events.end(),
+                                   [&](const auto& e) { return e.path == place.path; });
+    if (!known) graph_.events.push_back(std::move(place));
+  }
+
+  void join_network(const Step& step) {
+    const auto& node = plan_.nodes[index(step.node)];
+    const auto& view = dynamic_cast<const NetworkView&>(*node);
+    const auto path = path_of(step.vertex);
+    const auto touching = regime_.contacts.find(path);
+    const auto model =
+        LinearNetwork::make(view, *vertex(step.vertex).type,
+                            touching == regime_.contacts.end() ? Touching{} : touching->second, regime_.hand);
+    if (model == nullptr) return skip_network(step, path);
+    const int number = static_cast<int>(graph_.networks.size());
+    graph_.networks.push_back(model);
+    graph_.network_paths.push_back(path);
+    if (!model->whole()) return skip_network(step, path);
+    for (std::size_t s = 0; s < model->signal_ports().size(); ++s) {
+      const int from = signal(vertex(step.vertex).in[index(model->signal_ports()[s])]);
+      for (int o = 0; from >= 0 && o < step.outputs; ++o)
+        if (is_read(step, o))
+          graph_.edges.push_back({.kind = LinearEdge::Kind::Network,
+                                  .from = from,
+                                  .to = signal(step.vertex, o),
+                                  .path = path,
+                                  .frames = divisor(step),
+                                  .input = static_cast<int>(s),
+                                  .output = o,
+                                  .network = number,
+                                  .divisor = divisor(step)});
+    }
+  }
+
+  /// What goes in may come out, nobody knows how.
+  void skip_network(const Step& step, const std::string& path) {
+    graph_.skipped.push_back(path);
+    for (int i = 0; i < step.inputs; ++i)
+      for (int o = 0; o < step.outputs; ++o) {
+        const int from = signal(vertex(step.vertex).in[index(i)]);
+        if (from >= 0 && is_read(step, o))
+          graph_.edges.push_back(
+              {.kind = LinearEdge::Kind::Event, .from = from, .to = signal(step.vertex, o), .path = path});
+      }
+  }
+
+  LinearGraph& graph_;
+  const Plan& plan_;
+  const Regime& regime_;
+  std::string prefix_;
+  std::vector<std::vector<int>> places_;  ///< [vertex][port] signal of the graph, or -1
+  AffineMaps derived_;
+};
+
+}  // namespace
+
+Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime, const std::string& prefix) {
+  return PlanReader{graph, plan, regime, prefix}.run();
+}
+
+}  // namespace tactus
