@@ -59,22 +59,24 @@ NetworkElements tangent(NetworkElements elements, const Touching& touching) {
     elements.springs.push_back(spring);
   }
   for (auto& contact : elements.contacts) contact.offset = kFar;
-  // What slides or holds is not linear: frictions are not pressed. Plectra hold.
+  // What slides or holds is not linear: frictions are not pressed. Bonds hold, at the distance of the start.
   for (auto& friction : elements.frictions) {
     elements.springs.push_back({friction.lower, friction.upper, 0.0, friction.viscous});
     friction.normal = {}, friction.normal_contact = friction.normal_spring = -1, friction.viscous = 0.0;
   }
-  for (auto& pluck : elements.plucks) {
-    elements.springs.push_back({pluck.upper, pluck.lower, pluck.stiffness, pluck.damping});
-    pluck.stiffness = kNothing, pluck.damping = 0.0;
+  for (auto& bond : elements.bonds) {
+    const double n =
+        elements.points[index(bond.lower)].position - elements.points[index(bond.upper)].position;
+    elements.springs.push_back({bond.upper, bond.lower, bond.law->stiffness(n), bond.damping});
+    bond.law = std::make_shared<LinearBond>(kNothing), bond.damping = 0.0;
   }
   return elements;
 }
 
 std::size_t state_size(const NetworkElements& elements, int signals) {
   std::size_t low_passes = 0;
-  for (const auto& point : elements.points) low_passes += point.drive.bandwidth.has_value();
-  for (const auto& force : elements.forces) low_passes += force.drive.bandwidth.has_value();
+  for (const auto& point : elements.points) low_passes += point.input.bandwidth.has_value();
+  for (const auto& force : elements.forces) low_passes += force.input.bandwidth.has_value();
   return 3 * moving_points(elements) + 2 * (elements.coils.size() + elements.ports.size()) + index(signals) +
          2 * low_passes;
 }

@@ -20,7 +20,8 @@ struct Touching {
 /// the damper that it is at the indentation n where F = K n^a is the push,
 ///     k = a F / n,   z = F r.
 /// The contacts stay in the list, far apart, so that all parts keep their places; the springs that stand for
-/// the closed ones come behind the others. A contact with a restitution is taken without its loss.
+/// the closed ones come behind the others. A contact with a restitution is taken without its loss. A bond is
+/// the spring that it is where its points are: below 0 where its force falls with the distance.
 NetworkElements tangent(NetworkElements elements, const Touching& touching);
 
 /// One step of a network from frame to frame as a linear map of its state and of its inputs,

@@ -14,9 +14,11 @@ namespace tactus {
 namespace {
 
 /// What enters at frame n; nothing is connected to signal -1.
-double now(const Drive& drive, const double* inputs) { return drive.signal < 0 ? 0.0 : inputs[drive.signal]; }
-double before(const NetworkState& state, const Drive& drive) {
-  return drive.signal < 0 ? 0.0 : state.held[index(drive.signal)];
+double now(const NetworkInput& input, const double* inputs) {
+  return input.signal < 0 ? 0.0 : inputs[input.signal];
+}
+double before(const NetworkState& state, const NetworkInput& input) {
+  return input.signal < 0 ? 0.0 : state.held[index(input.signal)];
 }
 
 Result<std::unique_ptr<Scheme>> make_scheme(const NetworkModel& model, const NetworkElements& elements,
@@ -61,7 +63,7 @@ Result<Network> Network::make(const NetworkElements& elements, int signals, Hert
 NetworkState Network::initial_state() const {
   const auto& m = *model_;
   NetworkState state;
-  const auto slots = m.start_position.size(), couplings = m.contacts.size() + m.plucks.size();
+  const auto slots = m.start_position.size(), couplings = m.contacts.size() + m.bonds.size();
   for (auto* list : {&state.position, &state.change}) list->resize(slots);
   if (scheme_->centred())
     state.moved.resize(slots), state.moved_before.resize(slots);
@@ -72,7 +74,7 @@ NetworkState Network::initial_state() const {
   state.touching.reserve(couplings);
   if (solver_ != Solver::Explicit) state.matrix.resize(couplings * couplings);
   state.right.resize(couplings);
-  state.slipped.resize(m.plucks.size());
+  state.slipped.resize(m.bonds.size());
   for (auto* list : {&state.sliding, &state.rub, &state.slide, &state.normal})
     list->resize(m.frictions.size());
   for (auto* list : {&state.current, &state.mean_current, &state.voltage}) list->resize(m.coils.size());
@@ -111,19 +113,19 @@ void Network::adopt(NetworkState& state, const NetworkState& before) const noexc
 /// Driven points and hands do not jump to their first place, they have been there before the start.
 void Network::settle(NetworkState& state, const double* inputs) const noexcept {
   for (const auto& motion : model_->motions) {
-    const double place = now(motion.drive, inputs);
+    const double place = now(motion.input, inputs);
     state.position[index(motion.slot)] = place;
     for (auto* list : {&state.moved, &state.moved_before})
       if (!list->empty()) (*list)[index(motion.slot)] = 0.0;
-    if (motion.drive.signal >= 0) state.held[index(motion.drive.signal)] = place;
+    if (motion.input.signal >= 0) state.held[index(motion.input.signal)] = place;
     if (motion.low_pass >= 0) state.low_pass[index(motion.low_pass)] = {place, 0.0};
   }
   for (const auto& force : model_->forces)
-    if (force.low_pass >= 0) state.low_pass[index(force.low_pass)] = {now(force.drive, inputs), 0.0};
-  for (std::size_t p = 0; p < model_->plucks.size(); ++p) {
-    const auto& pluck = model_->plucks[p];
-    const double n = state.position[index(pluck.lower)] - state.position[index(pluck.upper)];
-    if (pluck.stiffness * std::abs(n) > pluck.limit) state.slipped[p] = n < 0.0 ? -1.0 : 1.0;
+    if (force.low_pass >= 0) state.low_pass[index(force.low_pass)] = {now(force.input, inputs), 0.0};
+  for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
+    const auto& bond = model_->bonds[b];
+    const double n = state.position[index(bond.lower)] - state.position[index(bond.upper)];
+    if (std::abs(bond.law->force(n)) > bond.limit) state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
   }
   state.settled = true;
   scheme_->start(state);
@@ -140,14 +142,14 @@ void Network::step(NetworkState& state, const double* inputs) const noexcept {
 /// A value held from frame to frame, as the scheme sees it in step `part` of a frame.
 double Network::enter(NetworkState& state, const NetworkModel::Driven& driven, const double* inputs,
                       int part) const noexcept {
-  const double value = now(driven.drive, inputs);
+  const double value = now(driven.input, inputs);
   if (driven.low_pass >= 0) {
     auto& filter = state.low_pass[index(driven.low_pass)];
     const double filtered = filter.value;
     model_->low_passes[index(driven.low_pass)].step(filter, value);
     return filtered;
   }
-  return part == 0 && scheme_->centred() ? 0.5 * (before(state, driven.drive) + value) : value;
+  return part == 0 && scheme_->centred() ? 0.5 * (before(state, driven.input) + value) : value;
 }
 
 void Network::substep(NetworkState& state, const double* inputs, int part) const noexcept {
@@ -157,7 +159,7 @@ void Network::substep(NetworkState& state, const double* inputs, int part) const
   for (std::size_t i = 0; i < model_->coils.size(); ++i)
     state.voltage[i] = enter(state, model_->coils[i].voltage, inputs, part);
   for (std::size_t i = 0; i < model_->ports.size(); ++i)
-    state.wave[i] = now(model_->ports[i].wave.drive, inputs);  // a sample of a wave, not a held force
+    state.wave[i] = now(model_->ports[i].wave.input, inputs);  // a sample of a wave, not a held force
   if (!model_->frictions.empty()) press(state, inputs, part);
   scheme_->step(state);
 }
@@ -165,13 +167,13 @@ void Network::substep(NetworkState& state, const double* inputs, int part) const
 void Network::move_driven(NetworkState& state, const double* inputs, int part) const noexcept {
   for (std::size_t i = 0; i < model_->motions.size(); ++i) {
     const auto& motion = model_->motions[i];
-    double next = now(motion.drive, inputs);
+    double next = now(motion.input, inputs);
     if (motion.low_pass >= 0) {
       auto& filter = state.low_pass[index(motion.low_pass)];
       model_->low_passes[index(motion.low_pass)].step(filter, next);
       next = filter.value;
     } else if (part + 1 < oversample_) {
-      const double last = before(state, motion.drive);
+      const double last = before(state, motion.input);
       next = last + (next - last) * (part + 1) / oversample_;
     }
     state.next[i] = next;

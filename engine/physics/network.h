@@ -13,7 +13,7 @@
 
 namespace tactus {
 
-/// Masses on a line, joined by springs, contacts, frictions, plectra and coils, stepped at a fixed rate 1/k =
+/// Masses on a line, joined by springs, contacts, frictions, bonds and coils, stepped at a fixed rate 1/k =
 /// rate * oversample.
 ///
 /// Forces, voltages and waves of frame n are held until frame n + 1. Driven points go in a straight line to
@@ -53,11 +53,13 @@ class Network {
   /// Of the last step.
   double friction_force(const NetworkState& state, int friction) const noexcept;
   double friction_velocity(const NetworkState& state, int friction) const noexcept;
-  double pluck_force(const NetworkState& state, int pluck) const noexcept;
+  double bond_force(const NetworkState& state, int bond) const noexcept;
+  /// x_lower - x_upper.
+  double bond_distance(const NetworkState& state, int bond) const noexcept;
   /// What goes out of a port, a - Z v, mean of the last frame; and the force a + b on the mass with it.
   double wave(const NetworkState& state, int port) const noexcept;
   double port_force(const NetworkState& state, int port) const noexcept;
-  /// Stored in masses, springs, contacts, plectra and inductances (centred schemes: half a step before the
+  /// Stored in masses, springs, contacts, bonds and inductances (centred schemes: half a step before the
   /// frame).
   double energy(const NetworkState& state) const noexcept;
 

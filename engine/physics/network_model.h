@@ -22,7 +22,7 @@ struct NetworkModel {
   /// A signal that acts on a slot; `low_pass` is its place in `low_passes`, or -1.
   struct Driven {
     int slot;
-    Drive drive;
+    NetworkInput input;
     int low_pass;
   };
   struct Coil {
@@ -72,12 +72,12 @@ struct NetworkModel {
   std::vector<Coil> coils;
   std::vector<Driven> forces, motions;
   std::vector<Friction> frictions;
-  std::vector<Pluck> plucks;
+  std::vector<Bond> bonds;
   std::vector<Port> ports;
   std::vector<CriticalLowPass> low_passes;
 
  private:
-  Driven driven(int of, const Drive& drive);
+  Driven driven(int of, const NetworkInput& input);
   void take_points(NetworkElements& elements);
   void take_links(const NetworkElements& elements);
 };

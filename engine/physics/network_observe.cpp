@@ -60,7 +60,7 @@ double Network::contact_force(const NetworkState& state, int contact) const noex
 double Network::applied_force(const NetworkState& state, int force) const noexcept {
   const auto& f = model_->forces[index(force)];
   if (f.low_pass >= 0) return state.low_pass[index(f.low_pass)].value;
-  return f.drive.signal < 0 ? 0.0 : state.held[index(f.drive.signal)];
+  return f.input.signal < 0 ? 0.0 : state.held[index(f.input.signal)];
 }
 
 double Network::current(const NetworkState& state, int coil) const noexcept {
@@ -79,11 +79,19 @@ double Network::friction_velocity(const NetworkState& state, int friction) const
   return state.slide[index(friction)];
 }
 
-double Network::pluck_force(const NetworkState& state, int pluck) const noexcept {
-  if (state.slipped[index(pluck)] != 0.0) return 0.0;
-  const auto& p = model_->plucks[index(pluck)];
-  return std::sqrt(p.stiffness) * state.root[model_->contacts.size() + index(pluck)] +
-         p.damping * speed_between(state, p.lower, p.upper);
+double Network::bond_force(const NetworkState& state, int bond) const noexcept {
+  if (state.slipped[index(bond)] != 0.0) return 0.0;
+  const auto& b = model_->bonds[index(bond)];
+  const double n = state.position[index(b.lower)] - state.position[index(b.upper)];
+  const double law = b.law->linear()
+                         ? b.law->root_slope(n) * state.root[model_->contacts.size() + index(bond)]
+                         : b.law->force(n);
+  return law + b.damping * speed_between(state, b.lower, b.upper);
+}
+
+double Network::bond_distance(const NetworkState& state, int bond) const noexcept {
+  const auto& b = model_->bonds[index(bond)];
+  return state.position[index(b.lower)] - state.position[index(b.upper)];
 }
 
 double Network::wave(const NetworkState& state, int port) const noexcept {

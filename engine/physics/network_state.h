@@ -11,7 +11,7 @@ namespace tactus {
 /// A force between two slots that follows from their motion in the step that is being made:
 ///   F = still + resistance * motion,   motion: of `lower` towards `upper` [m].
 struct Touch {
-  int coupling;  ///< contacts, then plucks
+  int coupling;  ///< contacts, then bonds
   double slope = 0.0, still = 0.0, resistance = 0.0;
   double free = 0.0;    ///< the motion if F were 0
   double motion = 0.0;  ///< as far as it is known
@@ -25,9 +25,9 @@ struct NetworkState {
   Numbers moved_before;  ///< in the step before it
   Numbers velocity;      ///< of the others, of every slot [m/s]
   Numbers change;        ///< workspace: e = u+ - u, or the way of the step
-  Numbers root;          ///< of each contact's and pluck's energy: psi
+  Numbers root;          ///< of each contact's and bond's energy: psi
   Numbers loss;          ///< of each contact: r [s/m]
-  Numbers slipped;       ///< of each pluck: 0 while it holds, else the sign of n where it slipped
+  Numbers slipped;       ///< of each bond: 0 while it holds, else the sign of n where it slipped
   Numbers sliding;       ///< of each friction: the sign of its velocity, 0 while it holds
   Numbers rub;           ///< of each friction: its force in the last step [N]
   Numbers slide;         ///< of each friction: its velocity in the last step
@@ -39,7 +39,7 @@ struct NetworkState {
   Numbers wave_back;     ///< out of each port, mean of the last frame
   Numbers normal;        ///< of each friction in the last step
   Numbers held;          ///< inputs of the last frame
-  std::vector<CriticalLowPass::State> low_pass;  ///< of each drive with a bandwidth
+  std::vector<CriticalLowPass::State> low_pass;  ///< of each input with a bandwidth
   bool settled = false;                          ///< driven points have found their first place
 
   /// With `audit` each step of a solver that keeps account adds up what went in and what was lost [J].

@@ -10,6 +10,12 @@
 
 namespace tactus {
 
+/// One output of a network: what to read of which parts.
+struct NetworkReading {
+  ReadElement read;
+  ElementParts parts;
+};
+
 /// What a network node was made from, and how its parts are called in the file.
 struct NetworkRecipe {
   NetworkElements elements;
@@ -32,6 +38,8 @@ class NetworkView {
   virtual double shown(const Network& network, const NetworkState& state, int output) const = 0;
   /// [control & stopped] What is stored in it now [J].
   virtual double energy() const = 0;
+  /// [control & stopped] Where a point is now [m].
+  virtual double position(int point) const = 0;
 };
 
 /// [control] The running node of a network: outputs at frame n are the state at n, inputs act from n to n

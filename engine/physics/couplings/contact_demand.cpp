@@ -12,7 +12,7 @@
 namespace tactus {
 namespace {
 
-/// A contact or a plectrum, as far as it may be pressed or bent.
+/// A contact or a bond, as far as it may be pressed or bent.
 struct Link {
   int lower, upper;
   double offset, stiffness, damping;
@@ -25,8 +25,8 @@ class Demand {
   ContactDemand told() {
     for (const auto& contact : elements_.contacts) add_strike(contact);
     for (const auto& contact : elements_.contacts) add_pressed(contact);
-    for (const auto& pluck : elements_.plucks)
-      links_.push_back({pluck.lower, pluck.upper, 0.0, pluck.stiffness, pluck.damping});
+    for (const auto& bond : elements_.bonds)
+      links_.push_back({bond.lower, bond.upper, 0.0, bond.law->largest_stiffness(), bond.damping});
     demand_.stiffness = largest(&Link::stiffness);
     demand_.damping = largest(&Link::damping);
     return std::move(demand_);
@@ -46,8 +46,8 @@ class Demand {
     return ContactLaw(contact.stiffness, contact.exponent).energy(n);
   }
 
-  /// What the network starts with, and the heaviest body at `kHardestStrike`. A plectrum holds what bends it
-  /// until it slips.
+  /// What the network starts with, and the heaviest body at `kHardestStrike`. A bond holds all that
+  /// it can.
   double energy() const {
     double sum = 0.0, heaviest = 0.0;
     for (const auto& p : elements_.points) {
@@ -58,7 +58,7 @@ class Demand {
     for (const auto& s : elements_.springs)
       if (!driven(s.lower, s.upper)) sum += 0.5 * s.stiffness * square(apart(s.upper, s.lower) - s.rest);
     for (const auto& contact : elements_.contacts) sum += stored(contact);
-    for (const auto& pluck : elements_.plucks) sum += 0.5 * square(pluck.limit) / pluck.stiffness;
+    for (const auto& bond : elements_.bonds) sum += bond.law->largest_energy(bond.limit);
     return sum + 0.5 * heaviest * square(kHardestStrike);
   }
 

@@ -23,7 +23,7 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
   const auto add = [&](const auto& list) {
     for (const auto& c : list) made.lower_.push_back(c.lower), made.upper_.push_back(c.upper);
   };
-  add(model.contacts), add(model.plucks), add(model.frictions);
+  add(model.contacts), add(model.bonds), add(model.frictions);
   const auto count = made.count(), masses = model.mass.size();
   const bool keep = method != Method::Pushed;
   made.first_row_ = keep ? 0 : made.first_friction();
@@ -99,19 +99,18 @@ void Couplings::store_energy(NetworkState& state) const noexcept {
     const double n = apart(c) + contact.offset;
     state.root[c] = n > 0.0 ? contact.law.root(n) : 0.0;
   }
-  for (std::size_t p = 0; p < model_->plucks.size(); ++p)
-    if (state.slipped[p] == 0.0)
-      state.root[contacts + p] = std::sqrt(model_->plucks[p].stiffness) * apart(contacts + p);
+  for (std::size_t b = 0; b < model_->bonds.size(); ++b)
+    if (state.slipped[b] == 0.0) state.root[contacts + b] = model_->bonds[b].law->root(apart(contacts + b));
 }
 
 void Couplings::solve(NetworkState& state) const noexcept {
   state.touching.clear();
   if (method_ == Method::Pushed) {
     push_contacts(state);
-    find_plucks(state);
+    find_bonds(state);
   } else {
     find_contacts(state);
-    find_plucks(state);
+    find_bonds(state);
   }
   if (frictions() == 0) return solve_contacts(state);
   std::fill(state.rub.begin(), state.rub.end(), 0.0);
@@ -162,12 +161,12 @@ void Couplings::finish(NetworkState& state) const noexcept {
     touch.motion = motion(state, c);
     state.root[c] += touch.slope * touch.motion / steps();
   }
-  for (std::size_t p = 0; p < model_->plucks.size(); ++p) {
-    const auto& pluck = model_->plucks[p];
-    double& psi = state.root[contacts + p];
-    const double n = indentation(state, contacts + p);
-    if (state.slipped[p] != 0.0 || std::abs(std::sqrt(pluck.stiffness) * psi) <= pluck.limit) continue;
-    state.slipped[p] = n < 0.0 ? -1.0 : 1.0;
+  for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
+    const auto& bond = model_->bonds[b];
+    double& psi = state.root[contacts + b];
+    const double n = indentation(state, contacts + b);
+    if (state.slipped[b] != 0.0 || std::abs(bond.law->root_slope(n) * psi) <= bond.limit) continue;
+    state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
     if (state.audit) state.dissipated += 0.5 * psi * psi;
     psi = 0.0;
   }

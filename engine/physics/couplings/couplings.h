@@ -10,7 +10,7 @@
 
 namespace tactus {
 
-/// The forces between two slots that are not linear (contacts, plucks, frictions), solved together with the
+/// The forces between two slots that are not linear (contacts, bonds, frictions), solved together with the
 /// motion that they cause. Without them coupling c would move by `free_c` [m] in the step; with them
 ///   motion_c = free_c - sum_c' W_cc' F_c',   W = D^T A^-1 D,
 /// column c of D having 1 at the lower slot and -1 at the upper one. The schemes differ in what a motion is
@@ -26,6 +26,9 @@ namespace tactus {
 /// **Discrete gradient** (Bilbao, Torin, Chatziioannou, Acta Acustica 101, 2015): F = (phi(n+) - phi(n-)) /
 /// (n+ - n-), solved by Newton's method: more work, twice as exact in time.
 ///
+/// **Bonds** have the discrete gradient too, with every method: g is the chord of psi over the motion of the
+/// step, found by iteration (a linear bond has one chord only).
+///
 /// Losses F r v act on the force that is to be foreseen, so that the ratio of speeds that r leaves comes out
 /// right for the potential that the scheme really has. A touch that would be at its deepest before a step is
 /// over has no force that could be foreseen: with quadratised energy it would lose nothing. For that one step
@@ -37,7 +40,7 @@ class Couplings {
     Centred,   ///< quadratised energy, motions over two steps
     Gradient,  ///< discrete gradient, motions over two steps
     Exact,     ///< quadratised energy, motions over one step
-    Pushed,    ///< contacts and plucks are pushed by the scheme itself; frictions with motions over two steps
+    Pushed,    ///< contacts and bonds are pushed by the scheme itself; frictions with motions over two steps
   };
 
   /// [control] `respond` turns a column of D, one number a mass, into A^-1 times it. Errors: OutOfRange if
@@ -45,7 +48,7 @@ class Couplings {
   static Result<Couplings> make(const NetworkModel& model, Method method,
                                 const std::function<void(std::span<double>)>& respond);
 
-  /// [realtime] What each contact and each plectrum that holds has stored by where everything is, at the
+  /// [realtime] What each contact and each bond that holds has stored by where everything is, at the
   /// instant that the method stores it for: half a step ago where motions are over two steps.
   void store_energy(NetworkState& state) const noexcept;
   /// [realtime] Finds what touches and solves all forces, given how far each slot moves without them:
@@ -75,7 +78,7 @@ class Couplings {
   bool empty() const { return lower_.empty(); }
   std::size_t count() const { return lower_.size(); }
   std::size_t frictions() const { return count() - first_friction(); }
-  std::size_t first_friction() const { return model_->contacts.size() + model_->plucks.size(); }
+  std::size_t first_friction() const { return model_->contacts.size() + model_->bonds.size(); }
   int lower(std::size_t coupling) const { return lower_[coupling]; }
   int upper(std::size_t coupling) const { return upper_[coupling]; }
   /// How far coupling c moves by a force of 1 N in c'. [m/N]
@@ -98,7 +101,9 @@ class Couplings {
   double foreseen_push(const NetworkState& state, std::size_t contact) const noexcept;
   bool bounce(const NetworkState& state, Touch& touch) const noexcept;
   bool let_go(NetworkState& state, Touch& touch, double motion) const noexcept;
-  void find_plucks(NetworkState& state) const noexcept;
+  void find_bonds(NetworkState& state) const noexcept;
+  bool bend(const NetworkState& state, Touch& touch, double motion) const noexcept;
+  bool bend_bonds(NetworkState& state) const noexcept;
   void push_contacts(NetworkState& state) const noexcept;
 
   void solve_contacts(NetworkState& state) const noexcept;

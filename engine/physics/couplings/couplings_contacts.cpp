@@ -3,7 +3,7 @@
 
 #include "engine/physics/couplings/couplings.h"
 
-// Contacts and plectra: which of them act in a step, and the forces between them.
+// Contacts and bonds: which of them act in a step, and the forces between them.
 namespace tactus {
 namespace {
 
@@ -142,25 +142,48 @@ bool Couplings::foresee_exact(NetworkState& state, Touch& touch) const noexcept 
   return true;
 }
 
-/// A plectrum is a spring both ways: the slope of its root is that of its stiffness.
-void Couplings::find_plucks(NetworkState& state) const noexcept {
+void Couplings::find_bonds(NetworkState& state) const noexcept {
   const auto contacts = model_->contacts.size();
-  for (std::size_t p = 0; p < model_->plucks.size(); ++p) {
-    const auto c = contacts + p;
-    const auto& pluck = model_->plucks[p];
+  for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
+    const auto c = contacts + b;
+    const auto& bond = model_->bonds[b];
     const double n = indentation(state, c);
-    if (state.slipped[p] * n < 0.0) state.slipped[p] = state.root[c] = 0.0;
-    if (state.slipped[p] != 0.0) continue;
-    Touch touch{.coupling = static_cast<int>(c), .slope = std::sqrt(pluck.stiffness)};
+    if (state.slipped[b] * n < 0.0) state.slipped[b] = state.root[c] = 0.0;
+    if (state.slipped[b] != 0.0) continue;
+    Touch touch{.coupling = static_cast<int>(c)};
     if (method_ == Method::Pushed) {
-      state.root[c] = touch.slope * n;
-      touch.force = pluck.stiffness * n + pluck.damping * moved(state, c) / model_->k;
+      state.root[c] = bond.law->root(n);
+      touch.force = bond.law->force(n) + bond.damping * moved(state, c) / model_->k;
     }
-    touch.still = touch.slope * state.root[c];
-    touch.resistance = pluck.stiffness / (2.0 * steps()) + pluck.damping / slack();
     touch.free = motion(state, c);
+    bend(state, touch, touch.free);
     state.touching.push_back(touch);
   }
+}
+
+/// The force of a bond as it follows from a motion of this size. True if it differs from what it was.
+bool Couplings::bend(const NetworkState& state, Touch& touch, double motion) const noexcept {
+  constexpr double kEnough = 1e-15;
+  const auto c = at(touch.coupling);
+  const auto& bond = model_->bonds[c - model_->contacts.size()];
+  const double n = indentation(state, c), from = method_ == Method::Exact ? n : n - 0.5 * moved(state, c);
+  const auto chord = bond.law->chord(from, from + motion / steps());
+  const bool changed = std::abs(chord.slope - touch.slope) > kEnough * chord.slope;
+  touch.slope = chord.slope;
+  touch.still = touch.slope * state.root[c];
+  touch.resistance = chord.square / (2.0 * steps()) + bond.damping / slack();
+  return changed;
+}
+
+/// Whether the motions that the forces make bend a bond further than was thought.
+bool Couplings::bend_bonds(NetworkState& state) const noexcept {
+  bool changed = false;
+  for (auto& touch : state.touching) {
+    const auto c = at(touch.coupling), contacts = model_->contacts.size();
+    if (c < contacts || model_->bonds[c - contacts].law->linear()) continue;
+    changed |= bend(state, touch, touch.free - rubbed(state, c) - pushed(state, c));
+  }
+  return changed;
 }
 
 /// The scheme of mass-interaction: from the present state.
@@ -188,10 +211,15 @@ void Couplings::solve_quadratised(NetworkState& state) const noexcept {
   const auto pulls = [this](const Touch& touch) {
     return touch.force < 0.0 && at(touch.coupling) < model_->contacts.size();
   };
-  do {
-    if (state.touching.empty()) return;
-    solve_linear(state);
-  } while (std::erase_if(state.touching, pulls) > 0);
+  constexpr int kMostRounds = 30;
+  for (int round = 0; round < kMostRounds; ++round) {
+    do {
+      if (state.touching.empty()) return;
+      solve_linear(state);
+    } while (std::erase_if(state.touching, pulls) > 0);
+    if (model_->bonds.empty() || !bend_bonds(state)) return;
+  }
+  solve_linear(state);
 }
 
 /// Forces F = F0 + S d of all that touch, where d = d_free - W F:  with y = sqrt(S) d,
@@ -226,7 +254,10 @@ void Couplings::solve_linear(NetworkState& state) const noexcept {
 /// phi(n-)) / d, both convex and never below 0.
 void Couplings::follow(const NetworkState& state, Touch& touch) const noexcept {
   const auto c = at(touch.coupling);
-  if (c >= model_->contacts.size()) return;  // plectra are linear
+  if (c >= model_->contacts.size()) {
+    bend(state, touch, touch.motion);
+    return;
+  }
   const auto& law = model_->contacts[c].law;
   const auto energy = [&](double n) { return n > 0.0 ? law.energy(n) : 0.0; };
   const auto force = [&](double n) { return n > 0.0 ? law.force(n) : 0.0; };

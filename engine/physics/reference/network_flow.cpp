@@ -34,7 +34,7 @@ NetworkFlow::State NetworkFlow::initial(std::span<const double> motions) const {
   state.next = state.slope = state.numbers;
   state.loss.resize(laws_.size());
   state.touch.resize(laws_.size());
-  state.slide.resize(elements_.frictions.size() + elements_.plucks.size());
+  state.slide.resize(elements_.frictions.size() + elements_.bonds.size());
   state.hold.resize(elements_.frictions.size());
   state.mutual.resize(elements_.frictions.size() * elements_.frictions.size());
   state.inputs.resize(held());
@@ -228,10 +228,10 @@ double NetworkFlow::energy(const State& state) const {
     sum += 0.5 * elements_.springs[s].stiffness * square(extension(state, static_cast<int>(s)));
   for (std::size_t c = 0; c < laws_.size(); ++c)
     if (const double n = indentation_in(state.numbers.data(), c); n > 0.0) sum += laws_[c].energy(n);
-  for (std::size_t p = 0; p < elements_.plucks.size(); ++p)
+  for (std::size_t p = 0; p < elements_.bonds.size(); ++p)
     if (state.slide[elements_.frictions.size() + p] == Slide::Holds)
-      sum += 0.5 * elements_.plucks[p].stiffness *
-             square(between(state.numbers.data(), elements_.plucks[p].lower, elements_.plucks[p].upper));
+      sum += elements_.bonds[p].law->energy(
+          between(state.numbers.data(), elements_.bonds[p].lower, elements_.bonds[p].upper));
   for (std::size_t i = 0; i < elements_.coils.size(); ++i)
     sum += 0.5 * elements_.coils[i].inductance * square(current(state, static_cast<int>(i)));
   return sum;

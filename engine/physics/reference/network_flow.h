@@ -20,8 +20,8 @@ namespace tactus {
 ///    (`exact()`).
 ///  - Otherwise by extrapolation of variable order and step to a local error of `tolerance`, relative to the
 ///    largest position, velocity or current. A contact that opens or closes, a loss that begins or ends to
-///    outweigh the contact's push, a friction that begins or ends to hold, a plectrum that slips off or takes
-///    hold again end a step at that very instant: every step integrates a smooth equation. With a restitution
+///    outweigh the contact's push, a friction that begins or ends to hold, a bond that slips or holds
+///    again end a step at that very instant: every step integrates a smooth equation. With a restitution
 ///    the loss is set by the speed of each touch, at least 0.1 mm/s.
 ///
 /// It is not for real time: a frame takes as long as it needs. Bandwidths of drives are not looked at: who
@@ -31,11 +31,11 @@ class NetworkFlow {
   /// Everything that `advance` changes.
   struct State {
     enum class Touch { Open, Pressing, LettingGo };
-    enum class Slide { Holds, Up, Down };  ///< the sign of the velocity; of a plectrum that is off, of n
+    enum class Slide { Holds, Up, Down };  ///< the sign of the velocity; of a bond that slipped, of n
     std::vector<double> numbers;           ///< positions and velocities of all points, then currents
     std::vector<double> loss;              ///< of each contact: r [s/m]
     std::vector<Touch> touch;              ///< of each contact
-    std::vector<Slide> slide;              ///< of each friction, then of each plectrum
+    std::vector<Slide> slide;              ///< of each friction, then of each bond
     double step_s = 0.0;                   ///< what the last frame advises
     Extrapolation extrapolation;
     std::vector<double> next;          ///< numbers at the end of the step
@@ -75,10 +75,10 @@ class NetworkFlow {
   double coil_force(const State& state, int coil) const;
   double friction_force(const State& state, int friction) const;
   double friction_velocity(const State& state, int friction) const;
-  double pluck_force(const State& state, int pluck) const;
+  double bond_force(const State& state, int bond) const;
   double wave(const State& state, int port) const;
   double port_force(const State& state, int port) const;
-  /// Stored in masses, springs, contacts, plectra and inductances.
+  /// Stored in masses, springs, contacts, bonds and inductances.
   double energy(const State& state) const;
 
   /// [any] Advances by the exponential of a matrix.
@@ -108,17 +108,17 @@ class NetworkFlow {
   void add_held(const State& state, const double* numbers, double* force) const;
   void add_coils(const State& state, const double* numbers, double* slope) const;
 
-  // network_flow_slides.cpp: frictions and plectra
+  // network_flow_slides.cpp: frictions and bonds
   double between(const double* numbers, int lower, int upper) const;
   double push_in(const State& state, const double* numbers, std::size_t contact) const;
   double normal_in(const State& state, const double* numbers, std::size_t friction) const;
   double sliding_force(const State& state, const double* numbers, std::size_t friction, Slide slide) const;
-  double pluck_in(const State& state, const double* numbers, std::size_t pluck) const;
+  double bond_in(const State& state, const double* numbers, std::size_t bond) const;
   void add_slides(const State& state, const double* numbers, double* force) const;
   void hold(State& state, double* force) const;
   void start_slides(State& state) const;
   double friction_margin(State& state, const double* numbers, std::size_t friction) const;
-  double pluck_margin(const State& state, const double* numbers, std::size_t pluck) const;
+  double bond_margin(const State& state, const double* numbers, std::size_t bond) const;
   void halt(State& state, std::size_t friction) const;
   void switch_friction(State& state, std::size_t friction) const;
 

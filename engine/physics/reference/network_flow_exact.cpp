@@ -26,7 +26,7 @@ struct NetworkFlow::Transition {
 void NetworkFlow::make_transition() {
   const auto numbers = 2 * points() + elements_.coils.size();
   const auto all = numbers + held();
-  const bool linear = laws_.empty() && elements_.frictions.empty() && elements_.plucks.empty();
+  const bool linear = laws_.empty() && elements_.frictions.empty() && elements_.bonds.empty();
   if (!linear || all > kNetworkFlowExactMostNumbers) return;
   double fastest = 1.0;
   for (const auto& s : elements_.springs)

@@ -66,11 +66,11 @@ double NetworkFlow::sliding_force(const State& state, const double* numbers, std
          f.viscous * v;
 }
 
-double NetworkFlow::pluck_in(const State& state, const double* numbers, std::size_t pluck) const {
-  if (state.slide[elements_.frictions.size() + pluck] != Slide::Holds) return 0.0;
-  const auto& p = elements_.plucks[pluck];
-  return p.stiffness * between(numbers, p.lower, p.upper) +
-         p.damping * between(numbers + points(), p.lower, p.upper);
+double NetworkFlow::bond_in(const State& state, const double* numbers, std::size_t bond) const {
+  if (state.slide[elements_.frictions.size() + bond] != Slide::Holds) return 0.0;
+  const auto& b = elements_.bonds[bond];
+  return b.law->force(between(numbers, b.lower, b.upper)) +
+         b.damping * between(numbers + points(), b.lower, b.upper);
 }
 
 void NetworkFlow::add_slides(const State& state, const double* numbers, double* force) const {
@@ -81,8 +81,8 @@ void NetworkFlow::add_slides(const State& state, const double* numbers, double* 
   for (std::size_t f = 0; f < elements_.frictions.size(); ++f)
     if (state.slide[f] != Slide::Holds)
       push(elements_.frictions[f], sliding_force(state, numbers, f, state.slide[f]));
-  for (std::size_t p = 0; p < elements_.plucks.size(); ++p)
-    push(elements_.plucks[p], pluck_in(state, numbers, p));
+  for (std::size_t b = 0; b < elements_.bonds.size(); ++b)
+    push(elements_.bonds[b], bond_in(state, numbers, b));
 }
 
 /// Adds the forces of the frictions that hold to those of all others: (x_lower - x_upper)'' = 0.
@@ -129,11 +129,11 @@ double NetworkFlow::friction_margin(State& state, const double* numbers, std::si
   return normal_in(state, numbers, friction) * f.law.holding() - std::abs(state.hold[friction]);
 }
 
-double NetworkFlow::pluck_margin(const State& state, const double* numbers, std::size_t pluck) const {
-  const auto& p = elements_.plucks[pluck];
-  const double n = between(numbers, p.lower, p.upper);
-  const auto slide = state.slide[elements_.frictions.size() + pluck];
-  return slide == Slide::Holds ? p.limit / p.stiffness - std::abs(n) : slide == Slide::Up ? n : -n;
+double NetworkFlow::bond_margin(const State& state, const double* numbers, std::size_t bond) const {
+  const auto& b = elements_.bonds[bond];
+  const double n = between(numbers, b.lower, b.upper);
+  const auto slide = state.slide[elements_.frictions.size() + bond];
+  return slide == Slide::Holds ? b.law->distance_at(b.limit) - std::abs(n) : slide == Slide::Up ? n : -n;
 }
 
 /// Takes away what rounding has left of the velocity at a stop.
@@ -167,8 +167,8 @@ double NetworkFlow::friction_force(const State& state, int friction) const {
                                         : sliding_force(state, state.numbers.data(), f, state.slide[f]);
 }
 
-double NetworkFlow::pluck_force(const State& state, int pluck) const {
-  return pluck_in(state, state.numbers.data(), index(pluck));
+double NetworkFlow::bond_force(const State& state, int bond) const {
+  return bond_in(state, state.numbers.data(), index(bond));
 }
 
 }  // namespace tactus

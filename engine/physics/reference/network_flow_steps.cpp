@@ -8,7 +8,7 @@
 
 // Steps of a network with contacts. Each contact has a margin that stays above 0 while the equation of the
 // step holds: of an open one how far it is from touching, of a pressing one how deep it is and how far its
-// loss is from outweighing the push; so has each friction and each plectrum. A step in which a margin would
+// loss is from outweighing the push; so has each friction and each bond. A step in which a margin would
 // fall below 0 is cut just behind that instant, and the link changes over.
 namespace tactus {
 namespace {
@@ -108,8 +108,8 @@ double NetworkFlow::least_margin(State& state, const double* numbers) const {
   for (std::size_t c = 0; c < laws_.size(); ++c) least = std::min(least, contact_margin(state, numbers, c));
   for (std::size_t f = 0; f < elements_.frictions.size(); ++f)
     least = std::min(least, friction_margin(state, numbers, f));
-  for (std::size_t p = 0; p < elements_.plucks.size(); ++p)
-    least = std::min(least, pluck_margin(state, numbers, p));
+  for (std::size_t b = 0; b < elements_.bonds.size(); ++b)
+    least = std::min(least, bond_margin(state, numbers, b));
   return least;
 }
 
@@ -172,10 +172,10 @@ void NetworkFlow::switch_over(State& state) const {
   const double* numbers = state.numbers.data();
   for (std::size_t c = 0; c < laws_.size(); ++c)
     if (contact_margin(state, numbers, c) < 0.0) switch_contact(state, c);
-  for (std::size_t p = 0; p < elements_.plucks.size(); ++p) {
-    if (!(pluck_margin(state, numbers, p) < 0.0)) continue;
-    auto& slide = state.slide[elements_.frictions.size() + p];
-    const double n = between(numbers, elements_.plucks[p].lower, elements_.plucks[p].upper);
+  for (std::size_t b = 0; b < elements_.bonds.size(); ++b) {
+    if (!(bond_margin(state, numbers, b) < 0.0)) continue;
+    auto& slide = state.slide[elements_.frictions.size() + b];
+    const double n = between(numbers, elements_.bonds[b].lower, elements_.bonds[b].upper);
     slide = slide != Slide::Holds ? Slide::Holds : n > 0.0 ? Slide::Up : Slide::Down;
   }
   for (std::size_t f = 0; f < elements_.frictions.size(); ++f)

@@ -102,7 +102,7 @@ void CentredScheme::line_up(std::vector<double> constant) {
   for (const auto& force : model_.forces) push(force.slot);
   for (const auto& port : model_.ports) push(port.wave.slot);
   for (const auto& contact : model_.contacts) push(contact.lower), push(contact.upper);
-  for (const auto& pluck : model_.plucks) push(pluck.lower), push(pluck.upper);
+  for (const auto& bond : model_.bonds) push(bond.lower), push(bond.upper);
   for (const auto& coil : model_.coils) push(coil.on), push(coil.against);
   row_.let_push(pushed);
   in_row_ = true;
@@ -145,7 +145,7 @@ double CentredScheme::velocity(const NetworkState& state, int slot) const noexce
 
 double CentredScheme::current(const NetworkState& state, int coil) const noexcept {
   const auto& c = model_.coils[index(coil)];
-  const int signal = c.voltage.drive.signal;
+  const int signal = c.voltage.input.signal;
   const double voltage = signal < 0 ? 0.0 : state.held[index(signal)];
   const double speed = velocity(state, c.on) - velocity(state, c.against);
   const double final_current = (voltage - c.force_factor * speed) / c.resistance;

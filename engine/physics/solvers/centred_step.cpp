@@ -31,15 +31,15 @@ void CentredScheme::start(NetworkState& state) const noexcept {
   for (const auto& force : model_.forces)
     if (force.low_pass >= 0 && model_.is_mass(force.slot))
       state.change[index(force.slot)] += state.low_pass[index(force.low_pass)].value;
-  for (std::size_t p = 0; p < model_.plucks.size(); ++p) {
-    const auto& pluck = model_.plucks[p];
-    const auto lower = index(pluck.lower), upper = index(pluck.upper);
+  for (std::size_t b = 0; b < model_.bonds.size(); ++b) {
+    const auto& bond = model_.bonds[b];
+    const auto lower = index(bond.lower), upper = index(bond.upper), c = model_.contacts.size() + b;
     const double n = state.position[lower] - state.position[upper];
     const double speed = (state.moved[lower] - state.moved[upper]) / model_.k;
-    if (state.slipped[p] == 0.0)
-      state.touching.push_back({.coupling = static_cast<int>(model_.contacts.size() + p),
-                                .force = softened(model_.contacts.size() + p, pluck.stiffness,
-                                                  pluck.stiffness * n + pluck.damping * speed)});
+    if (state.slipped[b] == 0.0)
+      state.touching.push_back({.coupling = static_cast<int>(c),
+                                .force = softened(c, std::max(0.0, bond.law->stiffness(n)),
+                                                  bond.law->force(n) + bond.damping * speed)});
   }
   push(state);
   bend(state);

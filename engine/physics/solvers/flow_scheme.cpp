@@ -26,7 +26,7 @@ NetworkElements in_slots(const NetworkModel& model, NetworkElements elements) {
   ends(elements.springs);
   ends(elements.contacts);
   ends(elements.frictions);
-  ends(elements.plucks);
+  ends(elements.bonds);
   for (auto& force : elements.forces) force.on = model.slot[index(force.on)];
   for (auto& port : elements.ports) port.on = model.slot[index(port.on)];
   for (auto& coil : elements.coils) {
@@ -80,11 +80,10 @@ void FlowScheme::keep(NetworkState& state) const noexcept {
     state.slide[f] = flow_.friction_velocity(now_, static_cast<int>(f));
   }
   for (std::size_t p = 0; p < state.slipped.size(); ++p) {
-    const auto& pluck = model_.plucks[p];
+    const auto& bond = model_.bonds[p];
     state.slipped[p] = sign_of(now_.slide[state.sliding.size() + p]);
     state.root[model_.contacts.size() + p] =
-        std::sqrt(pluck.stiffness) *
-        (state.position[index(pluck.lower)] - state.position[index(pluck.upper)]);
+        bond.law->root(state.position[index(bond.lower)] - state.position[index(bond.upper)]);
   }
   for (std::size_t p = 0; p < state.wave_back.size(); ++p) {
     const auto& port = model_.ports[p];

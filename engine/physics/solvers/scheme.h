@@ -17,7 +17,7 @@ class Scheme {
   /// [realtime] One step of k seconds, with forces, voltages, waves, normal forces and the driven points'
   /// next places in `state`. Adds to `wave_back` what goes out of each port.
   virtual void step(NetworkState& state) const noexcept = 0;
-  /// [realtime] Stored in masses, springs, contacts, plectra and inductances, in the form that the scheme
+  /// [realtime] Stored in masses, springs, contacts, bonds and inductances, in the form that the scheme
   /// conserves.
   virtual double energy(const NetworkState& state) const noexcept = 0;
   /// [realtime] Of a slot. [m/s]

@@ -52,7 +52,7 @@ struct SolverChoice {
 ///  - resonances: explicit and passive  (w k)^2 / 24,  implicit and averaged springs  (w k)^2 / 12,  exact 0,
 ///    w the highest of the network (physics: the schemes' dispersion);
 ///  - explicit is stable while k^2 times the largest eigenvalue of M^-1 (K + 2 C / k) is below 4, contacts
-///    and plectra as pressed as `ContactDemand` says among them (sufficient), these alone are below
+///    and bonds as pressed as `ContactDemand` says among them (sufficient), these alone are below
 ///    `kStiffestContact`, and the shortest contact lasts 5 steps;
 ///  - contacts, with s steps in the time of one of exponent a: exact (0.5 + 0.33 a) / s^2, explicit the same
 ///    but at least 1.4 / s^2, passive max(1, 0.12 a) / s^1.5, implicit (1.3 + 0.86 a) / s^2: the largest of

@@ -11,8 +11,8 @@ namespace {
 /// A mass on a spring and a damper to the ground, pushed by signal 0.
 NetworkElements oscillator(double mass, double stiffness, double damping) {
   NetworkElements elements;
-  elements.points.push_back({.kind = Point::Kind::Ground, .drive = {}});
-  elements.points.push_back({.kind = Point::Kind::Mass, .mass = mass, .drive = {}});
+  elements.points.push_back({.kind = Point::Kind::Ground, .input = {}});
+  elements.points.push_back({.kind = Point::Kind::Mass, .mass = mass, .input = {}});
   elements.springs.push_back({0, 1, stiffness, damping, 0.0});
   elements.forces.push_back({1, {0, {}}});
   return elements;
@@ -76,8 +76,8 @@ TEST_CASE("linearised: the response is that of stepping the network", "[physics]
 
 TEST_CASE("linearised: a closed contact is the spring that it is at its indentation", "[physics]") {
   NetworkElements elements;
-  elements.points.push_back({.kind = Point::Kind::Ground, .drive = {}});
-  elements.points.push_back({.kind = Point::Kind::Mass, .mass = 0.0125, .position = 0.01, .drive = {}});
+  elements.points.push_back({.kind = Point::Kind::Ground, .input = {}});
+  elements.points.push_back({.kind = Point::Kind::Mass, .mass = 0.0125, .position = 0.01, .input = {}});
   elements.contacts.push_back({0, 1, 5e6, 1.5, 0.0, {}, 0.0});
   const double push = 10, depth = std::pow(push / 5e6, 1 / 1.5), tangent_stiffness = 1.5 * push / depth;
   const auto open = tangent(elements, {}), closed = tangent(elements, {{0}, push});
@@ -93,8 +93,8 @@ TEST_CASE("linearised: a long chain is found to grow where its stiffest mode pas
   NetworkElements elements;
   const int masses = 200;
   for (int i = 0; i < masses; ++i)
-    elements.points.push_back({.kind = Point::Kind::Mass, .mass = 0.001, .drive = {}});
-  elements.points.push_back({.kind = Point::Kind::Ground, .drive = {}});
+    elements.points.push_back({.kind = Point::Kind::Mass, .mass = 0.001, .input = {}});
+  elements.points.push_back({.kind = Point::Kind::Ground, .input = {}});
   const double stiffness = 1e4;
   for (int i = 0; i <= masses; ++i)
     elements.springs.push_back({i == 0 ? masses : i - 1, i, stiffness, 0.0, 0.0});

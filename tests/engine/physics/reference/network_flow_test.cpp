@@ -225,7 +225,7 @@ TEST_CASE("network flow: a plectrum slips at its limit and takes hold again on t
   // Driven at 0.1 m/s it slips at n = 0.2 N / 100 N/m = 2 mm, after 20 ms.
   NetworkElements elements;
   elements.points = {{Point::Kind::Motion, 0.0, 0.0, 0.0, {0, {}}}, ground()};
-  elements.plucks = {{.lower = 0, .upper = 1, .stiffness = 100.0, .limit = 0.2}};
+  elements.bonds = {{.lower = 0, .upper = 1, .law = std::make_shared<LinearBond>(100.0), .limit = 0.2}};
   const NetworkFlow flow(elements, Seconds{1e-3});
   auto state = flow.initial(std::vector<double>{0.0});
   std::vector<double> forces;
@@ -234,7 +234,7 @@ TEST_CASE("network flow: a plectrum slips at its limit and takes hold again on t
     const double from[] = {at}, to[] = {at + (n < 30 ? 1e-4 : -2e-4)};
     flow.advance(state, {.motion_from = from, .motion_to = to});
     at = to[0];
-    forces.push_back(flow.pluck_force(state, 0));
+    forces.push_back(flow.bond_force(state, 0));
   }
   CHECK(forces[18] == Approx(0.19).epsilon(1e-9));
   CHECK(forces[21] == 0.0);
