@@ -8,12 +8,14 @@ namespace tactus {
 std::vector<ElementType> point_elements();
 std::vector<ElementType> link_elements();
 std::vector<ElementType> contact_elements();
+std::vector<ElementType> attraction_elements();
 std::vector<ElementType> outside_elements();
 
 std::span<const ElementType> network_elements() {
   static const std::vector<ElementType> elements = [] {
     std::vector<ElementType> all;
-    for (auto* group : {&point_elements, &link_elements, &contact_elements, &outside_elements})
+    for (auto* group :
+         {&point_elements, &link_elements, &contact_elements, &attraction_elements, &outside_elements})
       for (auto& type : group()) all.push_back(std::move(type));
     return all;
   }();
