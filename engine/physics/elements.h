@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <limits>
 #include <memory>
 #include <optional>
@@ -115,6 +116,9 @@ struct NetworkElements {
   std::vector<Bond> bonds;
   std::vector<WavePort> ports;
 };
+
+/// [control] Points are called `to[point]` from now on, by all links.
+void renumber(NetworkElements& elements, const std::vector<int>& to);
 
 /// A hand holds a mass by a spring and a damper and pushes. It moves only as fast as `bandwidth` (at most
 /// 10 Hz) lets it, so that any faster roll comes from bouncing.

@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -19,7 +19,7 @@ std::size_t moving_points(const NetworkElements& elements) {
 }
 
 /// Every number that a step reads of the state before it, one after the other: the one place that lists them.
-/// Of the motions only those that the scheme keeps, since the others never change.
+/// Of the motions only those that the solver keeps, since the others never change.
 void each_number(NetworkState& state, std::size_t moving, const std::function<void(double&)>& visit) {
   const auto all = [&](Numbers& list) {
     for (std::size_t i = 0; i < moving; ++i) visit(list[i]);

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <Eigen/Core>
 #include <complex>
 #include <optional>

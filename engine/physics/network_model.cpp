@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -48,28 +48,25 @@ void NetworkModel::take_points(NetworkElements& elements) {
   masses = static_cast<int>(mass.size());
 }
 
-void NetworkModel::take_links(const NetworkElements& elements) {
-  const auto at = [this](int point) { return slot[index(point)]; };
-  springs = elements.springs;
-  for (auto& spring : springs) spring.lower = at(spring.lower), spring.upper = at(spring.upper);
+void NetworkModel::take_links(NetworkElements& elements) {
+  renumber(elements, slot);
+  springs = std::move(elements.springs);
+  bonds = std::move(elements.bonds);
   for (const auto& c : elements.contacts)
-    contacts.push_back({at(c.lower), at(c.upper), c.offset, c.loss,
+    contacts.push_back({c.lower, c.upper, c.offset, c.loss,
                         c.restitution ? loss_for_restitution(*c.restitution) : 0.0,
                         ContactLaw(c.stiffness, c.exponent)});
-  for (const auto& force : elements.forces) forces.push_back(driven(at(force.on), force.input));
+  for (const auto& force : elements.forces) forces.push_back(driven(force.on, force.input));
   for (const auto& coil : elements.coils) {
     const double memory = 2.0 * coil.inductance / k;
-    coils.push_back({at(coil.on), at(coil.against), coil.force_factor, coil.inductance, coil.resistance,
-                     memory, memory + coil.resistance,
-                     memory > 0.0 ? std::exp(-coil.resistance / memory) : 0.0,
-                     driven(at(coil.on), coil.voltage)});
+    coils.push_back({coil.on, coil.against, coil.force_factor, coil.inductance, coil.resistance, memory,
+                     memory + coil.resistance, memory > 0.0 ? std::exp(-coil.resistance / memory) : 0.0,
+                     driven(coil.on, coil.voltage)});
   }
   for (const auto& f : elements.frictions)
-    frictions.push_back({at(f.lower), at(f.upper), f.law, f.viscous, driven(at(f.lower), f.normal),
-                         f.normal_contact, f.normal_spring});
-  bonds = elements.bonds;
-  for (auto& bond : bonds) bond.lower = at(bond.lower), bond.upper = at(bond.upper);
-  for (const auto& port : elements.ports) ports.push_back({port.impedance, driven(at(port.on), port.wave)});
+    frictions.push_back(
+        {f.lower, f.upper, f.law, f.viscous, driven(f.lower, f.normal), f.normal_contact, f.normal_spring});
+  for (const auto& port : elements.ports) ports.push_back({port.impedance, driven(port.on, port.wave)});
 }
 
 NetworkModel::Links NetworkModel::links(bool eliminated) const {

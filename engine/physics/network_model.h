@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <optional>
 #include <vector>
 
@@ -79,7 +80,7 @@ struct NetworkModel {
  private:
   Driven driven(int of, const NetworkInput& input);
   void take_points(NetworkElements& elements);
-  void take_links(const NetworkElements& elements);
+  void take_links(NetworkElements& elements);
 };
 
 }  // namespace tactus

@@ -1,12 +1,13 @@
 #pragma once
 
+// Thread: [control], except where a function says otherwise
 #include <string>
 #include <vector>
 
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/network_elements.h"
 
-// [control] What the declarations of elements share.
+// What the declarations of elements share.
 namespace tactus {
 
 // Smaller masses and stiffnesses are slips of the pen, and zero would be divided by.

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -9,7 +10,6 @@
 #include "engine/nodes/networks/network_node.h"
 #include "engine/physics/elements.h"
 
-// [control]
 namespace tactus {
 
 /// Turns the words and numbers of `[networks.x]` into the parts of a physical network.

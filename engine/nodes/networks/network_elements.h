@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control], except where a function says otherwise
 #include <array>
 #include <optional>
 #include <span>
@@ -11,7 +12,7 @@
 #include "engine/graph/semantics/interval.h"
 #include "engine/physics/network.h"
 
-// [control] The table of the elements of networks. All that is known of an element's type stands in its
+// The table of the elements of networks. All that is known of an element's type stands in its
 // entry; generic code reads the entry and never compares names. To add one: a file with its declaration, a
 // line in network_elements.cpp, a test.
 namespace tactus {

@@ -10,7 +10,7 @@
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/semantics/bind.h"
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 
 namespace tactus {
 namespace {

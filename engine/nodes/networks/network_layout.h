@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <vector>
 
 #include "engine/core/error.h"
@@ -7,7 +8,6 @@
 #include "engine/nodes/networks/network_elements.h"
 #include "engine/physics/network.h"
 
-// [control]
 namespace tactus {
 
 /// `[networks.x]` with its words understood: which element is joined to which. Numbers are not known yet.
@@ -17,7 +17,7 @@ struct NetworkLayout {
   int oversample = 0;  ///< 0: not in the file
 };
 
-/// [control] Errors, all in one go: unknown types, keys and elements; ends that are missing, too many, or of
+/// Errors, all in one go: unknown types, keys and elements; ends that are missing, too many, or of
 /// the wrong kind; options out of their range. `ports` is filled later.
 Checked<NetworkLayout> read_network_layout(const NetworkSpec& spec);
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/nodes/networks/network_builder.h"
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 
 namespace tactus {
 namespace {
@@ -95,7 +95,7 @@ class NetworkNode final : public Node, public NetworkView {
 Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup) {
   std::size_t points = 0;
   for (const auto& element : layout.elements) points += static_cast<std::size_t>(element.points());
-  // A point, its springs and what a scheme keeps for them; before they are made.
+  // A point, its springs and what a solver keeps for them; before they are made.
   if (const auto fits = setup.take_memory(64 * points); !fits) return tl::unexpected(fits.error());
   NetworkBuilder builder(layout, setup);
   const auto couplings =

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control], except where a function says otherwise
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,7 +43,7 @@ class NetworkView {
   virtual double position(int point) const = 0;
 };
 
-/// [control] The running node of a network: outputs at frame n are the state at n, inputs act from n to n
+/// The running node of a network: outputs at frame n are the state at n, inputs act from n to n
 /// + 1.
 Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup);
 

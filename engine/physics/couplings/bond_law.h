@@ -1,10 +1,9 @@
 #pragma once
 
+// Thread: [any]
 #include <cmath>
 #include <limits>
 #include <memory>
-
-// [any] Potentials of bonds: what the solvers need to know of a conservative force between two points.
 namespace tactus {
 
 /// A conservative force between two points that depends on their distance n = x_lower - x_upper alone [m].

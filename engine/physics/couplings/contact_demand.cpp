@@ -6,8 +6,9 @@
 #include <numbers>
 #include <utility>
 
+#include "engine/core/index.h"
 #include "engine/physics/couplings/contact_law.h"
-#include "engine/physics/index.h"
+#include "engine/physics/numbers.h"
 
 namespace tactus {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <vector>
 
 #include "engine/physics/elements.h"

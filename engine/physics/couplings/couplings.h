@@ -1,10 +1,12 @@
 #pragma once
 
+// Thread: [any], except where a function says otherwise
 #include <functional>
 #include <span>
 #include <vector>
 
 #include "engine/core/error.h"
+#include "engine/core/index.h"
 #include "engine/physics/network_model.h"
 #include "engine/physics/network_state.h"
 
@@ -13,7 +15,7 @@ namespace tactus {
 /// The forces between two slots that are not linear (contacts, bonds, frictions), solved together with the
 /// motion that they cause. Without them coupling c would move by `free_c` [m] in the step; with them
 ///   motion_c = free_c - sum_c' W_cc' F_c',   W = D^T A^-1 D,
-/// column c of D having 1 at the lower slot and -1 at the upper one. The schemes differ in what a motion is
+/// column c of D having 1 at the lower slot and -1 at the upper one. The solvers differ in what a motion is
 /// (over two steps or one), in A, and in how a contact's force follows from its motion.
 ///
 /// **Quadratised energy** (Ducceschi, Bilbao, Willemsen, Serafin, JASA 149, 2021): F = g (psi + psi+)/2 with
@@ -30,7 +32,7 @@ namespace tactus {
 /// step, found by iteration (a linear bond has one chord only).
 ///
 /// Losses F r v act on the force that is to be foreseen, so that the ratio of speeds that r leaves comes out
-/// right for the potential that the scheme really has. A touch that would be at its deepest before a step is
+/// right for the potential that the solver really has. A touch that would be at its deepest before a step is
 /// over has no force that could be foreseen: with quadratised energy it would lose nothing. For that one step
 /// it is a damper instead, as strong as sends the bodies back by the restitution e that r leaves at their
 /// speed:  F = R motion,  R W_cc = (1 + e) / (1 - e),  in motions over one step and over two.
@@ -40,7 +42,8 @@ class Couplings {
     Centred,   ///< quadratised energy, motions over two steps
     Gradient,  ///< discrete gradient, motions over two steps
     Exact,     ///< quadratised energy, motions over one step
-    Pushed,    ///< contacts and bonds are pushed by the scheme itself; frictions with motions over two steps
+    Explicit,  ///< explicit: contacts and bonds act from the present state; frictions with motions over two
+               ///< steps
   };
 
   /// [control] `respond` turns a column of D, one number a mass, into A^-1 times it. Errors: OutOfRange if
@@ -62,13 +65,13 @@ class Couplings {
   void move(NetworkState& state) const noexcept;
   template <class Push>
   void push_all(const NetworkState& state, Push push) const noexcept {
-    for (const auto& touch : state.touching) {
-      push(lower_[at(touch.coupling)], -touch.force);
-      push(upper_[at(touch.coupling)], touch.force);
+    for (const auto& link : state.active) {
+      push(lower_[index(link.coupling)], -link.force);
+      push(upper_[index(link.coupling)], link.force);
     }
     for (std::size_t f = 0; f < frictions(); ++f) {
-      push(lower_[first_friction() + f], -state.rub[f]);
-      push(upper_[first_friction() + f], state.rub[f]);
+      push(lower_[first_friction() + f], -state.friction_force[f]);
+      push(upper_[first_friction() + f], state.friction_force[f]);
     }
   }
 
@@ -87,22 +90,21 @@ class Couplings {
   }
 
  private:
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   int steps() const { return method_ == Method::Exact ? 1 : 2; }
   double slack() const { return steps() * model_->k; }
   double moved(const NetworkState& state, std::size_t coupling) const noexcept;
   double indentation(const NetworkState& state, std::size_t coupling) const noexcept;
-  double pushed(const NetworkState& state, std::size_t coupling) const noexcept;
-  double rubbed(const NetworkState& state, std::size_t coupling) const noexcept;
+  double taken_by_contacts(const NetworkState& state, std::size_t coupling) const noexcept;
+  double taken_by_friction(const NetworkState& state, std::size_t coupling) const noexcept;
 
   void find_contacts(NetworkState& state) const noexcept;
-  bool foresee_centred(NetworkState& state, Touch& touch) const noexcept;
-  bool foresee_exact(NetworkState& state, Touch& touch) const noexcept;
-  double foreseen_push(const NetworkState& state, std::size_t contact) const noexcept;
-  bool bounce(const NetworkState& state, Touch& touch) const noexcept;
-  bool let_go(NetworkState& state, Touch& touch, double motion) const noexcept;
+  bool predict_centred(NetworkState& state, ActiveCoupling& link) const noexcept;
+  bool predict_exact(NetworkState& state, ActiveCoupling& link) const noexcept;
+  double predicted_push(const NetworkState& state, std::size_t contact) const noexcept;
+  bool bounce(const NetworkState& state, ActiveCoupling& link) const noexcept;
+  bool release(NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
   void find_bonds(NetworkState& state) const noexcept;
-  bool bend(const NetworkState& state, Touch& touch, double motion) const noexcept;
+  bool bend(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
   bool bend_bonds(NetworkState& state) const noexcept;
   void push_contacts(NetworkState& state) const noexcept;
 
@@ -110,7 +112,7 @@ class Couplings {
   void solve_quadratised(NetworkState& state) const noexcept;
   void solve_gradient(NetworkState& state) const noexcept;
   void solve_linear(NetworkState& state) const noexcept;
-  void follow(const NetworkState& state, Touch& touch) const noexcept;
+  void follow(const NetworkState& state, ActiveCoupling& link) const noexcept;
   bool missed_one(NetworkState& state) const noexcept;
   double solve_frictions(NetworkState& state) const noexcept;
 
@@ -124,7 +126,7 @@ class Couplings {
 
 /// [realtime] Sets a contact's loss at the beginning of a touch, where a restitution asks for it: `n` is how
 /// deep it is, `motion` how far it came in the last step.
-void watch_touch(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
-                 double motion) noexcept;
+void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
+                   double motion) noexcept;
 
 }  // namespace tactus

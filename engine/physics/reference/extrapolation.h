@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +13,7 @@ namespace tactus {
 /// length:
 ///     z_1 = y + h f(0, y),  z_m+1 = z_m-1 + 2h f(m h, z_m),  T_j1 = z_2j,  h = H / 2j
 ///     T_jk = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / ((j / (j-k+1))^2 - 1)
-/// The result T_jj is of order 2j; |T_jj - T_j,j-1| tells its error. Nothing of it is shared with the schemes
+/// The result T_jj is of order 2j; |T_jj - T_j,j-1| tells its error. Nothing of it is shared with the solvers
 /// that networks are stepped with.
 /// Gragg, SIAM J. Numer. Anal. 2, 1965; Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I,
 /// II.9.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/physics/index.h"
-#include "engine/physics/solvers/wide.h"
+#include "engine/core/index.h"
+#include "engine/physics/solvers/vectorised.h"
 
 namespace tactus {
 

@@ -50,7 +50,7 @@ SolverBounds bounds_of(const NetworkElements& elements, Hertz rate, Solver solve
   }
   const double k = 1.0 / (rate.value * oversample);
   const NetworkModel model(elements, kSignals, k);
-  const auto cost = made->scheme().cost();
+  const auto cost = made->network_solver().cost();
   bounds.multiplications = oversample * (cost.step + (elements.contacts.empty() ? 0.0 : cost.touch));
   const double shape = made->springs_averaged() ? 12.0 : 24.0;
   bounds.error = solver == Solver::Exact ? 0.0 : model.stiffest(1.0, 0.0) * k * k / shape;

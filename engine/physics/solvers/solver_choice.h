@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <vector>
 
 #include "engine/core/units.h"
@@ -50,7 +51,7 @@ struct SolverChoice {
 /// steps a frame too. If none is accurate, the most accurate of the stable ones. The bounds, for a step of k
 /// seconds:
 ///  - resonances: explicit and passive  (w k)^2 / 24,  implicit and averaged springs  (w k)^2 / 12,  exact 0,
-///    w the highest of the network (physics: the schemes' dispersion);
+///    w the highest of the network (physics: the solvers' dispersion);
 ///  - explicit is stable while k^2 times the largest eigenvalue of M^-1 (K + 2 C / k) is below 4, contacts
 ///    and bonds as pressed as `ContactDemand` says among them (sufficient), these alone are below
 ///    `kStiffestContact`, and the shortest contact lasts 5 steps;

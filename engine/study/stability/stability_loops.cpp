@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {

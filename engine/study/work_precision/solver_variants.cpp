@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/nodes/networks/network_elements.h"
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 #include "engine/study/playability/changed_networks.h"
 
 namespace tactus {

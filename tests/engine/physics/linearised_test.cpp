@@ -25,7 +25,7 @@ LinearStep step_of(const NetworkElements& elements, double rate, Solver solver, 
 
 }  // namespace
 
-// Poles of the mass-interaction scheme: |z| = sqrt(1 - Z), cos(angle) = (2 - K - Z) / (2 sqrt(1 - Z)), with K
+// Poles of the mass-interaction solver: |z| = sqrt(1 - Z), cos(angle) = (2 - K - Z) / (2 sqrt(1 - Z)), with K
 // = k T^2 / m and Z = z T / m.
 TEST_CASE("linearised: an explicit oscillator has the poles of its difference equation", "[physics]") {
   const double mass = 0.02, stiffness = 5000, damping = 0.3, rate = 8000;
@@ -84,7 +84,7 @@ TEST_CASE("linearised: a closed contact is the spring that it is at its indentat
   CHECK(spectral_radius(step_of(open, 192000, Solver::Explicit).a) == Approx(1).margin(kRoundOfRadius));
   const auto found = modes(step_of(closed, 192000, Solver::Explicit).a);
   const double hertz = std::abs(std::arg(found[0].pole)) * 192000 / (2 * std::numbers::pi);
-  // The scheme rings sharp by (wT)^2 / 24, 2e-4 here.
+  // The solver rings sharp by (wT)^2 / 24, 2e-4 here.
   CHECK(hertz == Approx(std::sqrt(tangent_stiffness / 0.0125) / (2 * std::numbers::pi)).epsilon(1e-3));
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {

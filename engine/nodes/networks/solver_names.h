@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <array>
 #include <string>
 

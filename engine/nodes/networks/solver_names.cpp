@@ -1,4 +1,4 @@
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 
 #include <fmt/format.h>
 

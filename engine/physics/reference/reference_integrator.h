@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <memory>
 #include <span>
 #include <vector>
@@ -11,7 +12,7 @@
 
 namespace tactus {
 
-/// The motion of a network itself, from frame to frame: what the schemes that step are measured against, and
+/// The motion of a network itself, from frame to frame: what the solvers are measured against, and
 /// nothing that they are made of.
 ///     m x'' = sum of the forces of `elements.h`,   L i' = V - R i - Bl x'
 /// Forces and voltages are held over a frame, driven points go in a straight line from its start to its end.
@@ -26,7 +27,7 @@ namespace tactus {
 ///
 /// It is not for real time: a frame takes as long as it needs. Bandwidths of drives are not looked at: who
 /// calls it filters.
-class NetworkFlow {
+class ReferenceIntegrator {
  public:
   /// Everything that `advance` changes.
   struct State {
@@ -53,7 +54,7 @@ class NetworkFlow {
   };
 
   /// [control] frame > 0.
-  NetworkFlow(NetworkElements elements, Seconds frame, double tolerance = 1e-13);
+  ReferenceIntegrator(NetworkElements elements, Seconds frame, double tolerance = 1e-13);
 
   /// [control] At the start of the network, driven points at rest in `motions`.
   State initial(std::span<const double> motions = {}) const;
@@ -67,17 +68,9 @@ class NetworkFlow {
   /// [any] As those of `Network`.
   double position(const State& state, int point) const;
   double velocity(const State& state, int point) const;
-  double extension(const State& state, int spring) const;
-  double spring_force(const State& state, int spring) const;
-  double indentation(const State& state, int contact) const;
-  double contact_force(const State& state, int contact) const;
   double current(const State& state, int coil) const;
-  double coil_force(const State& state, int coil) const;
   double friction_force(const State& state, int friction) const;
   double friction_velocity(const State& state, int friction) const;
-  double bond_force(const State& state, int bond) const;
-  double wave(const State& state, int port) const;
-  double port_force(const State& state, int port) const;
   /// Stored in masses, springs, contacts, bonds and inductances.
   double energy(const State& state) const;
 
@@ -108,7 +101,7 @@ class NetworkFlow {
   void add_held(const State& state, const double* numbers, double* force) const;
   void add_coils(const State& state, const double* numbers, double* slope) const;
 
-  // network_flow_slides.cpp: frictions and bonds
+  // Frictions and bonds.
   double between(const double* numbers, int lower, int upper) const;
   double push_in(const State& state, const double* numbers, std::size_t contact) const;
   double normal_in(const State& state, const double* numbers, std::size_t friction) const;
@@ -122,7 +115,7 @@ class NetworkFlow {
   void halt(State& state, std::size_t friction) const;
   void switch_friction(State& state, std::size_t friction) const;
 
-  // network_flow_steps.cpp
+  // Steps between events.
   void integrate(State& state) const;
   double try_step(State& state, double longest_s) const;
   void step_again(State& state, double seconds) const;
