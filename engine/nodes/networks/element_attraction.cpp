@@ -72,7 +72,6 @@ std::vector<ElementType> attraction_elements() {
               "a larger one; at distance 0 they rest. No loss: put a damper beside it.",
        .equation = "force = strength x (3 / (2 + x^2))^(3/2),  x = (x_second - x_first) / reach",
        .ends = ElementType::Ends::Between,
-       .settings = {},
        .fields = {required("strength", "N", "largest force", kTiny),
                   required("reach", "m", "distance of the largest force", kTiny)},
        .quantities = {{"force", "N", "tension: pulls the ends together", bond_force},

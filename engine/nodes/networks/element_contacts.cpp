@@ -145,7 +145,6 @@ ElementType pluck() {
           "each other.",
       .equation = "force = stiffness n + damping n',  n = x_first - x_second,  while stiffness |n| <= limit",
       .ends = Ends::Between,
-      .settings = {},
       .fields = {required("stiffness", "N/m", "of the plectrum", kTiny),
                  with_default("damping", "N s/m", "of the plectrum", 0.0, 0.0),
                  required("limit", "N", "it lets go", kTiny)},

@@ -50,7 +50,6 @@ std::vector<ElementType> link_elements() {
        .doc = "A spring with a damper beside it. The first end is the lower one.",
        .equation = "force = stiffness e + cubic e^3 + damping e',  e = x_second - x_first - rest",
        .ends = Ends::Between,
-       .settings = {},
        .fields = {required("stiffness", "N/m", "force for a metre", 0.0),
                   with_default("cubic", "N/m^3", "stiffens it where it is stretched or pressed far", 0.0,
                                0.0),
@@ -64,7 +63,6 @@ std::vector<ElementType> link_elements() {
        .doc = "A damper between two points.",
        .equation = "force = damping e',  e = x_second - x_first",
        .ends = Ends::Between,
-       .settings = {},
        .fields = {required("damping", "N s/m", "force for a metre a second", 0.0)},
        .quantities = {kTension, kExtension},
        .example = "loss = { type = \"damper\", between = [\"frame\", \"cone\"], damping = \"1.2 kg/s\" }",
@@ -76,7 +74,6 @@ std::vector<ElementType> link_elements() {
        .equation = "inductance i' = voltage - resistance i - force_factor (x_on - x_against)',  force = "
                    "force_factor i",
        .ends = Ends::Against,
-       .settings = {},
        .fields = {signal("voltage", "V", "at its terminals, held from frame to frame"),
                   required("force_factor", "T m", "Bl"), required("resistance", "ohm", "of the wire", 1e-3),
                   with_default("inductance", "H", "of the coil", 0.0, 0.0)},

@@ -83,9 +83,10 @@ struct ElementType {
   std::string doc;
   std::string equation;
   Ends ends;
-  std::vector<Setting> settings;  ///< read when the file is
-  std::vector<ElementField> fields;
-  std::vector<ElementQuantity> quantities;  ///< the first is what the element's bare name means; may be empty
+  std::vector<Setting> settings = {};  ///< read when the file is
+  std::vector<ElementField> fields = {};
+  std::vector<ElementQuantity> quantities =
+      {};  ///< the first is what the element's bare name means; may be empty
   std::string example;
   /// Adds the element to the physical network.
   void (*build)(NetworkBuilder&, const NetworkElement&, ElementParts&);

@@ -43,7 +43,7 @@ class NetworkNode final : public Node, public NetworkView {
 
   std::string about() const override {
     const auto& choice = network_.choice();
-    return choice ? "solver " + reason_for(*choice) : std::string{};
+    return choice ? "solver " + explain_choice(*choice) : std::string{};
   }
 
   DelayRange delay(int input, int) const override {

@@ -17,6 +17,6 @@ const char* name_of(Solver solver);
 
 /// [any] Which solver was taken, a warning if even that one is not accurate, and why none of the cheaper
 /// ones: a line for each solver at most.
-std::string reason_for(const SolverChoice& choice);
+std::string explain_choice(const SolverChoice& choice);
 
 }  // namespace tactus

@@ -223,10 +223,14 @@ TEST_CASE("network elements: the solver that auto takes, and why, is told", "[ph
       "n.energy / 1 J"));
   std::string about;
   for (const auto& node : engine->schedule().nodes) about += node->about();
-  CHECK(
-      about ==
-      "solver exact, 36 multiplications a frame, exact\n  not explicit: wrong by up to 5.7 %\n  not passive: "
-      "wrong by up to 5.7 %\n  not implicit: wrong by up to 11 %");
+  // The solver, its cost, and of each cheaper one the error that speaks against it.
+  CHECK(about.starts_with("solver exact, 36 "));
+  for (const auto& [solver, error] :
+       {std::pair{"explicit", "5.7 %"}, {"passive", "5.7 %"}, {"implicit", "11 %"}}) {
+    const auto at = about.find(std::string("not ") + solver);
+    REQUIRE(at != std::string::npos);
+    CHECK(about.substr(at, about.find('\n', at) - at).ends_with(error));
+  }
 }
 
 TEST_CASE("network elements: a choice among bad ones is told as that, in a line for each solver",
@@ -243,11 +247,11 @@ TEST_CASE("network elements: a choice among bad ones is told as that, in a line 
   };
   const auto forced = told("oversample = 1\n");
   CHECK(forced.starts_with("solver explicit, "));
-  CHECK(forced.find("wrong by up to 16 %\n  warning: none is right within 1 % at a step a frame: leave "
-                    "`oversample` out, or take a higher rate") != std::string::npos);
+  CHECK(forced.find("16 %\n  warning: ") != std::string::npos);
+  CHECK(forced.find("`oversample`") != std::string::npos);
   const auto free = told("");
   CHECK(free.starts_with("solver explicit with 8 steps a frame, "));
   CHECK(free.find("warning") == std::string::npos);
-  CHECK(free.find("\n  not explicit with 4 steps a frame: wrong by up to 1 %") != std::string::npos);
+  CHECK(free.find("\n  not explicit with 4 steps a frame: ") != std::string::npos);
   CHECK(std::count(free.begin(), free.end(), '\n') <= 3);
 }
