@@ -6,6 +6,7 @@
 #include <complex>
 
 #include "engine/core/units.h"
+#include "engine/physics/linearised.h"
 
 using namespace tactus;
 
