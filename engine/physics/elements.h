@@ -43,8 +43,8 @@ struct Spring {
 
 /// Push F = K n^a (1 + r n') where n = x_lower - x_upper + offset > 0, never below 0; pushes `lower` down and
 /// `upper` up. Hunt & Crossley, J. Appl. Mech. 42, 1975.
-/// With `restitution` e the loss r is set anew at each touch, so that the ratio of the speeds does not depend
-/// on the speed: r v is then a number that depends on e alone (see `loss_for_restitution`).
+/// With `restitution` e the loss r is set anew at each impact, so that the ratio of the speeds does not
+/// depend on the speed: r v is then a number that depends on e alone (see `loss_for_restitution`).
 struct Contact {
   int lower = 0, upper = 0;
   double stiffness = 0.0;             ///< K [N/m^a], > 0

@@ -206,18 +206,18 @@ Result<double> radius_of(const NetworkElements& elements, int signals, const Ste
 
 std::optional<Hertz> least_rate(const NetworkElements& elements, int signals, Solver solver) {
   constexpr double kLowest = 100.0, kHighest = 1e8;
-  const auto holds = [&](double rate) {
+  const auto stable_at = [&](double rate) {
     const auto radius = radius_of(elements, signals, {Hertz{rate}, solver, 1});
     return radius && *radius <= 1.0 + kRoundOfRadius;
   };
-  if (holds(kLowest)) return std::nullopt;
+  if (stable_at(kLowest)) return std::nullopt;
   double low = kLowest, high = kLowest;
-  while (!holds(high)) {
+  while (!stable_at(high)) {
     if (high > kHighest) return Hertz{std::numeric_limits<double>::infinity()};
     low = high;
     high *= 2.0;
   }
-  while (high > 1.001 * low) (holds(std::sqrt(low * high)) ? high : low) = std::sqrt(low * high);
+  while (high > 1.001 * low) (stable_at(std::sqrt(low * high)) ? high : low) = std::sqrt(low * high);
   return Hertz{high};
 }
 

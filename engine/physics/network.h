@@ -18,8 +18,8 @@ namespace tactus {
 /// rate * oversample.
 ///
 /// Forces, voltages and waves of frame n are held until frame n + 1. Driven points go in a straight line to
-/// the position of frame n until frame n + 1. On the first frame they, and hands, are there already. What is
-/// asked of a state at frame n depends on inputs before frame n only.
+/// the position of frame n until frame n + 1. On the first frame they, and hands, are there already. Outputs
+/// at frame n depends on inputs before frame n only.
 class Network {
  public:
   /// [control] `signals` inputs are handed to each step. rate > 0; 1 <= oversample <= 64, or 0: as many as

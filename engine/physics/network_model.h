@@ -11,7 +11,7 @@
 
 namespace tactus {
 
-/// The elements of a network as every way of stepping them wants them. Places are *slots*: masses in the
+/// The elements of a network as all solvers use them. Places are *slots*: masses in the
 /// order of the elements, then driven points, then fixed ones. Never changes once it is made.
 struct NetworkModel {
   struct Contact {

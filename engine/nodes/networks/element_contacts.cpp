@@ -35,7 +35,7 @@ ElementType contact() {
       .name = "contact",
       .doc =
           "Two surfaces that push and never pull. The first one is below the second. With `restitution` the "
-          "loss is set at each touch, so that the speeds before and after have this ratio.",
+          "loss is set at each impact, so that the speeds before and after have this ratio.",
       .equation = "force = max(0, stiffness n^exponent (1 + loss n')),  n = x_first - x_second + offset > 0",
       .ends = Ends::Between,
       .settings = {{.name = "sides",
@@ -99,11 +99,9 @@ ElementType friction() {
   return {
       .name = "friction",
       .doc =
-          "Rubs two points against each other: a bow on a string, a brake, a dry bearing. They hold each "
-          "other "
-          "up to normal * holding; sliding, the coefficient falls to `kinetic`. `normal` is a signal, or "
-          "the "
-          "force of a contact or a spring of this network, as in normal = \"press.force\".",
+          "Friction between two points: a bow on a string, a brake, a dry bearing. They stick up to normal * "
+          "holding; sliding, the coefficient falls to `kinetic`. `normal` is a signal, or the force of a "
+          "contact or a spring of this network, as in normal = \"press.force\".",
       .equation =
           "force = normal mu(|v|) sgn v + viscous v,  v = x_first' - x_second',  mu(v) = kinetic + (holding "
           "- "
@@ -140,14 +138,15 @@ ElementType pluck() {
   return {
       .name = "pluck",
       .doc =
-          "A plectrum: takes a point along until the force is too large, lets go, and takes it up again "
+          "A plectrum: pulls a point along until the force exceeds `limit`, releases it, and catches it "
+          "again "
           "when they pass "
           "each other.",
       .equation = "force = stiffness n + damping n',  n = x_first - x_second,  while stiffness |n| <= limit",
       .ends = Ends::Between,
       .fields = {required("stiffness", "N/m", "of the plectrum", kTiny),
                  with_default("damping", "N s/m", "of the plectrum", 0.0, 0.0),
-                 required("limit", "N", "it lets go", kTiny)},
+                 required("limit", "N", "it releases", kTiny)},
       .quantities = {{"force", "N", "takes the second point along with the first", bond_force}},
       .example =
           "plectrum = { type = \"pluck\", between = [\"pick\", \"string\"], stiffness = \"500 N/m\", "

@@ -10,7 +10,7 @@
 // What the declarations of elements share.
 namespace tactus {
 
-// Smaller masses and stiffnesses are slips of the pen, and zero would be divided by.
+// Smaller masses and stiffnesses are typing errors, and zero would be divided by.
 inline constexpr double kTiny = 1e-9;
 
 inline ElementField required(std::string name, std::string unit, std::string doc, double low = -kUnlimited,

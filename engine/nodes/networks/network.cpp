@@ -11,7 +11,7 @@
 namespace tactus {
 namespace {
 
-/// "N/m^1.5" from the exponent that stands in the file; not checked where that is an expression.
+/// "N/m^1.5" from the exponent in the file; not checked where that is an expression.
 std::string contact_unit(const NodeSpec& element, double fallback) {
   double exponent = fallback;
   if (const auto* value = find(element.fields, "exponent")) {

@@ -5,8 +5,8 @@
 namespace tactus {
 namespace {
 
-/// Points first: links name them by their index, and may stand before them in the file. Last what names the
-/// force of a link.
+/// Points first: links name them by their index and may precede them in the file. Last, elements that name
+/// the force of a link.
 int stage_of(const ElementType& type) {
   return type.ends == ElementType::Ends::None ? 0 : type.force_field.empty() ? 1 : 2;
 }

@@ -12,7 +12,7 @@
 
 namespace tactus {
 
-/// Turns the words and numbers of `[networks.x]` into the parts of a physical network.
+/// Builds the physical network of `[networks.x]`.
 class NetworkBuilder {
  public:
   NetworkBuilder(const NetworkLayout& layout, const NodeSetup& setup);

@@ -12,7 +12,7 @@
 #include "engine/graph/semantics/interval.h"
 #include "engine/physics/network.h"
 
-// The table of the elements of networks. All that is known of an element's type stands in its
+// The table of the elements of networks. All behaviour of an element's type is in its
 // entry; generic code reads the entry and never compares names. To add one: a file with its declaration, a
 // line in network_elements.cpp, a test.
 namespace tactus {
@@ -44,7 +44,7 @@ struct ElementParts {
 /// [realtime] What an output shows of a state.
 using ReadElement = double (*)(const Network&, const NetworkState&, const ElementParts&);
 
-/// What a network can be asked for: the output "element.quantity".
+/// A quantity that can be read: the output "element.quantity" of the network.
 struct ElementQuantity {
   std::string name;
   std::string unit;
@@ -53,7 +53,7 @@ struct ElementQuantity {
   Interval range = {};
 };
 
-/// An element of `[networks.x]` whose words are understood. Numbers are not known yet.
+/// An element of `[networks.x]` with its names resolved. Numbers are not known yet.
 struct NetworkElement {
   const ElementType* type = nullptr;
   std::string name;

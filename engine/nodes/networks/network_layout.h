@@ -10,7 +10,7 @@
 
 namespace tactus {
 
-/// `[networks.x]` with its words understood: which element is joined to which. Numbers are not known yet.
+/// `[networks.x]` with its names resolved: which element is joined to which. Numbers are not known yet.
 struct NetworkLayout {
   std::vector<NetworkElement> elements;
   Solver solver = Solver::Passive;

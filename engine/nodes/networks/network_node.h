@@ -28,14 +28,14 @@ struct NetworkRecipe {
   std::vector<std::string> points, springs, contacts;  ///< names of the elements, in their order
 };
 
-/// What those who study a network may ask of its node, besides what every node tells.
+/// What studies read from the node of a network.
 class NetworkView {
  public:
   virtual ~NetworkView() = default;
   /// [any]
   virtual const NetworkRecipe& recipe() const = 0;
-  /// [any] What `output` of the node shows of a state of `network`, whose elements stand in the order of the
-  /// recipe's.
+  /// [any] The value of `output` of the node for a state of `network`, whose elements are in the order of
+  /// the recipe's.
   virtual double shown(const Network& network, const NetworkState& state, int output) const = 0;
   /// [control & stopped] What is stored in it now [J].
   virtual double energy() const = 0;

@@ -23,7 +23,7 @@ class Demand {
  public:
   explicit Demand(const NetworkElements& elements) : elements_(elements) {}
 
-  ContactDemand told() {
+  ContactDemand compute() {
     for (const auto& contact : elements_.contacts) add_strike(contact);
     for (const auto& contact : elements_.contacts) add_pressed(contact);
     for (const auto& bond : elements_.bonds)
@@ -37,7 +37,7 @@ class Demand {
   const Point& point(int at) const { return elements_.points[index(at)]; }
   double lightness(int at) const { return point(at).kind == Point::Kind::Mass ? 1.0 / point(at).mass : 0.0; }
   double apart(int lower, int upper) const { return point(lower).position - point(upper).position; }
-  /// Where a driven point will be is not known: nothing is taken to be bent by it.
+  /// The position of a driven point is not known in advance: it is assumed to deform nothing.
   bool driven(int one, int other) const {
     return point(one).kind == Point::Kind::Motion || point(other).kind == Point::Kind::Motion;
   }
@@ -118,6 +118,6 @@ class Demand {
 
 }  // namespace
 
-ContactDemand contact_demand(const NetworkElements& elements) { return Demand{elements}.told(); }
+ContactDemand contact_demand(const NetworkElements& elements) { return Demand{elements}.compute(); }
 
 }  // namespace tactus

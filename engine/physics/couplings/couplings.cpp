@@ -208,7 +208,7 @@ void Couplings::finish(NetworkState& state) const noexcept {
 
 void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
                    double motion) noexcept {
-  // Slower touches would ask for an endless loss; at 0.1 mm/s nothing is heard or felt any more.
+  // Slower impacts would need an unbounded loss; below 0.1 mm/s nothing is audible or tangible.
   constexpr double kSlowest = 1e-4;
   const double loss_speed = model.contacts[contact].loss_speed;
   if (loss_speed > 0.0 && n <= motion)
@@ -231,7 +231,7 @@ void Couplings::find_contacts(NetworkState& state) const noexcept {
   }
 }
 
-/// What is left of the energy goes back into the bodies while they part; `motion` is how they are to.
+/// The remaining energy returns to the bodies while they part; `motion` is the predicted one.
 bool Couplings::release(NetworkState& state, ActiveCoupling& link, double motion) const noexcept {
   double& psi = state.root[index(link.coupling)];
   if (std::abs(psi) <= kForgotten) psi = 0.0;
@@ -297,7 +297,7 @@ double Couplings::predicted_push(const NetworkState& state, std::size_t c) const
   return sum;
 }
 
-/// The motion that is to be foreseen is the free one less what the present force does to it.
+/// The predicted motion is the free one less what the present forces take off it.
 bool Couplings::predict_exact(NetworkState& state, ActiveCoupling& link) const noexcept {
   const auto c = index(link.coupling);
   const auto& law = model_->contacts[c].law;
@@ -334,13 +334,13 @@ void Couplings::find_bonds(NetworkState& state) const noexcept {
       link.force = bond.law->force(n) + bond.damping * moved(state, c) / model_->k;
     }
     link.free_motion = motion(state, c);
-    bend(state, link, link.free_motion);
+    update_bond(state, link, link.free_motion);
     state.active.push_back(link);
   }
 }
 
-/// The force of a bond as it follows from a motion of this size. True if it differs from what it was.
-bool Couplings::bend(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept {
+/// Sets the chord of a bond for a motion. True if it changed.
+bool Couplings::update_bond(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept {
   constexpr double kEnough = 1e-15;
   const auto c = index(link.coupling);
   const auto& bond = model_->bonds[c - model_->contacts.size()];
@@ -353,14 +353,14 @@ bool Couplings::bend(const NetworkState& state, ActiveCoupling& link, double mot
   return changed;
 }
 
-/// Whether the motions that the forces make bend a bond further than was thought.
-bool Couplings::bend_bonds(NetworkState& state) const noexcept {
+/// Updates the chords of all bonds to the motions that the forces cause. True if one changed.
+bool Couplings::update_bonds(NetworkState& state) const noexcept {
   bool changed = false;
   for (auto& link : state.active) {
     const auto c = index(link.coupling), contacts = model_->contacts.size();
     if (c < contacts || model_->bonds[c - contacts].law->linear()) continue;
-    changed |=
-        bend(state, link, link.free_motion - taken_by_friction(state, c) - taken_by_contacts(state, c));
+    changed |= update_bond(state, link,
+                           link.free_motion - taken_by_friction(state, c) - taken_by_contacts(state, c));
   }
   return changed;
 }
@@ -385,7 +385,7 @@ void Couplings::solve_contacts(NetworkState& state) const noexcept {
   while (!alone_ && missed_one(state));
 }
 
-/// A contact that would have to pull is let go for the step: it keeps its energy and returns it when parting.
+/// A contact that would have to pull is released for the step; its energy returns when the bodies part.
 void Couplings::solve_quadratised(NetworkState& state) const noexcept {
   const auto pulls = [this](const ActiveCoupling& link) {
     return link.force < 0.0 && index(link.coupling) < model_->contacts.size();
@@ -396,7 +396,7 @@ void Couplings::solve_quadratised(NetworkState& state) const noexcept {
       if (state.active.empty()) return;
       solve_linear(state);
     } while (std::erase_if(state.active, pulls) > 0);
-    if (model_->bonds.empty() || !bend_bonds(state)) return;
+    if (model_->bonds.empty() || !update_bonds(state)) return;
   }
   solve_linear(state);
 }
@@ -431,12 +431,12 @@ void Couplings::solve_linear(NetworkState& state) const noexcept {
     active[i].force = active[i].static_force + std::sqrt(active[i].resistance) * state.right[i];
 }
 
-/// F and its slope at the motion d that is known by now:  F = G(d) (1 + r d / 2k), G = (phi(n- + d) -
+/// F and its slope at the present estimate d of the motion:  F = G(d) (1 + r d / 2k), G = (phi(n- + d) -
 /// phi(n-)) / d, both convex and never below 0.
 void Couplings::follow(const NetworkState& state, ActiveCoupling& link) const noexcept {
   const auto c = index(link.coupling);
   if (c >= model_->contacts.size()) {
-    bend(state, link, link.motion);
+    update_bond(state, link, link.motion);
     return;
   }
   const auto& law = model_->contacts[c].law;
@@ -480,7 +480,7 @@ void Couplings::solve_gradient(NetworkState& state) const noexcept {
   }
 }
 
-/// Whether the active couplings close another contact; adds it.
+/// Adds contacts that the active couplings close. True if there were any.
 bool Couplings::missed_one(NetworkState& state) const noexcept {
   const auto found = state.active.size();
   for (std::size_t c = 0; c < model_->contacts.size(); ++c) {

@@ -20,8 +20,8 @@ namespace tactus {
 ///
 /// **Quadratised energy** (Ducceschi, Bilbao, Willemsen, Serafin, JASA 149, 2021): F = g (psi + psi+)/2 with
 /// psi+ = psi + g * (share of the motion), g the slope of the root of the energy; one linear solve a step.
-/// The bodies lose exactly what psi^2/2 gains, whatever g is. So in the first step of a touch g is the slope
-/// of the chord to where the root is to be foreseen: the plain slope, which has a corner at n = 0, would
+/// The bodies lose exactly what psi^2/2 gains, whatever g is. So in the first step of a contact g is the
+/// slope of the chord to the predicted root: the plain slope, which has a corner at n = 0, would
 /// leave psi off by a part that depends on the phase, and the contact's time with it (8e-3 at 20 steps a
 /// contact; with the chord 1e-3).
 ///
@@ -31,10 +31,9 @@ namespace tactus {
 /// **Bonds** have the discrete gradient too, with every method: g is the chord of psi over the motion of the
 /// step, found by iteration (a linear bond has one chord only).
 ///
-/// Losses F r v act on the force that is to be foreseen, so that the ratio of speeds that r leaves comes out
-/// right for the potential that the solver really has. A touch that would be at its deepest before a step is
-/// over has no force that could be foreseen: with quadratised energy it would lose nothing. For that one step
-/// it is a damper instead, as strong as sends the bodies back by the restitution e that r leaves at their
+/// Losses F r v use the predicted force, so that the ratio of the speeds is right for the potential that the
+/// solver has. A contact that is deepest before its first step ends has no predicted force: with quadratised
+/// energy it would lose nothing. For that step it is a damper with the restitution e that r gives at this
 /// speed:  F = R motion,  R W_cc = (1 + e) / (1 - e),  in motions over one step and over two.
 class Couplings {
  public:
@@ -42,8 +41,7 @@ class Couplings {
     Centred,   ///< quadratised energy, motions over two steps
     Gradient,  ///< discrete gradient, motions over two steps
     Exact,     ///< quadratised energy, motions over one step
-    Explicit,  ///< explicit: contacts and bonds act from the present state; frictions with motions over two
-               ///< steps
+    Explicit,  ///< contacts and bonds from the present state; frictions with motions over two steps
   };
 
   /// [control] `respond` turns a column of D, one number a mass, into A^-1 times it. Errors: OutOfRange if
@@ -51,13 +49,13 @@ class Couplings {
   static Result<Couplings> make(const NetworkModel& model, Method method,
                                 const std::function<void(std::span<double>)>& respond);
 
-  /// [realtime] What each contact and each bond that holds has stored by where everything is, at the
-  /// instant that the method stores it for: half a step ago where motions are over two steps.
+  /// [realtime] Sets the energy of contacts and bonds from the positions, at the instant that the method
+  /// stores it for: half a step ago where motions are over two steps.
   void store_energy(NetworkState& state) const noexcept;
-  /// [realtime] Finds what touches and solves all forces, given how far each slot moves without them:
-  /// share * state.moved + state.change, in the way of the method.
+  /// [realtime] Finds the active couplings and solves their forces, given the motion of each slot
+  /// without them: share * state.moved + state.change, as the method counts motions.
   void solve(NetworkState& state) const noexcept;
-  /// [realtime] Commits the solution: energies, what slips, what slides.
+  /// [realtime] Stores the solution: energies, bonds that slip, frictions that slide.
   void finish(NetworkState& state) const noexcept;
 
   /// [realtime] Adds what the solved forces do: to the masses of `change`, or force by force to `push(slot,
@@ -75,7 +73,7 @@ class Couplings {
     }
   }
 
-  /// [realtime] How a coupling moves with what is in `state.change` by now.
+  /// [realtime] The motion of a coupling for the present `state.change`.
   double motion(const NetworkState& state, std::size_t coupling) const noexcept;
 
   bool empty() const { return lower_.empty(); }
@@ -104,8 +102,8 @@ class Couplings {
   bool bounce(const NetworkState& state, ActiveCoupling& link) const noexcept;
   bool release(NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
   void find_bonds(NetworkState& state) const noexcept;
-  bool bend(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
-  bool bend_bonds(NetworkState& state) const noexcept;
+  bool update_bond(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
+  bool update_bonds(NetworkState& state) const noexcept;
   void push_contacts(NetworkState& state) const noexcept;
 
   void solve_contacts(NetworkState& state) const noexcept;
@@ -124,7 +122,7 @@ class Couplings {
   std::vector<double> columns_, mutual_;
 };
 
-/// [realtime] Sets a contact's loss at the beginning of a touch, where a restitution asks for it: `n` is how
+/// [realtime] Sets the loss of a contact that begins, if it has a restitution: `n` is how
 /// deep it is, `motion` how far it came in the last step.
 void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
                    double motion) noexcept;

@@ -88,7 +88,7 @@ ReferenceIntegrator::State ReferenceIntegrator::initial(std::span<const double> 
   state.numbers.resize(2 * points() + elements_.coils.size());
   state.next = state.slope = state.numbers;
   state.loss.resize(laws_.size());
-  state.touch.resize(laws_.size());
+  state.contacts.resize(laws_.size());
   state.slide.resize(elements_.frictions.size() + elements_.bonds.size());
   state.hold.resize(elements_.frictions.size());
   state.mutual.resize(elements_.frictions.size() * elements_.frictions.size());
@@ -110,19 +110,19 @@ void ReferenceIntegrator::reset(State& state, std::span<const double> motions) c
   const double* numbers = state.numbers.data();
   for (std::size_t c = 0; c < laws_.size(); ++c)
     state.loss[c] = indentation_in(numbers, c) > 0.0 ? start_loss(c, approach_in(numbers, c)) : 0.0;
-  find_touches(state);
+  find_contacts(state);
   std::fill(state.slide.begin(), state.slide.end(), Slide::Holds);
   std::fill(state.hold.begin(), state.hold.end(), 0.0);
   state.step_s = 0.0;
 }
 
-void ReferenceIntegrator::find_touches(State& state) const {
+void ReferenceIntegrator::find_contacts(State& state) const {
   const double* numbers = state.numbers.data();
   for (std::size_t c = 0; c < laws_.size(); ++c) {
     const bool pulls = 1.0 + state.loss[c] * approach_in(numbers, c) < 0.0;
-    state.touch[c] = !(indentation_in(numbers, c) > 0.0) ? Touch::Open
-                     : pulls                             ? Touch::LettingGo
-                                                         : Touch::Pressing;
+    state.contacts[c] = !(indentation_in(numbers, c) > 0.0) ? ContactState::Open
+                        : pulls                             ? ContactState::Releasing
+                                                            : ContactState::Pressing;
   }
 }
 
@@ -313,7 +313,7 @@ double ReferenceIntegrator::between(const double* numbers, int lower, int upper)
 }
 
 double ReferenceIntegrator::push_in(const State& state, const double* numbers, std::size_t contact) const {
-  if (state.touch[contact] != Touch::Pressing) return 0.0;
+  if (state.contacts[contact] != ContactState::Pressing) return 0.0;
   return odd_force(laws_[contact], indentation_in(numbers, contact)) *
          (1.0 + state.loss[contact] * approach_in(numbers, contact));
 }
@@ -433,7 +433,7 @@ double ReferenceIntegrator::friction_velocity(const State& state, int friction) 
   return between(state.numbers.data() + points(), f.lower, f.upper);
 }
 
-/// Of one that holds: what it took when it was looked at last, at the end of the last step.
+/// Of one that holds: the force at the end of the last step.
 double ReferenceIntegrator::friction_force(const State& state, int friction) const {
   const auto f = index(friction);
   return state.slide[f] == Slide::Holds ? state.hold[f]
@@ -470,7 +470,7 @@ double ReferenceIntegrator::try_step(State& state, double longest_s) const {
     const bool rounding =
         outcome.error < kMostRounding && outcome.error * last_s > 0.5 * last_error * seconds && last_s > 0.0;
     if (outcome.good || rounding) {
-      // The end of a frame says nothing about the step that follows.
+      // The end of a frame does not limit the next step.
       if (seconds == longest_s) state.step_s = std::max(state.step_s, wanted_s);
       state.next = state.extrapolation.result();
       return seconds;
@@ -491,24 +491,24 @@ void ReferenceIntegrator::step_again(State& state, double seconds) const {
 
 double ReferenceIntegrator::error(const double* numbers, const double* difference) const {
   double most = 0.0;
-  const auto judge = [&](std::size_t from, std::size_t count, double least) {
+  const auto compare = [&](std::size_t from, std::size_t count, double least) {
     const double wrong = largest(difference + from, count);
     if (wrong == 0.0) return;
     const double share = wrong / (tolerance_ * std::max(least, largest(numbers + from, count)));
     if (!(share <= most)) most = share;
   };
-  judge(0, points(), kLeastPosition);
-  judge(points(), points(), kLeastVelocity);
-  judge(2 * points(), elements_.coils.size(), kLeastCurrent);
+  compare(0, points(), kLeastPosition);
+  compare(points(), points(), kLeastVelocity);
+  compare(2 * points(), elements_.coils.size(), kLeastCurrent);
   return most;
 }
 
 double ReferenceIntegrator::contact_margin(const State& state, const double* numbers,
                                            std::size_t contact) const {
   const double n = indentation_in(numbers, contact);
-  if (state.touch[contact] == Touch::Open) return -n;
+  if (state.contacts[contact] == ContactState::Open) return -n;
   const double push = 1.0 + state.loss[contact] * approach_in(numbers, contact);
-  return std::min(n, state.touch[contact] == Touch::Pressing ? push : -push);
+  return std::min(n, state.contacts[contact] == ContactState::Pressing ? push : -push);
 }
 
 double ReferenceIntegrator::least_margin(State& state, const double* numbers) const {
@@ -538,11 +538,11 @@ double ReferenceIntegrator::until_event(State& state, double seconds) const {
   return behind;
 }
 
-/// A contact may touch, or part, and be back within a step: then the motion turns in it.
+/// A contact may close or open and be back within a step: then its motion turns in the step.
 bool ReferenceIntegrator::turns(const State& state, double seconds, std::size_t contact) const {
   const double before = approach_in(state.numbers.data(), contact);
   const double after = approach_in(state.next.data(), contact);
-  const bool open = state.touch[contact] == Touch::Open;
+  const bool open = state.contacts[contact] == ContactState::Open;
   if (open ? !(before > 0.0 && after < 0.0) : !(before < 0.0 && after > 0.0)) return false;
   const double far = std::abs(indentation_in(state.numbers.data(), contact));
   return far < 2.0 * seconds * std::max(std::abs(before), std::abs(after));
@@ -568,12 +568,14 @@ double ReferenceIntegrator::until_turn(State& state, double seconds) const {
 
 void ReferenceIntegrator::switch_contact(State& state, std::size_t contact) const {
   const double* numbers = state.numbers.data();
-  auto& touch = state.touch[contact];
-  if (touch == Touch::Open) state.loss[contact] = start_loss(contact, approach_in(numbers, contact));
+  auto& contact_state = state.contacts[contact];
+  if (contact_state == ContactState::Open)
+    state.loss[contact] = start_loss(contact, approach_in(numbers, contact));
   if (indentation_in(numbers, contact) < 0.0)
-    touch = Touch::Open;
+    contact_state = ContactState::Open;
   else
-    touch = touch == Touch::Pressing ? Touch::LettingGo : Touch::Pressing;
+    contact_state =
+        contact_state == ContactState::Pressing ? ContactState::Releasing : ContactState::Pressing;
 }
 
 void ReferenceIntegrator::switch_over(State& state) const {

@@ -23,19 +23,19 @@ namespace tactus {
 ///    largest position, velocity or current. A contact that opens or closes, a loss that begins or ends to
 ///    outweigh the contact's push, a friction that begins or ends to hold, a bond that slips or holds
 ///    again end a step at that very instant: every step integrates a smooth equation. With a restitution
-///    the loss is set by the speed of each touch, at least 0.1 mm/s.
+///    the loss is set by the speed of each impact, at least 0.1 mm/s.
 ///
-/// It is not for real time: a frame takes as long as it needs. Bandwidths of drives are not looked at: who
-/// calls it filters.
+/// It is not for real time: a frame takes as long as it needs. Bandwidths of inputs are ignored: the
+/// caller filters.
 class ReferenceIntegrator {
  public:
   /// Everything that `advance` changes.
   struct State {
-    enum class Touch { Open, Pressing, LettingGo };
+    enum class ContactState { Open, Pressing, Releasing };
     enum class Slide { Holds, Up, Down };  ///< the sign of the velocity; of a bond that slipped, of n
     std::vector<double> numbers;           ///< positions and velocities of all points, then currents
     std::vector<double> loss;              ///< of each contact: r [s/m]
-    std::vector<Touch> touch;              ///< of each contact
+    std::vector<ContactState> contacts;    ///< of each contact
     std::vector<Slide> slide;              ///< of each friction, then of each bond
     double step_s = 0.0;                   ///< what the last frame advises
     Extrapolation extrapolation;
@@ -61,7 +61,7 @@ class ReferenceIntegrator {
   /// [any] The same without allocating, for a state of this network.
   void reset(State& state, std::span<const double> motions = {}) const;
   /// [any] Which contacts press, from positions and velocities: for who has put these into a state.
-  void find_touches(State& state) const;
+  void find_contacts(State& state) const;
   /// [any] By one frame. A motion that cannot be followed leaves a state that is not finite.
   void advance(State& state, const Inputs& inputs) const;
 
@@ -78,7 +78,7 @@ class ReferenceIntegrator {
   bool exact() const { return transition_ != nullptr; }
 
  private:
-  using Touch = State::Touch;
+  using ContactState = State::ContactState;
   using Slide = State::Slide;
   struct Transition;
 

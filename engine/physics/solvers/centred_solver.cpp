@@ -119,12 +119,12 @@ void CentredSolver::line_up(std::vector<double> constant) {
 
 NetworkSolver::Cost CentredSolver::cost() const {
   const double links = static_cast<double>(links_.entries().size());
-  const double touch = kind_ == Kind::Explicit ? 15.0 : kind_ == Kind::Passive ? 40.0 : 150.0;
+  const double contact = kind_ == Kind::Explicit ? 15.0 : kind_ == Kind::Passive ? 40.0 : 150.0;
   const auto solve = factored() ? static_cast<double>(solver_.multiplications()) : 0.0;
   const double couplings = 4.0 * static_cast<double>(couplings_.count());
   return {
       2.0 * links + 2.0 * model_.masses + solve + 12.0 * static_cast<double>(model_.coils.size()) + couplings,
-      touch + (factored() ? model_.masses : 0.0)};
+      contact + (factored() ? model_.masses : 0.0)};
 }
 
 double CentredSolver::velocity(const NetworkState& state, int slot) const noexcept {
@@ -229,7 +229,7 @@ void CentredSolver::step(NetworkState& state) const noexcept {
   advance(state);
 }
 
-/// The forces of all links; of a row, those that its pass does not know.
+/// The forces of all links; of a row of masses, those that `MassRow` does not include.
 void CentredSolver::start_forces(NetworkState& state) const noexcept {
   if (in_row_ && jumps_.entries().empty())
     row_.fill(constant_.data(), state.change.data());
@@ -376,7 +376,7 @@ void CentredSolver::audit(NetworkState& state) const noexcept {
   }
 }
 
-/// What a touch takes beyond what it stores.
+/// What a contact or a bond dissipates.
 double CentredSolver::lost(const NetworkState& state, const ActiveCoupling& link) const noexcept {
   const auto c = index(link.coupling);
   if (kind_ != Kind::Implicit || c >= model_.contacts.size())

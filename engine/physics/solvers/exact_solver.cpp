@@ -351,12 +351,12 @@ double ExactSolver::energy(const NetworkState& state) const noexcept {
 }
 
 NetworkSolver::Cost ExactSolver::cost() const {
-  double step = 4.0 * static_cast<double>(couplings_.count()), touch = 40.0;
+  double step = 4.0 * static_cast<double>(couplings_.count()), contact = 40.0;
   for (const auto& block : blocks_) {
     step += static_cast<double>(block.step.size());
-    touch += block.group.states();
+    contact += block.group.states();
   }
-  return {step, touch};
+  return {step, contact};
 }
 
 }  // namespace tactus

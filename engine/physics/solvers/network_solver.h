@@ -30,9 +30,9 @@ class NetworkSolver {
   virtual bool centred() const = 0;
   /// [any] Springs are averaged over the instants of a step: stable whatever the stiffness.
   virtual bool springs_averaged() const { return false; }
-  /// [any] Multiplications of a step while nothing touches; of a touching contact beside it.
+  /// [any] Multiplications of a step without contact, and of each closed contact.
   struct Cost {
-    double step, touch;
+    double step, contact;
   };
   virtual Cost cost() const = 0;
 };

@@ -47,7 +47,7 @@ void ReferenceSolver::load(const NetworkState& state) const noexcept {
   for (std::size_t f = 0; f < state.sliding.size(); ++f) now_.slide[f] = slide_of(state.sliding[f]);
   for (std::size_t p = 0; p < state.slipped.size(); ++p)
     now_.slide[state.sliding.size() + p] = slide_of(state.slipped[p]);
-  flow_.find_touches(now_);
+  flow_.find_contacts(now_);
 }
 
 void ReferenceSolver::keep(NetworkState& state) const noexcept {

@@ -10,12 +10,12 @@
 
 namespace tactus {
 
-/// What is known of a way to step a network before it is run: counted, never timed, so it is the same on
+/// Bounds on a solver for a network, from operation counts and never from a clock, so it is the same on
 /// every machine.
 struct SolverBounds {
   Solver solver;
   int oversample;
-  double multiplications = 0;  ///< a frame, while one contact touches
+  double multiplications = 0;  ///< a frame, with one closed contact
   bool stable = false;         ///< the linear part, and contacts as far as `ContactDemand` goes
   double error = 0;            ///< largest relative error of a resonance, or of the time of a contact
   /// What speaks against it.
