@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "engine/nodes/networks/network.h"
 #include "engine/nodes/networks/network_node.h"
@@ -12,6 +13,8 @@ using namespace tactus;
 using namespace tactus::test;
 
 namespace {
+
+using Samples = std::vector<double>;
 
 // strength F, reach r:  F(d) = F x (3 / (2 + x^2))^1.5,  x = d / r;  V = -E / w,  w = sqrt(1 + x^2 / 2)
 constexpr double kStrength = 2.0, kReach = 3e-3, kMass = 0.0125;
