@@ -31,6 +31,7 @@ struct ElementField {
   bool signal = false;          ///< may change from frame to frame; others are fixed when the graph is loaded
   bool optional = false;        ///< not there at all unless the file names it
   std::string instead_of = {};  ///< the field that it excludes
+  bool nonlinear = false;       ///< an element that has it is not linear
   bool one_required = false;    ///< it or the field that it excludes must be in the file
 };
 

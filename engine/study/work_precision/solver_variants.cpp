@@ -55,7 +55,10 @@ bool is_linear(const SceneSpec& scene) {
   return !any_network(scene, [](const NetworkSpec& network) {
     return std::any_of(network.elements.begin(), network.elements.end(), [](const NodeSpec& element) {
       const auto* type = find_element(element.type);
-      return type == nullptr || !type->linear || find(element.fields, "cubic") != nullptr;
+      return type == nullptr || !type->linear ||
+             std::any_of(type->fields.begin(), type->fields.end(), [&](const ElementField& field) {
+               return field.nonlinear && find(element.fields, field.name) != nullptr;
+             });
     });
   });
 }

@@ -1,7 +1,12 @@
+#include "engine/nodes/networks/network_elements.h"
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
+#include <regex>
 
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
@@ -254,4 +259,23 @@ TEST_CASE("network elements: a choice among bad ones is told as that, in a line 
   CHECK(free.find("warning") == std::string::npos);
   CHECK(free.find("\n  not explicit with 4 steps a frame: ") != std::string::npos);
   CHECK(std::count(free.begin(), free.end(), '\n') <= 3);
+}
+
+TEST_CASE("network elements: no code compares the name of a type of element", "[physics]") {
+  std::string names;
+  for (const auto& type : network_elements()) names += (names.empty() ? "" : "|") + type.name;
+  const std::regex compared("type(->|\\.)?(name)? *[!=]= *\"(" + names + ")\"|starts_with\\(\"(" + names +
+                            ")\"");
+  for (const auto* folder : {"engine", "apps"})
+    for (const auto& file :
+         std::filesystem::recursive_directory_iterator(std::string(TACTUS_SOURCE_DIR "/") + folder)) {
+      if (file.path().extension() != ".cpp" && file.path().extension() != ".h") continue;
+      std::ifstream in(file.path());
+      std::string line;
+      while (std::getline(in, line)) {
+        CAPTURE(file.path(), line);
+        const bool clean = !std::regex_search(line, compared);
+        if (!clean) FAIL_CHECK("compare a field of the table's entry instead");
+      }
+    }
 }
