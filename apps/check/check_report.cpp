@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/graph/file/entry_fields.h"
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 
 namespace tactus::app {
 namespace {

@@ -1,5 +1,5 @@
 #include "apps/nodes/schema_files.h"
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 
 namespace tactus::schema {
 namespace {

@@ -1,16 +1,20 @@
 #pragma once
 
+// Thread: [control]
+#include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "engine/core/units.h"
+#include "engine/physics/couplings/bond_law.h"
 #include "engine/physics/couplings/friction_law.h"
 
 namespace tactus {
 
 /// A signal that enters a network, by its place in the inputs of `Network::step`; -1: always 0.
 /// With a bandwidth (-3 dB) it goes through two equal real poles first: what a muscle does to an intention.
-struct Drive {
+struct NetworkInput {
   int signal = -1;
   std::optional<Hertz> bandwidth;
 };
@@ -20,13 +24,13 @@ struct Point {
   enum class Kind {
     Mass,    ///< moved by the forces on it
     Ground,  ///< stays at `position`
-    Motion,  ///< goes where `drive` says: in a straight line from sample to sample, one frame later
+    Motion,  ///< goes where `input` says: in a straight line from sample to sample, one frame later
   };
   Kind kind = Kind::Mass;
   double mass = 0.0;
   double position = 0.0;  ///< at the start
   double velocity = 0.0;  ///< at the start (masses)
-  Drive drive;
+  NetworkInput input;
 };
 
 /// Tension T = k e + z e',  e = x_upper - x_lower - rest;  pulls `lower` up and `upper` down.
@@ -39,8 +43,8 @@ struct Spring {
 
 /// Push F = K n^a (1 + r n') where n = x_lower - x_upper + offset > 0, never below 0; pushes `lower` down and
 /// `upper` up. Hunt & Crossley, J. Appl. Mech. 42, 1975.
-/// With `restitution` e the loss r is set anew at each touch, so that the ratio of the speeds does not depend
-/// on the speed: r v is then a number that depends on e alone (see `loss_for_restitution`).
+/// With `restitution` e the loss r is set anew at each impact, so that the ratio of the speeds does not
+/// depend on the speed: r v is then a number that depends on e alone (see `loss_for_restitution`).
 struct Contact {
   int lower = 0, upper = 0;
   double stiffness = 0.0;             ///< K [N/m^a], > 0
@@ -53,7 +57,7 @@ struct Contact {
 /// A force on a mass [N], held from frame to frame.
 struct AppliedForce {
   int on = 0;
-  Drive drive;
+  NetworkInput input;
 };
 
 /// A coil on a point in the field of a magnet on another:  L i' = V - R i - Bl (x_on - x_against)',
@@ -64,7 +68,7 @@ struct Coil {
   double force_factor = 0.0;  ///< Bl [T m]
   double resistance = 0.0;    ///< R [ohm], > 0
   double inductance = 0.0;    ///< L [H], >= 0
-  Drive voltage;              ///< V [V], held from frame to frame
+  NetworkInput voltage;       ///< V [V], held from frame to frame
 };
 
 /// Friction  F = N mu(|v|) sgn v + c v  against the sliding v = x_lower' - x_upper'; pushes `lower` down and
@@ -74,19 +78,20 @@ struct Friction {
   int lower = 0, upper = 0;
   FrictionLaw law;
   double viscous = 0.0;  ///< c [N s/m], >= 0
-  Drive normal;
+  NetworkInput normal;
   int normal_contact = -1;  ///< instead of `normal`
   int normal_spring = -1;   ///< instead of `normal`
 };
 
-/// A plectrum: a spring and a damper between two points that slip off each other when the force of the spring
-/// exceeds `limit`, and hold again when they have come back past each other. n = x_lower - x_upper:
-/// F = k n + z n', |k n| <= limit; pushes `lower` down and `upper` up where F > 0.
-struct Pluck {
+/// A conservative force by any law and a damper between two points, n = x_lower - x_upper:
+///   F = law(n) + z n';  pushes `lower` down and `upper` up where F > 0.
+/// The points slip off each other when |law(n)| exceeds `limit`, and hold again when they have come back past
+/// each other.
+struct Bond {
   int lower = 0, upper = 0;
-  double stiffness = 0.0;  ///< k [N/m], > 0
-  double damping = 0.0;    ///< z [N s/m], >= 0
-  double limit = 0.0;      ///< [N], > 0
+  std::shared_ptr<const BondLaw> law;
+  double damping = 0.0;                                    ///< z [N s/m], >= 0
+  double limit = std::numeric_limits<double>::infinity();  ///< [N], > 0
 };
 
 /// Where a wave of force travels between a mass and something outside, as in a string of impedance Z:
@@ -97,7 +102,7 @@ struct Pluck {
 struct WavePort {
   int on = 0;
   double impedance = 0.0;  ///< Z [N s/m], > 0
-  Drive wave;              ///< a [N], held from frame to frame
+  NetworkInput wave;       ///< a [N], held from frame to frame
 };
 
 /// All that a network is made of. Links name points by their index.
@@ -108,9 +113,12 @@ struct NetworkElements {
   std::vector<AppliedForce> forces;
   std::vector<Coil> coils;
   std::vector<Friction> frictions;
-  std::vector<Pluck> plucks;
+  std::vector<Bond> bonds;
   std::vector<WavePort> ports;
 };
+
+/// [control] Points are called `to[point]` from now on, by all links.
+void renumber(NetworkElements& elements, const std::vector<int>& to);
 
 /// A hand holds a mass by a spring and a damper and pushes. It moves only as fast as `bandwidth` (at most
 /// 10 Hz) lets it, so that any faster roll comes from bouncing.

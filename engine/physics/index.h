@@ -1,13 +1,5 @@
 #pragma once
 
-#include <cstddef>
-
-namespace tactus {
-
-/// [any] A place in a list, which the elements of a network keep as an int.
-constexpr std::size_t index(int i) noexcept { return static_cast<std::size_t>(i); }
-
-/// [any]
-constexpr double square(double x) noexcept { return x * x; }
-
-}  // namespace tactus
+// Thread: [any]
+#include "engine/core/index.h"  // moved; to be removed once nothing includes it from here
+#include "engine/physics/numbers.h"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -19,7 +19,7 @@ std::size_t moving_points(const NetworkElements& elements) {
 }
 
 /// Every number that a step reads of the state before it, one after the other: the one place that lists them.
-/// Of the motions only those that the scheme keeps, since the others never change.
+/// Of the motions only those that the solver keeps, since the others never change.
 void each_number(NetworkState& state, std::size_t moving, const std::function<void(double&)>& visit) {
   const auto all = [&](Numbers& list) {
     for (std::size_t i = 0; i < moving; ++i) visit(list[i]);
@@ -59,22 +59,24 @@ NetworkElements tangent(NetworkElements elements, const Touching& touching) {
     elements.springs.push_back(spring);
   }
   for (auto& contact : elements.contacts) contact.offset = kFar;
-  // What slides or holds is not linear: frictions are not pressed. Plectra hold.
+  // What slides or holds is not linear: frictions are not pressed. Bonds hold, at the distance of the start.
   for (auto& friction : elements.frictions) {
     elements.springs.push_back({friction.lower, friction.upper, 0.0, friction.viscous});
     friction.normal = {}, friction.normal_contact = friction.normal_spring = -1, friction.viscous = 0.0;
   }
-  for (auto& pluck : elements.plucks) {
-    elements.springs.push_back({pluck.upper, pluck.lower, pluck.stiffness, pluck.damping});
-    pluck.stiffness = kNothing, pluck.damping = 0.0;
+  for (auto& bond : elements.bonds) {
+    const double n =
+        elements.points[index(bond.lower)].position - elements.points[index(bond.upper)].position;
+    elements.springs.push_back({bond.upper, bond.lower, bond.law->stiffness(n), bond.damping});
+    bond.law = std::make_shared<LinearBond>(kNothing), bond.damping = 0.0;
   }
   return elements;
 }
 
 std::size_t state_size(const NetworkElements& elements, int signals) {
   std::size_t low_passes = 0;
-  for (const auto& point : elements.points) low_passes += point.drive.bandwidth.has_value();
-  for (const auto& force : elements.forces) low_passes += force.drive.bandwidth.has_value();
+  for (const auto& point : elements.points) low_passes += point.input.bandwidth.has_value();
+  for (const auto& force : elements.forces) low_passes += force.input.bandwidth.has_value();
   return 3 * moving_points(elements) + 2 * (elements.coils.size() + elements.ports.size()) + index(signals) +
          2 * low_passes;
 }
@@ -204,18 +206,18 @@ Result<double> radius_of(const NetworkElements& elements, int signals, const Ste
 
 std::optional<Hertz> least_rate(const NetworkElements& elements, int signals, Solver solver) {
   constexpr double kLowest = 100.0, kHighest = 1e8;
-  const auto holds = [&](double rate) {
+  const auto stable_at = [&](double rate) {
     const auto radius = radius_of(elements, signals, {Hertz{rate}, solver, 1});
     return radius && *radius <= 1.0 + kRoundOfRadius;
   };
-  if (holds(kLowest)) return std::nullopt;
+  if (stable_at(kLowest)) return std::nullopt;
   double low = kLowest, high = kLowest;
-  while (!holds(high)) {
+  while (!stable_at(high)) {
     if (high > kHighest) return Hertz{std::numeric_limits<double>::infinity()};
     low = high;
     high *= 2.0;
   }
-  while (high > 1.001 * low) (holds(std::sqrt(low * high)) ? high : low) = std::sqrt(low * high);
+  while (high > 1.001 * low) (stable_at(std::sqrt(low * high)) ? high : low) = std::sqrt(low * high);
   return Hertz{high};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <Eigen/Core>
 #include <complex>
 #include <optional>
@@ -10,22 +11,23 @@
 
 namespace tactus {
 
-/// What a network is made of, where it is to be looked at: which contacts are closed, and by which push [N].
+/// The operating point of a linearisation: which contacts are closed, and with which force [N].
 struct Touching {
   std::vector<int> contacts;  ///< in the order of the elements; all others are open
   double push = 10.0;
 };
 
-/// [control] The network as it moves by little: an open contact is not there, a closed one is the spring and
-/// the damper that it is at the indentation n where F = K n^a is the push,
+/// [control] The small-signal network: an open contact is absent, a closed one is the spring and the damper
+/// that it is at the indentation n where F = K n^a is the push,
 ///     k = a F / n,   z = F r.
-/// The contacts stay in the list, far apart, so that all parts keep their places; the springs that stand for
-/// the closed ones come behind the others. A contact with a restitution is taken without its loss.
+/// The contacts stay in the list, far apart, so that all parts keep their index; the springs that replace
+/// the closed ones are appended. A contact with a restitution is taken without its loss. A bond is
+/// the spring that it is where its points are: below 0 where its force falls with the distance.
 NetworkElements tangent(NetworkElements elements, const Touching& touching);
 
 /// One step of a network from frame to frame as a linear map of its state and of its inputs,
 ///     x+ = A x + B u,
-/// found by stepping it from each unit of the state: true for every solver, since it asks the solver. Exact
+/// found by stepping it from each unit of the state: true for every solver. Exact
 /// but for rounding where no contact can open or close (see `tangent`).
 /// The state: positions and motions of all that moves [m], currents [A], inputs of the last frame,
 /// low-passes.
@@ -40,7 +42,7 @@ LinearStep linear_step(const Network& network, const NetworkElements& elements, 
 std::size_t state_size(const NetworkElements& elements, int signals);
 inline constexpr std::size_t kMostLinearised = 300;
 
-/// A way in which a linear step moves by itself: z^n with z = radius e^(j 2 pi frequency / rate).
+/// A mode of a linear step: z^n with z = radius e^(j 2 pi frequency / rate).
 struct StepMode {
   std::complex<double> pole;
   Eigen::VectorXcd shape;  ///< of the state
@@ -53,9 +55,8 @@ inline constexpr double kRoundOfRadius = 1e-7;
 /// [control] Largest |pole|.
 double spectral_radius(const Eigen::MatrixXd& a);
 
-/// [control] The same for any size, by letting the network go for some thousand frames from motions at
-/// random: what its motions grow by in a frame if they grow at all, else 1. Coarser: it finds what grows by
-/// more than a thousandth in a frame.
+/// [control] The same for any size, by running the network for some thousand frames from random
+/// motions: their growth a frame, or 1 if they do not grow. Detects growth of more than a thousandth a frame.
 double radius_by_running(const Network& network, const NetworkElements& elements, int signals);
 
 /// C (z - A)^-1 B at any z, after A was brought to Hessenberg form once: n^2 operations for each input.

@@ -4,37 +4,47 @@
 #include <cassert>
 #include <cmath>
 
+#include "engine/core/index.h"
 #include "engine/dsp/simd/lanes.h"
-#include "engine/physics/index.h"
-#include "engine/physics/solvers/centred_scheme.h"
-#include "engine/physics/solvers/exact_scheme.h"
-#include "engine/physics/solvers/flow_scheme.h"
+#include "engine/physics/solvers/centred_solver.h"
+#include "engine/physics/solvers/exact_solver.h"
+#include "engine/physics/solvers/reference_solver.h"
 
 namespace tactus {
 namespace {
 
 /// What enters at frame n; nothing is connected to signal -1.
-double now(const Drive& drive, const double* inputs) { return drive.signal < 0 ? 0.0 : inputs[drive.signal]; }
-double before(const NetworkState& state, const Drive& drive) {
-  return drive.signal < 0 ? 0.0 : state.held[index(drive.signal)];
+double now(const NetworkInput& input, const double* inputs) {
+  return input.signal < 0 ? 0.0 : inputs[input.signal];
+}
+double before(const NetworkState& state, const NetworkInput& input) {
+  return input.signal < 0 ? 0.0 : state.held[index(input.signal)];
 }
 
-Result<std::unique_ptr<Scheme>> make_scheme(const NetworkModel& model, const NetworkElements& elements,
-                                            Solver solver) {
+Result<std::unique_ptr<NetworkSolver>> make_solver(const NetworkModel& model, const NetworkElements& elements,
+                                                   Solver solver) {
   switch (solver) {
     case Solver::Explicit:
-      return CentredScheme::make(model, CentredScheme::Kind::Explicit);
+      return CentredSolver::make(model, CentredSolver::Kind::Explicit);
     case Solver::Implicit:
-      return CentredScheme::make(model, CentredScheme::Kind::Implicit);
+      return CentredSolver::make(model, CentredSolver::Kind::Implicit);
     case Solver::Exact:
-      return ExactScheme::make(model);
+      return ExactSolver::make(model);
     case Solver::Reference:
-      return std::make_unique<FlowScheme>(model, elements);
+      return std::make_unique<ReferenceSolver>(model, elements);
     case Solver::Passive:
     case Solver::Auto:
       break;
   }
-  return CentredScheme::make(model, CentredScheme::Kind::Passive);
+  return CentredSolver::make(model, CentredSolver::Kind::Passive);
+}
+
+double extension_of(const NetworkState& state, const Spring& spring) {
+  return state.position[index(spring.upper)] - state.position[index(spring.lower)] - spring.rest;
+}
+
+double indentation_of(const NetworkState& state, const NetworkModel::Contact& contact) {
+  return state.position[index(contact.lower)] - state.position[index(contact.upper)] + contact.offset;
 }
 
 }  // namespace
@@ -52,28 +62,28 @@ Result<Network> Network::make(const NetworkElements& elements, int signals, Hert
   }
   const double step_s = 1.0 / (rate.value * network.oversample_);
   network.model_ = std::make_shared<const NetworkModel>(elements, signals, step_s);
-  auto scheme = make_scheme(*network.model_, elements, network.solver_);
-  if (!scheme) return tl::unexpected(scheme.error());
-  network.scheme_ = std::move(*scheme);
+  auto made = make_solver(*network.model_, elements, network.solver_);
+  if (!made) return tl::unexpected(made.error());
+  network.network_solver_ = std::move(*made);
   return network;
 }
 
 NetworkState Network::initial_state() const {
   const auto& m = *model_;
   NetworkState state;
-  const auto slots = m.start_position.size(), couplings = m.contacts.size() + m.plucks.size();
+  const auto slots = m.start_position.size(), couplings = m.contacts.size() + m.bonds.size();
   for (auto* list : {&state.position, &state.change}) list->resize(slots);
-  if (scheme_->centred())
+  if (network_solver_->centred())
     state.moved.resize(slots), state.moved_before.resize(slots);
   else
     state.velocity.resize(slots);
   state.root.resize(couplings);
   state.loss.resize(m.contacts.size());
-  state.touching.reserve(couplings);
+  state.active.reserve(couplings);
   if (solver_ != Solver::Explicit) state.matrix.resize(couplings * couplings);
   state.right.resize(couplings);
-  state.slipped.resize(m.plucks.size());
-  for (auto* list : {&state.sliding, &state.rub, &state.slide, &state.normal})
+  state.slipped.resize(m.bonds.size());
+  for (auto* list : {&state.sliding, &state.friction_force, &state.friction_velocity, &state.normal})
     list->resize(m.frictions.size());
   for (auto* list : {&state.current, &state.mean_current, &state.voltage}) list->resize(m.coils.size());
   state.force.resize(m.forces.size());
@@ -94,10 +104,10 @@ void Network::reset(NetworkState& state) const noexcept {
     if (list != &NetworkState::position) std::fill((state.*list).begin(), (state.*list).end(), 0.0);
   std::fill(state.change.begin(), state.change.end(), 0.0);
   std::fill(state.low_pass.begin(), state.low_pass.end(), CriticalLowPass::State{});
-  state.touching.clear();
+  state.active.clear();
   state.settled = false;
   state.supplied = state.dissipated = 0.0;
-  scheme_->start(state);
+  network_solver_->start(state);
 }
 
 void Network::adopt(NetworkState& state, const NetworkState& before) const noexcept {
@@ -105,28 +115,28 @@ void Network::adopt(NetworkState& state, const NetworkState& before) const noexc
     std::copy((before.*list).begin(), (before.*list).end(), (state.*list).begin());
   std::copy(before.low_pass.begin(), before.low_pass.end(), state.low_pass.begin());
   state.settled = before.settled;
-  scheme_->store_energy(state);
+  network_solver_->store_energy(state);
 }
 
 /// Driven points and hands do not jump to their first place, they have been there before the start.
 void Network::settle(NetworkState& state, const double* inputs) const noexcept {
   for (const auto& motion : model_->motions) {
-    const double place = now(motion.drive, inputs);
+    const double place = now(motion.input, inputs);
     state.position[index(motion.slot)] = place;
     for (auto* list : {&state.moved, &state.moved_before})
       if (!list->empty()) (*list)[index(motion.slot)] = 0.0;
-    if (motion.drive.signal >= 0) state.held[index(motion.drive.signal)] = place;
+    if (motion.input.signal >= 0) state.held[index(motion.input.signal)] = place;
     if (motion.low_pass >= 0) state.low_pass[index(motion.low_pass)] = {place, 0.0};
   }
   for (const auto& force : model_->forces)
-    if (force.low_pass >= 0) state.low_pass[index(force.low_pass)] = {now(force.drive, inputs), 0.0};
-  for (std::size_t p = 0; p < model_->plucks.size(); ++p) {
-    const auto& pluck = model_->plucks[p];
-    const double n = state.position[index(pluck.lower)] - state.position[index(pluck.upper)];
-    if (pluck.stiffness * std::abs(n) > pluck.limit) state.slipped[p] = n < 0.0 ? -1.0 : 1.0;
+    if (force.low_pass >= 0) state.low_pass[index(force.low_pass)] = {now(force.input, inputs), 0.0};
+  for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
+    const auto& bond = model_->bonds[b];
+    const double n = state.position[index(bond.lower)] - state.position[index(bond.upper)];
+    if (std::abs(bond.law->force(n)) > bond.limit) state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
   }
   state.settled = true;
-  scheme_->start(state);
+  network_solver_->start(state);
 }
 
 void Network::step(NetworkState& state, const double* inputs) const noexcept {
@@ -137,17 +147,17 @@ void Network::step(NetworkState& state, const double* inputs) const noexcept {
   copy_samples(inputs, model_->signals, state.held.data());
 }
 
-/// A value held from frame to frame, as the scheme sees it in step `part` of a frame.
+/// A value held from frame to frame, as the solver sees it in step `part` of a frame.
 double Network::enter(NetworkState& state, const NetworkModel::Driven& driven, const double* inputs,
                       int part) const noexcept {
-  const double value = now(driven.drive, inputs);
+  const double value = now(driven.input, inputs);
   if (driven.low_pass >= 0) {
     auto& filter = state.low_pass[index(driven.low_pass)];
     const double filtered = filter.value;
     model_->low_passes[index(driven.low_pass)].step(filter, value);
     return filtered;
   }
-  return part == 0 && scheme_->centred() ? 0.5 * (before(state, driven.drive) + value) : value;
+  return part == 0 && network_solver_->centred() ? 0.5 * (before(state, driven.input) + value) : value;
 }
 
 void Network::substep(NetworkState& state, const double* inputs, int part) const noexcept {
@@ -157,21 +167,21 @@ void Network::substep(NetworkState& state, const double* inputs, int part) const
   for (std::size_t i = 0; i < model_->coils.size(); ++i)
     state.voltage[i] = enter(state, model_->coils[i].voltage, inputs, part);
   for (std::size_t i = 0; i < model_->ports.size(); ++i)
-    state.wave[i] = now(model_->ports[i].wave.drive, inputs);  // a sample of a wave, not a held force
+    state.wave[i] = now(model_->ports[i].wave.input, inputs);  // a sample of a wave, not a held force
   if (!model_->frictions.empty()) press(state, inputs, part);
-  scheme_->step(state);
+  network_solver_->step(state);
 }
 
 void Network::move_driven(NetworkState& state, const double* inputs, int part) const noexcept {
   for (std::size_t i = 0; i < model_->motions.size(); ++i) {
     const auto& motion = model_->motions[i];
-    double next = now(motion.drive, inputs);
+    double next = now(motion.input, inputs);
     if (motion.low_pass >= 0) {
       auto& filter = state.low_pass[index(motion.low_pass)];
       model_->low_passes[index(motion.low_pass)].step(filter, next);
       next = filter.value;
     } else if (part + 1 < oversample_) {
-      const double last = before(state, motion.drive);
+      const double last = before(state, motion.input);
       next = last + (next - last) * (part + 1) / oversample_;
     }
     state.next[i] = next;
@@ -189,6 +199,91 @@ void Network::press(NetworkState& state, const double* inputs, int part) const n
   }
 }
 
-double Network::spectral_radius() const { return scheme_->spectral_radius(); }
+double Network::speed_between(const NetworkState& state, int one, int other) const noexcept {
+  return network_solver_->velocity(state, one) - network_solver_->velocity(state, other);
+}
+
+double Network::tension(const NetworkState& state, const Spring& s) const noexcept {
+  return s.stiffness * extension_of(state, s) + s.damping * speed_between(state, s.upper, s.lower);
+}
+
+double Network::push_of(const NetworkState& state, int contact) const noexcept {
+  const auto& c = model_->contacts[index(contact)];
+  const double n = indentation_of(state, c);
+  if (n <= 0.0) return 0.0;
+  const double speed = speed_between(state, c.lower, c.upper);
+  return std::max(0.0, c.law.force(n) * (1.0 + state.loss[index(contact)] * speed));
+}
+
+double Network::position(const NetworkState& state, int point) const noexcept {
+  return state.position[index(model_->slot[index(point)])];
+}
+
+double Network::velocity(const NetworkState& state, int point) const noexcept {
+  return network_solver_->velocity(state, model_->slot[index(point)]);
+}
+
+double Network::extension(const NetworkState& state, int spring) const noexcept {
+  return extension_of(state, model_->springs[index(spring)]);
+}
+
+double Network::spring_force(const NetworkState& state, int spring) const noexcept {
+  return tension(state, model_->springs[index(spring)]);
+}
+
+double Network::indentation(const NetworkState& state, int contact) const noexcept {
+  return std::max(0.0, indentation_of(state, model_->contacts[index(contact)]));
+}
+
+double Network::contact_force(const NetworkState& state, int contact) const noexcept {
+  return push_of(state, contact);
+}
+
+double Network::applied_force(const NetworkState& state, int force) const noexcept {
+  const auto& f = model_->forces[index(force)];
+  if (f.low_pass >= 0) return state.low_pass[index(f.low_pass)].value;
+  return f.input.signal < 0 ? 0.0 : state.held[index(f.input.signal)];
+}
+
+double Network::current(const NetworkState& state, int coil) const noexcept {
+  return network_solver_->current(state, coil);
+}
+
+double Network::coil_force(const NetworkState& state, int coil) const noexcept {
+  return model_->coils[index(coil)].force_factor * current(state, coil);
+}
+
+double Network::friction_force(const NetworkState& state, int friction) const noexcept {
+  return state.friction_force[index(friction)];
+}
+
+double Network::friction_velocity(const NetworkState& state, int friction) const noexcept {
+  return state.friction_velocity[index(friction)];
+}
+
+double Network::bond_force(const NetworkState& state, int bond) const noexcept {
+  if (state.slipped[index(bond)] != 0.0) return 0.0;
+  const auto& b = model_->bonds[index(bond)];
+  const double n = state.position[index(b.lower)] - state.position[index(b.upper)];
+  const double law = b.law->linear()
+                         ? b.law->root_slope(n) * state.root[model_->contacts.size() + index(bond)]
+                         : b.law->force(n);
+  return law + b.damping * speed_between(state, b.lower, b.upper);
+}
+
+double Network::bond_distance(const NetworkState& state, int bond) const noexcept {
+  const auto& b = model_->bonds[index(bond)];
+  return state.position[index(b.lower)] - state.position[index(b.upper)];
+}
+
+double Network::wave(const NetworkState& state, int port) const noexcept {
+  return state.wave_back[index(port)];
+}
+
+double Network::port_force(const NetworkState& state, int port) const noexcept {
+  return state.wave[index(port)] + state.wave_back[index(port)];
+}
+
+double Network::energy(const NetworkState& state) const noexcept { return network_solver_->energy(state); }
 
 }  // namespace tactus

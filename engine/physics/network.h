@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [any], except where a function says otherwise
 #include <memory>
 #include <optional>
 
@@ -7,23 +8,23 @@
 #include "engine/core/units.h"
 #include "engine/physics/elements.h"
 #include "engine/physics/network_state.h"
-#include "engine/physics/solvers/scheme.h"
+#include "engine/physics/solvers/network_solver.h"
 #include "engine/physics/solvers/solver.h"
 #include "engine/physics/solvers/solver_choice.h"
 
 namespace tactus {
 
-/// Masses on a line, joined by springs, contacts, frictions, plectra and coils, stepped at a fixed rate 1/k =
+/// Masses on a line, joined by springs, contacts, frictions, bonds and coils, stepped at a fixed rate 1/k =
 /// rate * oversample.
 ///
 /// Forces, voltages and waves of frame n are held until frame n + 1. Driven points go in a straight line to
-/// the position of frame n until frame n + 1. On the first frame they, and hands, are there already. What is
-/// asked of a state at frame n depends on inputs before frame n only.
+/// the position of frame n until frame n + 1. On the first frame they, and hands, are there already. Outputs
+/// at frame n depends on inputs before frame n only.
 class Network {
  public:
   /// [control] `signals` inputs are handed to each step. rate > 0; 1 <= oversample <= 64, or 0: as many as
   /// `Solver::Auto` finds right (1 for the others). The numbers of the elements are in their ranges and their
-  /// points exist (asserted: the graph file was checked before). Errors: those of the scheme.
+  /// points exist (asserted: the graph file was checked before). Errors: those of the solver.
   static Result<Network> make(const NetworkElements& elements, int signals, Hertz rate, Solver solver,
                               int oversample);
 
@@ -53,24 +54,23 @@ class Network {
   /// Of the last step.
   double friction_force(const NetworkState& state, int friction) const noexcept;
   double friction_velocity(const NetworkState& state, int friction) const noexcept;
-  double pluck_force(const NetworkState& state, int pluck) const noexcept;
+  double bond_force(const NetworkState& state, int bond) const noexcept;
+  /// x_lower - x_upper.
+  double bond_distance(const NetworkState& state, int bond) const noexcept;
   /// What goes out of a port, a - Z v, mean of the last frame; and the force a + b on the mass with it.
   double wave(const NetworkState& state, int port) const noexcept;
   double port_force(const NetworkState& state, int port) const noexcept;
-  /// Stored in masses, springs, contacts, plectra and inductances (centred schemes: half a step before the
+  /// Stored in masses, springs, contacts, bonds and inductances (centred solvers: half a step before the
   /// frame).
   double energy(const NetworkState& state) const noexcept;
 
   /// [any]
-  bool springs_averaged() const { return scheme_->springs_averaged(); }
+  bool springs_averaged() const { return network_solver_->springs_averaged(); }
   Solver solver() const { return solver_; }
   int oversample() const { return oversample_; }
   /// [any] What there was to choose from, where `Auto` chose.
   const std::optional<SolverChoice>& choice() const { return choice_; }
-  const Scheme& scheme() const { return *scheme_; }
-  /// [control] Largest |eigenvalue| of one step without couplings: above 1 the linear part is unstable.
-  /// O(masses^3).
-  double spectral_radius() const;
+  const NetworkSolver& network_solver() const { return *network_solver_; }
 
  private:
   Network() = default;
@@ -87,9 +87,9 @@ class Network {
   int oversample_ = 1;
   Solver solver_ = Solver::Passive;
   std::optional<SolverChoice> choice_;
-  // The scheme refers to the model.
+  // The solver refers to the model.
   std::shared_ptr<const NetworkModel> model_;
-  std::shared_ptr<const Scheme> scheme_;
+  std::shared_ptr<const NetworkSolver> network_solver_;
 };
 
 }  // namespace tactus

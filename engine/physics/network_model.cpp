@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -20,10 +20,10 @@ NetworkModel::NetworkModel(NetworkElements elements, int signals_, double step_s
   take_links(elements);
 }
 
-NetworkModel::Driven NetworkModel::driven(int of, const Drive& drive) {
-  if (!drive.bandwidth) return {of, drive, -1};
-  low_passes.emplace_back(*drive.bandwidth, Hertz{1.0 / k});
-  return {of, drive, static_cast<int>(low_passes.size()) - 1};
+NetworkModel::Driven NetworkModel::driven(int of, const NetworkInput& input) {
+  if (!input.bandwidth) return {of, input, -1};
+  low_passes.emplace_back(*input.bandwidth, Hertz{1.0 / k});
+  return {of, input, static_cast<int>(low_passes.size()) - 1};
 }
 
 void NetworkModel::take_points(NetworkElements& elements) {
@@ -42,34 +42,31 @@ void NetworkModel::take_points(NetworkElements& elements) {
       start_velocity.push_back(kind == Point::Kind::Mass ? point.velocity : 0.0);
       if (kind == Point::Kind::Mass) mass.push_back(point.mass);
       if (kind == Point::Kind::Mass) scale.push_back(k * k / point.mass);
-      if (kind == Point::Kind::Motion) motions.push_back(driven(slot[i], point.drive));
+      if (kind == Point::Kind::Motion) motions.push_back(driven(slot[i], point.input));
     }
   }
   masses = static_cast<int>(mass.size());
 }
 
-void NetworkModel::take_links(const NetworkElements& elements) {
-  const auto at = [this](int point) { return slot[index(point)]; };
-  springs = elements.springs;
-  for (auto& spring : springs) spring.lower = at(spring.lower), spring.upper = at(spring.upper);
+void NetworkModel::take_links(NetworkElements& elements) {
+  renumber(elements, slot);
+  springs = std::move(elements.springs);
+  bonds = std::move(elements.bonds);
   for (const auto& c : elements.contacts)
-    contacts.push_back({at(c.lower), at(c.upper), c.offset, c.loss,
+    contacts.push_back({c.lower, c.upper, c.offset, c.loss,
                         c.restitution ? loss_for_restitution(*c.restitution) : 0.0,
                         ContactLaw(c.stiffness, c.exponent)});
-  for (const auto& force : elements.forces) forces.push_back(driven(at(force.on), force.drive));
+  for (const auto& force : elements.forces) forces.push_back(driven(force.on, force.input));
   for (const auto& coil : elements.coils) {
     const double memory = 2.0 * coil.inductance / k;
-    coils.push_back({at(coil.on), at(coil.against), coil.force_factor, coil.inductance, coil.resistance,
-                     memory, memory + coil.resistance,
-                     memory > 0.0 ? std::exp(-coil.resistance / memory) : 0.0,
-                     driven(at(coil.on), coil.voltage)});
+    coils.push_back({coil.on, coil.against, coil.force_factor, coil.inductance, coil.resistance, memory,
+                     memory + coil.resistance, memory > 0.0 ? std::exp(-coil.resistance / memory) : 0.0,
+                     driven(coil.on, coil.voltage)});
   }
   for (const auto& f : elements.frictions)
-    frictions.push_back({at(f.lower), at(f.upper), f.law, f.viscous, driven(at(f.lower), f.normal),
-                         f.normal_contact, f.normal_spring});
-  plucks = elements.plucks;
-  for (auto& pluck : plucks) pluck.lower = at(pluck.lower), pluck.upper = at(pluck.upper);
-  for (const auto& port : elements.ports) ports.push_back({port.impedance, driven(at(port.on), port.wave)});
+    frictions.push_back(
+        {f.lower, f.upper, f.law, f.viscous, driven(f.lower, f.normal), f.normal_contact, f.normal_spring});
+  for (const auto& port : elements.ports) ports.push_back({port.impedance, driven(port.on, port.wave)});
 }
 
 NetworkModel::Links NetworkModel::links(bool eliminated) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <optional>
 #include <vector>
 
@@ -10,7 +11,7 @@
 
 namespace tactus {
 
-/// The elements of a network as every way of stepping them wants them. Places are *slots*: masses in the
+/// The elements of a network as all solvers use them. Places are *slots*: masses in the
 /// order of the elements, then driven points, then fixed ones. Never changes once it is made.
 struct NetworkModel {
   struct Contact {
@@ -22,7 +23,7 @@ struct NetworkModel {
   /// A signal that acts on a slot; `low_pass` is its place in `low_passes`, or -1.
   struct Driven {
     int slot;
-    Drive drive;
+    NetworkInput input;
     int low_pass;
   };
   struct Coil {
@@ -72,14 +73,14 @@ struct NetworkModel {
   std::vector<Coil> coils;
   std::vector<Driven> forces, motions;
   std::vector<Friction> frictions;
-  std::vector<Pluck> plucks;
+  std::vector<Bond> bonds;
   std::vector<Port> ports;
   std::vector<CriticalLowPass> low_passes;
 
  private:
-  Driven driven(int of, const Drive& drive);
+  Driven driven(int of, const NetworkInput& input);
   void take_points(NetworkElements& elements);
-  void take_links(const NetworkElements& elements);
+  void take_links(NetworkElements& elements);
 };
 
 }  // namespace tactus

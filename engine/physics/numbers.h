@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [any]
 #include <cstddef>
 #include <new>
 #include <vector>
@@ -21,5 +22,7 @@ struct CacheLineAllocator {
 };
 
 using Numbers = std::vector<double, CacheLineAllocator<double>>;
+
+constexpr double square(double x) noexcept { return x * x; }
 
 }  // namespace tactus

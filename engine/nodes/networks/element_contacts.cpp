@@ -1,17 +1,41 @@
+#include <algorithm>
+#include <memory>
+#include <utility>
+
 #include "engine/nodes/networks/element_types.h"
 
 namespace tactus {
 namespace {
 
-using Kind = ElementQuantity::Kind;
 using Ends = ElementType::Ends;
+
+bool has_two_sides(const NetworkElement& e) { return e.settings[0].number == 2.0; }
+
+void build_contact(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  Contact contact{b.end(e, 0),         b.end(e, 1), b.number(e, "stiffness"), b.number(e, "exponent"),
+                  b.number(e, "loss"), {},          b.number(e, "offset")};
+  if (b.has(e, "restitution")) contact.restitution = b.number(e, "restitution");
+  if (has_two_sides(e)) {
+    auto opposite = contact;
+    std::swap(opposite.lower, opposite.upper);
+    opposite.offset = -contact.offset - b.number(e, "clearance");
+    contact.offset -= b.number(e, "clearance");
+    parts.opposite = b.append(b.elements.contacts, opposite);
+  }
+  parts.contact = b.append(b.elements.contacts, contact);
+}
+
+double indentation(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.indentation(state, parts.contact) -
+         (parts.opposite < 0 ? 0.0 : network.indentation(state, parts.opposite));
+}
 
 ElementType contact() {
   return {
       .name = "contact",
       .doc =
           "Two surfaces that push and never pull. The first one is below the second. With `restitution` the "
-          "loss is set at each touch, so that the speeds before and after have this ratio.",
+          "loss is set at each impact, so that the speeds before and after have this ratio.",
       .equation = "force = max(0, stiffness n^exponent (1 + loss n')),  n = x_first - x_second + offset > 0",
       .ends = Ends::Between,
       .settings = {{.name = "sides",
@@ -30,24 +54,54 @@ ElementType contact() {
                   .doc = "speed after / speed before, instead of `loss`",
                   .low = 0.01,
                   .high = 1.0,
-                  .optional = true},
+                  .optional = true,
+                  .instead_of = "loss"},
                  with_default("offset", "m", "indentation where both points are at one place", 0.0),
                  with_default("clearance", "m", "with two sides: how far it may go either way", 0.0, 0.0)},
-      .quantities = {{"force", "N", "push, never below 0", Kind::ContactForce, {0.0, kUnlimited}},
-                     {"indentation", "m", "how deep, never below 0", Kind::Indentation, {0.0, kUnlimited}}},
+      .quantities = {{"force", "N", "push, never below 0", contact_force, {0.0, kUnlimited}},
+                     {"indentation", "m", "how deep, never below 0", indentation, {0.0, kUnlimited}}},
       .example =
-          "lens = { type = \"contact\", between = [\"cone\", \"stick\"], stiffness = \"5e6 N/m^1.5\" }"};
+          "lens = { type = \"contact\", between = [\"cone\", \"stick\"], stiffness = \"5e6 N/m^1.5\" }",
+      .build = build_contact,
+      .linear = false,
+      .gives_force = true,
+      .two_sided = has_two_sides};
+}
+
+void build_friction(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  Friction friction{
+      .lower = b.end(e, 0), .upper = b.end(e, 1), .law = {}, .viscous = b.number(e, "viscous"), .normal = {}};
+  if (e.chosen("law", "rosin")) {
+    friction.law = kRosin;
+  } else {
+    friction.law.kinetic = b.number(e, "kinetic");
+    const double drop = b.has(e, "holding") ? b.number(e, "holding") - friction.law.kinetic : 0.0;
+    friction.law.drops[0] = {std::max(0.0, drop), b.number(e, "speed")};
+  }
+  if (e.pressed_by >= 0) {
+    const auto& link = b.parts(e.pressed_by);
+    friction.normal_spring = link.spring;
+    if (link.spring < 0) friction.normal_contact = link.contact;
+  } else {
+    friction.normal = b.signal(e, "normal");
+  }
+  parts.friction = b.append(b.elements.frictions, friction);
+}
+
+double friction_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.friction_force(state, parts.friction);
+}
+double friction_velocity(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.friction_velocity(state, parts.friction);
 }
 
 ElementType friction() {
   return {
       .name = "friction",
       .doc =
-          "Rubs two points against each other: a bow on a string, a brake, a dry bearing. They hold each "
-          "other "
-          "up to normal * holding; sliding, the coefficient falls to `kinetic`. `normal` is a signal, or "
-          "the "
-          "force of a contact or a spring of this network, as in normal = \"press.force\".",
+          "Friction between two points: a bow on a string, a brake, a dry bearing. They stick up to normal * "
+          "holding; sliding, the coefficient falls to `kinetic`. `normal` is a signal, or the force of a "
+          "contact or a spring of this network, as in normal = \"press.force\".",
       .equation =
           "force = normal mu(|v|) sgn v + viscous v,  v = x_first' - x_second',  mu(v) = kinetic + (holding "
           "- "
@@ -64,30 +118,41 @@ ElementType friction() {
                  with_default("speed", "m/s", "how fast the coefficient falls", 0.1, 1e-6),
                  with_default("viscous", "N s/m", "of the lubricant", 0.0, 0.0)},
       .quantities = {{"force", "N", "drags the second point with the first, of the last step",
-                      Kind::FrictionForce},
-                     {"velocity", "m/s", "of sliding; 0: they hold each other", Kind::FrictionVelocity}},
+                      friction_force},
+                     {"velocity", "m/s", "of sliding; 0: they hold each other", friction_velocity}},
       .example =
           "hair = { type = \"friction\", between = [\"bow\", \"string\"], normal = \"0.5 N\", law = "
-          "\"rosin\" }"};
+          "\"rosin\" }",
+      .build = build_friction,
+      .linear = false,
+      .force_field = "normal"};
+}
+
+void build_pluck(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  parts.bond = b.append(b.elements.bonds,
+                        Bond{b.end(e, 0), b.end(e, 1), std::make_shared<LinearBond>(b.number(e, "stiffness")),
+                             b.number(e, "damping"), b.number(e, "limit")});
 }
 
 ElementType pluck() {
   return {
       .name = "pluck",
       .doc =
-          "A plectrum: takes a point along until the force is too large, lets go, and takes it up again "
+          "A plectrum: pulls a point along until the force exceeds `limit`, releases it, and catches it "
+          "again "
           "when they pass "
           "each other.",
       .equation = "force = stiffness n + damping n',  n = x_first - x_second,  while stiffness |n| <= limit",
       .ends = Ends::Between,
-      .settings = {},
       .fields = {required("stiffness", "N/m", "of the plectrum", kTiny),
                  with_default("damping", "N s/m", "of the plectrum", 0.0, 0.0),
-                 required("limit", "N", "it lets go", kTiny)},
-      .quantities = {{"force", "N", "takes the second point along with the first", Kind::PluckForce}},
+                 required("limit", "N", "it releases", kTiny)},
+      .quantities = {{"force", "N", "takes the second point along with the first", bond_force}},
       .example =
           "plectrum = { type = \"pluck\", between = [\"pick\", \"string\"], stiffness = \"500 N/m\", "
-          "limit = \"2 N\" }"};
+          "limit = \"2 N\" }",
+      .build = build_pluck,
+      .linear = false};
 }
 
 }  // namespace

@@ -3,8 +3,44 @@
 namespace tactus {
 namespace {
 
-using Kind = ElementQuantity::Kind;
 using Ends = ElementType::Ends;
+
+/// A cubic spring is a pair of contacts without a gap between them: their power law is the third.
+void build_spring(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  const int first = b.end(e, 0), second = b.end(e, 1);
+  const double cubic = b.number(e, "cubic"), rest = b.number(e, "rest");
+  parts.spring = b.append(b.elements.springs,
+                          Spring{first, second, b.number(e, "stiffness"), b.number(e, "damping"), rest});
+  if (cubic == 0.0) return;
+  const auto side = [&](int lower, int upper, double offset) {
+    return b.append(b.elements.contacts, Contact{.lower = lower,
+                                                 .upper = upper,
+                                                 .stiffness = cubic,
+                                                 .exponent = 3.0,
+                                                 .restitution = {},
+                                                 .offset = offset});
+  };
+  parts.contact = side(second, first, -rest);
+  parts.opposite = side(first, second, rest);
+}
+
+void build_damper(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  parts.spring =
+      b.append(b.elements.springs, Spring{b.end(e, 0), b.end(e, 1), 0.0, b.number(e, "damping"), 0.0});
+}
+
+void build_coil(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  parts.coil = b.append(b.elements.coils,
+                        Coil{b.end(e, 0), b.end(e, 1), b.number(e, "force_factor"), b.number(e, "resistance"),
+                             b.number(e, "inductance"), b.signal(e, "voltage")});
+}
+
+double coil_current(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.current(state, parts.coil);
+}
+double coil_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.coil_force(state, parts.coil);
+}
 
 }  // namespace
 
@@ -14,22 +50,27 @@ std::vector<ElementType> link_elements() {
        .doc = "A spring with a damper beside it. The first end is the lower one.",
        .equation = "force = stiffness e + cubic e^3 + damping e',  e = x_second - x_first - rest",
        .ends = Ends::Between,
-       .settings = {},
        .fields = {required("stiffness", "N/m", "force for a metre", 0.0),
-                  with_default("cubic", "N/m^3", "stiffens it where it is stretched or pressed far", 0.0,
-                               0.0),
+                  {.name = "cubic",
+                   .unit = "N/m^3",
+                   .doc = "stiffens it where it is stretched or pressed far",
+                   .fallback = 0.0,
+                   .low = 0.0,
+                   .nonlinear = true},
                   with_default("damping", "N s/m", "force for a metre a second", 0.0, 0.0),
                   with_default("rest", "m", "length without force", 0.0)},
        .quantities = {kTension, kExtension},
-       .example = "hold = { type = \"spring\", between = [\"frame\", \"cone\"], stiffness = \"1000 N/m\" }"},
+       .example = "hold = { type = \"spring\", between = [\"frame\", \"cone\"], stiffness = \"1000 N/m\" }",
+       .build = build_spring,
+       .gives_force = true},
       {.name = "damper",
        .doc = "A damper between two points.",
        .equation = "force = damping e',  e = x_second - x_first",
        .ends = Ends::Between,
-       .settings = {},
        .fields = {required("damping", "N s/m", "force for a metre a second", 0.0)},
        .quantities = {kTension, kExtension},
-       .example = "loss = { type = \"damper\", between = [\"frame\", \"cone\"], damping = \"1.2 kg/s\" }"},
+       .example = "loss = { type = \"damper\", between = [\"frame\", \"cone\"], damping = \"1.2 kg/s\" }",
+       .build = build_damper},
       {.name = "coil",
        .doc =
            "A coil in the field of a magnet, driven by a voltage. Its magnet is fixed unless `against` names "
@@ -37,15 +78,15 @@ std::vector<ElementType> link_elements() {
        .equation = "inductance i' = voltage - resistance i - force_factor (x_on - x_against)',  force = "
                    "force_factor i",
        .ends = Ends::Against,
-       .settings = {},
        .fields = {signal("voltage", "V", "at its terminals, held from frame to frame"),
                   required("force_factor", "T m", "Bl"), required("resistance", "ohm", "of the wire", 1e-3),
                   with_default("inductance", "H", "of the coil", 0.0, 0.0)},
-       .quantities = {{"current", "A", "pushes `on` up where positive", Kind::Current},
-                      {"force", "N", "on `on`", Kind::CoilForce}},
+       .quantities = {{"current", "A", "pushes `on` up where positive", coil_current},
+                      {"force", "N", "on `on`", coil_force}},
        .example =
            "coil = { type = \"coil\", on = \"cone\", voltage = \"10 V * drive\", force_factor = \"6 T m\", "
-           "resistance = \"6.5 ohm\" }"},
+           "resistance = \"6.5 ohm\" }",
+       .build = build_coil},
   };
 }
 

@@ -3,8 +3,36 @@
 namespace tactus {
 namespace {
 
-using Kind = ElementQuantity::Kind;
 using Ends = ElementType::Ends;
+
+void build_force(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  parts.force = b.append(b.elements.forces, AppliedForce{parts.on, b.signal(e, "force")});
+}
+
+void build_hand(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  const int place = b.signal(e, "position").signal, push = b.signal(e, "force").signal;
+  const auto made = attach(b.elements, Hand{parts.on, b.number(e, "stiffness"), b.number(e, "damping"),
+                                            Hertz{b.number(e, "bandwidth")}, place, push});
+  parts.point = made.point;
+  parts.spring = made.spring;
+  parts.force = made.force;
+}
+
+void build_port(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  parts.port = b.append(b.elements.ports, WavePort{parts.on, b.number(e, "impedance"), b.signal(e, "wave")});
+}
+
+void build_probe(NetworkBuilder&, const NetworkElement&, ElementParts&) {}
+
+double applied_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.applied_force(state, parts.force);
+}
+double wave(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.wave(state, parts.port);
+}
+double port_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.port_force(state, parts.port);
+}
 
 }  // namespace
 
@@ -14,26 +42,26 @@ std::vector<ElementType> outside_elements() {
        .doc = "A force on a mass, held from frame to frame.",
        .equation = "mass x'' = … + force",
        .ends = Ends::On,
-       .settings = {},
        .fields = {signal("force", "N", "up is positive")},
-       .quantities = {{"force", "N", "of the frame before", Kind::AppliedForce}},
-       .example = "weight = { type = \"force\", on = \"stick\", force = \"-0.3 N\" }"},
+       .quantities = {{"force", "N", "of the frame before", applied_force}},
+       .example = "weight = { type = \"force\", on = \"stick\", force = \"-0.3 N\" }",
+       .build = build_force},
       {.name = "hand",
        .doc =
            "Holds a mass by a spring and a damper and pushes; both the place that it holds to and the push "
            "move no faster than a hand does (two equal poles, 3 dB down at `bandwidth`).",
        .equation = "force = push + stiffness (x_hand - x) + damping (x_hand' - x')",
        .ends = Ends::On,
-       .settings = {},
        .fields = {with_default("stiffness", "N/m", "of the grip", 0.0, 0.0),
                   with_default("damping", "N s/m", "of the grip", 0.0, 0.0),
-                  signal("position", "m", "where the hand wants to be", 0.0),
-                  signal("force", "N", "how the hand pushes besides", 0.0),
+                  signal("position", "m", "target position", 0.0),
+                  signal("force", "N", "push of the hand besides", 0.0),
                   with_default("bandwidth", "Hz", "3 dB down; nobody moves faster than 10 Hz", 8.0, 0.1,
                                10.0)},
-       .quantities = {{"force", "N", "on the mass, all of it", Kind::SpringForce},
-                      {"position", "m", "of the hand", Kind::Position}},
-       .example = "hand = { type = \"hand\", on = \"stick\", stiffness = \"10 N/m\", position = \"lift\" }"},
+       .quantities = {{"force", "N", "on the mass, all of it", tension},
+                      {"position", "m", "of the hand", point_position}},
+       .example = "hand = { type = \"hand\", on = \"stick\", stiffness = \"10 N/m\", position = \"lift\" }",
+       .build = build_hand},
       {.name = "port",
        .doc = "Where a wave of force goes between a mass and something outside: a string, a modal body, the "
               "port of another "
@@ -41,21 +69,20 @@ std::vector<ElementType> outside_elements() {
        .equation =
            "force = 2 a - impedance v = a + b,  b = a - impedance v,  a = wave (in), b the output `wave`",
        .ends = Ends::On,
-       .settings = {},
        .fields = {required("impedance", "N s/m", "of the wave", kTiny), signal("wave", "N", "comes in", 0.0)},
-       .quantities = {{"wave", "N", "goes out, one frame later", Kind::Wave},
-                      {"force", "N", "on the mass", Kind::PortForce},
+       .quantities = {{"wave", "N", "goes out, one frame later", wave},
+                      {"force", "N", "on the mass", port_force},
                       kVelocity},
        .example =
-           "bridge = { type = \"port\", on = \"body\", impedance = \"0.5 N s/m\", wave = \"-1 * string\" }"},
+           "bridge = { type = \"port\", on = \"body\", impedance = \"0.5 N s/m\", wave = \"-1 * string\" }",
+       .build = build_port},
       {.name = "probe",
-       .doc = "Nothing: looks at a mass, one of a chain or a grid for instance.",
+       .doc = "Reads a mass, for instance one of a chain or a grid.",
        .equation = "x, x' of the mass",
        .ends = Ends::On,
-       .settings = {},
-       .fields = {},
        .quantities = {kPosition, kVelocity},
-       .example = "ear = { type = \"probe\", on = \"string.67\" }"},
+       .example = "ear = { type = \"probe\", on = \"string.67\" }",
+       .build = build_probe},
   };
 }
 

@@ -1,3 +1,5 @@
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "engine/nodes/networks/element_types.h"
@@ -5,7 +7,6 @@
 namespace tactus {
 namespace {
 
-using Kind = ElementQuantity::Kind;
 using Ends = ElementType::Ends;
 
 Setting count(const char* name, const char* doc, double most) {
@@ -26,6 +27,70 @@ Setting ends(const char* doc) {
           .fallback = "fixed"};
 }
 
+void build_mass(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  parts.point =
+      b.append(b.elements.points,
+               Point{Point::Kind::Mass, b.number(e, "mass"), b.number(e, "at"), b.number(e, "velocity"), {}});
+}
+
+void build_oscillator(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  const double mass = b.number(e, "mass");
+  const double turn = 2.0 * std::numbers::pi * b.number(e, "frequency");
+  const double stiffness = b.has(e, "frequency") ? mass * turn * turn : b.number(e, "stiffness");
+  const double damping = b.has(e, "damping_ratio")
+                             ? 2.0 * b.number(e, "damping_ratio") * std::sqrt(mass * stiffness)
+                             : b.number(e, "damping");
+  build_mass(b, e, parts);
+  parts.spring = b.append(b.elements.springs,
+                          Spring{b.add_ground(b.number(e, "rest")), parts.point, stiffness, damping, 0.0});
+}
+
+void build_ground(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  parts.point = b.add_ground(b.number(e, "at"));
+}
+
+void build_motion(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  parts.point =
+      b.append(b.elements.points, Point{Point::Kind::Motion, 0.0, 0.0, 0.0, b.signal(e, "position")});
+}
+
+/// Masses row by row, springs to the right and up, and to the ground.
+void build_lattice(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  const int rows = e.rows(), columns = e.columns();
+  const bool grid = e.type->dimensions > 1, fixed = e.chosen("ends", "fixed");
+  const double stiffness = b.number(e, "stiffness"), damping = b.number(e, "damping");
+  const double own = b.number(e, "ground_stiffness"), own_damping = b.number(e, "ground_damping");
+  const double at = b.number(e, "at"), mass = b.number(e, "mass");
+  auto& springs = b.elements.springs;
+  parts.point = static_cast<int>(b.elements.points.size());
+  for (int i = 0; i < rows * columns; ++i)
+    b.elements.points.push_back({Point::Kind::Mass, mass, at, 0.0, {}});
+  const int floor = b.add_ground(at);
+  const auto join = [&](int one, int other) { springs.push_back({one, other, stiffness, damping, 0.0}); };
+  const auto hold = [&](int point, int sides) {
+    const double k = sides * stiffness + own, z = sides * damping + own_damping;
+    if (k != 0.0 || z != 0.0) springs.push_back({floor, point, k, z, 0.0});
+  };
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const int here = parts.point + row * columns + column;
+      if (column + 1 < columns) join(here, here + 1);
+      if (row + 1 < rows) join(here, here + columns);
+      const int border =
+          (column == 0) + (column + 1 == columns) + (grid ? (row == 0) + (row + 1 == rows) : 0);
+      hold(here, fixed ? border : 0);
+    }
+  }
+}
+
+/// A chain whose ends are joined.
+void build_ring(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
+  build_lattice(b, e, parts);
+  const int last = parts.point + e.columns() - 1;
+  if (e.columns() > 2)
+    b.elements.springs.push_back({last, parts.point, b.number(e, "stiffness"), b.number(e, "damping"), 0.0});
+}
+
 /// What each mass of a chain, a ring or a grid is, and what joins it to its neighbours and to the ground.
 std::vector<ElementField> repeated_fields() {
   return {required("mass", "kg", "of each", kTiny),
@@ -42,49 +107,52 @@ std::vector<ElementType> single_points() {
        .doc = "A body that moves along the network's axis.",
        .equation = "mass x'' = sum of the forces on it",
        .ends = Ends::None,
-       .settings = {},
        .fields = {required("mass", "kg", "moved mass", kTiny),
                   with_default("at", "m", "position at the start", 0.0),
                   with_default("velocity", "m/s", "velocity at the start", 0.0)},
        .quantities = {kPosition, kVelocity},
-       .example = "stick = { type = \"mass\", mass = \"12.5 g\", at = \"20 mm\" }"},
+       .example = "stick = { type = \"mass\", mass = \"12.5 g\", at = \"20 mm\" }",
+       .build = build_mass},
       {.name = "oscillator",
        .doc = "A mass on a spring and a damper, by stiffness or by resonance and damping ratio.",
        .equation =
            "mass x'' = -stiffness (x - rest) - damping x' + sum of the forces on it,  stiffness = mass "
            "(2 pi frequency)^2,  damping = 2 damping_ratio sqrt(mass stiffness)",
        .ends = Ends::None,
-       .settings = {},
        .fields = {required("mass", "kg", "moved mass", kTiny),
                   if_named("stiffness", "N/m", "of its spring", 0.0),
-                  if_named("frequency", "Hz", "undamped resonance, instead of `stiffness`", 1e-3, 1e6),
+                  if_named("frequency", "Hz", "undamped resonance, instead of `stiffness`", 1e-3, 1e6,
+                           "stiffness", true),
                   if_named("damping", "N s/m", "of its damper", 0.0),
-                  if_named("damping_ratio", "", "1: critical; instead of `damping`", 0.0),
+                  if_named("damping_ratio", "", "1: critical; instead of `damping`", 0.0, kUnlimited,
+                           "damping"),
                   with_default("rest", "m", "where its spring pulls to", 0.0),
                   with_default("at", "m", "position at the start", 0.0),
                   with_default("velocity", "m/s", "velocity at the start", 0.0)},
        .quantities = {kPosition,
                       kVelocity,
-                      {"force", "N", "of its spring and damper, towards `rest`", Kind::SpringForce}},
+                      {"force", "N", "of its spring and damper, towards `rest`", tension}},
        .example =
-           "bar = { type = \"oscillator\", mass = \"20 g\", frequency = \"440 Hz\", damping_ratio = 0.001 }"},
+           "bar = { type = \"oscillator\", mass = \"20 g\", frequency = \"440 Hz\", damping_ratio = 0.001 }",
+       .build = build_oscillator},
       {.name = "ground",
        .doc = "A fixed point.",
        .equation = "x = at",
        .ends = Ends::None,
-       .settings = {},
        .fields = {with_default("at", "m", "position", 0.0)},
-       .quantities = {},
-       .example = "frame = { type = \"ground\" }"},
+       .example = "frame = { type = \"ground\" }",
+       .build = build_ground,
+       .takes_force = false},
       {.name = "motion",
        .doc =
            "A point that goes where a signal says, in a straight line from frame to frame, one frame later.",
        .equation = "x[n + 1] = position[n]",
        .ends = Ends::None,
-       .settings = {},
        .fields = {signal("position", "m", "where it goes")},
        .quantities = {kPosition, kVelocity},
-       .example = "table = { type = \"motion\", position = \"shake\" }"},
+       .example = "table = { type = \"motion\", position = \"shake\" }",
+       .build = build_motion,
+       .takes_force = false},
   };
 }
 
@@ -98,18 +166,18 @@ std::vector<ElementType> many_points() {
        .settings = {count("masses", "how many", 1'000'000),
                     ends("whether springs hold the first and the last one, too")},
        .fields = repeated_fields(),
-       .quantities = {},
        .example = "string = { type = \"chain\", masses = 100, mass = \"0.1 g\", stiffness = \"57 kN/m\" }",
-       .many = true},
+       .build = build_lattice,
+       .dimensions = 1},
       {.name = "ring",
        .doc = "Masses in a ring: a chain whose last mass is the neighbour of the first.",
        .equation = "as a chain, x_0 = x_n",
        .ends = Ends::None,
        .settings = {count("masses", "how many", 1'000'000)},
        .fields = repeated_fields(),
-       .quantities = {},
        .example = "hoop = { type = \"ring\", masses = 64, mass = \"1 g\", stiffness = \"10 kN/m\" }",
-       .many = true},
+       .build = build_ring,
+       .dimensions = 1},
       {.name = "grid",
        .doc = "Masses on a square grid, each joined to its four neighbours: `name.1.1` is a corner, "
               "`name.2.1` is in the second row.",
@@ -119,10 +187,10 @@ std::vector<ElementType> many_points() {
        .settings = {count("rows", "how many rows", 1'000), count("columns", "how many columns", 1'000),
                     ends("whether springs hold the border, too")},
        .fields = repeated_fields(),
-       .quantities = {},
        .example = "membrane = { type = \"grid\", rows = 20, columns = 20, mass = \"0.1 g\", stiffness = \"20 "
                   "kN/m\" }",
-       .many = true},
+       .build = build_lattice,
+       .dimensions = 2},
   };
 }
 

@@ -1,19 +1,16 @@
 #pragma once
 
+// Thread: [control], except where a function says otherwise
 #include <string>
 #include <vector>
 
+#include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/network_elements.h"
 
-// The declarations of all elements of networks, in the order of the reference.
+// What the declarations of elements share.
 namespace tactus {
 
-std::vector<ElementType> point_elements();    ///< masses, and many of them
-std::vector<ElementType> link_elements();     ///< springs, dampers, coils
-std::vector<ElementType> contact_elements();  ///< what touches: contacts, frictions, plectra
-std::vector<ElementType> outside_elements();  ///< forces, hands, ports, probes
-
-// Smaller masses and stiffnesses are slips of the pen, and zero would be divided by.
+// Smaller masses and stiffnesses are typing errors, and zero would be divided by.
 inline constexpr double kTiny = 1e-9;
 
 inline ElementField required(std::string name, std::string unit, std::string doc, double low = -kUnlimited,
@@ -25,21 +22,51 @@ inline ElementField with_default(std::string name, std::string unit, std::string
   return {.name = name, .unit = unit, .doc = doc, .fallback = fallback, .low = low, .high = high};
 }
 inline ElementField if_named(std::string name, std::string unit, std::string doc, double low,
-                             double high = kUnlimited) {
-  return {.name = name, .unit = unit, .doc = doc, .low = low, .high = high, .optional = true};
+                             double high = kUnlimited, std::string instead_of = {},
+                             bool one_required = false) {
+  return {.name = name,
+          .unit = unit,
+          .doc = doc,
+          .low = low,
+          .high = high,
+          .optional = true,
+          .instead_of = instead_of,
+          .one_required = one_required};
 }
 inline ElementField signal(std::string name, std::string unit, std::string doc,
                            std::optional<double> fallback = {}) {
   return {.name = name, .unit = unit, .doc = doc, .fallback = fallback, .signal = true};
 }
 
-inline const ElementQuantity kPosition = {"position", "m", "height; up is positive",
-                                          ElementQuantity::Kind::Position};
+/// [realtime] Force of the contact less that of the one that acts the other way.
+inline double contact_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.contact_force(state, parts.contact) -
+         (parts.opposite < 0 ? 0.0 : network.contact_force(state, parts.opposite));
+}
+/// [realtime] Of a spring with the contacts that make it stiffer, and of a hand with its push.
+inline double tension(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.spring_force(state, parts.spring) +
+         (parts.force < 0 ? 0.0 : network.applied_force(state, parts.force)) +
+         (parts.contact < 0 ? 0.0 : contact_force(network, state, parts));
+}
+/// [realtime] Of the element's own point, or of the one that it is on.
+inline double point_position(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.position(state, parts.point >= 0 ? parts.point : parts.on);
+}
+inline double point_velocity(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.velocity(state, parts.point >= 0 ? parts.point : parts.on);
+}
+inline double extension(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.extension(state, parts.spring);
+}
+inline double bond_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return network.bond_force(state, parts.bond);
+}
+
+inline const ElementQuantity kPosition = {"position", "m", "height; up is positive", point_position};
 inline const ElementQuantity kVelocity = {"velocity", "m/s", "second order, from the last three steps",
-                                          ElementQuantity::Kind::Velocity};
-inline const ElementQuantity kTension = {"force", "N", "tension: pulls the ends together",
-                                         ElementQuantity::Kind::SpringForce};
-inline const ElementQuantity kExtension = {"extension", "m", "second end - first end - rest",
-                                           ElementQuantity::Kind::Extension};
+                                          point_velocity};
+inline const ElementQuantity kTension = {"force", "N", "tension: pulls the ends together", tension};
+inline const ElementQuantity kExtension = {"extension", "m", "second end - first end - rest", extension};
 
 }  // namespace tactus

@@ -11,7 +11,7 @@
 namespace tactus {
 namespace {
 
-/// "N/m^1.5" from the exponent that stands in the file; not checked where that is an expression.
+/// "N/m^1.5" from the exponent in the file; not checked where that is an expression.
 std::string contact_unit(const NodeSpec& element, double fallback) {
   double exponent = fallback;
   if (const auto* value = find(element.fields, "exponent")) {
@@ -33,10 +33,10 @@ std::string unit_of(const ElementField& field, const ElementType& type, const No
   return "any";
 }
 
-void declare_inputs(NodeType& type, const NodeSpec& spec, NetworkLayout::Element& element) {
+void declare_inputs(NodeType& type, const NodeSpec& spec, NetworkElement& element) {
   for (const auto& field : element.type->fields) {
     const bool absent = (field.optional && find(spec.fields, field.name) == nullptr) ||
-                        (element.normal_link >= 0 && field.name == "normal");
+                        (element.pressed_by >= 0 && field.name == element.type->force_field);
     element.ports.push_back(absent ? -1 : static_cast<int>(type.inputs.size()));
     if (absent) continue;
     type.inputs.push_back({.name = element.name + "." + field.name,
@@ -50,13 +50,13 @@ void declare_inputs(NodeType& type, const NodeSpec& spec, NetworkLayout::Element
   }
 }
 
-void declare_outputs(NodeType& type, const NetworkLayout::Element& element) {
-  const bool signed_ = element.chosen("sides", "2");
+void declare_outputs(NodeType& type, const NetworkElement& element) {
+  const bool two_sided = element.type->two_sided && element.type->two_sided(element);
   const auto declare = [&](std::string name, const ElementQuantity& quantity) {
     type.outputs.push_back({.name = std::move(name),
                             .unit = quantity.unit,
                             .doc = quantity.doc,
-                            .range = signed_ ? Interval{} : quantity.range});
+                            .range = two_sided ? Interval{} : quantity.range});
   };
   const auto& quantities = element.type->quantities;
   for (const auto& quantity : quantities) declare(element.name + "." + quantity.name, quantity);
@@ -73,7 +73,7 @@ std::uint64_t fingerprint_of(const NetworkLayout& layout) {
     for (const int port : element.ports) print.add(static_cast<std::uint64_t>(port));
     for (const auto& setting : element.settings)
       print.add(setting.text).add(static_cast<std::uint64_t>(setting.number));
-    print.add(static_cast<std::uint64_t>(element.normal_link));
+    print.add(static_cast<std::uint64_t>(element.pressed_by));
   }
   return print.value();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <memory>
 
 #include "engine/core/error.h"
@@ -8,7 +9,7 @@
 
 namespace tactus {
 
-/// [control] The declaration of the one node that `[networks.x]` becomes. Its inputs are the numbers and
+/// The declaration of the one node that `[networks.x]` becomes. Its inputs are the numbers and
 /// signals of the elements ("coil.voltage"), its outputs what they can be asked for: "stick.position",
 /// "stick" for the first quantity of an element, and "energy" of the whole. What elements there are:
 /// `network_elements()`. Errors: those of `read_network_layout`.

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control], except where a function says otherwise
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,8 +10,15 @@
 
 #include "engine/graph/node_type.h"
 #include "engine/graph/semantics/interval.h"
+#include "engine/physics/network.h"
 
+// The table of the elements of networks. All behaviour of an element's type is in its
+// entry; generic code reads the entry and never compares names. To add one: a file with its declaration, a
+// line in network_elements.cpp, a test.
 namespace tactus {
+
+struct ElementType;
+class NetworkBuilder;
 
 /// A field of an element that takes a number or a signal; becomes the input "element.field" of the network.
 struct ElementField {
@@ -19,37 +28,50 @@ struct ElementField {
   std::optional<double> fallback = {};
   double low = -kUnlimited;
   double high = kUnlimited;
-  bool signal = false;    ///< may change from frame to frame; others are fixed when the graph is loaded
-  bool optional = false;  ///< not there at all unless the file names it
+  bool signal = false;          ///< may change from frame to frame; others are fixed when the graph is loaded
+  bool optional = false;        ///< not there at all unless the file names it
+  std::string instead_of = {};  ///< the field that it excludes
+  bool nonlinear = false;       ///< an element that has it is not linear
+  bool one_required = false;    ///< it or the field that it excludes must be in the file
 };
 
-/// What a network can be asked for: the output "element.quantity".
+/// Which parts of the physical network an element has become; of many points, the first. -1: none.
+struct ElementParts {
+  int on = -1;  ///< the point that its first end names
+  int point = -1, spring = -1, contact = -1, opposite = -1, force = -1, coil = -1, friction = -1, bond = -1,
+      port = -1;
+};
+
+/// [realtime] What an output shows of a state.
+using ReadElement = double (*)(const Network&, const NetworkState&, const ElementParts&);
+
+/// A quantity that can be read: the output "element.quantity" of the network.
 struct ElementQuantity {
-  enum class Kind {
-    Position,
-    Velocity,
-    Extension,
-    SpringForce,
-    Indentation,
-    ContactForce,
-    AppliedForce,
-    Current,
-    CoilForce,
-    FrictionForce,
-    FrictionVelocity,
-    PluckForce,
-    Wave,
-    PortForce,
-    Energy,
-  };
   std::string name;
   std::string unit;
   std::string doc;
-  Kind kind;
+  ReadElement read;
   Interval range = {};
 };
 
-/// The declaration of a kind of element: what is checked, the ports of networks, and the reference.
+/// An element of `[networks.x]` with its names resolved. Numbers are not known yet.
+struct NetworkElement {
+  const ElementType* type = nullptr;
+  std::string name;
+  std::array<int, 2> ends = {-1, -1};  ///< elements, in the order of `between`, or `on` and `against`
+  std::array<int, 2> within = {0, 0};  ///< which of their points
+  std::vector<int> ports;              ///< input of each field, in the order of the type; -1: not in the file
+  std::vector<SettingValue> settings;  ///< in the order of the type
+  int pressed_by = -1;                 ///< the element whose force the field `ElementType::force_field` names
+
+  /// Of chains, rings and grids; else 1. Rows are 1 but for grids.
+  int rows() const;
+  int columns() const;
+  int points() const { return rows() * columns(); }
+  bool chosen(std::string_view setting, std::string_view word) const;
+};
+
+/// The declaration of a type of element: what is checked, how it is built, what is read, and the reference.
 struct ElementType {
   /// Which fields name other elements.
   enum class Ends {
@@ -62,16 +84,25 @@ struct ElementType {
   std::string doc;
   std::string equation;
   Ends ends;
-  std::vector<Setting> settings;  ///< read when the file is
-  std::vector<ElementField> fields;
-  std::vector<ElementQuantity> quantities;  ///< the first is what the element's bare name means; may be empty
+  std::vector<Setting> settings = {};  ///< read when the file is
+  std::vector<ElementField> fields = {};
+  std::vector<ElementQuantity> quantities =
+      {};  ///< the first is what the element's bare name means; may be empty
   std::string example;
-  bool many = false;  ///< points "name.1" ..., or "name.row.column"
+  /// Adds the element to the physical network.
+  void (*build)(NetworkBuilder&, const NetworkElement&, ElementParts&);
+  int dimensions = 0;        ///< 1: points "name.1" ...; 2: "name.row.column"; the first settings count them
+  bool takes_force = true;   ///< of a point: forces can act on it
+  bool linear = true;        ///< its force is proportional to places, speeds and currents, or given
+  bool gives_force = false;  ///< a `force_field` may name its force
+  std::string force_field = {};  ///< the field that may name another element's force instead of a signal
+  /// Whether its outputs take either sign, whatever the range of the quantity. nullptr: no.
+  bool (*two_sided)(const NetworkElement&) = nullptr;
 };
 
 /// [any] All of them, in the order of the reference.
 std::span<const ElementType> network_elements();
-/// nullptr if there is no such type.
+/// [any] nullptr if there is no such type.
 const ElementType* find_element(std::string_view name);
 
 }  // namespace tactus

@@ -10,7 +10,7 @@
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/semantics/bind.h"
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 
 namespace tactus {
 namespace {
@@ -21,10 +21,6 @@ std::string did_you_mean(std::string_view wrong, const std::vector<std::string>&
   const auto nearest = nearest_name(wrong, known);
   return nearest.empty() ? "there are " + listed(known) : "did you mean '" + nearest + "'?";
 }
-
-// Of which an element takes one.
-constexpr std::pair<const char*, const char*> kEither[] = {
-    {"loss", "restitution"}, {"stiffness", "frequency"}, {"damping", "damping_ratio"}};
 
 // Far beyond what runs in real time.
 constexpr int kMostPoints = 1'000'000;
@@ -44,7 +40,7 @@ class LayoutReader {
     for (std::size_t i = 0; i < spec_.elements.size(); ++i) {
       if (layout_.elements[i].type == nullptr) continue;
       read_ends(spec_.elements[i], layout_.elements[i]);
-      read_normal(spec_.elements[i], layout_.elements[i]);
+      read_force_field(spec_.elements[i], layout_.elements[i]);
     }
     if (spec_.elements.empty())
       mistakes_.add(Errc::Missing, spec_.at, "network '" + spec_.name + "' has no elements",
@@ -94,17 +90,22 @@ class LayoutReader {
     auto& known = keys_[&type];
     if (known.empty()) known = keys_of(type);
     mistakes_.unknown_keys(element.fields, known);
-    for (const auto& [one, other] : kEither)
-      if (const auto* second = find(element.fields, other); second != nullptr && find(element.fields, one))
-        mistakes_.add(Errc::Duplicate, second->at,
-                      owner(element, type) + " has both '" + one + "' and '" + other + "'",
+    for (const auto& field : type.fields) {
+      if (field.instead_of.empty()) continue;
+      const auto* one = find(element.fields, field.instead_of);
+      const auto* other = find(element.fields, field.name);
+      if (one != nullptr && other != nullptr)
+        mistakes_.add(Errc::Duplicate, other->at,
+                      owner(element, type) + " has both '" + field.instead_of + "' and '" + field.name + "'",
                       "remove one of them");
-    if (type.name == "oscillator" && !find(element.fields, "stiffness") && !find(element.fields, "frequency"))
-      mistakes_.add(Errc::Missing, element.at, owner(element, type) + " lacks 'stiffness' or 'frequency'",
-                    "give one of them");
+      if (field.one_required && one == nullptr && other == nullptr)
+        mistakes_.add(Errc::Missing, element.at,
+                      owner(element, type) + " lacks '" + field.instead_of + "' or '" + field.name + "'",
+                      "give one of them");
+    }
   }
 
-  void read_settings(const NodeSpec& element, NetworkLayout::Element& read) {
+  void read_settings(const NodeSpec& element, NetworkElement& read) {
     for (const auto& setting : read.type->settings)
       read.settings.push_back(
           bind_setting(setting, element.fields, {}, owner(element, *read.type), element.at, mistakes_));
@@ -114,20 +115,25 @@ class LayoutReader {
                     "a network takes " + std::to_string(kMostPoints));
   }
 
-  /// `normal = "press.force"`: of a contact or a spring of this network. Anything else is a signal.
-  void read_normal(const NodeSpec& element, NetworkLayout::Element& read) {
-    if (read.type->name != "friction") return;
-    const auto* normal = find(element.fields, "normal");
-    if (normal == nullptr || normal->text() == nullptr) return;
-    const auto& text = *normal->text();
+  /// As in `normal = "press.force"`: of an element of this network. Anything else is a signal.
+  void read_force_field(const NodeSpec& element, NetworkElement& read) {
+    const auto& key = read.type->force_field;
+    if (key.empty()) return;
+    const auto* value = find(element.fields, key);
+    if (value == nullptr || value->text() == nullptr) return;
+    const auto& text = *value->text();
     const auto found = index_.find(text.substr(0, text.find('.')));
     if (found == index_.end()) return;
     const auto* link = layout_.elements[static_cast<std::size_t>(found->second)].type;
-    if (text.ends_with(".force") && link != nullptr && (link->name == "contact" || link->name == "spring"))
-      read.normal_link = found->second;
-    else
-      mistakes_.add(Errc::WrongType, normal->at, "'" + text + "' is not the force of a contact or a spring",
-                    "write the name of one of this network's, as in normal = \"press.force\"");
+    if (text.ends_with(".force") && link != nullptr && link->gives_force) {
+      read.pressed_by = found->second;
+      return;
+    }
+    std::vector<std::string> known;
+    for (const auto& type : network_elements())
+      if (type.gives_force) known.push_back(type.name);
+    mistakes_.add(Errc::WrongType, value->at, "'" + text + "' is not the force of one of: " + listed(known),
+                  "write the name of one of this network's, as in " + key + " = \"press.force\"");
   }
 
   static std::vector<std::string> keys_of(const ElementType& type) {
@@ -144,7 +150,7 @@ class LayoutReader {
     return type.name + " '" + element.name + "'";
   }
 
-  void read_ends(const NodeSpec& element, NetworkLayout::Element& read) {
+  void read_ends(const NodeSpec& element, NetworkElement& read) {
     const auto& type = *read.type;
     if (type.ends == Ends::Between) return read_between(element, read);
     if (type.ends == Ends::None) return;
@@ -158,7 +164,7 @@ class LayoutReader {
     check_pair(element, read, find(element.fields, "on"));
   }
 
-  void read_between(const NodeSpec& element, NetworkLayout::Element& read) {
+  void read_between(const NodeSpec& element, NetworkElement& read) {
     const auto* between = find(element.fields, "between");
     const std::string remedy = "name two points, the lower one first, as in between = [\"cone\", \"stick\"]";
     if (between == nullptr)
@@ -195,7 +201,7 @@ class LayoutReader {
                     "an end is a mass, a ground or a motion");
       return kNone;
     }
-    if (type.ends == Ends::On && (end->name == "ground" || end->name == "motion")) {
+    if (type.ends == Ends::On && !end->takes_force) {
       mistakes_.add(Errc::WrongType, value.at, "'" + *name + "' is a " + end->name + ", not a mass",
                     "a " + type.name + " acts on a mass");
       return kNone;
@@ -213,8 +219,7 @@ class LayoutReader {
   }
 
   /// "string.3" is the third mass of a chain, "skin.2.7" the seventh in the second row of a grid.
-  std::optional<int> place_within(const NetworkLayout::Element& of, const std::string& name,
-                                  const Value& value) {
+  std::optional<int> place_within(const NetworkElement& of, const std::string& name, const Value& value) {
     std::vector<int> places;
     bool numbers = true;
     for (auto dot = name.find('.'); dot != std::string::npos;) {
@@ -226,9 +231,9 @@ class LayoutReader {
       places.push_back(number);
       dot = next;
     }
-    const bool grid = of.type->name == "grid";
-    const std::size_t wanted = grid ? 2 : of.type->many ? 1 : 0;
-    const std::string example = of.name + (grid ? ".1.1" : of.type->many ? ".1" : "");
+    const auto wanted = static_cast<std::size_t>(of.type->dimensions);
+    const bool grid = wanted > 1;
+    const std::string example = of.name + (grid ? ".1.1" : wanted == 1 ? ".1" : "");
     if (!numbers || places.size() != wanted) {
       mistakes_.add(Errc::WrongType, value.at,
                     wanted == 0 ? "'" + of.name + "' is one mass, and '" + name + "' none of it"
@@ -247,7 +252,7 @@ class LayoutReader {
     return (row - 1) * of.columns() + column - 1;
   }
 
-  void check_pair(const NodeSpec& element, const NetworkLayout::Element& read, const Value* where) {
+  void check_pair(const NodeSpec& element, const NetworkElement& read, const Value* where) {
     if (where == nullptr || read.ends[0] < 0 || read.ends[0] != read.ends[1]) return;
     if (read.within[0] != read.within[1]) return;
     mistakes_.add(Errc::Duplicate, where->at, "both ends of " + owner(element, *read.type) + " are one point",
@@ -262,19 +267,6 @@ class LayoutReader {
 };
 
 }  // namespace
-
-int NetworkLayout::Element::rows() const {
-  return type->name == "grid" ? static_cast<int>(settings[0].number) : 1;
-}
-int NetworkLayout::Element::columns() const {
-  if (!type->many) return 1;
-  return static_cast<int>(settings[type->name == "grid" ? 1 : 0].number);
-}
-bool NetworkLayout::Element::chosen(std::string_view setting, std::string_view word) const {
-  for (std::size_t i = 0; i < settings.size(); ++i)
-    if (type->settings[i].name == setting) return settings[i].text == word;
-  return false;
-}
 
 Checked<NetworkLayout> read_network_layout(const NetworkSpec& spec) { return LayoutReader(spec).run(); }
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/nodes/networks/network_builder.h"
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 
 namespace tactus {
 namespace {
@@ -43,7 +43,7 @@ class NetworkNode final : public Node, public NetworkView {
 
   std::string about() const override {
     const auto& choice = network_.choice();
-    return choice ? "solver " + reason_for(*choice) : std::string{};
+    return choice ? "solver " + explain_choice(*choice) : std::string{};
   }
 
   DelayRange delay(int input, int) const override {
@@ -52,8 +52,10 @@ class NetworkNode final : public Node, public NetworkView {
 
   const NetworkRecipe& recipe() const override { return recipe_; }
   double energy() const override { return network_.energy(state_); }
+  double position(int point) const override { return network_.position(state_, point); }
   double shown(const Network& network, const NetworkState& state, int output) const override {
-    return value(readings_[static_cast<std::size_t>(output)], network, state);
+    const auto& reading = readings_[static_cast<std::size_t>(output)];
+    return reading.read(network, state, reading.parts);
   }
 
  private:
@@ -66,60 +68,15 @@ class NetworkNode final : public Node, public NetworkView {
   }
 
   void write(const NodeBlock& block, int frame, std::size_t count) const noexcept {
-    for (std::size_t i = 0; i < count; ++i)
-      block.out[read_[i]][frame] = value(readings_[read_[i]], network_, state_);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto& reading = readings_[read_[i]];
+      block.out[read_[i]][frame] = reading.read(network_, state_, reading.parts);
+    }
   }
 
   void step(const NodeBlock& block, int frame) noexcept {
     for (std::size_t i = 0; i < now_.size(); ++i) now_[i] = block.in[signal_ports_[i]][frame];
     network_.step(state_, now_.data());
-  }
-
-  static double value(const NetworkReading& reading, const Network& network,
-                      const NetworkState& state) noexcept {
-    using Kind = ElementQuantity::Kind;
-    switch (reading.kind) {
-      case Kind::Position:
-        return network.position(state, reading.part);
-      case Kind::Velocity:
-        return network.velocity(state, reading.part);
-      case Kind::Extension:
-        return network.extension(state, reading.part);
-      case Kind::SpringForce:
-        return network.spring_force(state, reading.part) +
-               (reading.push < 0 ? 0.0 : network.applied_force(state, reading.push)) +
-               (reading.plus < 0 ? 0.0 : contact_force(network, state, reading.plus, reading.minus));
-      case Kind::Indentation:
-        return network.indentation(state, reading.part) -
-               (reading.minus < 0 ? 0.0 : network.indentation(state, reading.minus));
-      case Kind::ContactForce:
-        return contact_force(network, state, reading.part, reading.minus);
-      case Kind::AppliedForce:
-        return network.applied_force(state, reading.part);
-      case Kind::Current:
-        return network.current(state, reading.part);
-      case Kind::CoilForce:
-        return network.coil_force(state, reading.part);
-      case Kind::FrictionForce:
-        return network.friction_force(state, reading.part);
-      case Kind::FrictionVelocity:
-        return network.friction_velocity(state, reading.part);
-      case Kind::PluckForce:
-        return network.pluck_force(state, reading.part);
-      case Kind::Wave:
-        return network.wave(state, reading.part);
-      case Kind::PortForce:
-        return network.port_force(state, reading.part);
-      case Kind::Energy:
-        break;
-    }
-    return network.energy(state);
-  }
-
-  static double contact_force(const Network& network, const NetworkState& state, int contact,
-                              int opposite) noexcept {
-    return network.contact_force(state, contact) -
-           (opposite < 0 ? 0.0 : network.contact_force(state, opposite));
   }
 
   std::uint64_t fingerprint_;  ///< which elements, joined how
@@ -138,11 +95,11 @@ class NetworkNode final : public Node, public NetworkView {
 Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup) {
   std::size_t points = 0;
   for (const auto& element : layout.elements) points += static_cast<std::size_t>(element.points());
-  // A point, its springs and what a scheme keeps for them; before they are made.
+  // A point, its springs and what a solver keeps for them; before they are made.
   if (const auto fits = setup.take_memory(64 * points); !fits) return tl::unexpected(fits.error());
   NetworkBuilder builder(layout, setup);
   const auto couplings =
-      builder.elements.contacts.size() + builder.elements.plucks.size() + builder.elements.frictions.size();
+      builder.elements.contacts.size() + builder.elements.bonds.size() + builder.elements.frictions.size();
   const auto each =
       layout.solver == Solver::Explicit ? builder.elements.frictions.size() : points + 2 * couplings;
   if (const auto fits = setup.take_memory(couplings * each); !fits) return tl::unexpected(fits.error());

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control], except where a function says otherwise
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,12 @@
 #include "engine/nodes/networks/network_layout.h"
 
 namespace tactus {
+
+/// One output of a network: what to read of which parts.
+struct NetworkReading {
+  ReadElement read;
+  ElementParts parts;
+};
 
 /// What a network node was made from, and how its parts are called in the file.
 struct NetworkRecipe {
@@ -21,20 +28,22 @@ struct NetworkRecipe {
   std::vector<std::string> points, springs, contacts;  ///< names of the elements, in their order
 };
 
-/// What those who study a network may ask of its node, besides what every node tells.
+/// What studies read from the node of a network.
 class NetworkView {
  public:
   virtual ~NetworkView() = default;
   /// [any]
   virtual const NetworkRecipe& recipe() const = 0;
-  /// [any] What `output` of the node shows of a state of `network`, whose elements stand in the order of the
-  /// recipe's.
+  /// [any] The value of `output` of the node for a state of `network`, whose elements are in the order of
+  /// the recipe's.
   virtual double shown(const Network& network, const NetworkState& state, int output) const = 0;
   /// [control & stopped] What is stored in it now [J].
   virtual double energy() const = 0;
+  /// [control & stopped] Where a point is now [m].
+  virtual double position(int point) const = 0;
 };
 
-/// [control] The running node of a network: outputs at frame n are the state at n, inputs act from n to n
+/// The running node of a network: outputs at frame n are the state at n, inputs act from n to n
 /// + 1.
 Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup);
 

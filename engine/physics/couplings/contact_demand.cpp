@@ -6,13 +6,14 @@
 #include <numbers>
 #include <utility>
 
+#include "engine/core/index.h"
 #include "engine/physics/couplings/contact_law.h"
-#include "engine/physics/index.h"
+#include "engine/physics/numbers.h"
 
 namespace tactus {
 namespace {
 
-/// A contact or a plectrum, as far as it may be pressed or bent.
+/// A contact or a bond, as far as it may be pressed or bent.
 struct Link {
   int lower, upper;
   double offset, stiffness, damping;
@@ -22,11 +23,11 @@ class Demand {
  public:
   explicit Demand(const NetworkElements& elements) : elements_(elements) {}
 
-  ContactDemand told() {
+  ContactDemand compute() {
     for (const auto& contact : elements_.contacts) add_strike(contact);
     for (const auto& contact : elements_.contacts) add_pressed(contact);
-    for (const auto& pluck : elements_.plucks)
-      links_.push_back({pluck.lower, pluck.upper, 0.0, pluck.stiffness, pluck.damping});
+    for (const auto& bond : elements_.bonds)
+      links_.push_back({bond.lower, bond.upper, 0.0, bond.law->largest_stiffness(), bond.damping});
     demand_.stiffness = largest(&Link::stiffness);
     demand_.damping = largest(&Link::damping);
     return std::move(demand_);
@@ -36,7 +37,7 @@ class Demand {
   const Point& point(int at) const { return elements_.points[index(at)]; }
   double lightness(int at) const { return point(at).kind == Point::Kind::Mass ? 1.0 / point(at).mass : 0.0; }
   double apart(int lower, int upper) const { return point(lower).position - point(upper).position; }
-  /// Where a driven point will be is not known: nothing is taken to be bent by it.
+  /// The position of a driven point is not known in advance: it is assumed to deform nothing.
   bool driven(int one, int other) const {
     return point(one).kind == Point::Kind::Motion || point(other).kind == Point::Kind::Motion;
   }
@@ -46,8 +47,8 @@ class Demand {
     return ContactLaw(contact.stiffness, contact.exponent).energy(n);
   }
 
-  /// What the network starts with, and the heaviest body at `kHardestStrike`. A plectrum holds what bends it
-  /// until it slips.
+  /// What the network starts with, and the heaviest body at `kHardestStrike`. A bond holds all that
+  /// it can.
   double energy() const {
     double sum = 0.0, heaviest = 0.0;
     for (const auto& p : elements_.points) {
@@ -58,7 +59,7 @@ class Demand {
     for (const auto& s : elements_.springs)
       if (!driven(s.lower, s.upper)) sum += 0.5 * s.stiffness * square(apart(s.upper, s.lower) - s.rest);
     for (const auto& contact : elements_.contacts) sum += stored(contact);
-    for (const auto& pluck : elements_.plucks) sum += 0.5 * square(pluck.limit) / pluck.stiffness;
+    for (const auto& bond : elements_.bonds) sum += bond.law->largest_energy(bond.limit);
     return sum + 0.5 * heaviest * square(kHardestStrike);
   }
 
@@ -117,6 +118,6 @@ class Demand {
 
 }  // namespace
 
-ContactDemand contact_demand(const NetworkElements& elements) { return Demand{elements}.told(); }
+ContactDemand contact_demand(const NetworkElements& elements) { return Demand{elements}.compute(); }
 
 }  // namespace tactus

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <vector>
 
 #include "engine/physics/elements.h"
@@ -9,8 +10,7 @@ namespace tactus {
 /// The strike that a contact has to bear: its bodies meet at this speed. [m/s]
 inline constexpr double kHardestStrike = 1.0;
 
-/// What contacts and plectra ask of a step before anything has moved. A contact is a spring that stiffens, so
-/// it asks the more the deeper it is pressed.
+/// Bounds on the contacts and bonds of a network, from its start values. A contact stiffens with depth.
 ///
 ///  - **How short it is**, with alpha the exponent and m the reduced mass of its two bodies, at the speed v
 ///    that they may have by themselves: `kHardestStrike`, or what the start gives them,

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [any]
 #include <cmath>
 
 namespace tactus {

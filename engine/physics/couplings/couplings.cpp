@@ -4,14 +4,44 @@
 #include <cmath>
 #include <string>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
 // What may be kept for how each coupling acts on each other and on every mass.
-constexpr std::size_t kCouplingsMostNumbers = 8'000'000;
+constexpr std::size_t kMostNumbers = 8'000'000;
 
 // Rounds between contacts and frictions that act on each other; few are ever needed.
 constexpr int kMostRounds = 60;
+
+// Energy below 1e-24 J that is left after parting: forgotten, so that the contact costs nothing while open.
+constexpr double kForgotten = 1e-12;
+
+/// L L^T x = b for the first `n` rows; `matrix` is overwritten.
+void solve_cholesky(double* matrix, double* b, std::size_t n) noexcept {
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = matrix[i * n + j];
+      for (std::size_t l = 0; l < j; ++l) sum -= matrix[i * n + l] * matrix[j * n + l];
+      matrix[i * n + j] = i == j ? std::sqrt(sum) : sum / matrix[j * n + j];
+    }
+    for (std::size_t j = 0; j < i; ++j) b[i] -= matrix[i * n + j] * b[j];
+    b[i] /= matrix[i * n + i];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    b[i] /= matrix[i * n + i];
+    for (std::size_t j = 0; j < i; ++j) b[j] -= matrix[i * n + j] * b[i];
+  }
+}
+
+/// Slope of the chord of the energy's root between two indentations.
+double chord(const ContactLaw& law, double n, double motion) noexcept {
+  const double to = std::max(0.0, n + motion), from = std::max(0.0, n);
+  // Where the ends lie close the middle's slope is as good, and loses no digits.
+  if (std::abs(motion) <= 1e-3 * n) return law.root_slope(n + 0.5 * motion);
+  return (law.root(to) - law.root(from)) / motion;
+}
 
 }  // namespace
 
@@ -23,11 +53,11 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
   const auto add = [&](const auto& list) {
     for (const auto& c : list) made.lower_.push_back(c.lower), made.upper_.push_back(c.upper);
   };
-  add(model.contacts), add(model.plucks), add(model.frictions);
+  add(model.contacts), add(model.bonds), add(model.frictions);
   const auto count = made.count(), masses = model.mass.size();
-  const bool keep = method != Method::Pushed;
+  const bool keep = method != Method::Explicit;
   made.first_row_ = keep ? 0 : made.first_friction();
-  if (count * (keep ? masses + 2 * count : made.frictions()) > kCouplingsMostNumbers)
+  if (count * (keep ? masses + 2 * count : made.frictions()) > kMostNumbers)
     return fail(Errc::OutOfRange, {},
                 std::to_string(count) + " contacts among " + std::to_string(masses) +
                     " masses are more than this solver takes",
@@ -36,13 +66,13 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
   if (made.mutual_.empty() && !keep) return made;
   std::vector<double> column(masses);
   const auto between = [&](std::size_t c) {
-    const auto place = [&](int slot) { return model.is_mass(slot) ? column[at(slot)] : 0.0; };
+    const auto place = [&](int slot) { return model.is_mass(slot) ? column[index(slot)] : 0.0; };
     return place(made.lower_[c]) - place(made.upper_[c]);
   };
   for (std::size_t c = 0; c < count; ++c) {
     std::fill(column.begin(), column.end(), 0.0);
-    if (model.is_mass(made.lower_[c])) column[at(made.lower_[c])] += 1.0;
-    if (model.is_mass(made.upper_[c])) column[at(made.upper_[c])] -= 1.0;
+    if (model.is_mass(made.lower_[c])) column[index(made.lower_[c])] += 1.0;
+    if (model.is_mass(made.upper_[c])) column[index(made.upper_[c])] -= 1.0;
     respond(column);
     if (keep) made.columns_.insert(made.columns_.end(), column.begin(), column.end());
     for (std::size_t row = made.first_row_; row < count; ++row) {
@@ -55,12 +85,12 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
 
 double Couplings::indentation(const NetworkState& state, std::size_t c) const noexcept {
   const double offset = c < model_->contacts.size() ? model_->contacts[c].offset : 0.0;
-  return state.position[at(lower_[c])] - state.position[at(upper_[c])] + offset;
+  return state.position[index(lower_[c])] - state.position[index(upper_[c])] + offset;
 }
 
 /// How far it moved in the last step, or would in this one by its velocity alone.
 double Couplings::moved(const NetworkState& state, std::size_t c) const noexcept {
-  const auto lower = at(lower_[c]), upper = at(upper_[c]);
+  const auto lower = index(lower_[c]), upper = index(upper_[c]);
   return method_ == Method::Exact ? (state.velocity[lower] - state.velocity[upper]) * model_->k
                                   : state.moved[lower] - state.moved[upper];
 }
@@ -68,29 +98,30 @@ double Couplings::moved(const NetworkState& state, std::size_t c) const noexcept
 /// The motion that `state.change` makes, whatever forces are in it by now.
 double Couplings::motion(const NetworkState& state, std::size_t c) const noexcept {
   const int lower = lower_[c], upper = upper_[c];
-  if (method_ == Method::Exact) return state.change[at(lower)] - state.change[at(upper)];
+  if (method_ == Method::Exact) return state.change[index(lower)] - state.change[index(upper)];
   const auto bend = [&](int slot) {
-    const bool force = method_ == Method::Pushed && model_->is_mass(slot);
-    return state.change[at(slot)] * (force ? model_->scale[at(slot)] : 1.0);
+    const bool force = method_ == Method::Explicit && model_->is_mass(slot);
+    return state.change[index(slot)] * (force ? model_->scale[index(slot)] : 1.0);
   };
-  return 2.0 * (state.moved[at(lower)] - state.moved[at(upper)]) + bend(lower) - bend(upper);
+  return 2.0 * (state.moved[index(lower)] - state.moved[index(upper)]) + bend(lower) - bend(upper);
 }
 
 /// What the forces that were found so far take off the motion of a coupling.
-double Couplings::pushed(const NetworkState& state, std::size_t c) const noexcept {
+double Couplings::taken_by_contacts(const NetworkState& state, std::size_t c) const noexcept {
   double sum = 0.0;
-  for (const auto& touch : state.touching) sum += mutual(c, at(touch.coupling)) * touch.force;
+  for (const auto& link : state.active) sum += mutual(c, index(link.coupling)) * link.force;
   return sum;
 }
-double Couplings::rubbed(const NetworkState& state, std::size_t c) const noexcept {
+double Couplings::taken_by_friction(const NetworkState& state, std::size_t c) const noexcept {
   double sum = 0.0;
-  for (std::size_t f = 0; f < frictions(); ++f) sum += mutual(c, first_friction() + f) * state.rub[f];
+  for (std::size_t f = 0; f < frictions(); ++f)
+    sum += mutual(c, first_friction() + f) * state.friction_force[f];
   return sum;
 }
 
 void Couplings::store_energy(NetworkState& state) const noexcept {
   const auto apart = [&](std::size_t c) {
-    const double now = state.position[at(lower_[c])] - state.position[at(upper_[c])];
+    const double now = state.position[index(lower_[c])] - state.position[index(upper_[c])];
     return method_ == Method::Exact ? now : now - 0.5 * moved(state, c);
   };
   const auto contacts = model_->contacts.size();
@@ -99,22 +130,21 @@ void Couplings::store_energy(NetworkState& state) const noexcept {
     const double n = apart(c) + contact.offset;
     state.root[c] = n > 0.0 ? contact.law.root(n) : 0.0;
   }
-  for (std::size_t p = 0; p < model_->plucks.size(); ++p)
-    if (state.slipped[p] == 0.0)
-      state.root[contacts + p] = std::sqrt(model_->plucks[p].stiffness) * apart(contacts + p);
+  for (std::size_t b = 0; b < model_->bonds.size(); ++b)
+    if (state.slipped[b] == 0.0) state.root[contacts + b] = model_->bonds[b].law->root(apart(contacts + b));
 }
 
 void Couplings::solve(NetworkState& state) const noexcept {
-  state.touching.clear();
-  if (method_ == Method::Pushed) {
+  state.active.clear();
+  if (method_ == Method::Explicit) {
     push_contacts(state);
-    find_plucks(state);
+    find_bonds(state);
   } else {
     find_contacts(state);
-    find_plucks(state);
+    find_bonds(state);
   }
   if (frictions() == 0) return solve_contacts(state);
-  std::fill(state.rub.begin(), state.rub.end(), 0.0);
+  std::fill(state.friction_force.begin(), state.friction_force.end(), 0.0);
   for (int round = 0; round < kMostRounds; ++round) {
     solve_contacts(state);
     const double left = solve_frictions(state);
@@ -131,13 +161,14 @@ double Couplings::solve_frictions(NetworkState& state) const noexcept {
   for (std::size_t f = 0; f < frictions(); ++f) {
     const auto c = first_friction() + f;
     const auto& friction = model_->frictions[f];
-    const double own = mutual(c, c), before = state.rub[f];
-    const double free = motion(state, c) - pushed(state, c) - (rubbed(state, c) - own * before);
+    const double own = mutual(c, c), before = state.friction_force[f];
+    const double free =
+        motion(state, c) - taken_by_contacts(state, c) - (taken_by_friction(state, c) - own * before);
     const auto found =
         solve_friction(friction.law, friction.viscous, state.normal[f], free / slack(), own / slack(),
                        static_cast<int>(state.sliding[f]), 0.5 * moved(state, c) / model_->k);
-    state.rub[f] = found.force;
-    state.slide[f] = found.velocity;
+    state.friction_force[f] = found.force;
+    state.friction_velocity[f] = found.velocity;
     most = std::max(most, std::abs(found.force));
     changed = std::max(changed, std::abs(found.force - before));
   }
@@ -150,38 +181,318 @@ void Couplings::move(NetworkState& state) const noexcept {
     const double* column = columns_.data() + coupling * masses;
     for (std::size_t i = 0; i < masses; ++i) state.change[i] -= column[i] * force;
   };
-  for (const auto& touch : state.touching) add(at(touch.coupling), touch.force);
-  for (std::size_t f = 0; f < frictions(); ++f) add(first_friction() + f, state.rub[f]);
+  for (const auto& link : state.active) add(index(link.coupling), link.force);
+  for (std::size_t f = 0; f < frictions(); ++f) add(first_friction() + f, state.friction_force[f]);
 }
 
 void Couplings::finish(NetworkState& state) const noexcept {
   const auto contacts = model_->contacts.size();
-  for (auto& touch : state.touching) {
-    const auto c = at(touch.coupling);
-    if (method_ == Method::Pushed) continue;
-    touch.motion = motion(state, c);
-    state.root[c] += touch.slope * touch.motion / steps();
+  for (auto& link : state.active) {
+    const auto c = index(link.coupling);
+    if (method_ == Method::Explicit) continue;
+    link.motion = motion(state, c);
+    state.root[c] += link.slope * link.motion / steps();
   }
-  for (std::size_t p = 0; p < model_->plucks.size(); ++p) {
-    const auto& pluck = model_->plucks[p];
-    double& psi = state.root[contacts + p];
-    const double n = indentation(state, contacts + p);
-    if (state.slipped[p] != 0.0 || std::abs(std::sqrt(pluck.stiffness) * psi) <= pluck.limit) continue;
-    state.slipped[p] = n < 0.0 ? -1.0 : 1.0;
+  for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
+    const auto& bond = model_->bonds[b];
+    double& psi = state.root[contacts + b];
+    const double n = indentation(state, contacts + b);
+    if (state.slipped[b] != 0.0 || std::abs(bond.law->root_slope(n) * psi) <= bond.limit) continue;
+    state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
     if (state.audit) state.dissipated += 0.5 * psi * psi;
     psi = 0.0;
   }
   for (std::size_t f = 0; f < frictions(); ++f)
-    state.sliding[f] = state.slide[f] > 0.0 ? 1.0 : state.slide[f] < 0.0 ? -1.0 : 0.0;
+    state.sliding[f] = state.friction_velocity[f] > 0.0 ? 1.0 : state.friction_velocity[f] < 0.0 ? -1.0 : 0.0;
 }
 
-void watch_touch(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
-                 double motion) noexcept {
-  // Slower touches would ask for an endless loss; at 0.1 mm/s nothing is heard or felt any more.
+void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
+                   double motion) noexcept {
+  // Slower impacts would need an unbounded loss; below 0.1 mm/s nothing is audible or tangible.
   constexpr double kSlowest = 1e-4;
   const double loss_speed = model.contacts[contact].loss_speed;
   if (loss_speed > 0.0 && n <= motion)
     state.loss[contact] = loss_speed / std::max(motion / model.k, kSlowest);
+}
+
+void Couplings::find_contacts(NetworkState& state) const noexcept {
+  for (std::size_t c = 0; c < model_->contacts.size(); ++c) {
+    ActiveCoupling link{.coupling = static_cast<int>(c)};
+    const double n = indentation(state, c);
+    if (method_ == Method::Gradient) {
+      link.free_motion = motion(state, c);
+      const double w = moved(state, c), before = n - w;
+      if (std::max({n, before, before + link.free_motion}) <= 0.0) continue;
+      if (n >= 0.0) start_contact(*model_, state, c, n, w);
+      state.active.push_back(link);
+    } else if (method_ == Method::Exact ? predict_exact(state, link) : predict_centred(state, link)) {
+      state.active.push_back(link);
+    }
+  }
+}
+
+/// The remaining energy returns to the bodies while they part; `motion` is the predicted one.
+bool Couplings::release(NetworkState& state, ActiveCoupling& link, double motion) const noexcept {
+  double& psi = state.root[index(link.coupling)];
+  if (std::abs(psi) <= kForgotten) psi = 0.0;
+  if (psi == 0.0 || motion >= -1e-30) return false;
+  link.slope = -psi / motion;
+  return true;
+}
+
+/// Whether a contact that begins lasts less than a step: then it is the damper of its restitution.
+bool Couplings::bounce(const NetworkState& state, ActiveCoupling& link) const noexcept {
+  const auto c = index(link.coupling);
+  const double approach = moved(state, c), loss = state.loss[c], own = mutual(c, c);
+  if (loss == 0.0 || approach <= 0.0 || state.root[c] != 0.0 || own == 0.0) return false;
+  const double loss_speed = loss * approach / model_->k;
+  // m v^2 of the two bodies, m = k^2 steps / 2 W.
+  const double twice_kinetic = 0.5 * steps() * approach * approach / own;
+  if (model_->contacts[c].law.energy(approach) <= twice_kinetic * stored_at_deepest(loss_speed)) return false;
+  const double e = restitution_of(loss_speed);
+  if (e >= 1.0) return false;
+  link.resistance = (1.0 + e) / ((1.0 - e) * own);
+  link.free_motion = motion(state, c);
+  return true;
+}
+
+bool Couplings::predict_centred(NetworkState& state, ActiveCoupling& link) const noexcept {
+  const auto c = index(link.coupling);
+  const auto& law = model_->contacts[c].law;
+  const double n = indentation(state, c), psi = state.root[c];
+  if (n < 0.0 && psi == 0.0) return false;
+  const double w = moved(state, c);
+  double damping = 0.0;
+  if (n >= 0.0) {
+    start_contact(*model_, state, c, n, w);
+    if (bounce(state, link)) return true;
+    const bool first = n <= w && w > 0.0 && psi == 0.0;
+    const double g = first ? law.root(n + 0.5 * w) / w : law.root_slope(n);
+    link.slope = psi < 0.0 ? -g : g;
+    const double force = link.slope * (psi + 0.5 * link.slope * w);
+    damping = 0.5 * state.loss[c] * std::max(0.0, force) / model_->k;
+  } else if (!release(state, link, w)) {
+    return false;
+  }
+  link.static_force = link.slope * psi;
+  link.resistance = 0.25 * link.slope * link.slope + damping;
+  link.free_motion = motion(state, c);
+  return true;
+}
+
+/// What the present forces take off the motion of contact c.
+double Couplings::predicted_push(const NetworkState& state, std::size_t c) const noexcept {
+  double sum = 0.0;
+  const auto add = [&](std::size_t other) {
+    const double n = indentation(state, other);
+    if (n <= 0.0) return;
+    const double rate = 1.0 + state.loss[other] * moved(state, other) / model_->k;
+    sum += mutual(c, other) * model_->contacts[other].law.force(n) * std::max(0.0, rate);
+  };
+  if (alone_) {
+    add(c);
+  } else {
+    for (std::size_t other = 0; other < model_->contacts.size(); ++other) add(other);
+  }
+  return sum;
+}
+
+/// The predicted motion is the free one less what the present forces take off it.
+bool Couplings::predict_exact(NetworkState& state, ActiveCoupling& link) const noexcept {
+  const auto c = index(link.coupling);
+  const auto& law = model_->contacts[c].law;
+  const double n = indentation(state, c), psi = state.root[c];
+  link.free_motion = motion(state, c);
+  const double motion = link.free_motion - predicted_push(state, c);
+  if (n <= 0.0 && n + motion > 0.0) start_contact(*model_, state, c, n, moved(state, c));
+  double damping = 0.0;
+  if (n >= 0.0 || n + motion > 0.0) {
+    if (bounce(state, link)) return true;
+    const double g = motion == 0.0 ? law.root_slope(std::max(0.0, n)) : chord(law, n, motion);
+    link.slope = psi < 0.0 ? -g : g;
+    const double force = link.slope * (psi + 0.5 * link.slope * motion);
+    damping = state.loss[c] * std::max(0.0, force) / model_->k;
+  } else if (!release(state, link, motion)) {
+    return false;
+  }
+  link.static_force = link.slope * psi;
+  link.resistance = 0.5 * link.slope * link.slope + damping;
+  return true;
+}
+
+void Couplings::find_bonds(NetworkState& state) const noexcept {
+  const auto contacts = model_->contacts.size();
+  for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
+    const auto c = contacts + b;
+    const auto& bond = model_->bonds[b];
+    const double n = indentation(state, c);
+    if (state.slipped[b] * n < 0.0) state.slipped[b] = state.root[c] = 0.0;
+    if (state.slipped[b] != 0.0) continue;
+    ActiveCoupling link{.coupling = static_cast<int>(c)};
+    if (method_ == Method::Explicit) {
+      state.root[c] = bond.law->root(n);
+      link.force = bond.law->force(n) + bond.damping * moved(state, c) / model_->k;
+    }
+    link.free_motion = motion(state, c);
+    update_bond(state, link, link.free_motion);
+    state.active.push_back(link);
+  }
+}
+
+/// Sets the chord of a bond for a motion. True if it changed.
+bool Couplings::update_bond(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept {
+  constexpr double kEnough = 1e-15;
+  const auto c = index(link.coupling);
+  const auto& bond = model_->bonds[c - model_->contacts.size()];
+  const double n = indentation(state, c), from = method_ == Method::Exact ? n : n - 0.5 * moved(state, c);
+  const auto chord = bond.law->chord(from, from + motion / steps());
+  const bool changed = std::abs(chord.slope - link.slope) > kEnough * chord.slope;
+  link.slope = chord.slope;
+  link.static_force = link.slope * state.root[c];
+  link.resistance = chord.square / (2.0 * steps()) + bond.damping / slack();
+  return changed;
+}
+
+/// Updates the chords of all bonds to the motions that the forces cause. True if one changed.
+bool Couplings::update_bonds(NetworkState& state) const noexcept {
+  bool changed = false;
+  for (auto& link : state.active) {
+    const auto c = index(link.coupling), contacts = model_->contacts.size();
+    if (c < contacts || model_->bonds[c - contacts].law->linear()) continue;
+    changed |= update_bond(state, link,
+                           link.free_motion - taken_by_friction(state, c) - taken_by_contacts(state, c));
+  }
+  return changed;
+}
+
+/// The solver of mass-interaction: from the present state.
+void Couplings::push_contacts(NetworkState& state) const noexcept {
+  for (std::size_t c = 0; c < model_->contacts.size(); ++c) {
+    const double n = indentation(state, c);
+    if (n <= 0.0) continue;
+    const double motion = moved(state, c);
+    start_contact(*model_, state, c, n, motion);
+    const double rate = 1.0 + state.loss[c] * motion / model_->k;
+    state.active.push_back(
+        {.coupling = static_cast<int>(c), .force = std::max(0.0, model_->contacts[c].law.force(n) * rate)});
+  }
+}
+
+void Couplings::solve_contacts(NetworkState& state) const noexcept {
+  if (method_ == Method::Explicit || state.active.empty()) return;
+  if (method_ != Method::Gradient) return solve_quadratised(state);
+  do solve_gradient(state);
+  while (!alone_ && missed_one(state));
+}
+
+/// A contact that would have to pull is released for the step; its energy returns when the bodies part.
+void Couplings::solve_quadratised(NetworkState& state) const noexcept {
+  const auto pulls = [this](const ActiveCoupling& link) {
+    return link.force < 0.0 && index(link.coupling) < model_->contacts.size();
+  };
+  constexpr int kMostChords = 30;
+  for (int round = 0; round < kMostChords; ++round) {
+    do {
+      if (state.active.empty()) return;
+      solve_linear(state);
+    } while (std::erase_if(state.active, pulls) > 0);
+    if (model_->bonds.empty() || !update_bonds(state)) return;
+  }
+  solve_linear(state);
+}
+
+/// Forces F = F0 + S d of all active couplings, where d = d_free - W F:  with y = sqrt(S) d,
+/// (1 + sqrt(S) W sqrt(S)) y = sqrt(S) (d_free - W F0), symmetric and positive definite.
+void Couplings::solve_linear(NetworkState& state) const noexcept {
+  auto& active = state.active;
+  const auto n = active.size();
+  const auto w = [&](const ActiveCoupling& a, const ActiveCoupling& b) {
+    return mutual(index(a.coupling), index(b.coupling));
+  };
+  if (n == 1 || alone_) {
+    for (auto& t : active) {
+      const double free = t.free_motion - (alone_ ? 0.0 : taken_by_friction(state, index(t.coupling)));
+      t.force = (t.static_force + t.resistance * free) / (1.0 + t.resistance * w(t, t));
+    }
+    return;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const double root = std::sqrt(active[i].resistance);
+    double free = active[i].free_motion - taken_by_friction(state, index(active[i].coupling));
+    for (std::size_t j = 0; j < n; ++j) {
+      const double mutual = w(active[i], active[j]);
+      free -= mutual * active[j].static_force;
+      state.matrix[i * n + j] = (i == j ? 1.0 : 0.0) + root * mutual * std::sqrt(active[j].resistance);
+    }
+    state.right[i] = root * free;
+  }
+  solve_cholesky(state.matrix.data(), state.right.data(), n);
+  for (std::size_t i = 0; i < n; ++i)
+    active[i].force = active[i].static_force + std::sqrt(active[i].resistance) * state.right[i];
+}
+
+/// F and its slope at the present estimate d of the motion:  F = G(d) (1 + r d / 2k), G = (phi(n- + d) -
+/// phi(n-)) / d, both convex and never below 0.
+void Couplings::follow(const NetworkState& state, ActiveCoupling& link) const noexcept {
+  const auto c = index(link.coupling);
+  if (c >= model_->contacts.size()) {
+    update_bond(state, link, link.motion);
+    return;
+  }
+  const auto& law = model_->contacts[c].law;
+  const auto energy = [&](double n) { return n > 0.0 ? law.energy(n) : 0.0; };
+  const auto force = [&](double n) { return n > 0.0 ? law.force(n) : 0.0; };
+  const double from = indentation(state, c) - moved(state, c), d = link.motion, to = from + d;
+  double g, slope;
+  if (std::abs(d) <= 1e-7 * std::abs(from)) {
+    g = force(from + 0.5 * d);
+    slope = from > 0.0 ? 0.5 * law.stiffness(from) : 0.0;
+  } else {
+    g = (energy(to) - energy(from)) / d;
+    slope = (force(to) - g) / d;
+  }
+  const double loss = state.loss[c] / slack(), rate = std::max(0.0, 1.0 + loss * d);
+  link.force = g * rate;
+  link.resistance = std::max(0.0, slope * rate + (rate > 0.0 ? g * loss : 0.0));
+  link.static_force = link.force - link.resistance * d;
+}
+
+/// Newton's method, from the free motion down: what is sought is the zero of a convex function of each
+/// motion.
+void Couplings::solve_gradient(NetworkState& state) const noexcept {
+  constexpr int kMostSteps = 60;
+  for (auto& link : state.active)
+    link.motion = link.free_motion - taken_by_friction(state, index(link.coupling));
+  double before = 1e300;
+  for (int i = 0; i < kMostSteps; ++i) {
+    for (auto& link : state.active) follow(state, link);
+    solve_linear(state);
+    double left = 0.0;
+    for (auto& link : state.active) {
+      const auto c = index(link.coupling);
+      const double next = link.free_motion - taken_by_friction(state, c) - taken_by_contacts(state, c),
+                   by = next - link.motion;
+      left = std::max(left, std::abs(by) / (std::abs(next) + std::abs(link.free_motion)));
+      link.motion += left > before ? 0.5 * by : by;
+    }
+    if (!(left > 1e-15)) break;
+    before = left;
+  }
+}
+
+/// Adds contacts that the active couplings close. True if there were any.
+bool Couplings::missed_one(NetworkState& state) const noexcept {
+  const auto found = state.active.size();
+  for (std::size_t c = 0; c < model_->contacts.size(); ++c) {
+    const auto known = [&](const ActiveCoupling& link) { return index(link.coupling) == c; };
+    if (std::any_of(state.active.begin(), state.active.begin() + static_cast<std::ptrdiff_t>(found), known))
+      continue;
+    const double free = motion(state, c);
+    const double to = free - taken_by_friction(state, c) - taken_by_contacts(state, c);
+    if (indentation(state, c) - moved(state, c) + to > 0.0)
+      state.active.push_back({.coupling = static_cast<int>(c), .free_motion = free});
+  }
+  return state.active.size() > found;
 }
 
 }  // namespace tactus

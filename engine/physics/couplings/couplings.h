@@ -1,35 +1,39 @@
 #pragma once
 
+// Thread: [any], except where a function says otherwise
 #include <functional>
 #include <span>
 #include <vector>
 
 #include "engine/core/error.h"
+#include "engine/core/index.h"
 #include "engine/physics/network_model.h"
 #include "engine/physics/network_state.h"
 
 namespace tactus {
 
-/// The forces between two slots that are not linear (contacts, plucks, frictions), solved together with the
+/// The forces between two slots that are not linear (contacts, bonds, frictions), solved together with the
 /// motion that they cause. Without them coupling c would move by `free_c` [m] in the step; with them
 ///   motion_c = free_c - sum_c' W_cc' F_c',   W = D^T A^-1 D,
-/// column c of D having 1 at the lower slot and -1 at the upper one. The schemes differ in what a motion is
+/// column c of D having 1 at the lower slot and -1 at the upper one. The solvers differ in what a motion is
 /// (over two steps or one), in A, and in how a contact's force follows from its motion.
 ///
 /// **Quadratised energy** (Ducceschi, Bilbao, Willemsen, Serafin, JASA 149, 2021): F = g (psi + psi+)/2 with
 /// psi+ = psi + g * (share of the motion), g the slope of the root of the energy; one linear solve a step.
-/// The bodies lose exactly what psi^2/2 gains, whatever g is. So in the first step of a touch g is the slope
-/// of the chord to where the root is to be foreseen: the plain slope, which has a corner at n = 0, would
+/// The bodies lose exactly what psi^2/2 gains, whatever g is. So in the first step of a contact g is the
+/// slope of the chord to the predicted root: the plain slope, which has a corner at n = 0, would
 /// leave psi off by a part that depends on the phase, and the contact's time with it (8e-3 at 20 steps a
 /// contact; with the chord 1e-3).
 ///
 /// **Discrete gradient** (Bilbao, Torin, Chatziioannou, Acta Acustica 101, 2015): F = (phi(n+) - phi(n-)) /
 /// (n+ - n-), solved by Newton's method: more work, twice as exact in time.
 ///
-/// Losses F r v act on the force that is to be foreseen, so that the ratio of speeds that r leaves comes out
-/// right for the potential that the scheme really has. A touch that would be at its deepest before a step is
-/// over has no force that could be foreseen: with quadratised energy it would lose nothing. For that one step
-/// it is a damper instead, as strong as sends the bodies back by the restitution e that r leaves at their
+/// **Bonds** have the discrete gradient too, with every method: g is the chord of psi over the motion of the
+/// step, found by iteration (a linear bond has one chord only).
+///
+/// Losses F r v use the predicted force, so that the ratio of the speeds is right for the potential that the
+/// solver has. A contact that is deepest before its first step ends has no predicted force: with quadratised
+/// energy it would lose nothing. For that step it is a damper with the restitution e that r gives at this
 /// speed:  F = R motion,  R W_cc = (1 + e) / (1 - e),  in motions over one step and over two.
 class Couplings {
  public:
@@ -37,7 +41,7 @@ class Couplings {
     Centred,   ///< quadratised energy, motions over two steps
     Gradient,  ///< discrete gradient, motions over two steps
     Exact,     ///< quadratised energy, motions over one step
-    Pushed,    ///< contacts and plucks are pushed by the scheme itself; frictions with motions over two steps
+    Explicit,  ///< contacts and bonds from the present state; frictions with motions over two steps
   };
 
   /// [control] `respond` turns a column of D, one number a mass, into A^-1 times it. Errors: OutOfRange if
@@ -45,13 +49,13 @@ class Couplings {
   static Result<Couplings> make(const NetworkModel& model, Method method,
                                 const std::function<void(std::span<double>)>& respond);
 
-  /// [realtime] What each contact and each plectrum that holds has stored by where everything is, at the
-  /// instant that the method stores it for: half a step ago where motions are over two steps.
+  /// [realtime] Sets the energy of contacts and bonds from the positions, at the instant that the method
+  /// stores it for: half a step ago where motions are over two steps.
   void store_energy(NetworkState& state) const noexcept;
-  /// [realtime] Finds what touches and solves all forces, given how far each slot moves without them:
-  /// share * state.moved + state.change, in the way of the method.
+  /// [realtime] Finds the active couplings and solves their forces, given the motion of each slot
+  /// without them: share * state.moved + state.change, as the method counts motions.
   void solve(NetworkState& state) const noexcept;
-  /// [realtime] Commits the solution: energies, what slips, what slides.
+  /// [realtime] Stores the solution: energies, bonds that slip, frictions that slide.
   void finish(NetworkState& state) const noexcept;
 
   /// [realtime] Adds what the solved forces do: to the masses of `change`, or force by force to `push(slot,
@@ -59,23 +63,23 @@ class Couplings {
   void move(NetworkState& state) const noexcept;
   template <class Push>
   void push_all(const NetworkState& state, Push push) const noexcept {
-    for (const auto& touch : state.touching) {
-      push(lower_[at(touch.coupling)], -touch.force);
-      push(upper_[at(touch.coupling)], touch.force);
+    for (const auto& link : state.active) {
+      push(lower_[index(link.coupling)], -link.force);
+      push(upper_[index(link.coupling)], link.force);
     }
     for (std::size_t f = 0; f < frictions(); ++f) {
-      push(lower_[first_friction() + f], -state.rub[f]);
-      push(upper_[first_friction() + f], state.rub[f]);
+      push(lower_[first_friction() + f], -state.friction_force[f]);
+      push(upper_[first_friction() + f], state.friction_force[f]);
     }
   }
 
-  /// [realtime] How a coupling moves with what is in `state.change` by now.
+  /// [realtime] The motion of a coupling for the present `state.change`.
   double motion(const NetworkState& state, std::size_t coupling) const noexcept;
 
   bool empty() const { return lower_.empty(); }
   std::size_t count() const { return lower_.size(); }
   std::size_t frictions() const { return count() - first_friction(); }
-  std::size_t first_friction() const { return model_->contacts.size() + model_->plucks.size(); }
+  std::size_t first_friction() const { return model_->contacts.size() + model_->bonds.size(); }
   int lower(std::size_t coupling) const { return lower_[coupling]; }
   int upper(std::size_t coupling) const { return upper_[coupling]; }
   /// How far coupling c moves by a force of 1 N in c'. [m/N]
@@ -84,28 +88,29 @@ class Couplings {
   }
 
  private:
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   int steps() const { return method_ == Method::Exact ? 1 : 2; }
   double slack() const { return steps() * model_->k; }
   double moved(const NetworkState& state, std::size_t coupling) const noexcept;
   double indentation(const NetworkState& state, std::size_t coupling) const noexcept;
-  double pushed(const NetworkState& state, std::size_t coupling) const noexcept;
-  double rubbed(const NetworkState& state, std::size_t coupling) const noexcept;
+  double taken_by_contacts(const NetworkState& state, std::size_t coupling) const noexcept;
+  double taken_by_friction(const NetworkState& state, std::size_t coupling) const noexcept;
 
   void find_contacts(NetworkState& state) const noexcept;
-  bool foresee_centred(NetworkState& state, Touch& touch) const noexcept;
-  bool foresee_exact(NetworkState& state, Touch& touch) const noexcept;
-  double foreseen_push(const NetworkState& state, std::size_t contact) const noexcept;
-  bool bounce(const NetworkState& state, Touch& touch) const noexcept;
-  bool let_go(NetworkState& state, Touch& touch, double motion) const noexcept;
-  void find_plucks(NetworkState& state) const noexcept;
+  bool predict_centred(NetworkState& state, ActiveCoupling& link) const noexcept;
+  bool predict_exact(NetworkState& state, ActiveCoupling& link) const noexcept;
+  double predicted_push(const NetworkState& state, std::size_t contact) const noexcept;
+  bool bounce(const NetworkState& state, ActiveCoupling& link) const noexcept;
+  bool release(NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
+  void find_bonds(NetworkState& state) const noexcept;
+  bool update_bond(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
+  bool update_bonds(NetworkState& state) const noexcept;
   void push_contacts(NetworkState& state) const noexcept;
 
   void solve_contacts(NetworkState& state) const noexcept;
   void solve_quadratised(NetworkState& state) const noexcept;
   void solve_gradient(NetworkState& state) const noexcept;
   void solve_linear(NetworkState& state) const noexcept;
-  void follow(const NetworkState& state, Touch& touch) const noexcept;
+  void follow(const NetworkState& state, ActiveCoupling& link) const noexcept;
   bool missed_one(NetworkState& state) const noexcept;
   double solve_frictions(NetworkState& state) const noexcept;
 
@@ -117,9 +122,9 @@ class Couplings {
   std::vector<double> columns_, mutual_;
 };
 
-/// [realtime] Sets a contact's loss at the beginning of a touch, where a restitution asks for it: `n` is how
+/// [realtime] Sets the loss of a contact that begins, if it has a restitution: `n` is how
 /// deep it is, `motion` how far it came in the last step.
-void watch_touch(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
-                 double motion) noexcept;
+void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
+                   double motion) noexcept;
 
 }  // namespace tactus

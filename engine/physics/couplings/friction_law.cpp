@@ -10,12 +10,12 @@ namespace {
 double sliding_speed(const FrictionLaw& law, double viscous, double normal, double free,
                      double mobility) noexcept {
   constexpr int kMostSteps = 60;
-  const double own = 1.0 + mobility * viscous, rub = mobility * normal;
+  const double own = 1.0 + mobility * viscous, slowing = mobility * normal;
   double v = free / own;
   for (int i = 0; i < kMostSteps; ++i) {
-    const double excess = v * own + rub * law.coefficient(v) - free;
+    const double excess = v * own + slowing * law.coefficient(v) - free;
     if (excess <= 0.0) return v;
-    const double slope = own + rub * law.slope(v);
+    const double slope = own + slowing * law.slope(v);
     if (slope <= 0.0) return -1.0;
     const double next = v - excess / slope;
     if (next <= 0.0) return -1.0;

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [any]
 #include <array>
 #include <cmath>
 

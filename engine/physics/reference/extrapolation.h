@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,10 +13,9 @@ namespace tactus {
 /// length:
 ///     z_1 = y + h f(0, y),  z_m+1 = z_m-1 + 2h f(m h, z_m),  T_j1 = z_2j,  h = H / 2j
 ///     T_jk = T_j,k-1 + (T_j,k-1 - T_j-1,k-1) / ((j / (j-k+1))^2 - 1)
-/// The result T_jj is of order 2j; |T_jj - T_j,j-1| tells its error. Nothing of it is shared with the schemes
-/// that networks are stepped with.
-/// Gragg, SIAM J. Numer. Anal. 2, 1965; Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I,
-/// II.9.
+/// The result T_jj is of order 2j; |T_jj - T_j,j-1| estimates its error. Nothing of it is shared with the
+/// solvers that networks are stepped with. Gragg, SIAM J. Numer. Anal. 2, 1965; Hairer, Norsett & Wanner,
+/// Solving Ordinary Differential Equations I, II.9.
 class Extrapolation {
  public:
   static constexpr std::size_t kColumns = 8;
@@ -34,7 +34,7 @@ class Extrapolation {
   }
 
   /// [any] `rates(t, y, slope)` with t from the start of the step; `error(y, difference)` in units of what is
-  /// tolerated. The result stands in `result()`.
+  /// tolerated. The result is in `result()`.
   template <class Rates, class Error>
   Outcome step(const Rates& rates, const double* y, double seconds, const Error& error) {
     double last = 0;

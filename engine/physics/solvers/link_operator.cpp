@@ -5,7 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include "engine/physics/solvers/wide.h"
+#include "engine/physics/solvers/vectorised.h"
 
 namespace tactus {
 namespace {

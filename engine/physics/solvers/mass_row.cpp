@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/physics/index.h"
-#include "engine/physics/solvers/wide.h"
+#include "engine/core/index.h"
+#include "engine/physics/solvers/vectorised.h"
 
 namespace tactus {
 
@@ -38,10 +38,10 @@ struct MassRow::Pass {
   }
 };
 
-/// Goes upwards: what lies above still is where it was, what lies below is known by its tension.
+/// Goes upwards: masses above are at their old places; those below act by their tension.
 template <MassRow::Run::Kind kind>
 Lanes MassRow::step_lanes(const Pass& where, const Run& run, Lanes below) noexcept {
-  const Pass pass = where;  // a copy that no store of a register can be thought to change
+  const Pass pass = where;  // a copy: no store can alias it
   const int last = run.last;
   auto constants = pass.constants<Lanes>(run.first);
   for (int i = run.first; i < last; i += Lanes::kCount) {
@@ -64,7 +64,7 @@ MassRow::MassRow(std::span<const LinkOperator::Entry> links, std::span<const dou
       left.push_back(e);
       continue;
     }
-    // A link to a neighbour stands on the diagonal too: what remains there goes to the ground.
+    // A link to a neighbour is on the diagonal too: the remainder goes to the ground.
     own_k_[row] += e.k;
     own_b_[row] += e.b;
     if (e.column == e.row + 1) k_[row] = -e.k, b_[row] = -e.b;

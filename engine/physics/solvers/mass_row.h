@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [any], except where a function says otherwise
 #include <span>
 #include <vector>
 

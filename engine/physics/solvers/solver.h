@@ -1,14 +1,15 @@
 #pragma once
 
+// Thread: [any]
 namespace tactus {
 
-/// How a network is stepped; what each of them is stands with its scheme.
+/// How a network is stepped; each is described with its class.
 enum class Solver {
-  Explicit,   ///< the cheapest for many masses; unstable when too stiff (CentredScheme)
-  Passive,    ///< never makes energy, whatever the stiffness (CentredScheme)
-  Implicit,   ///< the trapezoidal rule and Newton's method: never unstable (CentredScheme)
-  Exact,      ///< no error in the linear part; small groups of masses (ExactScheme)
-  Reference,  ///< the motion itself, which the others are measured against (FlowScheme)
+  Explicit,   ///< the cheapest for many masses; unstable when too stiff (CentredSolver)
+  Passive,    ///< never makes energy, whatever the stiffness (CentredSolver)
+  Implicit,   ///< the trapezoidal rule and Newton's method: never unstable (CentredSolver)
+  Exact,      ///< no error in the linear part; small groups of masses (ExactSolver)
+  Reference,  ///< the motion itself, which the others are measured against (ReferenceSolver)
   Auto,       ///< the cheapest of them that is stable and accurate (solver_choice.h)
 };
 

@@ -50,8 +50,8 @@ SolverBounds bounds_of(const NetworkElements& elements, Hertz rate, Solver solve
   }
   const double k = 1.0 / (rate.value * oversample);
   const NetworkModel model(elements, kSignals, k);
-  const auto cost = made->scheme().cost();
-  bounds.multiplications = oversample * (cost.step + (elements.contacts.empty() ? 0.0 : cost.touch));
+  const auto cost = made->network_solver().cost();
+  bounds.multiplications = oversample * (cost.step + (elements.contacts.empty() ? 0.0 : cost.contact));
   const double shape = made->springs_averaged() ? 12.0 : 24.0;
   bounds.error = solver == Solver::Exact ? 0.0 : model.stiffest(1.0, 0.0) * k * k / shape;
   for (const auto& strike : contacts.strikes) {
@@ -87,7 +87,7 @@ SolverChoice choose_solver(const NetworkElements& elements, Hertz rate, int over
     if (!b.stable) continue;
     if (best == nullptr || (!good(*best) && b.error < best->error)) best = &b;
   }
-  if (best == nullptr) return choice;  // nothing could be made: the passive solver will say why
+  if (best == nullptr) return choice;  // none can be made: the passive solver reports the error
   choice.solver = best->solver;
   choice.oversample = best->oversample;
   return choice;

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <vector>
 
 #include "engine/core/units.h"
@@ -9,12 +10,12 @@
 
 namespace tactus {
 
-/// What is known of a way to step a network before it is run: counted, never timed, so it is the same on
+/// Bounds on a solver for a network, from operation counts and never from a clock, so it is the same on
 /// every machine.
 struct SolverBounds {
   Solver solver;
   int oversample;
-  double multiplications = 0;  ///< a frame, while one contact touches
+  double multiplications = 0;  ///< a frame, with one closed contact
   bool stable = false;         ///< the linear part, and contacts as far as `ContactDemand` goes
   double error = 0;            ///< largest relative error of a resonance, or of the time of a contact
   /// What speaks against it.
@@ -50,9 +51,9 @@ struct SolverChoice {
 /// steps a frame too. If none is accurate, the most accurate of the stable ones. The bounds, for a step of k
 /// seconds:
 ///  - resonances: explicit and passive  (w k)^2 / 24,  implicit and averaged springs  (w k)^2 / 12,  exact 0,
-///    w the highest of the network (physics: the schemes' dispersion);
+///    w the highest of the network (physics: the solvers' dispersion);
 ///  - explicit is stable while k^2 times the largest eigenvalue of M^-1 (K + 2 C / k) is below 4, contacts
-///    and plectra as pressed as `ContactDemand` says among them (sufficient), these alone are below
+///    and bonds as pressed as `ContactDemand` says among them (sufficient), these alone are below
 ///    `kStiffestContact`, and the shortest contact lasts 5 steps;
 ///  - contacts, with s steps in the time of one of exponent a: exact (0.5 + 0.33 a) / s^2, explicit the same
 ///    but at least 1.4 / s^2, passive max(1, 0.12 a) / s^1.5, implicit (1.3 + 0.86 a) / s^2: the largest of

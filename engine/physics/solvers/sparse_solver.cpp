@@ -68,7 +68,7 @@ SparseSolver::SparseSolver(const Matrix& matrix) : inverse_(at(static_cast<int>(
   }
   const Reordered factor(matrix);
   take(factor);
-  const auto& order = factor.permutationP().indices();  // row i of A stands at order[i]
+  const auto& order = factor.permutationP().indices();  // row i of A is at order[i]
   place_.resize(inverse_.size());
   for (std::size_t i = 0; i < place_.size(); ++i)
     place_[at(order[static_cast<Eigen::Index>(i)])] = static_cast<int>(i);

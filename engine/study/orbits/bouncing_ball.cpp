@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/core/units.h"
-#include "engine/physics/reference/find_zero.h"
+#include "engine/core/find_root.h"
 
 namespace tactus {
 namespace {

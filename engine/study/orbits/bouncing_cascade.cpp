@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/physics/reference/find_zero.h"
+#include "engine/core/find_root.h"
 
 namespace tactus {
 namespace {

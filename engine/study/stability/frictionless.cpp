@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engine/nodes/networks/network_elements.h"
 #include "engine/study/playability/changed_networks.h"
 
 namespace tactus {
@@ -9,9 +10,10 @@ namespace {
 
 void let_slide(NetworkSpec& network, const std::string&) {
   for (auto& element : network.elements) {
-    if (element.type != "friction") continue;
-    std::erase_if(element.fields, [](const Field& field) { return field.key == "normal"; });
-    element.fields.push_back({"normal", element.at, {0.0, element.at}});
+    const auto* type = find_element(element.type);
+    if (type == nullptr || type->force_field.empty()) continue;
+    std::erase_if(element.fields, [&](const Field& field) { return field.key == type->force_field; });
+    element.fields.push_back({type->force_field, element.at, {0.0, element.at}});
   }
 }
 

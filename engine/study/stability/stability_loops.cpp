@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
+#include "engine/core/index.h"
 #include "engine/graph/plan/strong_components.h"
-#include "engine/physics/index.h"
 
 namespace tactus {
 std::vector<std::vector<int>> loops_of(const LinearGraph& graph, bool events) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 #include "engine/study/stability/models/stability_law.h"
 
 namespace tactus {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "engine/study/walls/held_mass.h"
-#include "engine/study/walls/root.h"
+#include "engine/core/find_root.h"
 
 namespace tactus {
 

@@ -11,7 +11,7 @@
 
 #include "engine/study/stability/split_delay.h"
 #include "engine/study/walls/held_mass.h"
-#include "engine/study/walls/root.h"
+#include "engine/core/find_root.h"
 
 namespace tactus {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/study/parallel_for.h"
-#include "engine/study/walls/root.h"
+#include "engine/core/find_root.h"
 #include "engine/study/walls/wall_border.h"
 
 namespace tactus {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/physics/reference/find_zero.h"
+#include "engine/core/find_root.h"
 
 namespace tactus {
 namespace {

@@ -3,19 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <utility>
 
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/network_elements.h"
+#include "engine/nodes/networks/solver_names.h"
 #include "engine/study/playability/changed_networks.h"
 
 namespace tactus {
 namespace {
-
-// Elements whose force is proportional to places, speeds and currents, or given.
-constexpr std::array kLinear = {"mass", "ground", "motion", "spring", "damper",     "force", "hand",
-                                "coil", "chain",  "ring",   "grid",   "oscillator", "probe", "port"};
 
 void set(Value::Table& options, const std::string& key, Value value) {
   std::erase_if(options, [&](const Field& field) { return field.key == key; });
@@ -58,8 +54,11 @@ std::vector<std::string> stepping_solvers() {
 bool is_linear(const SceneSpec& scene) {
   return !any_network(scene, [](const NetworkSpec& network) {
     return std::any_of(network.elements.begin(), network.elements.end(), [](const NodeSpec& element) {
-      return std::find(kLinear.begin(), kLinear.end(), element.type) == kLinear.end() ||
-             find(element.fields, "cubic") != nullptr;
+      const auto* type = find_element(element.type);
+      return type == nullptr || !type->linear ||
+             std::any_of(type->fields.begin(), type->fields.end(), [&](const ElementField& field) {
+               return field.nonlinear && find(element.fields, field.name) != nullptr;
+             });
     });
   });
 }

@@ -11,8 +11,8 @@ namespace {
 /// A mass on a spring and a damper to the ground, pushed by signal 0.
 NetworkElements oscillator(double mass, double stiffness, double damping) {
   NetworkElements elements;
-  elements.points.push_back({.kind = Point::Kind::Ground, .drive = {}});
-  elements.points.push_back({.kind = Point::Kind::Mass, .mass = mass, .drive = {}});
+  elements.points.push_back({.kind = Point::Kind::Ground, .input = {}});
+  elements.points.push_back({.kind = Point::Kind::Mass, .mass = mass, .input = {}});
   elements.springs.push_back({0, 1, stiffness, damping, 0.0});
   elements.forces.push_back({1, {0, {}}});
   return elements;
@@ -25,7 +25,7 @@ LinearStep step_of(const NetworkElements& elements, double rate, Solver solver, 
 
 }  // namespace
 
-// Poles of the mass-interaction scheme: |z| = sqrt(1 - Z), cos(angle) = (2 - K - Z) / (2 sqrt(1 - Z)), with K
+// Poles of the mass-interaction solver: |z| = sqrt(1 - Z), cos(angle) = (2 - K - Z) / (2 sqrt(1 - Z)), with K
 // = k T^2 / m and Z = z T / m.
 TEST_CASE("linearised: an explicit oscillator has the poles of its difference equation", "[physics]") {
   const double mass = 0.02, stiffness = 5000, damping = 0.3, rate = 8000;
@@ -76,15 +76,15 @@ TEST_CASE("linearised: the response is that of stepping the network", "[physics]
 
 TEST_CASE("linearised: a closed contact is the spring that it is at its indentation", "[physics]") {
   NetworkElements elements;
-  elements.points.push_back({.kind = Point::Kind::Ground, .drive = {}});
-  elements.points.push_back({.kind = Point::Kind::Mass, .mass = 0.0125, .position = 0.01, .drive = {}});
+  elements.points.push_back({.kind = Point::Kind::Ground, .input = {}});
+  elements.points.push_back({.kind = Point::Kind::Mass, .mass = 0.0125, .position = 0.01, .input = {}});
   elements.contacts.push_back({0, 1, 5e6, 1.5, 0.0, {}, 0.0});
   const double push = 10, depth = std::pow(push / 5e6, 1 / 1.5), tangent_stiffness = 1.5 * push / depth;
   const auto open = tangent(elements, {}), closed = tangent(elements, {{0}, push});
   CHECK(spectral_radius(step_of(open, 192000, Solver::Explicit).a) == Approx(1).margin(kRoundOfRadius));
   const auto found = modes(step_of(closed, 192000, Solver::Explicit).a);
   const double hertz = std::abs(std::arg(found[0].pole)) * 192000 / (2 * std::numbers::pi);
-  // The scheme rings sharp by (wT)^2 / 24, 2e-4 here.
+  // The solver rings sharp by (wT)^2 / 24, 2e-4 here.
   CHECK(hertz == Approx(std::sqrt(tangent_stiffness / 0.0125) / (2 * std::numbers::pi)).epsilon(1e-3));
 }
 
@@ -93,8 +93,8 @@ TEST_CASE("linearised: a long chain is found to grow where its stiffest mode pas
   NetworkElements elements;
   const int masses = 200;
   for (int i = 0; i < masses; ++i)
-    elements.points.push_back({.kind = Point::Kind::Mass, .mass = 0.001, .drive = {}});
-  elements.points.push_back({.kind = Point::Kind::Ground, .drive = {}});
+    elements.points.push_back({.kind = Point::Kind::Mass, .mass = 0.001, .input = {}});
+  elements.points.push_back({.kind = Point::Kind::Ground, .input = {}});
   const double stiffness = 1e4;
   for (int i = 0; i <= masses; ++i)
     elements.springs.push_back({i == 0 ? masses : i - 1, i, stiffness, 0.0, 0.0});

@@ -6,6 +6,7 @@
 #include <complex>
 
 #include "engine/core/units.h"
+#include "engine/physics/linearised.h"
 
 using namespace tactus;
 
@@ -59,7 +60,7 @@ TEST_CASE("network: a stick on a free cone leaves with (e m_c - m_s) / (m_s + m_
 TEST_CASE("network: the coil moves the cone as its transfer function says, hold included", "[physics]") {
   const auto solver = GENERATE(Solver::Passive, Solver::Explicit, Solver::Implicit, Solver::Exact);
   const auto frequency = GENERATE(5.0, 20.0, 26.9, 60.0, 200.0, 1000.0);
-  // Backward differences of the velocity lag half a frame: the explicit scheme is held to 3 degrees only.
+  // Backward differences of the velocity lag half a frame: the explicit solver is held to 3 degrees only.
   const double degrees = solver == Solver::Explicit ? 3.0 : 1.0;
   const double rate = 48e3, omega = 2 * kPi * frequency;
   const std::complex<double> j(0, 1), s = j * omega;
@@ -86,8 +87,7 @@ TEST_CASE("network: the coil moves the cone as its transfer function says, hold 
 TEST_CASE("network: an explicit oscillator is stable up to K + 2Z = 4 and not beyond", "[physics]") {
   const double rate = 1000.0, z = GENERATE(0.1, 0.5, 1.0, 1.9);
   const auto radius = [&](double k) {
-    return Network::make(oscillator(k * rate * rate, z * rate), 0, Hertz{rate}, Solver::Explicit, 1)
-        ->spectral_radius();
+    return radius_of(oscillator(k * rate * rate, z * rate), 0, {Hertz{rate}, Solver::Explicit, 1}).value();
   };
   CHECK(radius(4.0 - 2 * z - 1e-6) < 1.0);
   CHECK(radius(4.0 - 2 * z + 1e-6) > 1.0);
@@ -172,7 +172,7 @@ TEST_CASE("network: a long chain stored by diagonals does what a short one does"
 }
 
 TEST_CASE("network: flight under a constant force is exact, from the first frame", "[physics]") {
-  // A centred scheme has no error on a parabola; position 1 m, speed 2 m/s, force -3 N on 0.5 kg.
+  // A centred solver has no error on a parabola; position 1 m, speed 2 m/s, force -3 N on 0.5 kg.
   const auto solver = GENERATE(Solver::Passive, Solver::Explicit, Solver::Implicit, Solver::Exact);
   const auto oversample = GENERATE(1, 3);
   NetworkElements elements;
@@ -243,7 +243,7 @@ TEST_CASE("network: the current of a blocked coil rises as 1 - exp(-R t / L)", "
   auto state = network.initial_state();
   const double voltage = 13.0;
   for (int n = 0; n < 100; ++n) {
-    // The centred scheme takes (1 - x/2) / (1 + x/2) for exp(-x), x = R k / L = 0.17: 0.04 % a step, 0.4 % at
+    // The centred solver takes (1 - x/2) / (1 + x/2) for exp(-x), x = R k / L = 0.17: 0.04 % a step, 0.4 % at
     // half.
     CHECK(network.current(state, 0) == Approx(2.0 * (1 - std::exp(-6.5 / 0.8e-3 * n / 48e3))).margin(0.01));
     network.step(state, &voltage);

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 

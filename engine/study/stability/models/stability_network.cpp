@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -48,7 +48,7 @@ int driven_point(const NetworkElements& elements) {
   // A hand's push is slow, a drive's is not.
   for (const bool slow : {false, true})
     for (const auto& force : elements.forces)
-      if (force.drive.signal >= 0 && force.drive.bandwidth.has_value() == slow && mass(force.on))
+      if (force.input.signal >= 0 && force.input.bandwidth.has_value() == slow && mass(force.on))
         return force.on;
   return -1;
 }
@@ -64,6 +64,9 @@ std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view
   if (model->driven_ >= 0) model->driven_row_ = static_cast<int>(type.outputs.size());
   for (std::size_t p = 0; p < recipe.elements.points.size(); ++p)
     if (recipe.elements.points[p].kind == Point::Kind::Mass) model->masses_.push_back(static_cast<int>(p));
+  if (!recipe.elements.bonds.empty())
+    for (std::size_t p = 0; p < recipe.elements.points.size(); ++p)
+      recipe.elements.points[p].position = view.position(static_cast<int>(p));
   if (hand) model->add_fingertip(*hand);
   model->add_test_force();
   recipe.elements = tangent(std::move(recipe.elements), touching);
@@ -86,7 +89,7 @@ void LinearNetwork::add_fingertip(const Fingertip& hand) {
   if (driven_ < 0) return;
   auto& elements = recipe_.elements;
   elements.points[index(driven_)].mass += hand.mass;
-  elements.points.push_back({.kind = Point::Kind::Ground, .drive = {}});
+  elements.points.push_back({.kind = Point::Kind::Ground, .input = {}});
   Spring grip{static_cast<int>(elements.points.size()) - 1, driven_};
   grip.damping = hand.damping;
   elements.springs.push_back(grip);

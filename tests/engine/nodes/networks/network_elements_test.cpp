@@ -1,7 +1,12 @@
+#include "engine/nodes/networks/network_elements.h"
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
+#include <regex>
 
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
@@ -223,10 +228,14 @@ TEST_CASE("network elements: the solver that auto takes, and why, is told", "[ph
       "n.energy / 1 J"));
   std::string about;
   for (const auto& node : engine->plan().nodes) about += node->about();
-  CHECK(
-      about ==
-      "solver exact, 36 multiplications a frame, exact\n  not explicit: wrong by up to 5.7 %\n  not passive: "
-      "wrong by up to 5.7 %\n  not implicit: wrong by up to 11 %");
+  // The solver, its cost, and of each cheaper one the error that speaks against it.
+  CHECK(about.starts_with("solver exact, 36 "));
+  for (const auto& [solver, error] :
+       {std::pair{"explicit", "5.7 %"}, {"passive", "5.7 %"}, {"implicit", "11 %"}}) {
+    const auto at = about.find(std::string("not ") + solver);
+    REQUIRE(at != std::string::npos);
+    CHECK(about.substr(at, about.find('\n', at) - at).ends_with(error));
+  }
 }
 
 TEST_CASE("network elements: a choice among bad ones is told as that, in a line for each solver",
@@ -243,11 +252,30 @@ TEST_CASE("network elements: a choice among bad ones is told as that, in a line 
   };
   const auto forced = told("oversample = 1\n");
   CHECK(forced.starts_with("solver explicit, "));
-  CHECK(forced.find("wrong by up to 16 %\n  warning: none is right within 1 % at a step a frame: leave "
-                    "`oversample` out, or take a higher rate") != std::string::npos);
+  CHECK(forced.find("16 %\n  warning: ") != std::string::npos);
+  CHECK(forced.find("`oversample`") != std::string::npos);
   const auto free = told("");
   CHECK(free.starts_with("solver explicit with 8 steps a frame, "));
   CHECK(free.find("warning") == std::string::npos);
-  CHECK(free.find("\n  not explicit with 4 steps a frame: wrong by up to 1 %") != std::string::npos);
+  CHECK(free.find("\n  not explicit with 4 steps a frame: ") != std::string::npos);
   CHECK(std::count(free.begin(), free.end(), '\n') <= 3);
+}
+
+TEST_CASE("network elements: no code compares the name of a type of element", "[physics]") {
+  std::string names;
+  for (const auto& type : network_elements()) names += (names.empty() ? "" : "|") + type.name;
+  const std::regex compared("type(->|\\.)?(name)? *[!=]= *\"(" + names + ")\"|starts_with\\(\"(" + names +
+                            ")\"");
+  for (const auto* folder : {"engine", "apps"})
+    for (const auto& file :
+         std::filesystem::recursive_directory_iterator(std::string(TACTUS_SOURCE_DIR "/") + folder)) {
+      if (file.path().extension() != ".cpp" && file.path().extension() != ".h") continue;
+      std::ifstream in(file.path());
+      std::string line;
+      while (std::getline(in, line)) {
+        CAPTURE(file.path(), line);
+        const bool clean = !std::regex_search(line, compared);
+        if (!clean) FAIL_CHECK("compare a field of the table's entry instead");
+      }
+    }
 }

@@ -79,7 +79,8 @@ TEST_CASE("contact demand: losses damp by r times the push, plectra by what they
   elements.contacts[0].loss = 0.5;
   CHECK(contact_demand(elements).damping == Approx(0.5 * std::sqrt(4e3 * kMass) / kMass).epsilon(1e-12));
   elements.contacts.clear();
-  elements.plucks = {{.lower = 0, .upper = 1, .stiffness = 5e3, .damping = 0.2, .limit = 1.0}};
+  elements.bonds = {
+      {.lower = 0, .upper = 1, .law = std::make_shared<LinearBond>(5e3), .damping = 0.2, .limit = 1.0}};
   CHECK(contact_demand(elements).stiffness == Approx(5e3 / kMass).epsilon(1e-12));
   CHECK(contact_demand(elements).damping == Approx(0.2 / kMass).epsilon(1e-12));
 }

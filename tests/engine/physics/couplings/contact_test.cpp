@@ -155,7 +155,7 @@ TEST_CASE("contact: a restitution holds at every speed", "[physics]") {
 }
 
 TEST_CASE("contact: error of speed and time against the steps in a contact", "[physics]") {
-  // Reference figures of the plain schemes, root mean square over 40 phases; the explicit one's speed within
+  // Reference figures of the plain solvers, root mean square over 40 phases; the explicit one's speed within
   // a factor of 2. Its exit times are only bounded: they were taken far behind the contact, where its wrong
   // speed counts again. The passive one must not be later than plain quadratisation, and its last column
   // (second order) within a factor 2. Implicit: the discrete gradient over two steps. Exact: one step, as

@@ -35,7 +35,7 @@ TEST_CASE("friction: a sliding block stops after v^2 / (2 mu N / m), and stays",
   const double normal = 4.0;
   for (int n = 0; n < 20000; ++n) network.step(state, &normal);
   // 2.4 m/s^2: 0.8333 m in 0.8333 s. The first frame's normal force begins half a frame late where inputs are
-  // centred, 0.1 mm; the explicit scheme is as exact.
+  // centred, 0.1 mm; the explicit solver is as exact.
   CHECK(network.position(state, 0) == Approx(4.0 / (2 * 2.4)).margin(2e-4));
   CHECK(network.velocity(state, 0) == Approx(0.0).margin(1e-12));
   const double before = network.position(state, 0);

@@ -24,7 +24,8 @@ TEST_CASE("pluck: draws slowly, lets go at its limit, and the string swings at i
   NetworkElements elements;
   elements.points = {mass(m), ground(), driven()};
   elements.springs = {{1, 0, k, 0.0, 0.0}};
-  elements.plucks = {{.lower = 2, .upper = 0, .stiffness = 500.0, .damping = 0.0, .limit = 2.0}};
+  elements.bonds = {
+      {.lower = 2, .upper = 0, .law = std::make_shared<LinearBond>(500.0), .damping = 0.0, .limit = 2.0}};
   const auto network = Network::make(elements, 1, 48_kHz, solver, 1).value();
   auto state = network.initial_state();
   double highest = 0.0, lowest = 0.0, hardest = 0.0;
@@ -36,7 +37,7 @@ TEST_CASE("pluck: draws slowly, lets go at its limit, and the string swings at i
     const double place = std::min(0.02, 0.01 * n / 48e3);
     network.step(state, &place);
     const double x = network.position(state, 0);
-    hardest = std::max(hardest, network.pluck_force(state, 0));
+    hardest = std::max(hardest, network.bond_force(state, 0));
     if (let_go == 0 && state.slipped[0] != 0.0) let_go = n;
     if (let_go > 0) highest = std::max(highest, x), lowest = std::min(lowest, x);
     if (let_go > 0 && before < 0.0 && x >= 0.0) crossings.push_back(n - x / (x - before));
@@ -56,7 +57,8 @@ TEST_CASE("pluck: takes the string up again when they pass each other", "[physic
   NetworkElements elements;
   elements.points = {mass(0.001), ground(), driven()};
   elements.springs = {{1, 0, 1000.0, 0.3, 0.0}};
-  elements.plucks = {{.lower = 2, .upper = 0, .stiffness = 5000.0, .damping = 0.0, .limit = 2.0}};
+  elements.bonds = {
+      {.lower = 2, .upper = 0, .law = std::make_shared<LinearBond>(5000.0), .damping = 0.0, .limit = 2.0}};
   const auto network = Network::make(elements, 1, 48_kHz, Solver::Passive, 1).value();
   auto state = network.initial_state();
   int plucked = 0;
@@ -76,7 +78,8 @@ TEST_CASE("pluck: what it lets go is lost, and no more", "[physics]") {
   NetworkElements elements;
   elements.points = {mass(0.01), ground(), driven()};
   elements.springs = {{1, 0, 1000.0, 0.1, 0.0}};
-  elements.plucks = {{.lower = 2, .upper = 0, .stiffness = 500.0, .damping = 0.2, .limit = 2.0}};
+  elements.bonds = {
+      {.lower = 2, .upper = 0, .law = std::make_shared<LinearBond>(500.0), .damping = 0.2, .limit = 2.0}};
   const auto network = Network::make(elements, 1, 48_kHz, solver, 1).value();
   auto state = network.initial_state();
   state.audit = true;

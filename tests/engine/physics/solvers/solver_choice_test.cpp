@@ -38,7 +38,7 @@ TEST_CASE("solver choice: soft chains are explicit, the cheapest that will do", 
   CHECK(of(choice, Solver::Explicit).multiplications < of(choice, Solver::Passive).multiplications);
 }
 
-TEST_CASE("solver choice: the explicit scheme is refused exactly where it is unstable", "[physics]") {
+TEST_CASE("solver choice: the explicit solver is refused exactly where it is unstable", "[physics]") {
   // One mass between two springs: stable while 2 k < 4.
   CHECK(of(choose_solver(chain(1, 1.99), 48_kHz, 1), Solver::Explicit).stable);
   CHECK_FALSE(of(choose_solver(chain(1, 2.01), 48_kHz, 1), Solver::Explicit).stable);

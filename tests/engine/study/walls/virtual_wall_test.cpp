@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/study/walls/held_mass.h"
-#include "engine/study/walls/root.h"
+#include "engine/core/find_root.h"
 #include "engine/study/walls/wall_border.h"
 
 using namespace tactus;

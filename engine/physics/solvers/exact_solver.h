@@ -1,13 +1,13 @@
 #pragma once
 
+// Thread: [any], except where a function says otherwise
 #include <Eigen/Core>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "engine/core/error.h"
 #include "engine/physics/couplings/couplings.h"
-#include "engine/physics/solvers/scheme.h"
+#include "engine/physics/solvers/network_solver.h"
 
 namespace tactus {
 
@@ -21,15 +21,13 @@ namespace tactus {
 /// Couplings push with one force for the whole step. A held force F that moves its points by d does the work
 /// F d exactly, so with quadratised energy over one step, F = g (psi + psi+)/2 and psi+ = psi + g d, all
 /// energy is kept to rounding here too.
-class ExactScheme final : public Scheme {
+class ExactSolver final : public NetworkSolver {
  public:
-  /// Masses and coils of one group: beyond, the other schemes are cheaper by far.
+  /// Masses and coils of one group: beyond, the other solvers are cheaper by far.
   static constexpr int kMostStates = 256;
 
   /// [control] Errors: OutOfRange if a group is too large, or its numbers too far apart.
-  static Result<std::unique_ptr<Scheme>> make(const NetworkModel& model);
-  /// [control] Multiplications of a step, without making it; nothing if a group is too large.
-  static std::optional<double> multiplications(const NetworkModel& model);
+  static Result<std::unique_ptr<NetworkSolver>> make(const NetworkModel& model);
 
   void start(NetworkState& state) const noexcept override;
   void store_energy(NetworkState& state) const noexcept override;
@@ -39,7 +37,6 @@ class ExactScheme final : public Scheme {
   double current(const NetworkState& state, int coil) const noexcept override;
   bool centred() const override { return false; }
   Cost cost() const override;
-  double spectral_radius() const override;
 
  private:
   using Matrix = Eigen::MatrixXd;
@@ -64,7 +61,7 @@ class ExactScheme final : public Scheme {
   };
   struct Rates;
 
-  explicit ExactScheme(const NetworkModel& model) : model_(model) {}
+  explicit ExactSolver(const NetworkModel& model) : model_(model) {}
   static std::vector<Group> groups_of(const NetworkModel& model);
   Status add(Group group);
   Status couple();

@@ -1,14 +1,15 @@
 #pragma once
 
+// Thread: [any], except where a function says otherwise
 #include "engine/physics/network_model.h"
 #include "engine/physics/network_state.h"
 
 namespace tactus {
 
 /// A way of stepping a network. It owns what is worked out when the network is made; the model outlives it.
-class Scheme {
+class NetworkSolver {
  public:
-  virtual ~Scheme() = default;
+  virtual ~NetworkSolver() = default;
 
   /// [realtime] From positions in `state` and the model's velocities to a consistent start.
   virtual void start(NetworkState& state) const noexcept = 0;
@@ -17,7 +18,7 @@ class Scheme {
   /// [realtime] One step of k seconds, with forces, voltages, waves, normal forces and the driven points'
   /// next places in `state`. Adds to `wave_back` what goes out of each port.
   virtual void step(NetworkState& state) const noexcept = 0;
-  /// [realtime] Stored in masses, springs, contacts, plectra and inductances, in the form that the scheme
+  /// [realtime] Stored in masses, springs, contacts, bonds and inductances, in the form that the solver
   /// conserves.
   virtual double energy(const NetworkState& state) const noexcept = 0;
   /// [realtime] Of a slot. [m/s]
@@ -29,13 +30,11 @@ class Scheme {
   virtual bool centred() const = 0;
   /// [any] Springs are averaged over the instants of a step: stable whatever the stiffness.
   virtual bool springs_averaged() const { return false; }
-  /// [any] Multiplications of a step while nothing touches; of a touching contact beside it.
+  /// [any] Multiplications of a step without contact, and of each closed contact.
   struct Cost {
-    double step, touch;
+    double step, contact;
   };
   virtual Cost cost() const = 0;
-  /// [control] Largest |eigenvalue| of a step without couplings. O(masses^3).
-  virtual double spectral_radius() const = 0;
 };
 
 }  // namespace tactus

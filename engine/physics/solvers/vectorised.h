@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [any]
 #include <cstddef>
 #include <type_traits>
 

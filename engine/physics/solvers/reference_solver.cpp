@@ -1,14 +1,14 @@
-#include "engine/physics/solvers/flow_scheme.h"
+#include "engine/physics/solvers/reference_solver.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "engine/physics/index.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
 
-using Slide = NetworkFlow::State::Slide;
+using Slide = ReferenceIntegrator::State::Slide;
 
 Slide slide_of(double sign) { return sign == 0.0 ? Slide::Holds : sign > 0.0 ? Slide::Up : Slide::Down; }
 double sign_of(Slide slide) { return slide == Slide::Holds ? 0.0 : slide == Slide::Up ? 1.0 : -1.0; }
@@ -19,29 +19,16 @@ NetworkElements in_slots(const NetworkModel& model, NetworkElements elements) {
   for (auto& point : points) point.kind = Point::Kind::Ground;
   for (std::size_t i = 0; i < elements.points.size(); ++i) points[index(model.slot[i])] = elements.points[i];
   elements.points = std::move(points);
-  const auto ends = [&](auto& links) {
-    for (auto& link : links)
-      link.lower = model.slot[index(link.lower)], link.upper = model.slot[index(link.upper)];
-  };
-  ends(elements.springs);
-  ends(elements.contacts);
-  ends(elements.frictions);
-  ends(elements.plucks);
-  for (auto& force : elements.forces) force.on = model.slot[index(force.on)];
-  for (auto& port : elements.ports) port.on = model.slot[index(port.on)];
-  for (auto& coil : elements.coils) {
-    coil.on = model.slot[index(coil.on)];
-    if (coil.against >= 0) coil.against = model.slot[index(coil.against)];
-  }
+  renumber(elements, model.slot);
   return elements;
 }
 
 }  // namespace
 
-FlowScheme::FlowScheme(const NetworkModel& model, const NetworkElements& elements)
+ReferenceSolver::ReferenceSolver(const NetworkModel& model, const NetworkElements& elements)
     : model_(model), flow_(in_slots(model, elements), Seconds{model.k}), now_(flow_.initial()) {}
 
-void FlowScheme::start(NetworkState& state) const noexcept {
+void ReferenceSolver::start(NetworkState& state) const noexcept {
   const auto motions = state.position.data() + model_.masses;
   flow_.reset(now_, {motions, model_.motions.size()});
   std::copy_n(model_.start_velocity.begin(), state.velocity.size(), state.velocity.begin());
@@ -49,7 +36,7 @@ void FlowScheme::start(NetworkState& state) const noexcept {
 }
 
 /// Which contacts press follows from how deep they are and how fast that changes.
-void FlowScheme::load(const NetworkState& state) const noexcept {
+void ReferenceSolver::load(const NetworkState& state) const noexcept {
   const auto all = (now_.numbers.size() - state.current.size()) / 2;
   std::copy(state.position.begin(), state.position.end(), now_.numbers.begin());
   std::copy(state.velocity.begin(), state.velocity.end(),
@@ -60,10 +47,10 @@ void FlowScheme::load(const NetworkState& state) const noexcept {
   for (std::size_t f = 0; f < state.sliding.size(); ++f) now_.slide[f] = slide_of(state.sliding[f]);
   for (std::size_t p = 0; p < state.slipped.size(); ++p)
     now_.slide[state.sliding.size() + p] = slide_of(state.slipped[p]);
-  flow_.find_touches(now_);
+  flow_.find_contacts(now_);
 }
 
-void FlowScheme::keep(NetworkState& state) const noexcept {
+void ReferenceSolver::keep(NetworkState& state) const noexcept {
   const auto slots = state.position.size();
   for (std::size_t i = 0; i < slots; ++i) {
     const int slot = static_cast<int>(i);
@@ -76,15 +63,14 @@ void FlowScheme::keep(NetworkState& state) const noexcept {
   std::copy(now_.loss.begin(), now_.loss.end(), state.loss.begin());
   for (std::size_t f = 0; f < state.sliding.size(); ++f) {
     state.sliding[f] = sign_of(now_.slide[f]);
-    state.rub[f] = flow_.friction_force(now_, static_cast<int>(f));
-    state.slide[f] = flow_.friction_velocity(now_, static_cast<int>(f));
+    state.friction_force[f] = flow_.friction_force(now_, static_cast<int>(f));
+    state.friction_velocity[f] = flow_.friction_velocity(now_, static_cast<int>(f));
   }
   for (std::size_t p = 0; p < state.slipped.size(); ++p) {
-    const auto& pluck = model_.plucks[p];
+    const auto& bond = model_.bonds[p];
     state.slipped[p] = sign_of(now_.slide[state.sliding.size() + p]);
     state.root[model_.contacts.size() + p] =
-        std::sqrt(pluck.stiffness) *
-        (state.position[index(pluck.lower)] - state.position[index(pluck.upper)]);
+        bond.law->root(state.position[index(bond.lower)] - state.position[index(bond.upper)]);
   }
   for (std::size_t p = 0; p < state.wave_back.size(); ++p) {
     const auto& port = model_.ports[p];
@@ -92,7 +78,7 @@ void FlowScheme::keep(NetworkState& state) const noexcept {
   }
 }
 
-void FlowScheme::step(NetworkState& state) const noexcept {
+void ReferenceSolver::step(NetworkState& state) const noexcept {
   load(state);
   const std::span<const double> places{state.position.data() + model_.masses, model_.motions.size()};
   flow_.advance(now_, {.forces = state.force,
@@ -104,16 +90,16 @@ void FlowScheme::step(NetworkState& state) const noexcept {
   keep(state);
 }
 
-double FlowScheme::energy(const NetworkState& state) const noexcept {
+double ReferenceSolver::energy(const NetworkState& state) const noexcept {
   load(state);
   return flow_.energy(now_);
 }
 
-double FlowScheme::velocity(const NetworkState& state, int slot) const noexcept {
+double ReferenceSolver::velocity(const NetworkState& state, int slot) const noexcept {
   return state.velocity[index(slot)];
 }
 
-double FlowScheme::current(const NetworkState& state, int coil) const noexcept {
+double ReferenceSolver::current(const NetworkState& state, int coil) const noexcept {
   return state.current[index(coil)];
 }
 

@@ -1,18 +1,19 @@
 #pragma once
 
+// Thread: [any], except where a function says otherwise
 #include <memory>
 
-#include "engine/physics/reference/network_flow.h"
-#include "engine/physics/solvers/scheme.h"
+#include "engine/physics/reference/reference_integrator.h"
+#include "engine/physics/solvers/network_solver.h"
 
 namespace tactus {
 
-/// No scheme but the motion itself (NetworkFlow), a step at a time: `solver = "reference"`, which the others
-/// are measured against. Not for real time: a step takes as long as it needs.
-class FlowScheme final : public Scheme {
+/// Not a step but the motion itself (ReferenceIntegrator), a step at a time: `solver = "reference"`, which
+/// the others are measured against. Not for real time: a step takes as long as it needs.
+class ReferenceSolver final : public NetworkSolver {
  public:
   /// [control] `elements` are those that the model was made of.
-  FlowScheme(const NetworkModel& model, const NetworkElements& elements);
+  ReferenceSolver(const NetworkModel& model, const NetworkElements& elements);
 
   void start(NetworkState& state) const noexcept override;
   void store_energy(NetworkState&) const noexcept override {}
@@ -23,17 +24,15 @@ class FlowScheme final : public Scheme {
   bool centred() const override { return false; }
   /// Beyond any that is stepped: nothing chooses it.
   Cost cost() const override { return {1e12, 1e12}; }
-  /// No element makes energy, and nothing else is added.
-  double spectral_radius() const override { return 1.0; }
 
  private:
   void load(const NetworkState& state) const noexcept;
   void keep(NetworkState& state) const noexcept;
 
   const NetworkModel& model_;
-  NetworkFlow flow_;  // its points are the slots of the model
+  ReferenceIntegrator flow_;  // its points are the slots of the model
   // Workspace: each call fills it from the state of the network.
-  mutable NetworkFlow::State now_;
+  mutable ReferenceIntegrator::State now_;
 };
 
 }  // namespace tactus

@@ -1,5 +1,6 @@
 #pragma once
 
+// Thread: [control]
 #include <memory>
 #include <span>
 #include <vector>
@@ -11,7 +12,7 @@
 
 namespace tactus {
 
-/// The motion of a network itself, from frame to frame: what the schemes that step are measured against, and
+/// The motion of a network itself, from frame to frame: what the solvers are measured against, and
 /// nothing that they are made of.
 ///     m x'' = sum of the forces of `elements.h`,   L i' = V - R i - Bl x'
 /// Forces and voltages are held over a frame, driven points go in a straight line from its start to its end.
@@ -20,22 +21,22 @@ namespace tactus {
 ///    (`exact()`).
 ///  - Otherwise by extrapolation of variable order and step to a local error of `tolerance`, relative to the
 ///    largest position, velocity or current. A contact that opens or closes, a loss that begins or ends to
-///    outweigh the contact's push, a friction that begins or ends to hold, a plectrum that slips off or takes
-///    hold again end a step at that very instant: every step integrates a smooth equation. With a restitution
-///    the loss is set by the speed of each touch, at least 0.1 mm/s.
+///    outweigh the contact's push, a friction that begins or ends to hold, a bond that slips or holds
+///    again end a step at that very instant: every step integrates a smooth equation. With a restitution
+///    the loss is set by the speed of each impact, at least 0.1 mm/s.
 ///
-/// It is not for real time: a frame takes as long as it needs. Bandwidths of drives are not looked at: who
-/// calls it filters.
-class NetworkFlow {
+/// It is not for real time: a frame takes as long as it needs. Bandwidths of inputs are ignored: the
+/// caller filters.
+class ReferenceIntegrator {
  public:
   /// Everything that `advance` changes.
   struct State {
-    enum class Touch { Open, Pressing, LettingGo };
-    enum class Slide { Holds, Up, Down };  ///< the sign of the velocity; of a plectrum that is off, of n
+    enum class ContactState { Open, Pressing, Releasing };
+    enum class Slide { Holds, Up, Down };  ///< the sign of the velocity; of a bond that slipped, of n
     std::vector<double> numbers;           ///< positions and velocities of all points, then currents
     std::vector<double> loss;              ///< of each contact: r [s/m]
-    std::vector<Touch> touch;              ///< of each contact
-    std::vector<Slide> slide;              ///< of each friction, then of each plectrum
+    std::vector<ContactState> contacts;    ///< of each contact
+    std::vector<Slide> slide;              ///< of each friction, then of each bond
     double step_s = 0.0;                   ///< what the last frame advises
     Extrapolation extrapolation;
     std::vector<double> next;          ///< numbers at the end of the step
@@ -53,39 +54,31 @@ class NetworkFlow {
   };
 
   /// [control] frame > 0.
-  NetworkFlow(NetworkElements elements, Seconds frame, double tolerance = 1e-13);
+  ReferenceIntegrator(NetworkElements elements, Seconds frame, double tolerance = 1e-13);
 
   /// [control] At the start of the network, driven points at rest in `motions`.
   State initial(std::span<const double> motions = {}) const;
   /// [any] The same without allocating, for a state of this network.
   void reset(State& state, std::span<const double> motions = {}) const;
   /// [any] Which contacts press, from positions and velocities: for who has put these into a state.
-  void find_touches(State& state) const;
+  void find_contacts(State& state) const;
   /// [any] By one frame. A motion that cannot be followed leaves a state that is not finite.
   void advance(State& state, const Inputs& inputs) const;
 
   /// [any] As those of `Network`.
   double position(const State& state, int point) const;
   double velocity(const State& state, int point) const;
-  double extension(const State& state, int spring) const;
-  double spring_force(const State& state, int spring) const;
-  double indentation(const State& state, int contact) const;
-  double contact_force(const State& state, int contact) const;
   double current(const State& state, int coil) const;
-  double coil_force(const State& state, int coil) const;
   double friction_force(const State& state, int friction) const;
   double friction_velocity(const State& state, int friction) const;
-  double pluck_force(const State& state, int pluck) const;
-  double wave(const State& state, int port) const;
-  double port_force(const State& state, int port) const;
-  /// Stored in masses, springs, contacts, plectra and inductances.
+  /// Stored in masses, springs, contacts, bonds and inductances.
   double energy(const State& state) const;
 
   /// [any] Advances by the exponential of a matrix.
   bool exact() const { return transition_ != nullptr; }
 
  private:
-  using Touch = State::Touch;
+  using ContactState = State::ContactState;
   using Slide = State::Slide;
   struct Transition;
 
@@ -108,21 +101,21 @@ class NetworkFlow {
   void add_held(const State& state, const double* numbers, double* force) const;
   void add_coils(const State& state, const double* numbers, double* slope) const;
 
-  // network_flow_slides.cpp: frictions and plectra
+  // Frictions and bonds.
   double between(const double* numbers, int lower, int upper) const;
   double push_in(const State& state, const double* numbers, std::size_t contact) const;
   double normal_in(const State& state, const double* numbers, std::size_t friction) const;
   double sliding_force(const State& state, const double* numbers, std::size_t friction, Slide slide) const;
-  double pluck_in(const State& state, const double* numbers, std::size_t pluck) const;
+  double bond_in(const State& state, const double* numbers, std::size_t bond) const;
   void add_slides(const State& state, const double* numbers, double* force) const;
   void hold(State& state, double* force) const;
   void start_slides(State& state) const;
   double friction_margin(State& state, const double* numbers, std::size_t friction) const;
-  double pluck_margin(const State& state, const double* numbers, std::size_t pluck) const;
+  double bond_margin(const State& state, const double* numbers, std::size_t bond) const;
   void halt(State& state, std::size_t friction) const;
   void switch_friction(State& state, std::size_t friction) const;
 
-  // network_flow_steps.cpp
+  // Steps between events.
   void integrate(State& state) const;
   double try_step(State& state, double longest_s) const;
   void step_again(State& state, double seconds) const;

@@ -1,4 +1,4 @@
-#include "engine/physics/solvers/flow_scheme.h"
+#include "engine/physics/solvers/reference_solver.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

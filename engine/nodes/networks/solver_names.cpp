@@ -1,4 +1,4 @@
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 
 #include <fmt/format.h>
 
@@ -23,15 +23,15 @@ std::string against(const SolverBounds& b) {
     case SolverBounds::Limit::CannotBeMade:
       return "too many masses or contacts for it";
     case SolverBounds::Limit::TooStiff:
-      return "springs or dampers make it unstable";
+      return "unstable: springs or dampers too stiff";
     case SolverBounds::Limit::ShortContact:
-      return fmt::format("a strike at {} m/s lasts {:.1f} steps, fewer than {}", kHardestStrike,
+      return fmt::format("a contact at {} m/s lasts {:.1f} steps, fewer than {}", kHardestStrike,
                          b.contact_steps, kFewestContactSteps);
     case SolverBounds::Limit::DeepContact:
-      return fmt::format("what it starts with, or a strike at {} m/s, presses a contact too stiff for it",
+      return fmt::format("unstable: the start, or an impact at {} m/s, makes a contact too stiff",
                          kHardestStrike);
     case SolverBounds::Limit::Inexact:
-      return "wrong by up to " + percent(b.error);
+      return "error up to " + percent(b.error);
     case SolverBounds::Limit::None:
       break;
   }
@@ -57,8 +57,8 @@ std::vector<const SolverBounds*> cheaper(const SolverChoice& choice, const Solve
 
 std::string warning(const SolverBounds& best) {
   return fmt::format(
-      "\n  warning: none is right within {:g} % at {}: {}", 100.0 * kGoodEnough,
-      best.oversample == 1 ? "a step a frame" : fmt::format("{} steps a frame", best.oversample),
+      "\n  warning: no solver has an error below {:g} % at {}: {}", 100.0 * kGoodEnough,
+      best.oversample == 1 ? "one step a frame" : fmt::format("{} steps a frame", best.oversample),
       best.oversample < kMostOversample
           ? "leave `oversample` out, or take a higher rate"
           : "take a higher rate, heavier masses or softer springs and contacts");
@@ -84,7 +84,7 @@ const char* name_of(Solver solver) {
   return "auto";
 }
 
-std::string reason_for(const SolverChoice& choice) {
+std::string explain_choice(const SolverChoice& choice) {
   const auto is_best = [&](const SolverBounds& b) {
     return b.solver == choice.solver && b.oversample == choice.oversample;
   };
@@ -94,7 +94,7 @@ std::string reason_for(const SolverChoice& choice) {
   if (best->limit != SolverBounds::Limit::None)
     text += against(*best) + warning(*best);
   else
-    text += best->error == 0.0 ? std::string("exact") : "wrong by at most " + percent(best->error);
+    text += best->error == 0.0 ? std::string("exact") : "error at most " + percent(best->error);
   for (const auto* other : cheaper(choice, *best))
     text += fmt::format("\n  not {}: {}", described(*other), against(*other));
   return text;

@@ -1,17 +1,18 @@
 #pragma once
 
+// Thread: [any], except where a function says otherwise
 #include <memory>
 #include <vector>
 
 #include "engine/core/error.h"
 #include "engine/physics/couplings/couplings.h"
 #include "engine/physics/solvers/mass_row.h"
-#include "engine/physics/solvers/scheme.h"
+#include "engine/physics/solvers/network_solver.h"
 #include "engine/physics/solvers/sparse_solver.h"
 
 namespace tactus {
 
-/// Schemes over three instants. With q the positions, u = q - q- and e = q+ - 2q + q- a step solves
+/// Solvers over three instants. With q the positions, u = q - q- and e = q+ - 2q + q- a step solves
 ///     A e = f - K q - C u/k - (couplings),   u+ = u + e,   q+ = q + u+,
 /// which in this form neither loses nor gains energy by rounding. C holds the dampers and ports and, for each
 /// coil, what is left when its current is eliminated, Bl^2 / (2L/k + R).
@@ -24,12 +25,12 @@ namespace tactus {
 ///  - Implicit: A = M/k^2 + C/2k + K/4, the trapezoidal rule (Newmark, J. Eng. Mech. 85, 1959, beta = 1/4):
 ///    never unstable, but frequencies fall towards half the rate by (w k)^2 / 12. Contacts by the discrete
 ///    gradient.
-class CentredScheme final : public Scheme {
+class CentredSolver final : public NetworkSolver {
  public:
   enum class Kind { Explicit, Passive, Implicit };
 
   /// [control] Errors: OutOfRange if the numbers are too far apart to be solved, or the couplings too many.
-  static Result<std::unique_ptr<Scheme>> make(const NetworkModel& model, Kind kind);
+  static Result<std::unique_ptr<NetworkSolver>> make(const NetworkModel& model, Kind kind);
 
   void start(NetworkState& state) const noexcept override;
   void store_energy(NetworkState& state) const noexcept override;
@@ -42,7 +43,6 @@ class CentredScheme final : public Scheme {
   bool centred() const override { return true; }
   bool springs_averaged() const override { return averaged_; }
   Cost cost() const override;
-  double spectral_radius() const override;
 
  private:
   /// What the change of a driven point does to a mass: the columns of A outside the masses.
@@ -51,7 +51,7 @@ class CentredScheme final : public Scheme {
     double a;
   };
 
-  explicit CentredScheme(const NetworkModel& model, Kind kind) : model_(model), kind_(kind) {}
+  explicit CentredSolver(const NetworkModel& model, Kind kind) : model_(model), kind_(kind) {}
   bool factored() const { return kind_ != Kind::Explicit; }
   Result<SparseSolver> solver_of(double k_share, double b_share) const;
   Status factor();
@@ -71,7 +71,7 @@ class CentredScheme final : public Scheme {
   void send_waves(NetworkState& state) const noexcept;
   void advance(NetworkState& state) const noexcept;
   void audit(NetworkState& state) const noexcept;
-  double lost(const NetworkState& state, const Touch& touch) const noexcept;
+  double lost(const NetworkState& state, const ActiveCoupling& link) const noexcept;
   /// How far a slot goes in the middle of the step, as dampers see it.
   double travel(const NetworkState& state, int slot) const noexcept;
 

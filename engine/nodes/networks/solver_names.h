@@ -1,0 +1,22 @@
+#pragma once
+
+// Thread: [control]
+#include <array>
+#include <string>
+
+#include "engine/physics/solvers/solver_choice.h"
+
+namespace tactus {
+
+/// [any] All that a file may name, those to play with first.
+inline constexpr std::array kSolvers = {Solver::Explicit, Solver::Exact, Solver::Implicit,
+                                        Solver::Passive,  Solver::Auto,  Solver::Reference};
+
+/// [any] The word in a file.
+const char* name_of(Solver solver);
+
+/// [any] Which solver was taken, a warning if even that one is not accurate, and why none of the cheaper
+/// ones: a line for each solver at most.
+std::string explain_choice(const SolverChoice& choice);
+
+}  // namespace tactus
