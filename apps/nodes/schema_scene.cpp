@@ -1,6 +1,6 @@
 #include "apps/nodes/schema_files.h"
 #include "engine/scene/file/playability_section.h"
-#include "engine/scene/measures/accuracy.h"
+#include "engine/scene/file/roles.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus::schema {
@@ -22,10 +22,8 @@ Json converters() {
 }
 
 Json expectation() {
-  std::vector<std::string> measures;
-  for (const auto& type : measure_types()) measures.push_back(type.name);
   auto json = object("what must hold when the scene was played",
-                     {{"measure", choice("what is measured", measures)},
+                     {{"measure", choice("what is measured", value_names())},
                       {"of", text("what it is measured of, as in \"instrument.hit\"")},
                       {"from", quantity("time; the beginning if left out", 0, 86400)},
                       {"to", quantity("time; the end if left out", 0, 86400)},
@@ -38,10 +36,8 @@ Json expectation() {
 }
 
 Json accuracy() {
-  std::vector<std::string> measures;
-  for (const auto& type : accuracy_types()) measures.push_back(type.name);
   return object("what must come out right whatever the solver",
-                {{"measure", choice("what is compared", measures)},
+                {{"measure", choice("what is compared", error_names())},
                  {"of", text("a signal, as in \"plant.stick\"")},
                  {"from", quantity("time; the beginning if left out", 0, 86400)},
                  {"to", quantity("time; the end if left out", 0, 86400)},
@@ -57,10 +53,10 @@ Json playability() {
       {{"kind", choice("what is played", playability_kinds())},
        {"from", quantity("what is judged begins here; 1 s if left out", 0, 86400)},
        {"to", quantity("and ends here; with the scene if left out", 0, 86400)},
-       {"hits", text("of a roll: a trigger; instrument.hit if left out")},
-       {"contact", text("the force of what strikes; plant.contact if left out")},
+       {"hits", text("of a roll: a trigger; the role 'hit' if left out")},
+       {"contact", text("the force of what strikes; the role 'contact' if left out")},
        {"fewest", whole_number("strikes in its worst second; 10 if left out", 1, 100)},
-       {"sound", text("of a tone: what is heard; instrument.sound if left out")},
+       {"sound", text("of a tone: the output for ears; the role 'monitor' if left out")},
        {"pitch", quantity("the note wanted, in Hz, or what a part gives out: wanted.pitch", 1, 20e3)},
        {"begin", quantity("when the bow is on; 0 s if left out", 0, 86400)},
        {"quiet", quantity("softer is silent; -60 dB if left out", 1e-9, 1)},
@@ -102,6 +98,9 @@ Json scene() {
   keys["converters"] = converters();
   keys["drives"] = entries("what the instrument's outputs move", drive());
   keys["ports"] = entries("where energy goes between instrument and plant", port());
+  auto roles = Json::object();
+  for (const auto& type : role_types()) roles[type.name] = text(type.doc);
+  keys["roles"] = object("which signal is what to measures and reports", std::move(roles));
   keys["expect"] = entries("what must hold", expectation());
   keys["accuracy"] = entries("what a study of solvers compares", accuracy());
   keys["playability"] = playability();

@@ -4,6 +4,7 @@
 
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/file/read_graph.h"
+#include "engine/scene/file/roles.h"
 #include "engine/scene/file/scene_sections.h"
 
 namespace tactus {
@@ -95,12 +96,15 @@ const std::vector<std::string>& playability_kinds() {
   return kinds;
 }
 
-std::optional<Playability> read_playability(const Value::Table& scene, Seconds duration, Mistakes& mistakes) {
+std::optional<Playability> read_playability(const Value::Table& scene, Seconds duration,
+                                            const std::vector<Role>& roles, Mistakes& mistakes) {
   const auto* fields = read_section(scene, "playability", mistakes);
   if (fields == nullptr) return std::nullopt;
   Playability judged;
   judged.at = find(scene, "playability")->at;
-  for (auto* signal : {&judged.hits, &judged.contact, &judged.sound}) signal->at = judged.at;
+  judged.hits = {signal_of(roles, "hit"), judged.at};
+  judged.contact = {signal_of(roles, "contact"), judged.at};
+  judged.sound = {signal_of(roles, "monitor"), judged.at};
   const auto kind = read_kind(*fields, judged.at, mistakes);
   check_keys(*fields, kind, mistakes);
   mistakes.text(*fields, "about");

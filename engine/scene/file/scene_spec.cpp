@@ -9,18 +9,19 @@
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/name_space.h"
 #include "engine/graph/semantics/part_path.h"
+#include "engine/scene/file/accuracy_section.h"
 #include "engine/scene/file/playability_section.h"
+#include "engine/scene/file/roles.h"
 #include "engine/scene/file/scene_drives.h"
 #include "engine/scene/file/scene_ports.h"
 #include "engine/scene/file/scene_sections.h"
-#include "engine/scene/measures/accuracy.h"
 
 namespace tactus {
 namespace {
 
 const std::vector<std::string> kSceneKeys = {
-    "format",     "name",   "about",   "source", "rate",   "delay",    "duration", "parts",      "gestures",
-    "converters", "expect", "compare", "seed",   "drives", "accuracy", "ports",    "playability"};
+    "format",     "name",   "about",   "source", "rate",   "delay",    "duration", "parts",       "gestures",
+    "converters", "expect", "compare", "seed",   "drives", "accuracy", "ports",    "playability", "roles"};
 const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "networks", "outputs"};
 
 // Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.
@@ -90,7 +91,8 @@ class SceneReader {
     scene_.ports = read_ports(table, mistakes_);
     scene_.expect = read_expectations(table, scene_.duration, mistakes_);
     scene_.accuracy = read_accuracy(table, scene_.duration, mistakes_);
-    scene_.playability = read_playability(table, scene_.duration, mistakes_);
+    scene_.roles = read_roles(table, scene_.parts, mistakes_);
+    scene_.playability = read_playability(table, scene_.duration, scene_.roles, mistakes_);
     scene_.compare = read_comparison(table, mistakes_);
     NameSpace names;
     for (const auto& part : scene_.parts) names.add(part.name, "a part", part.at, mistakes_);

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/study/notes/pitch_track.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 
 namespace tactus {
 

@@ -1,4 +1,4 @@
-#include "engine/study/work_precision/oscillation.h"
+#include "engine/scene/measures/oscillation.h"
 
 #include <algorithm>
 #include <array>

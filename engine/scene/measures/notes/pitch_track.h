@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/dsp/pitch/pitch_detector.h"
+#include "engine/scene/measures/notes/wanted_notes.h"
 #include "engine/scene/play_scene.h"
-#include "engine/study/notes/wanted_notes.h"
 
 namespace tactus {
 
@@ -41,7 +41,7 @@ std::vector<PitchPoint> track_notes(std::span<const double> sound, Hertz rate, H
 Hertz lowest_tracked(Hertz lowest);
 
 /// What a scene was to play and what was heard of it: the notes of a signal in Hz, which a part other than
-/// the instrument gives out, in the output `sound` of the instrument.
+/// the instrument gives out, in the signal with the role "monitor".
 struct Melody {
   const RecordedSignal* wanted = nullptr;
   std::vector<PitchPoint> heard;

@@ -1,4 +1,4 @@
-#include "engine/study/notes/standing_tone.h"
+#include "engine/scene/measures/notes/standing_tone.h"
 
 #include <algorithm>
 #include <cmath>

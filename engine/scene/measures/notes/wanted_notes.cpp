@@ -1,4 +1,4 @@
-#include "engine/study/notes/wanted_notes.h"
+#include "engine/scene/measures/notes/wanted_notes.h"
 
 #include <algorithm>
 #include <cmath>

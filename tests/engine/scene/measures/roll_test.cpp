@@ -1,4 +1,4 @@
-#include "engine/study/playability/judged_roll.h"
+#include "engine/scene/measures/roll.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -39,7 +39,10 @@ SceneRecording recorded(const std::vector<double>& strikes, const std::vector<do
 }
 
 JudgedRun judged(const std::vector<double>& strikes, const std::vector<double>& heard) {
-  return judge_roll(recorded(strikes, heard), Playability{});
+  Playability playability;
+  playability.hits.name = "instrument.hit";
+  playability.contact.name = "plant.contact";
+  return judge(recorded(strikes, heard), playability);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/study/playability/judged_run.h"
+#include "engine/scene/measures/judged_run.h"
 
 namespace tactus {
 
@@ -15,20 +15,22 @@ struct Evenness {
 /// [any] Of at least six times in rising order; a spread of 1 where there are fewer.
 Evenness evenness_of(const std::vector<double>& times_s);
 
-/// A roll that is heard as even: 6 ms of the 40 ms between two strikes of a roll of 25 a second. Source:
+/// [any] Share of the windows of a second, every 0.1 s, with at least `fewest` of these times, which rise.
+double sustained(const std::vector<double>& times_s, double from_s, double to_s, double fewest);
+
+/// A roll that is perceived as even: 6 ms of the 40 ms between two strikes of a roll of 25 a second. Source:
 /// Friberg & Sundberg, "Time discrimination in a monotonic, isochronous sequence", JASA 98, 1995.
 inline constexpr double kEvenSpread = 0.15;
 /// What a run must have to be an instrument.
 inline constexpr double kLeastScore = 0.5;
 
-const std::vector<ReadingType>& roll_readings();
 const std::vector<RunKind>& roll_kinds();
 
-/// [control] A roll. Only strikes count that were heard and are there, in the contact: a drum that hears its
-/// own throws does not play.
-///     score = sustained * heard * even
+/// [control] A roll. Only detected strikes count that the contact has: a drum that detects its own throws
+/// does not play.
+///     score = sustained * detected * even
 /// sustained: the share of the windows of 1 s, every 0.1 s, that have `fewest` strikes;
-/// heard: strikes that were heard once over those, the missed and the doubled ones;
+/// detected: strikes that were detected once over those, the missed and the doubled ones;
 /// even: kEvenSpread over the spread of its best pattern, at most 1.
 /// Playable: every second has `fewest`, and the score is at least kLeastScore.
 JudgedRun judge_roll(const SceneRecording& recording, const Playability& judged);

@@ -1,12 +1,12 @@
-#include "engine/study/notes/pitch_track.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
-#include "engine/study/notes/format_note.h"
-#include "engine/study/notes/standing_tone.h"
-#include "engine/study/playability/judged_tone.h"
+#include "engine/scene/measures/notes/format_note.h"
+#include "engine/scene/measures/notes/standing_tone.h"
+#include "engine/scene/measures/tone.h"
 
 using namespace tactus;
 
@@ -103,11 +103,12 @@ TEST_CASE("notes_heard: a note speaks when the study of playability says that it
   SceneRecording recording;
   recording.sample_rate = kRate;
   recording.signals = {{"instrument.sound", {}, samples}};
+  recording.roles = {{"monitor", "instrument.sound", {}}};
   Playability judged;
   judged.kind = Playability::Kind::Tone;
   judged.pitch_hz = 110;
   judged.to_s = 2.5;
-  CHECK(judge_tone(recording, judged).reading(judged.kind, "start_s") == *notes[0].speaks_after_s);
+  CHECK(judge(recording, judged).reading(judged.kind, "start_s") == *notes[0].speaks_after_s);
 }
 
 TEST_CASE("notes_heard: a vibrato is one note, and told as one", "[analysis]") {

@@ -1,13 +1,14 @@
-#include "engine/study/playability/judged_tone.h"
+#include "engine/scene/measures/tone.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
+#include "engine/core/decibels.h"
 #include "engine/core/median.h"
-#include "engine/study/notes/pitch_track.h"
-#include "engine/study/notes/standing_tone.h"
-#include "engine/study/playability/judged_roll.h"
+#include "engine/scene/measures/notes/pitch_track.h"
+#include "engine/scene/measures/notes/standing_tone.h"
+#include "engine/scene/measures/roll.h"
 
 namespace tactus {
 namespace {
@@ -29,12 +30,6 @@ struct Wanted {
     return frame < moving.size() && moving[frame] > 0 ? moving[frame] : hertz;
   }
 };
-
-double rms_of(std::span<const double> samples) {
-  double squares = 0;
-  for (const double x : samples) squares += x * x;
-  return samples.empty() ? 0 : std::sqrt(squares / static_cast<double>(samples.size()));
-}
 
 std::span<const double> between(const RecordedSignal& signal, Hertz rate, double from, double to) {
   const auto frame = [&](double time) {
@@ -106,31 +101,25 @@ const char* kind_of(double level, double quiet, const Moments& moments) {
   return moments.partials > moments.strays() ? "wrong partial" : "howl";
 }
 
-/// One note; the last two readings are of all.
-JudgedRun judge_note(std::span<const double> steady, const std::vector<PitchPoint>& track, const Wanted& note,
-                     double quiet) {
-  JudgedRun run{"silent", 0, false, {}};
-  const double level = rms_of(steady);
+JudgedTone judge_note(std::span<const double> steady, const std::vector<PitchPoint>& track,
+                      const Wanted& note, double quiet) {
+  JudgedTone judged;
+  auto& [run, values] = judged;
   const auto moments = moments_of(track, note);
-  const double start = stands_in(track, moments, note) - note.from_s;
-  const double spread = spread_of(moments.level);
   const double pitch = median(moments.hertz);
-  const int partial = pitch > 0 ? partial_of(pitch, note.hertz) : 0;
-  run.kind = kind_of(level, quiet, moments);
+  values.start_s = stands_in(track, moments, note) - note.from_s;
+  values.partial = pitch > 0 ? partial_of(pitch, note.hertz) : 0;
+  values.cents = pitch > 0 ? cents(pitch, std::max(1, values.partial) * note.hertz) : 0;
+  values.right = moments.right_share();
+  values.level_spread = spread_of(moments.level);
+  values.swing_cents = swing_of(moments.hertz);
+  values.level = rms_of(steady);
+  run.kind = kind_of(values.level, quiet, moments);
   if (run.kind != "silent")
-    run.score = moments.right_share() * kPrompt_s / std::max(start, kPrompt_s) * kSteadySpread /
-                std::max(spread, kSteadySpread);
+    run.score = values.right * kPrompt_s / std::max(values.start_s, kPrompt_s) * kSteadySpread /
+                std::max(values.level_spread, kSteadySpread);
   run.playable = run.kind == "right note" && run.score >= kLeastScore;
-  run.readings = {start,
-                  static_cast<double>(partial),
-                  pitch > 0 ? cents(pitch, std::max(1, partial) * note.hertz) : 0,
-                  moments.right_share(),
-                  spread,
-                  swing_of(moments.hertz),
-                  level,
-                  1,
-                  run.playable ? 1.0 : 0.0};
-  return run;
+  return judged;
 }
 
 /// Half of what the tracker looks at around a moment: three periods of the lowest pitch.
@@ -167,66 +156,54 @@ std::vector<Wanted> notes_of(const SceneRecording& recording, const Playability&
 }
 
 /// All notes as one run.
-JudgedRun together(const std::vector<JudgedRun>& notes) {
-  const auto worse = [](const JudgedRun& a, const JudgedRun& b) {
-    return a.playable != b.playable ? !a.playable : a.score < b.score;
+JudgedTone together(const std::vector<JudgedTone>& notes) {
+  const auto worse = [](const JudgedTone& a, const JudgedTone& b) {
+    return a.run.playable != b.run.playable ? !a.run.playable : a.run.score < b.run.score;
   };
-  auto run = *std::min_element(notes.begin(), notes.end(), worse);
-  double score = 0, good = 0;
+  auto all = *std::min_element(notes.begin(), notes.end(), worse);
+  double score = 0;
   for (const auto& note : notes) {
-    score += note.score;
-    good += note.playable ? 1 : 0;
+    score += note.run.score;
+    all.values.good_notes += note.run.playable ? 1 : 0;
   }
-  const auto count = static_cast<double>(notes.size());
-  run.score = score / count;
-  run.readings[run.readings.size() - 2] = count;
-  run.readings.back() = good;
-  return run;
+  all.values.notes = static_cast<int>(notes.size());
+  all.run.score = score / static_cast<double>(notes.size());
+  return all;
 }
 
 }  // namespace
-
-const std::vector<ReadingType>& tone_readings() {
-  static const std::vector<ReadingType> readings = {
-      {"start_s", "speaks s", 2, "from the bow to a tone that stands", true},
-      {"partial", "partial", 0, "of the note wanted, nearest to what sounds; 0: none"},
-      {"cents", "cents", 1, "what sounds over that partial, or over the note", true},
-      {"right", "right", 2, "share of the moments with the note wanted", true},
-      {"level_spread", "unsteady", 2, "standard deviation of the level over its mean", true},
-      {"swing_cents", "swing", 1, "how far its pitch swings, the middle nine tenths [cents]"},
-      {"rms", "rms", 3, "root mean square [full scale]"},
-      {"notes", "notes", 0, "that were wanted; what stands before is of the one with the least score"},
-      {"good", "good", 0, "notes that are playable"},
-  };
-  return readings;
-}
 
 const std::vector<RunKind>& tone_kinds() {
   static const std::vector<RunKind> kinds = {
       {"right note", 'N', "in tune within 25 cents in 9 of 10 moments"},
       {"wrong partial", 'p', "mostly another partial of the note"},
       {"howl", 'h', "another pitch, or none"},
-      {"silent", '.', "softer than is asked"},
+      {"silent", '.', "softer than 'quiet'"},
   };
   return kinds;
 }
 
-JudgedRun judge_tone(const SceneRecording& recording, const Playability& judged) {
+JudgedTone tone_of(const SceneRecording& recording, const Playability& judged) {
   const auto* sound = recording.find(judged.sound.name);
   const auto notes = notes_of(recording, judged);
-  if (sound == nullptr || notes.empty())
-    return {"silent", 0, false, std::vector<double>(tone_readings().size(), 0.0)};
-  const auto [low, high] = std::minmax_element(
-      notes.begin(), notes.end(), [](const Wanted& a, const Wanted& b) { return a.hertz < b.hertz; });
-  const auto rate = recording.sample_rate;
-  // The tracker leaves out both ends of what it is given.
-  auto track = track_notes(between(*sound, rate, judged.begin_s, recording.seconds()), rate,
-                           Hertz{low->hertz}, Hertz{high->hertz});
-  for (auto& point : track) point.time_s += judged.begin_s;
-  std::vector<JudgedRun> runs;
-  for (const auto& note : notes)
-    runs.push_back(judge_note(between(*sound, rate, note.steady_s, note.to_s), track, note, judged.quiet));
-  return together(runs);
+  Window window{recording, judged.from_s, judged.to_s};
+  JudgedTone tone{{"silent", 0, false, {}}, {}};
+  if (sound != nullptr && !notes.empty()) {
+    const auto [low, high] = std::minmax_element(
+        notes.begin(), notes.end(), [](const Wanted& a, const Wanted& b) { return a.hertz < b.hertz; });
+    const auto rate = recording.sample_rate;
+    // The tracker leaves out both ends of what it is given.
+    auto track = track_notes(between(*sound, rate, judged.begin_s, recording.seconds()), rate,
+                             Hertz{low->hertz}, Hertz{high->hertz});
+    for (auto& point : track) point.time_s += judged.begin_s;
+    std::vector<JudgedTone> tones;
+    for (const auto& note : notes)
+      tones.push_back(judge_note(between(*sound, rate, note.steady_s, note.to_s), track, note, judged.quiet));
+    tone = together(tones);
+  }
+  window.tone = &tone.values;
+  tone.run.readings = column_values(Playability::Kind::Tone, window);
+  return tone;
 }
 
 }  // namespace tactus

@@ -1,15 +1,21 @@
-#include "engine/scene/measures/accuracy.h"
+#include "engine/scene/file/accuracy_section.h"
 
 #include <algorithm>
 #include <tuple>
 
 #include "engine/graph/file/nearest.h"
+#include "engine/graph/file/read_fields.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/name_space.h"
-#include "engine/scene/file/scene_sections.h"
+#include "engine/scene/measures/measure.h"
 
 namespace tactus {
 namespace {
+
+const Measure* type_of(const Accuracy& accuracy) {
+  const auto* type = find_measure(accuracy.measure);
+  return type != nullptr && type->error != nullptr ? type : nullptr;
+}
 
 void read_measure(const EntrySpec& entry, Accuracy& accuracy, Mistakes& mistakes) {
   accuracy.measure = mistakes.text(entry.fields, "measure");
@@ -18,18 +24,17 @@ void read_measure(const EntrySpec& entry, Accuracy& accuracy, Mistakes& mistakes
     return mistakes.add(Errc::Missing, entry.at, "'" + entry.name + "' says nothing to measure",
                         "write measure = \"position\" or another one");
   accuracy.measure_at = measure->at;
-  if (accuracy.measure.empty() || find_accuracy(accuracy.measure) != nullptr) return;
-  std::vector<std::string> names;
-  for (const auto& type : accuracy_types()) names.push_back(type.name);
+  if (accuracy.measure.empty() || type_of(accuracy) != nullptr) return;
+  const auto names = error_names();
   const auto near = nearest_name(accuracy.measure, names);
   mistakes.add(Errc::UnknownName, measure->at, "nothing called '" + accuracy.measure + "' can be compared",
                near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?");
 }
 
 void check_exact(const Accuracy& accuracy, const Value::Table& fields, Mistakes& mistakes) {
-  const auto* type = find_accuracy(accuracy.measure);
+  const auto* type = type_of(accuracy);
   const auto* exact = find(fields, "exact");
-  if (type != nullptr && exact != nullptr && !type->may_be_exact)
+  if (type != nullptr && exact != nullptr && !type->has_exact)
     mistakes.add(Errc::BadArgument, exact->at, "'" + type->name + "' is no single number that could be exact",
                  "leave 'exact' out");
   if (accuracy.scale && !(accuracy.scale->si > 0.0))
@@ -59,29 +64,6 @@ Accuracy read_entry(const EntrySpec& entry, Seconds duration, Mistakes& mistakes
 }
 
 }  // namespace
-
-const std::vector<AccuracyType>& accuracy_types() {
-  constexpr auto kSame = AccuracyType::kUnitOfSubject;
-  static const std::vector<AccuracyType> types = {
-      {"position", kSame, kSame, false, "root mean square of the difference, by the largest value"},
-      {"energy", kSame, kSame, true,
-       "largest difference of its change from the first sample on, by the largest value"},
-      {"frequency", "Hz", "Hz", true, "difference of the frequency of an oscillation, relative"},
-      {"decay", "1/s", "1/s", true, "difference of the rate at which an oscillation dies away, relative"},
-      {"speed", "m/s", "m/s", true, "difference of the speed, a straight line through a position, relative"},
-      {"event_times", "s", "s", false,
-       "root mean square of the differences of the times at which a signal falls through 0, by the mean "
-       "interval between them"},
-  };
-  return types;
-}
-
-const AccuracyType* find_accuracy(std::string_view name) {
-  const auto& types = accuracy_types();
-  const auto found =
-      std::find_if(types.begin(), types.end(), [&](const AccuracyType& type) { return type.name == name; });
-  return found == types.end() ? nullptr : &*found;
-}
 
 std::vector<Accuracy> read_accuracy(const Value::Table& scene, Seconds duration, Mistakes& mistakes) {
   std::vector<Accuracy> accuracies;

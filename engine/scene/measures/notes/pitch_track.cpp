@@ -1,4 +1,4 @@
-#include "engine/study/notes/pitch_track.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,8 @@
 #include "engine/core/dimension.h"
 #include "engine/core/median.h"
 #include "engine/graph/node_type.h"
-#include "engine/study/notes/standing_tone.h"
+#include "engine/scene/file/roles.h"
+#include "engine/scene/measures/notes/standing_tone.h"
 
 namespace tactus {
 namespace {
@@ -146,7 +147,7 @@ std::vector<PitchPoint> track_notes(std::span<const double> sound, Hertz rate, H
 
 std::optional<Melody> melody_of(const SceneRecording& recording) {
   static const auto kHertz = parse_unit("Hz")->dimension;
-  const auto* sound = recording.find("instrument.sound");
+  const auto* sound = recording.find(signal_of(recording.roles, "monitor"));
   const auto wanted =
       std::find_if(recording.signals.begin(), recording.signals.end(), [](const RecordedSignal& signal) {
         return signal.dimension == kHertz && !signal.name.starts_with("instrument.");

@@ -1,4 +1,4 @@
-#include "engine/study/notes/format_note.h"
+#include "engine/scene/measures/notes/format_note.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/plot/note_ticks.h"
-#include "engine/study/notes/standing_tone.h"
+#include "engine/scene/measures/notes/standing_tone.h"
 
 namespace tactus {
 namespace {

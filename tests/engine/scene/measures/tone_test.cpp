@@ -1,4 +1,4 @@
-#include "engine/study/playability/judged_tone.h"
+#include "engine/scene/measures/tone.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -26,7 +26,8 @@ JudgedRun judged(double hertz, const std::function<double(double)>& level) {
   playability.kind = kTone;
   playability.pitch_hz = kPitch_hz;
   playability.to_s = 2.5;
-  return judge_tone(recording, playability);
+  playability.sound.name = "instrument.sound";
+  return judge(recording, playability);
 }
 JudgedRun judged(double hertz, double level = 0.1) {
   return judged(hertz, [=](double) { return level; });
@@ -53,7 +54,8 @@ JudgedRun judged_notes(const std::vector<Note>& notes, double rocking_cents = 0)
   playability.kind = kTone;
   playability.pitch.name = "wanted.pitch";
   playability.from_s = 0.4;
-  return judge_tone(recording, playability);
+  playability.sound.name = "instrument.sound";
+  return judge(recording, playability);
 }
 
 }  // namespace

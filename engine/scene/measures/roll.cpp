@@ -1,4 +1,4 @@
-#include "engine/study/playability/judged_roll.h"
+#include "engine/scene/measures/roll.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,19 +22,7 @@ double pattern_spread(const std::vector<double>& intervals, std::size_t beats, d
   return std::sqrt(squares / (2 * static_cast<double>(intervals.size() - beats))) / mean;
 }
 
-/// Share of the windows of a second with at least `fewest` of `times`.
-double sustained(const std::vector<double>& times, double from, double to, double fewest) {
-  int windows = 0, alive = 0;
-  for (int i = 0; from + i * kJudgedRollStep_s + kWindow_s <= to + 1e-9; ++i, ++windows) {
-    const auto begin = from + i * kJudgedRollStep_s;
-    const auto first = std::lower_bound(times.begin(), times.end(), begin);
-    const auto last = std::lower_bound(first, times.end(), begin + kWindow_s);
-    alive += static_cast<double>(last - first) >= fewest ? 1 : 0;
-  }
-  return windows == 0 ? 0 : static_cast<double>(alive) / windows;
-}
-
-double heard_share(const Detection& detection) {
+double detected_share(const Detection& detection) {
   const int all = detection.found + detection.missed + detection.doubled;
   return all == 0 ? 0 : static_cast<double>(detection.found) / all;
 }
@@ -46,6 +34,17 @@ const char* kind_of(bool lives, const Evenness& even) {
 }
 
 }  // namespace
+
+double sustained(const std::vector<double>& times, double from, double to, double fewest) {
+  int windows = 0, alive = 0;
+  for (int i = 0; from + i * kJudgedRollStep_s + kWindow_s <= to + 1e-9; ++i, ++windows) {
+    const auto begin = from + i * kJudgedRollStep_s;
+    const auto first = std::lower_bound(times.begin(), times.end(), begin);
+    const auto last = std::lower_bound(first, times.end(), begin + kWindow_s);
+    alive += static_cast<double>(last - first) >= fewest ? 1 : 0;
+  }
+  return windows == 0 ? 0 : static_cast<double>(alive) / windows;
+}
 
 Evenness evenness_of(const std::vector<double>& times_s) {
   if (times_s.size() < kLeastHits) return {1, 1, 1};
@@ -62,61 +61,36 @@ Evenness evenness_of(const std::vector<double>& times_s) {
   return even;
 }
 
-const std::vector<ReadingType>& roll_readings() {
-  static const std::vector<ReadingType> readings = {
-      {"rate_hz", "hits/s", 1, "strikes heard a second, from the first to the last", true},
-      {"fewest", "worst s", 0, "strikes heard in the worst second", true},
-      {"sustained", "lasts", 2, "share of the seconds that have as many as are wanted"},
-      {"last_s", "last s", 2, "time of the last strike [s]"},
-      {"spread", "spread", 2, "standard deviation of the intervals over their mean", true},
-      {"beats", "beats", 0, "strikes after which the pattern repeats"},
-      {"pattern_spread", "pattern", 2, "spread of the intervals around that pattern"},
-      {"long_short", "long/short", 2, "longer of two neighbouring intervals over the shorter, median", true},
-      {"strikes", "strikes", 0, "heard, each by its own hit"},
-      {"missed", "missed", 0, "strikes above 5 N that were not heard"},
-      {"doubled", "doubled", 0, "hits without a strike of their own"},
-  };
-  return readings;
-}
-
 const std::vector<RunKind>& roll_kinds() {
   static const std::vector<RunKind> kinds = {
       {"regular", 'R', "intervals spread by at most 15 %"},
       {"gallop", 'G', "a pattern of two to four strikes that repeats within 15 %: short and long"},
       {"irregular", 'i', "strikes go on, and no pattern repeats"},
-      {"dead", '.', "some second has fewer strikes than are wanted"},
+      {"dead", '.', "some second has fewer strikes than [playability] asks for"},
   };
   return kinds;
 }
 
 JudgedRun judge_roll(const SceneRecording& recording, const Playability& judged) {
-  const double from = judged.from_s, to = judged.to_s.value_or(recording.seconds());
+  Window window{recording, judged.from_s, judged.to_s};
+  window.playability = &judged;
   const auto* contact = recording.find(judged.contact.name);
   const auto detection =
-      contact == nullptr
-          ? Detection{}
-          : detection_of(*contact, recording.sample_rate, triggers_of(recording, judged.hits.name), from, to);
+      contact == nullptr ? Detection{}
+                         : detection_of(*contact, recording.sample_rate,
+                                        triggers_of(recording, judged.hits.name), window.from_s, window.to_s);
   const auto& hits = detection.found_s;
-  const auto rhythm = rhythm_of(hits, from, to);
   const auto even = evenness_of(hits);
-  const double lasts = sustained(hits, from, to, judged.fewest);
+  const double lasts = sustained(hits, window.from_s, window.to_s, judged.fewest);
   const bool lives = lasts == 1.0;
   JudgedRun run;
   run.kind = kind_of(lives, even);
-  run.score = lasts * heard_share(detection) *
+  run.score = lasts * detected_share(detection) *
               std::min(1.0, kEvenSpread / std::max(even.pattern_spread, kEvenSpread));
   run.playable = lives && run.score >= kLeastScore;
-  run.readings = {rhythm.rate_hz,
-                  static_cast<double>(rhythm.fewest_in_a_second),
-                  lasts,
-                  rhythm.last_s,
-                  even.spread,
-                  static_cast<double>(even.beats),
-                  even.pattern_spread,
-                  rhythm.long_short,
-                  static_cast<double>(detection.found),
-                  static_cast<double>(detection.missed),
-                  static_cast<double>(detection.doubled)};
+  window.events = hits;
+  window.detection = &detection;
+  run.readings = column_values(Playability::Kind::Roll, window);
   return run;
 }
 
