@@ -94,7 +94,8 @@ std::vector<std::string> names_of(bool (*has)(const Measure&)) {
 std::span<const double> Window::samples(const RecordedSignal& of) const {
   const auto size = static_cast<double>(of.samples.size());
   const auto frame = [&](double seconds) {
-    return static_cast<std::size_t>(std::clamp(std::round(seconds * rate().value), 0.0, size));
+    const double exact = seconds * rate().value;
+    return static_cast<std::size_t>(std::clamp(edges == Edges::Down ? exact : std::round(exact), 0.0, size));
   };
   const auto first = frame(from_s), last = frame(to_s);
   return std::span{of.samples}.subspan(first, std::max(first, last) - first);
@@ -181,7 +182,9 @@ Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const S
 
 Result<double> accuracy_error(const Accuracy& accuracy, const SceneRecording& run,
                               const SceneRecording& reference) {
-  Window windows[] = {{run, accuracy.from_s, accuracy.to_s}, {reference, accuracy.from_s, accuracy.to_s}};
+  using enum Window::Edges;
+  Window windows[] = {{run, accuracy.from_s, accuracy.to_s, Nearest},
+                      {reference, accuracy.from_s, accuracy.to_s, Nearest}};
   for (auto& window : windows) {
     window.signal = window.recording.find(accuracy.of);
     if (window.signal == nullptr)

@@ -19,8 +19,12 @@ struct ToneValues;
 /// A recording between two times, with what a measure is taken of. Signals that the measure does not need are
 /// nullptr.
 struct Window {
+  /// How times become frames.
+  enum class Edges { Down, Nearest };
+
   const SceneRecording& recording;
   double from_s, to_s;
+  Edges edges;
   const RecordedSignal* signal = nullptr;
   const RecordedSignal* beside = nullptr;    ///< what `signal` is compared with
   const PortEnergy* port = nullptr;          ///< of a measure of a port
@@ -29,8 +33,12 @@ struct Window {
   const Detection* detection = nullptr;
   std::optional<std::vector<double>> events = {};  ///< instead of those in `signal`
 
-  Window(const SceneRecording& recorded, std::optional<double> from, std::optional<double> to)
-      : recording(recorded), from_s(from.value_or(0)), to_s(to.value_or(recorded.seconds())) {}
+  Window(const SceneRecording& recorded, std::optional<double> from, std::optional<double> to,
+         Edges rounded = Edges::Down)
+      : recording(recorded),
+        from_s(from.value_or(0)),
+        to_s(to.value_or(recorded.seconds())),
+        edges(rounded) {}
 
   Hertz rate() const { return recording.sample_rate; }
   /// The frames of `of` in the window.
