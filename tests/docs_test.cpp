@@ -24,7 +24,8 @@ std::string text_of(const fs::path& path) {
 
 }  // namespace
 
-TEST_CASE("docs: the schema refers to definitions that it has, and has every node type and section", "[docs]") {
+TEST_CASE("docs: the schema refers to definitions that it has, and has every node type and section",
+          "[docs]") {
   const auto schema = nlohmann::json::parse(file_schema(standard_nodes()));
   const auto& definitions = schema["definitions"];
   const auto text = schema.dump();
@@ -32,7 +33,8 @@ TEST_CASE("docs: the schema refers to definitions that it has, and has every nod
   for (std::sregex_iterator it{text.begin(), text.end(), reference}, end; it != end; ++it)
     CHECK(definitions.contains((*it)[1].str()));
   for (const auto* type : standard_nodes().types) CHECK(definitions.contains("node_" + type->name));
-  for (const auto* section : {"parts", "gestures", "roles", "expect", "accuracy", "playability", "ports", "drives"})
+  for (const auto* section :
+       {"parts", "gestures", "roles", "expect", "accuracy", "playability", "ports", "drives"})
     CHECK(definitions["scene"]["properties"].contains(section));
 }
 
@@ -64,7 +66,8 @@ TEST_CASE("docs: links between files lead somewhere", "[docs]") {
     const auto text = text_of(page);
     for (std::sregex_iterator it{text.begin(), text.end(), link}, end; it != end; ++it) {
       const auto target = (*it)[1].str();
-      const bool generated = target == "nodes.md" || target == "docs/nodes.md" || target == "tactus.schema.json";
+      const bool generated =
+          target == "nodes.md" || target == "docs/nodes.md" || target == "tactus.schema.json";
       if (target.find("://") != std::string::npos || generated) continue;
       ++links;
       INFO(page.filename().string() << ": " << target);

@@ -4,9 +4,9 @@
 #include <tuple>
 
 #include "engine/graph/file/nearest.h"
-#include "engine/graph/file/read_fields.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/name_space.h"
+#include "engine/scene/file/scene_fields.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {
@@ -43,22 +43,19 @@ void check_exact(const Accuracy& accuracy, const Value::Table& fields, Mistakes&
 }
 
 Accuracy read_entry(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
-  static const std::vector<std::string> kKeys = {"measure", "of", "from", "to", "exact", "scale", "about"};
+  FieldReader fields{entry.fields, accuracy_fields(), mistakes};
   Accuracy accuracy;
   accuracy.name = entry.name;
-  accuracy.at = accuracy.measure_at = accuracy.of_at = entry.at;
-  mistakes.unknown_keys(entry.fields, kKeys);
-  mistakes.text(entry.fields, "about");
+  accuracy.at = accuracy.measure_at = entry.at;
   read_measure(entry, accuracy, mistakes);
-  accuracy.of = mistakes.text(entry.fields, "of");
-  if (const auto* of = find(entry.fields, "of"))
-    accuracy.of_at = of->at;
-  else
+  accuracy.of = fields.text("of");
+  accuracy.of_at = fields.at("of", entry.at);
+  if (!fields.has("of"))
     mistakes.add(Errc::Missing, entry.at, "'" + entry.name + "' lacks 'of'",
                  "name a signal, as in of = \"plant.stick\"");
-  std::tie(accuracy.from_s, accuracy.to_s) = read_window(entry.fields, duration, mistakes);
-  accuracy.exact = read_any(entry.fields, "exact", mistakes);
-  accuracy.scale = read_any(entry.fields, "scale", mistakes);
+  std::tie(accuracy.from_s, accuracy.to_s) = fields.window(duration);
+  accuracy.exact = fields.any("exact");
+  accuracy.scale = fields.any("scale");
   check_exact(accuracy, entry.fields, mistakes);
   return accuracy;
 }

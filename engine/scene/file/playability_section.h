@@ -9,9 +9,6 @@
 
 namespace tactus {
 
-/// [any] What can be judged: the words of `kind`.
-const std::vector<std::string>& playability_kinds();
-
 /// `[playability]` of a scene: what playing it well means; nothing if it says nothing.
 ///   kind = "roll", fewest = 12
 ///   kind = "tone", pitch = "110 Hz", begin = "0.1 s"
