@@ -5,6 +5,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
+#include "apps/nodes/file_reference.h"
 #include "apps/nodes/schema.h"
 #include "engine/graph/file/nearest.h"
 #include "engine/nodes/networks/network_elements.h"
@@ -141,7 +142,7 @@ int run(const NodesOptions& options) {
     return report_unknown(table, options.name);
   if (options.json) return run_json(table, options.name);
   fmt::print("{}", options.schema         ? file_schema(table)
-                   : options.markdown     ? reference_markdown(table)
+                   : options.markdown     ? reference_markdown(table) + file_reference()
                    : options.name.empty() ? reference_overview(table)
                    : type != nullptr      ? reference_text(*type)
                                           : network_reference());

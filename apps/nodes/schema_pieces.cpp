@@ -32,6 +32,78 @@ std::string described(const std::string& doc, const std::string& unit, std::opti
   return text;
 }
 
+Json text(const std::string& description) {
+  return {{"description", description}, {"type", "string"}, {"minLength", 1}};
+}
+
+Json whole_number(const std::string& description, double low, double high) {
+  return joined({{"description", description}, {"type", "integer"}}, bounds(low, high));
+}
+
+Json choice(const std::string& description, const std::vector<std::string>& words) {
+  return {{"description", description}, {"enum", words}};
+}
+
+Json list(const std::string& description, Json items, int least = 1, int most = 0) {
+  Json json{
+      {"description", description}, {"type", "array"}, {"items", std::move(items)}, {"minItems", least}};
+  if (most > 0) json["maxItems"] = most;
+  return json;
+}
+
+Json range(const std::string& description) { return list(description, quantity(""), 2, 2); }
+
+Json object(const std::string& description, Json properties, const std::vector<std::string>& required) {
+  Json json{{"description", description}, {"type", "object"}, {"properties", std::move(properties)}};
+  if (!required.empty()) json["required"] = required;
+  json["additionalProperties"] = false;
+  return json;
+}
+
+Json channels(const std::string& description) {
+  const auto one = whole_number("", 1, 1024);
+  return {{"description", description}, {"anyOf", {one, list("", one), {{"const", "none"}}}}};
+}
+
+Json of_field(const FieldType& field) {
+  using Kind = FieldType::Kind;
+  const auto doc = field.doc + (field.fallback.empty() ? "" : "; " + field.fallback + " if left out");
+  switch (field.kind) {
+    case Kind::Text:
+      break;
+    case Kind::Prose:
+      return {{"description", doc}, {"type", "string"}};
+    case Kind::Quantity:
+    case Kind::Any:
+      return quantity(doc, field.low, field.high);
+    case Kind::Signal:
+      return signal(doc);
+    case Kind::Whole:
+      return whole_number(doc, field.low, field.high);
+    case Kind::Flag:
+      return {{"description", doc}, {"type", "boolean"}};
+    case Kind::Choice:
+      return choice(doc, field.choices);
+    case Kind::Range:
+      return range(doc);
+    case Kind::Points:
+      return list(doc, range(""));
+    case Kind::Channels:
+      return channels(doc);
+    case Kind::Format:
+      return {{"description", doc}, {"const", 1}};
+    case Kind::Section:
+      return schema::object(*field.inside);
+    case Kind::Entries:
+      return entries(doc, schema::object(*field.inside));
+    case Kind::Settings:
+      return entries(doc, quantity(""));
+    case Kind::Reference:
+      return entries(doc, reference(field.unit));
+  }
+  return text(doc);
+}
+
 Json of_setting(const Setting& setting) {
   const auto constant = quantity("");
   switch (setting.kind) {
@@ -75,10 +147,6 @@ void add_ends(const ElementType& type, Json& properties, std::vector<std::string
 
 }  // namespace
 
-Json text(const std::string& description) {
-  return {{"description", description}, {"type", "string"}, {"minLength", 1}};
-}
-
 Json quantity(const std::string& description, double low, double high) {
   return joined({{"description", description}, {"type", {"number", "string"}}, {"minLength", 1}},
                 bounds(low, high));
@@ -97,34 +165,18 @@ Json signal(const std::string& description, double low, double high) {
   return json;
 }
 
-Json whole_number(const std::string& description, double low, double high) {
-  return joined({{"description", description}, {"type", "integer"}}, bounds(low, high));
-}
-
-Json choice(const std::string& description, const std::vector<std::string>& words) {
-  return {{"description", description}, {"enum", words}};
-}
-
-Json list(const std::string& description, Json items, int least, int most) {
-  Json json{
-      {"description", description}, {"type", "array"}, {"items", std::move(items)}, {"minItems", least}};
-  if (most > 0) json["maxItems"] = most;
-  return json;
-}
-
-Json range(const std::string& description) { return list(description, quantity(""), 2, 2); }
-
-Json heading() {
-  return {{"format", {{"description", "of the file"}, {"const", 1}}},
-          {"name", {{"description", "for people"}, {"type", "string"}}},
-          {"about", {{"description", "for people: what it does"}, {"type", "string"}}},
-          {"source", {{"description", "for people: where it comes from"}, {"type", "string"}}}};
-}
-
-Json object(const std::string& description, Json properties, const std::vector<std::string>& required) {
-  Json json{{"description", description}, {"type", "object"}, {"properties", std::move(properties)}};
-  if (!required.empty()) json["required"] = required;
-  json["additionalProperties"] = false;
+Json object(const SectionType& section) {
+  auto properties = Json::object();
+  std::vector<std::string> required;
+  for (const auto& field : section.fields) {
+    properties[field.key] = of_field(field);
+    if (field.required) required.push_back(field.key);
+  }
+  auto json = object(section.doc, std::move(properties), required);
+  for (const auto& key : section.one_of) json["anyOf"].push_back({{"required", {key}}});
+  if (section.together.size() == 2)
+    json["dependencies"] = {{section.together[0], {section.together[1]}},
+                            {section.together[1], {section.together[0]}}};
   return json;
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
@@ -27,6 +28,27 @@ struct PlayOptions {
   bool json = false;
 };
 
+/// What a signal with this role is reported by.
+struct RoleReport {
+  const char* role;
+  void (*report)(Json&, const PlayedScene&, const PlayedScene* compared);
+  void (*print)(const Json&);
+};
+constexpr RoleReport kReports[] = {{"ball", report_ball, print_ball},
+                                   {"contact", report_roll, print_roll},
+                                   {"monitor", report_notes, print_notes}};
+
+/// Those that [roles] asks for, in its order; without the section, those of the roles that ports play.
+std::vector<RoleReport> reports_of(const SceneSpec& scene) {
+  const bool asks =
+      std::any_of(scene.roles.begin(), scene.roles.end(), [](auto& role) { return role.written; });
+  std::vector<RoleReport> reports;
+  for (const auto& role : scene.roles)
+    for (const auto& report : kReports)
+      if (role.name == report.role && role.written == asks) reports.push_back(report);
+  return reports;
+}
+
 Json report_of(const PlayedScene& played, const PlayedScene* compared) {
   const auto& recording = played.recording;
   Json json{{"scene", played.scene.name},
@@ -35,8 +57,7 @@ Json report_of(const PlayedScene& played, const PlayedScene* compared) {
             {"duration_s", recording.seconds()},
             {"run_s", recording.run_seconds},
             {"real_time_factor", recording.seconds() / recording.run_seconds}};
-  if (!report_ball(json, played)) report_roll(json, played, compared);
-  report_notes(json, played, compared);
+  for (const auto& [role, report, print] : reports_of(played.scene)) report(json, played, compared);
   json["faults"] = Json::array();
   for (const auto& fault : recording.faults)
     json["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
@@ -53,9 +74,7 @@ void print(const Json& json, const PlayedScene& played) {
       "  played              {:g} s at {:g} Hz with {:g} ms of delay, in {:.2f} s: {:.0f} times real time\n",
       json["duration_s"].get<double>(), json["sample_rate_hz"].get<double>(), json["delay_ms"].get<double>(),
       json["run_s"].get<double>(), json["real_time_factor"].get<double>());
-  print_ball(json);
-  print_roll(json);
-  print_notes(json);
+  for (const auto& report : reports_of(scene)) report.print(json);
   print_guard(played.recording.guard, played.recording.sample_rate);
   print_ports(played.recording.ports);
   fmt::print("  faults              {}\n",

@@ -7,6 +7,7 @@
 
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
+#include "engine/scene/file/roles.h"
 #include "engine/scene/measures/landings.h"
 
 namespace tactus::app {
@@ -17,9 +18,9 @@ using Json = nlohmann::ordered_json;
 constexpr double kRead_s = 2.0;  // at the end of a scene
 
 /// How often the table is driven, 0 if it stands. The ball shakes a light table, and not what drives it.
-double driven_hz(const SceneRecording& recording) {
-  const auto* drive = recording.find(recording.outputs.empty() ? std::string{kTable}
-                                                               : "instrument." + recording.outputs.front());
+double driven_hz(const SceneRecording& recording, const std::string& table) {
+  const auto* drive =
+      recording.find(recording.outputs.empty() ? table : "instrument." + recording.outputs.front());
   std::vector<double> found;
   const auto last =
       std::min(drive->samples.size(), static_cast<std::size_t>(kRead_s * recording.sample_rate.value));
@@ -50,21 +51,24 @@ std::string in_words(const Bouncing& bouncing, double drive_hz) {
 
 }  // namespace
 
-bool report_ball(Json& json, const PlayedScene& played) {
+void report_ball(Json& json, const PlayedScene& played, const PlayedScene*) {
   const auto& recording = played.recording;
   const double end = recording.seconds();
-  const auto bouncing = bouncing_in(recording, "plant.ball", std::max(0.0, end - kRead_s), end);
-  if (!bouncing) return false;
-  const double drive = driven_hz(recording);
-  auto& ball = json["ball"] = {{"period_landings", bouncing->period},
-                               {"landings_per_second", bouncing->landings_per_second},
+  const auto table_name = signal_of(recording.roles, "table");
+  const auto *position = recording.find(signal_of(recording.roles, "ball")),
+             *table = recording.find(table_name);
+  if (position == nullptr || table == nullptr) return;
+  const auto bouncing = bouncing_in(position->samples, table->samples, recording.sample_rate,
+                                    std::max(0.0, end - kRead_s), end);
+  const double drive = driven_hz(recording, table_name);
+  auto& ball = json["ball"] = {{"period_landings", bouncing.period},
+                               {"landings_per_second", bouncing.landings_per_second},
                                {"drive_hz", drive},
-                               {"words", in_words(*bouncing, drive)}};
-  if (bouncing->speeds.empty()) return true;
-  const auto [slowest, fastest] = std::minmax_element(bouncing->speeds.begin(), bouncing->speeds.end());
+                               {"words", in_words(bouncing, drive)}};
+  if (bouncing.speeds.empty()) return;
+  const auto [slowest, fastest] = std::minmax_element(bouncing.speeds.begin(), bouncing.speeds.end());
   ball["slowest_m_per_s"] = *slowest;
   ball["fastest_m_per_s"] = *fastest;
-  return true;
 }
 
 void print_ball(const Json& json) {

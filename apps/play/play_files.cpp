@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "apps/cli/console.h"
-#include "engine/study/notes/pitch_track.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 #include "engine/study/scene_plot.h"
 
 namespace tactus::app {

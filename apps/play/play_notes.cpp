@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/study/notes/format_note.h"
+#include "engine/scene/measures/notes/format_note.h"
 
 namespace tactus::app {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/scene/file/roles.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus::app {
@@ -12,16 +13,19 @@ using Json = nlohmann::ordered_json;
 double asked(const char* what, const SceneRecording& recording) {
   Expectation all;
   all.measure = what;
-  all.of = find_measure(what)->of;
   return measure(recording, all).value_or(0);
 }
 
-Rhythm heard_in(const SceneRecording& recording) {
-  return rhythm_of(triggers_of(recording, "instrument.hit"), 0, recording.seconds());
+std::vector<double> hits_in(const SceneRecording& recording) {
+  return triggers_of(recording, signal_of(recording.roles, "hit"));
+}
+
+Rhythm rhythm_in(const SceneRecording& recording) {
+  return rhythm_of(hits_in(recording), 0, recording.seconds());
 }
 
 void add_compared(Json& json, const PlayedScene& compared) {
-  const auto rhythm = heard_in(compared.recording);
+  const auto rhythm = rhythm_in(compared.recording);
   json["compared"] = {{"name", compared.scene.compare->name},
                       {"restitution", asked("restitution", compared.recording)},
                       {"hits", rhythm.count},
@@ -32,10 +36,11 @@ void add_compared(Json& json, const PlayedScene& compared) {
 
 void report_roll(Json& json, const PlayedScene& played, const PlayedScene* compared) {
   const auto& recording = played.recording;
-  if (recording.find(kStrikeContact) == nullptr) return;
-  const auto rhythm = heard_in(recording);
-  json["strikes"] = strikes_of(recording).size();
-  json["hits"] = triggers_of(recording, "instrument.hit").size();
+  const auto* contact = recording.find(signal_of(recording.roles, "contact"));
+  if (contact == nullptr) return;
+  const auto rhythm = rhythm_in(recording);
+  json["strikes"] = strikes_in(*contact, recording.sample_rate).size();
+  json["hits"] = hits_in(recording).size();
   json["missed"] = asked("missed", recording);
   json["doubled"] = asked("doubled", recording);
   json["longest_detection_ms"] = 1e3 * asked("detection_time", recording);
@@ -52,7 +57,7 @@ void report_roll(Json& json, const PlayedScene& played, const PlayedScene* compa
 void print_roll(const Json& json) {
   if (!json.contains("strikes")) return;
   fmt::print(
-      "  hits heard          {}, of {} strikes above 5 N {} missed; {} doubled; heard within {:.2f} ms\n",
+      "  hits detected       {}, of {} strikes above 5 N {} missed; {} doubled; detected within {:.2f} ms\n",
       json["hits"].get<int>(), json["strikes"].get<int>(), json["missed"].get<double>(),
       json["doubled"].get<double>(), json["longest_detection_ms"].get<double>());
   fmt::print("  roll                {:.1f} hits a second, at least {} in any second, spread {:.0f} %\n",

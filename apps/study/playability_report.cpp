@@ -39,7 +39,7 @@ std::string place_of(const PlayabilityStudy& study, const PlayedRun& run) {
 
 std::string head(const PlayabilityStudy& study) {
   auto text = fmt::format("{:>8}  {:8}  {:>5}  {:<10}", "delay ms", "playable", "score", "kind");
-  for (const auto& type : reading_types(study.kind))
+  for (const auto& type : measure_columns(study.kind))
     text += fmt::format("  {:>{}}", type.head, std::max<std::size_t>(type.head.size(), 6));
   if (study.variants.size() > 1) text += "  others";
   return text + (study.over.empty() ? "\n" : "  worst at\n");
@@ -49,7 +49,7 @@ std::string row(const PlayabilityStudy& study, const DelayVerdict& verdict) {
   const auto& run = study.runs[verdict.worst];
   auto text = fmt::format("{:>8}  {:8}  {:>5.2f}  {:<10}", ms(verdict.delay_s),
                           verdict.playable ? "yes" : "no", verdict.score, run.judged->kind);
-  const auto& types = reading_types(study.kind);
+  const auto& types = measure_columns(study.kind);
   for (std::size_t i = 0; i < types.size(); ++i)
     text += fmt::format("  {:>{}.{}f}", run.judged->readings[i],
                         std::max<std::size_t>(types[i].head.size(), 6), types[i].digits);
@@ -220,7 +220,7 @@ Json json_of(const PlayabilityStudy& study) {
                               {"playable_runs", verdict.good},
                               {"varied_runs", verdict.varied},
                               {"playable_varied_runs", verdict.varied_good}});
-  const auto& types = reading_types(study.kind);
+  const auto& types = measure_columns(study.kind);
   for (const auto& run : study.runs) {
     Json entry{{"delay_s", run.delay_s}};
     for (std::size_t i = 0; i < run.at.size(); ++i) entry[study.over[i].name] = run.at[i];

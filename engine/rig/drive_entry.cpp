@@ -1,7 +1,7 @@
 #include "engine/rig/drive_entry.h"
 
+#include "engine/graph/file/field.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/file/read_fields.h"
 #include "engine/graph/semantics/part_path.h"
 
 namespace tactus {
@@ -13,7 +13,7 @@ class DriveReader {
       : entry_(entry), places_(places), mistakes_(mistakes) {}
 
   DriveEntry read() {
-    drive_.volts = read_bounded(entry_.fields, "volts_per_full_scale", "V", 1e-3, 1000, mistakes_);
+    drive_.volts = number("volts_per_full_scale");
     drive_.profile = mistakes_.text(entry_.fields, "profile");
     if (const auto limits = read_profile()) drive_.limits = *limits;
     lower_ceiling();
@@ -41,6 +41,12 @@ class DriveReader {
     return limits;
   }
 
+  std::optional<double> number(const char* key) {
+    static const SectionType section{"", actuator_fields()};
+    const auto& field = section[key];
+    return read_bounded(entry_.fields, key, field.unit, field.low, field.high, mistakes_);
+  }
+
   /// A path is the file's own affair and stays in its folders like that of a part.
   Result<std::filesystem::path> path_of(const std::string& text, const Source& at) const {
     if (!text.ends_with(".toml")) return find_profile(text, places_.named, at.text());
@@ -50,7 +56,7 @@ class DriveReader {
   }
 
   void lower_ceiling() {
-    drive_.ceiling = read_bounded(entry_.fields, "ceiling", "", 1e-6, 1, mistakes_);
+    drive_.ceiling = number("ceiling");
     if (!drive_.ceiling) return;
     auto& limit = drive_.limits.ceiling;
     if (*drive_.ceiling > limit)
@@ -69,6 +75,13 @@ class DriveReader {
 };
 
 }  // namespace
+
+std::vector<FieldType> actuator_fields() {
+  return {text_field("profile", "woofer, bass_shaker, tactor_lra, voice_coil, …, or a path"),
+          quantity_field("volts_per_full_scale", "V", 1e-3, 1000, "what a sample of 1 puts on its terminals"),
+          quantity_field("ceiling", "", 1e-6, 1, "less than the profile allows, in full scale"),
+          about_field()};
+}
 
 DriveEntry read_drive(const EntrySpec& entry, const ProfilePlaces& places, Mistakes& mistakes) {
   return DriveReader{entry, places, mistakes}.read();

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/graph/file/field.h"
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/spec.h"
 #include "engine/rig/profile.h"
@@ -26,6 +27,8 @@ struct DriveEntry {
   DriveLimits limits = cautious_limits();  ///< that all this comes to
 };
 
+/// The keys of an actuator.
+std::vector<FieldType> actuator_fields();
 /// Reads these three keys of `entry`; a ceiling may be lower than it is anyway, never higher.
 DriveEntry read_drive(const EntrySpec& entry, const ProfilePlaces& places, Mistakes& mistakes);
 

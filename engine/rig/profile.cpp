@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "engine/graph/file/field.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/file/read_fields.h"
 #include "engine/graph/file/read_graph.h"
 
 namespace tactus {
@@ -22,10 +22,8 @@ class ProfileReader {
   ProfileReader(const Value::Table& table, const Source& file) : table_(table), file_(file) {}
 
   Checked<ActuatorProfile> read() {
-    static const std::vector<std::string> kKeys = {"format", "name", "about",  "source",
-                                                   "drive",  "heat", "travel", "direct"};
     check_format(table_, file_, mistakes_);
-    mistakes_.unknown_keys(table_, kKeys);
+    FieldReader{table_, profile_fields(), mistakes_};
     profile_.name = mistakes_.text(table_, "name");
     profile_.about = mistakes_.text(table_, "about");
     profile_.source = mistakes_.text(table_, "source");
@@ -39,65 +37,68 @@ class ProfileReader {
 
  private:
   void read_drive() {
-    if (!open("drive", {"resistance", "peak", "slew", "soft_start", "fade_out"}))
+    if (!open("drive"))
       return mistakes_.add(Errc::Missing, {file_.file, 1, 1}, "[drive] is missing",
                            "give at least resistance and peak of the terminals");
-    profile_.resistance_ohm = required("resistance", "ohm", 0.01, 1e6);
-    profile_.peak_volts = required("peak", "V", 1e-3, 1000);
-    if (find(*section_, "slew") != nullptr)
-      profile_.slew_volts_per_second = required("slew", "V/s", 1e-3, 1e9);
-    profile_.soft_start = Seconds{required("soft_start", "s", 0, 60)};
-    profile_.fade_out = Seconds{required("fade_out", "s", 0, 1)};
+    profile_.resistance_ohm = number("resistance");
+    profile_.peak_volts = number("peak");
+    if (find(*section_, "slew") != nullptr) profile_.slew_volts_per_second = number("slew");
+    profile_.soft_start = Seconds{number("soft_start")};
+    profile_.fade_out = Seconds{number("fade_out")};
   }
 
   // clang 14 emplaces no empty one of a class inside a class.
   void read_heat() {
-    if (!open("heat", {"power", "coil_time", "body_time", "coil_share", "rise"})) return;
+    if (!open("heat")) return;
     auto& heat = profile_.heat.emplace(ActuatorProfile::Heat{});
-    heat.watts = required("power", "W", 1e-3, 1e5);
-    heat.coil_time = Seconds{required("coil_time", "s", 0.01, 1e5)};
-    heat.body_time = Seconds{required("body_time", "s", 0.01, 1e6)};
-    heat.coil_share = required("coil_share", "", 0.01, 0.99);
-    heat.rise_kelvin = required("rise", "", 1, 500);
+    heat.watts = number("power");
+    heat.coil_time = Seconds{number("coil_time")};
+    heat.body_time = Seconds{number("body_time")};
+    heat.coil_share = number("coil_share");
+    heat.rise_kelvin = number("rise");
   }
 
   void read_travel() {
-    if (!open("travel", {"limit", "mass", "stiffness", "damping", "force_factor"})) return;
+    if (!open("travel")) return;
     auto& travel = profile_.travel.emplace(ActuatorProfile::Travel{});
-    travel.metres = required("limit", "m", 1e-6, 1);
-    travel.mass_kg = required("mass", "kg", 1e-6, 100);
-    travel.stiffness_n_per_m = required("stiffness", "N/m", 1e-3, 1e9);
-    travel.damping_kg_per_s = required("damping", "kg/s", 0, 1e6);
-    travel.force_factor_tm = required("force_factor", "T m", 1e-3, 1e4);
+    travel.metres = number("limit");
+    travel.mass_kg = number("mass");
+    travel.stiffness_n_per_m = number("stiffness");
+    travel.damping_kg_per_s = number("damping");
+    travel.force_factor_tm = number("force_factor");
   }
 
   void read_direct() {
-    if (!open("direct", {"level", "time"})) return;
+    if (!open("direct")) return;
     auto& direct = profile_.direct.emplace(ActuatorProfile::Direct{});
-    direct.volts = required("level", "V", 1e-6, 1000);
-    direct.time = Seconds{required("time", "s", 0, 3600)};
+    direct.volts = number("level");
+    direct.time = Seconds{number("time")};
   }
 
   /// False if the section is not there.
-  bool open(const std::string& name, const std::vector<std::string>& keys) {
+  bool open(const std::string& name) {
     section_ = read_section(table_, name, mistakes_);
     if (section_ == nullptr) return false;
+    type_ = profile_fields()[name].inside;
     name_ = name;
     at_ = find(table_, name)->at;
-    mistakes_.unknown_keys(*section_, keys);
+    FieldReader{*section_, *type_, mistakes_};
     return true;
   }
 
-  double required(const std::string& key, const std::string& unit, double low, double high) {
-    if (find(*section_, key) == nullptr)
+  double number(const std::string& key) {
+    const auto& field = (*type_)[key];
+    FieldReader fields{*section_, *type_, mistakes_, FieldReader::kKeysChecked};
+    if (!fields.has(key))
       mistakes_.add(Errc::Missing, at_, "[" + name_ + "] lacks '" + key + "'",
-                    unit.empty() ? "give a plain number" : "give it in " + unit);
-    return read_bounded(*section_, key, unit, low, high, mistakes_).value_or(low);
+                    field.unit.empty() ? "give a plain number" : "give it in " + field.unit);
+    return fields.number(key).value_or(field.low);
   }
 
   const Value::Table& table_;
   Source file_, at_;
   const Value::Table* section_ = nullptr;
+  const SectionType* type_ = nullptr;
   std::string name_;
   Mistakes mistakes_;
   ActuatorProfile profile_;
@@ -118,6 +119,42 @@ std::vector<std::string> profiles_in(const std::filesystem::path& folder) {
 }
 
 }  // namespace
+
+const SectionType& profile_fields() {
+  static const auto number = [](const char* key, const char* unit, double low, double high, const char* doc) {
+    return required(quantity_field(key, unit, low, high, doc));
+  };
+  static const SectionType drive{"the terminals",
+                                 {number("resistance", "ohm", 0.01, 1e6, "of the coil, cold"),
+                                  number("peak", "V", 1e-3, 1000, "largest voltage"),
+                                  quantity_field("slew", "V/s", 1e-3, 1e9, "slew rate", "no limit"),
+                                  number("soft_start", "s", 0, 60, "time from silence to full"),
+                                  number("fade_out", "s", 0, 1, "time to silence")}};
+  static const SectionType heat{
+      "limits of heat",
+      {number("power", "W", 1e-3, 1e5, "steady, leads to the limit in the end"),
+       number("coil_time", "s", 0.01, 1e5, "time constant of the coil"),
+       number("body_time", "s", 0.01, 1e6, "time constant of the body around it"),
+       number("coil_share", "", 0.01, 0.99, "of the rise that lies between coil and body"),
+       number("rise", "", 1, 500, "kelvin above the room")}};
+  static const SectionType travel{
+      "limits of excursion",
+      {number("limit", "m", 1e-6, 1, "to either side"), number("mass", "kg", 1e-6, 100, "that moves"),
+       number("stiffness", "N/m", 1e-3, 1e9, "of its suspension"),
+       number("damping", "kg/s", 0, 1e6, "without the coil"),
+       number("force_factor", "T m", 1e-3, 1e4, "Bl")}};
+  static const SectionType direct{"limits of DC",
+                                  {number("level", "V", 1e-6, 1000, "allowed for ever"),
+                                   number("time", "s", 0, 3600, "that the mean may lie above it")}};
+  static const SectionType section = [] {
+    SectionType profile{"the limits of an actuator", heading_fields()};
+    profile.fields.push_back(required(section_field("drive", drive)));
+    for (const auto& [key, inside] : {std::pair{"heat", &heat}, {"travel", &travel}, {"direct", &direct}})
+      profile.fields.push_back(section_field(key, *inside));
+    return profile;
+  }();
+  return section;
+}
 
 Checked<ActuatorProfile> load_profile(const std::filesystem::path& file) {
   return read(load_toml(file), file.string());

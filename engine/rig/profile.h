@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "engine/core/error.h"
-#include "engine/graph/file/value.h"
+#include "engine/graph/file/field.h"
 #include "engine/guard/drive_limits.h"
 
 namespace tactus {
@@ -38,6 +38,9 @@ struct ActuatorProfile {
   std::optional<Travel> travel;
   std::optional<Direct> direct;
 };
+
+/// [any] All keys of a profile.
+const SectionType& profile_fields();
 
 /// [control] All mistakes of a profile in one go.
 Checked<ActuatorProfile> load_profile(const std::filesystem::path& file);

@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "engine/graph/file/field.h"
 #include "engine/graph/file/load.h"
-#include "engine/graph/file/read_fields.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/rig_midi.h"
 
@@ -32,14 +32,13 @@ class RigReader {
 
  private:
   void read_sections(const Value::Table& table) {
-    static const std::vector<std::string> kKeys = {"format",  "name",      "about",    "device", "inputs",
-                                                   "outputs", "actuators", "controls", "midi",   "delay"};
     check_format(table, rig_.file, mistakes_);
-    mistakes_.unknown_keys(table, kKeys);
-    rig_.incomplete = std::any_of(table.begin(), table.end(), [](const Field& field) {
-      return std::find(kKeys.begin(), kKeys.end(), field.key) == kKeys.end();
+    const auto keys = rig_fields().keys();
+    rig_.incomplete = std::any_of(table.begin(), table.end(), [&](const Field& field) {
+      return std::find(keys.begin(), keys.end(), field.key) == keys.end();
     });
-    rig_.name = mistakes_.text(table, "name");
+    FieldReader fields{table, rig_fields(), mistakes_};
+    rig_.name = fields.text("name");
     rig_.about = mistakes_.text(table, "about");
     read_device(table);
     for (const auto& entry : read_entries(table, "inputs", "{ channel = 1 }", mistakes_)) read_input(entry);
@@ -55,7 +54,6 @@ class RigReader {
   }
 
   void read_device(const Value::Table& table) {
-    static const std::vector<std::string> kKeys = {"output", "input", "rate", "block", "periods"};
     auto& device = rig_.device;
     device.at = {rig_.file.file, 1, 1};
     const auto* fields = read_section(table, "device", mistakes_);
@@ -64,21 +62,19 @@ class RigReader {
       mistakes_.add(Errc::Missing, device.at, "the rig names no device",
                     "under [device], write output = \"…\" with an id that `tactus devices` shows");
     if (fields == nullptr) return;
-    mistakes_.unknown_keys(*fields, kKeys);
-    device.output = mistakes_.text(*fields, "output");
-    device.input = mistakes_.text(*fields, "input");
-    if (const auto rate = read_bounded(*fields, "rate", "Hz", 8e3, 192e3, mistakes_))
-      device.rate = Hertz{*rate};
-    if (const auto block = read_whole(*fields, "block", 1, 8192, mistakes_))
-      device.block = static_cast<int>(*block);
-    if (const auto periods = read_whole(*fields, "periods", 1, 64, mistakes_))
-      device.periods = static_cast<int>(*periods);
+    FieldReader reader{*fields, *rig_fields()["device"].inside, mistakes_};
+    device.output = reader.text("output");
+    device.input = reader.text("input");
+    if (const auto rate = reader.number("rate")) device.rate = Hertz{*rate};
+    if (const auto block = reader.number("block")) device.block = static_cast<int>(*block);
+    if (const auto periods = reader.number("periods")) device.periods = static_cast<int>(*periods);
   }
 
   void read_port(const EntrySpec& entry, RigPort& port) {
     port.name = entry.name;
     port.at = entry.at;
-    port.about = mistakes_.text(entry.fields, "about");
+    if (const auto* about = find(entry.fields, "about"); about != nullptr && about->text() != nullptr)
+      port.about = *about->text();
     const auto* channel = find(entry.fields, "channel");
     if (channel != nullptr && channel->text() != nullptr && *channel->text() == "none") return;
     if (channel == nullptr && !entry.broken)
@@ -104,11 +100,10 @@ class RigReader {
   }
 
   void read_input(const EntrySpec& entry) {
-    static const std::vector<std::string> kKeys = {"channel", "volts_per_full_scale", "sensitivity", "about"};
-    mistakes_.unknown_keys(entry.fields, kKeys);
+    FieldReader fields{entry.fields, *rig_fields()["inputs"].inside, mistakes_};
     RigInput input;
     read_port(entry, input);
-    input.volts = read_bounded(entry.fields, "volts_per_full_scale", "V", 1e-6, 1000, mistakes_);
+    input.volts = fields.number("volts_per_full_scale");
     const auto* sensitivity = find(entry.fields, "sensitivity");
     const bool has_volts = find(entry.fields, "volts_per_full_scale") != nullptr;
     if (has_volts != (sensitivity != nullptr))
@@ -132,9 +127,7 @@ class RigReader {
   }
 
   RigOutput read_output(const EntrySpec& entry) {
-    static const std::vector<std::string> kKeys = {"channel", "profile", "volts_per_full_scale", "ceiling",
-                                                   "about"};
-    mistakes_.unknown_keys(entry.fields, kKeys);
+    FieldReader{entry.fields, *rig_fields()["outputs"].inside, mistakes_};
     RigOutput output;
     read_port(entry, output);
     output.drive = read_drive(entry, places_, mistakes_);
@@ -158,13 +151,11 @@ class RigReader {
   }
 
   void read_delay(const Value::Table& table) {
-    static const std::vector<std::string> kKeys = {"measured", "pad"};
-    const auto* fields = read_section(table, "delay", mistakes_);
-    if (fields == nullptr) return;
-    mistakes_.unknown_keys(*fields, kKeys);
-    if (const auto measured = read_bounded(*fields, "measured", "s", 0, 10, mistakes_))
-      rig_.measured_delay = Seconds{*measured};
-    if (const auto pad = read_bounded(*fields, "pad", "s", 0, 10, mistakes_)) rig_.pad_delay = Seconds{*pad};
+    const auto* section = read_section(table, "delay", mistakes_);
+    if (section == nullptr) return;
+    FieldReader fields{*section, *rig_fields()["delay"].inside, mistakes_};
+    if (const auto measured = fields.number("measured")) rig_.measured_delay = Seconds{*measured};
+    if (const auto pad = fields.number("pad")) rig_.pad_delay = Seconds{*pad};
   }
 
   /// A channel has one output, and one actuator at most.
@@ -208,6 +199,45 @@ Checked<Rig> without_mistakes(LoadedRig loaded) {
 }
 
 }  // namespace
+
+const SectionType& rig_fields() {
+  using Kind = FieldType::Kind;
+  static const SectionType device{
+      "as `tactus devices` shows it",
+      {required(text_field("output", "id")), text_field("input", "id", "that of the output"),
+       quantity_field("rate", "Hz", 8e3, 192e3, "sample rate"), whole_field("block", 1, 8192, "frames"),
+       whole_field("periods", 1, 64, "blocks in the driver's buffer")}};
+  static const auto channel = required(field(
+      "channel", Kind::Channels, "of the card, from 1; one for each lane; \"none\" leaves the port out"));
+  static const SectionType input{
+      "a sensor",
+      {channel, quantity_field("volts_per_full_scale", "V", 1e-6, 1000, "at the connector"),
+       field("sensitivity", Kind::Any, "volts for one unit of the port, as in \"2 V/m\""), about_field()},
+      {},
+      {"sensitivity", "volts_per_full_scale"}};
+  static const SectionType output = [] {
+    SectionType wired{"an output and its actuator", {channel}, {}, {"profile", "volts_per_full_scale"}};
+    for (auto& field : actuator_fields()) wired.fields.push_back(std::move(field));
+    return wired;
+  }();
+  static const SectionType delay{"system delay",
+                                 {quantity_field("measured", "s", 0, 10, "of the card"),
+                                  quantity_field("pad", "s", 0, 10, "hold the whole at this")}};
+  static const SectionType section = [] {
+    SectionType rig{"the hardware that an instrument plays on", heading_fields()};
+    std::erase_if(rig.fields, [](const FieldType& field) { return field.key == "source"; });
+    for (auto& field : std::vector<FieldType>{
+             required(section_field("device", device)),
+             entries_field("inputs", input, "where the instrument's inputs come from"),
+             entries_field("outputs", output, "where the instrument's outputs go"),
+             entries_field("actuators", output, "on channels that sound must never reach"),
+             field("controls", Kind::Settings, "initial values of controls"),
+             entries_field("midi", midi_fields(), "what moves the controls"), section_field("delay", delay)})
+      rig.fields.push_back(std::move(field));
+    return rig;
+  }();
+  return section;
+}
 
 const RigOutput* Rig::actuator_on(int channel) const {
   const auto on_channel = [channel](const RigOutput& output) {

@@ -9,7 +9,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
-#include "engine/graph/file/quantity.h"
+#include "engine/graph/file/field.h"
 #include "engine/rig/drive_entry.h"
 
 namespace tactus {
@@ -87,6 +87,9 @@ struct Rig {
   /// The actuator that is said to hang on a channel, or nullptr.
   const RigOutput* actuator_on(int channel) const;
 };
+
+/// [any] All keys of a rig file.
+const SectionType& rig_fields();
 
 /// [control] Every mistake that a rig has by itself, in file order; `check_rig` finds what does not fit an
 /// instrument. `root`: the folder with the profiles.

@@ -2,39 +2,26 @@
 
 #include <fmt/format.h>
 
-#include "engine/graph/file/read_fields.h"
+#include "engine/graph/file/field.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/rig_text.h"
 
 namespace tactus {
 namespace {
 
-bool read_flag(const EntrySpec& entry, const std::string& key, Mistakes& mistakes) {
-  const auto* value = find(entry.fields, key);
-  if (value == nullptr) return false;
-  if (value->flag() == nullptr)
-    mistakes.add(Errc::WrongType, value->at, "'" + key + "' must be true or false, not " + value->kind(),
-                 "write " + key + " = true");
-  return value->flag() != nullptr && *value->flag();
-}
-
-int read_number(const EntrySpec& entry, const std::string& key, int low, int high, Mistakes& mistakes) {
-  return static_cast<int>(read_whole(entry.fields, key, low, high, mistakes).value_or(low));
-}
-
 RigMidi read_one(const EntrySpec& entry, Mistakes& mistakes) {
-  static const std::vector<std::string> kKeys = {"device",     "channel", "control", "note",
-                                                 "pitch_bend", "fine",    "gate"};
-  mistakes.unknown_keys(entry.fields, kKeys);
+  FieldReader fields{entry.fields, midi_fields(), mistakes};
+  const auto number = [&](const char* key, double most = kNoBound) {
+    return static_cast<int>(fields.number(key, most).value_or(midi_fields()[key].low));
+  };
   RigMidi midi;
   midi.control = entry.name;
   midi.at = entry.at;
-  midi.device = mistakes.text(entry.fields, "device");
-  if (find(entry.fields, "channel") != nullptr) midi.channel = read_number(entry, "channel", 1, 16, mistakes);
-  midi.fine = read_flag(entry, "fine", mistakes);
-  midi.gate = read_flag(entry, "gate", mistakes);
-  const bool note = find(entry.fields, "note") != nullptr, bend = read_flag(entry, "pitch_bend", mistakes);
-  const bool control = find(entry.fields, "control") != nullptr;
+  midi.device = fields.text("device");
+  if (fields.has("channel")) midi.channel = number("channel");
+  midi.fine = fields.flag("fine");
+  midi.gate = fields.flag("gate");
+  const bool note = fields.has("note"), bend = fields.flag("pitch_bend"), control = fields.has("control");
   if (control + note + bend != 1)
     mistakes.add(
         Errc::Missing, entry.at,
@@ -42,17 +29,30 @@ RigMidi read_one(const EntrySpec& entry, Mistakes& mistakes) {
         "give one of control = 7, note = 36 and pitch_bend = true");
   if (note) midi.kind = RigMidi::Kind::Note;
   if (bend) midi.kind = RigMidi::Kind::PitchBend;
-  if (control) midi.number = read_number(entry, "control", 0, midi.fine ? 31 : 127, mistakes);
-  if (note) midi.number = read_number(entry, "note", 0, 127, mistakes);
+  if (control) midi.number = number("control", midi.fine ? 31 : 127);
+  if (note) midi.number = number("note");
   if (midi.fine && !control)
-    mistakes.add(Errc::BadArgument, find(entry.fields, "fine")->at, "only controllers come in fine pairs",
+    mistakes.add(Errc::BadArgument, fields.value("fine")->at, "only controllers come in fine pairs",
                  "remove 'fine'");
   if (midi.gate && !note)
-    mistakes.add(Errc::BadArgument, find(entry.fields, "gate")->at, "only a note is a gate", "remove 'gate'");
+    mistakes.add(Errc::BadArgument, fields.value("gate")->at, "only a note is a gate", "remove 'gate'");
   return midi;
 }
 
 }  // namespace
+
+const SectionType& midi_fields() {
+  using Kind = FieldType::Kind;
+  static const SectionType section{"what moves a control",
+                                   {text_field("device", "a part of the port's name", "any"),
+                                    whole_field("channel", 1, 16, "channel", "any"),
+                                    whole_field("control", 0, 127, "number of the controller"),
+                                    whole_field("note", 0, 127, "its velocity moves the control"),
+                                    field("pitch_bend", Kind::Flag, "the pitch wheel moves the control"),
+                                    field("fine", Kind::Flag, "14 bits, with controller + 32"),
+                                    field("gate", Kind::Flag, "a note opens and closes")}};
+  return section;
+}
 
 bool RigMidi::same_source(const RigMidi& other) const {
   return device == other.device && channel == other.channel && kind == other.kind && number == other.number;

@@ -75,6 +75,8 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   SceneRecording recording;
   recording.sample_rate = built.instrument->plan().sample_rate;
   recording.delay_frames = built.delay_frames;
+  recording.roles = scene.roles;
+  recording.playability = scene.playability;
   Guarded guarded{*built.instrument, guarded_channels(built.instrument->plan(), scene.drives)};
   ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames,
                   scene.converters};

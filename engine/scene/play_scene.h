@@ -26,6 +26,8 @@ struct SceneRecording {
   std::vector<RecordedSignal> signals;
   std::vector<std::string> inputs, outputs;  ///< of the instrument, in order
   std::vector<std::string> sounds;           ///< of its outputs, those for the ears (see sound_names)
+  std::vector<Role> roles;                   ///< of the scene
+  std::optional<Playability> playability;    ///< likewise
   std::vector<FaultCount> faults;            ///< of both engines
   GuardReport guard;                         ///< what the drive guards had to do
   std::vector<PortEnergy> ports;             ///< what went through the ports

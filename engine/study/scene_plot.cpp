@@ -8,8 +8,8 @@
 #include <map>
 
 #include "engine/scene/measures/events.h"
-#include "engine/study/notes/format_note.h"
-#include "engine/study/notes/standing_tone.h"
+#include "engine/scene/measures/notes/format_note.h"
+#include "engine/scene/measures/notes/standing_tone.h"
 
 namespace tactus {
 namespace {

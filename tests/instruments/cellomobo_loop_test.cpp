@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/nodes/table.h"
-#include "engine/study/notes/pitch_track.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 #include "engine/study/stability/stability.h"
 #include "tests/support/graph_runner.h"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "engine/scene/measures/measure.h"
-#include "engine/study/notes/pitch_track.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 #include "engine/study/playability/scene_variants.h"
 #include "tests/support/shipped_scene.h"
 

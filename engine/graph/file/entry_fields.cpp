@@ -7,6 +7,7 @@
 
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
 
 namespace tactus {
 namespace {
@@ -130,7 +131,7 @@ std::optional<Unit> read_unit(const EntrySpec& entry, Mistakes& mistakes) {
 }
 
 FlatInput read_input(const EntrySpec& entry, Mistakes& mistakes) {
-  check_fields(entry, {"unit", "about", "lanes"}, "input '" + entry.name + "'", mistakes);
+  check_fields(entry, input_fields().keys(), "input '" + entry.name + "'", mistakes);
   FlatInput input;
   input.name = entry.name;
   input.about = mistakes.text(entry.fields, "about");
@@ -140,8 +141,7 @@ FlatInput read_input(const EntrySpec& entry, Mistakes& mistakes) {
 }
 
 ReadControl read_control(const EntrySpec& entry, Mistakes& mistakes) {
-  check_fields(entry, {"value", "range", "unit", "smooth", "about"}, "control '" + entry.name + "'",
-               mistakes);
+  check_fields(entry, control_fields().keys(), "control '" + entry.name + "'", mistakes);
   ReadControl read;
   auto& control = read.control;
   control.name = entry.name;
@@ -164,7 +164,7 @@ OutputUse read_use(const EntrySpec& entry, Mistakes& mistakes) {
 }
 
 void check_tested_delays(const EntrySpec& entry, Mistakes& mistakes) {
-  check_fields(entry, {"tested"}, "[delay]", mistakes);
+  check_fields(entry, graph_fields()["delay"].inside->keys(), "[delay]", mistakes);
   if (const auto* tested = find(entry.fields, "tested"))
     read_ends({"tested", {}, *tested}, seconds(), " of [delay]", mistakes);
 }

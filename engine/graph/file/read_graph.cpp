@@ -9,8 +9,6 @@
 namespace tactus {
 namespace {
 
-const std::vector<std::string> kGraphKeys = {"format",   "name",  "about",    "source",  "inputs",
-                                             "controls", "nodes", "networks", "outputs", "delay"};
 const std::vector<std::string> kSceneKeys = {"rate",       "duration", "parts", "gestures",
                                              "converters", "expect",   "seed",  "drives"};
 
@@ -22,13 +20,14 @@ bool among(const std::vector<std::string>& names, std::string_view name) {
 bool check_keys(const Value::Table& table, Mistakes& mistakes) {
   Value::Table unknown = table;
   std::erase_if(unknown, [](const Field& field) { return among(kSceneKeys, field.key); });
-  mistakes.unknown_keys(unknown, kGraphKeys);
+  const auto keys = graph_fields().keys();
+  mistakes.unknown_keys(unknown, keys);
   for (const auto& field : table)
     if (among(kSceneKeys, field.key))
       mistakes.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a scene, and this is a graph",
                    "move it to the scene's file");
   return std::all_of(unknown.begin(), unknown.end(),
-                     [](const Field& field) { return among(kGraphKeys, field.key); });
+                     [&](const Field& field) { return among(keys, field.key); });
 }
 
 bool sections_are_tables(const Value::Table& table) {
@@ -124,6 +123,82 @@ void check_names(const GraphSpec& spec, Mistakes& mistakes) {
 }
 
 }  // namespace
+
+std::vector<FieldType> heading_fields() {
+  using Kind = FieldType::Kind;
+  return {required(field("format", Kind::Format, "of the file")), field("name", Kind::Prose, "for people"),
+          field("about", Kind::Prose, "for people: what it does"),
+          field("source", Kind::Prose, "for people: where it comes from")};
+}
+
+namespace {
+FieldType unit_field() {
+  return text_field("unit", "\"m/s\", \"N/m\", \"ms\", \"dB\", \"full scale\"", "a plain number");
+}
+}  // namespace
+
+const SectionType& input_fields() {
+  static const SectionType section{
+      "an input", {unit_field(), about_field(), whole_field("lanes", 1, 1024, "lanes", "1")}};
+  return section;
+}
+
+const SectionType& control_fields() {
+  static const SectionType section{
+      "what the player sets",
+      {required(field("value", FieldType::Kind::Any, "where it starts")),
+       field("range", FieldType::Kind::Range, "lowest and highest value"), unit_field(),
+       quantity_field("smooth", "s", 0, kNoBound, "time in which it reaches a new value", "10 ms"),
+       about_field()}};
+  return section;
+}
+
+const SectionType& output_fields() {
+  static const SectionType section{
+      "an output",
+      {required(field("from", FieldType::Kind::Signal, "an expression")),
+       choice_field("kind", {"drive", "audio"}, "for a hand or for the ears", "drive"), unit_field(),
+       about_field()}};
+  return section;
+}
+
+const SectionType& part_fields() {
+  static const SectionType section{
+      "a graph file as a node; its inputs and controls are wired by name",
+      {required(text_field("use", "path of the file, from this one")),
+       whole_field("voices", 1, 1024, "how many lanes", "1"),
+       text_field("rate", "of its own: a fraction, \"1/16\", or \"3 kHz\"", "that around it"),
+       choice_field("take", {"last", "mean"}, "what a frame at that rate is given", "last"),
+       choice_field("between", {"hold", "line"}, "what goes out between two of them", "hold"),
+       about_field()}};
+  return section;
+}
+
+const SectionType& graph_fields() {
+  using Kind = FieldType::Kind;
+  static const SectionType delay{
+      "system delay",
+      {field("tested", Kind::Range, "shortest and longest that the instrument was tested with")}};
+  static const SectionType section = [] {
+    SectionType graph{"an instrument, a plant or a part", heading_fields()};
+    for (auto& field : std::vector<FieldType>{
+             entries_field("inputs", input_fields(), "sensors, or what a part is given"),
+             entries_field("controls", control_fields(), "what the player sets"),
+             {.key = "nodes",
+             .kind = Kind::Reference,
+             .doc = "`tactus nodes` explains each type",
+             .unit = "node"},
+             {.key = "networks",
+             .kind = Kind::Reference,
+             .doc = "`tactus nodes network` explains the elements",
+             .unit = "network"},
+             entries_field("outputs", output_fields(), "drives and sound, or what a part gives"),
+             section_field("delay", delay)})
+      graph.fields.push_back(std::move(field));
+    return graph;
+  }();
+  return section;
+}
 
 void check_format(const Value::Table& table, const Source& file, Mistakes& mistakes) {
   const auto* format = find(table, "format");

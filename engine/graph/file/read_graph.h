@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/graph/file/field.h"
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/spec.h"
 
@@ -7,6 +8,16 @@ namespace tactus {
 
 /// The sections of one graph file, without the files that it uses. `file` has no line.
 GraphSpec read_graph(const Value::Table& table, const Source& file, Mistakes& mistakes);
+
+/// format, name, about and source, with which every file begins.
+std::vector<FieldType> heading_fields();
+/// All keys of a graph; of an entry of [inputs], [controls] and [outputs].
+const SectionType& graph_fields();
+const SectionType& input_fields();
+const SectionType& control_fields();
+const SectionType& output_fields();
+/// Of a node that is a part, beside its inputs and controls.
+const SectionType& part_fields();
 
 /// `format` of any of our files: must be there and be 1.
 void check_format(const Value::Table& table, const Source& file, Mistakes& mistakes);

@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/bind.h"
 #include "engine/graph/semantics/instance.h"
 
@@ -121,7 +122,7 @@ void Instance::connect_part(const PendingPart& pending) {
 }
 
 void Instance::bind_output(const EntrySpec& entry, FlatSignal& given) {
-  check_fields(entry, {"from", "kind", "unit", "about"}, "output '" + entry.name + "'", mistakes_);
+  check_fields(entry, output_fields().keys(), "output '" + entry.name + "'", mistakes_);
   mistakes_.text(entry.fields, "about");
   const auto* from = find(entry.fields, "from");
   if (from == nullptr)

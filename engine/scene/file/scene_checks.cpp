@@ -6,7 +6,7 @@
 #include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/nearest.h"
 #include "engine/scene/build_scene.h"
-#include "engine/scene/measures/accuracy.h"
+#include "engine/scene/file/roles.h"
 #include "engine/scene/measures/measure.h"
 #include "engine/scene/moved_controls.h"
 
@@ -53,15 +53,14 @@ bool may_have_more(const SceneSpec& scene, const std::string& name) {
 }
 
 void complain_unknown(const Expectation& expectation, Mistakes& mistakes) {
-  std::vector<std::string> names;
-  for (const auto& known : measure_types()) names.push_back(known.name);
+  const auto names = value_names();
   const auto near = nearest_name(expectation.measure, names);
   mistakes.add(Errc::UnknownName, expectation.measure_at, "there is no measure '" + expectation.measure + "'",
                near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?");
 }
 
-void check_limits(const Expectation& expectation, const MeasureType& type, Mistakes& mistakes) {
-  if (type.unit == MeasureType::kUnitOfSubject) return;
+void check_limits(const Expectation& expectation, const Measure& type, Mistakes& mistakes) {
+  if (type.unit == Measure::kUnitOfSubject) return;
   for (const auto& limit : {expectation.min, expectation.max})
     if (limit && !limit->bare && !(limit->unit.dimension == parse_unit(type.unit)->dimension))
       mistakes.add(Errc::UnitMismatch, expectation.at,
@@ -93,6 +92,16 @@ void check_recorded(const std::string& of, const Source& at, const SceneSpec& sc
   check_subject(subject, of, scene, recorded, mistakes);
 }
 
+void report_role(const std::string& needed_by, const Source& at, const std::string& role,
+                 const SceneSpec& scene, Mistakes& mistakes) {
+  const bool unknown = std::any_of(scene.parts.begin(), scene.parts.end(), [&](const ScenePart& part) {
+    return part.graph == nullptr || part.graph->incomplete;
+  });
+  if (unknown || scene.incomplete) return;
+  mistakes.add(Errc::Missing, at, "'" + needed_by + "' needs a signal with the role '" + role + "'",
+               "name one under [roles], as in " + role + " = \"plant." + role + "\"");
+}
+
 void check_port(const Expectation& expectation, const SceneSpec& scene, Mistakes& mistakes) {
   if (scene.port(expectation.of) != nullptr) return;
   std::vector<std::string> names;
@@ -114,35 +123,50 @@ const EntrySpec* find_entry(const std::vector<EntrySpec>& entries, std::string_v
 
 void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
   const auto recorded = recorded_names(scene, table);
+  for (const auto& role : scene.roles)
+    if (role.written) check_recorded(role.signal, role.at, scene, recorded, mistakes);
   for (const auto& expectation : scene.expect) {
     if (expectation.measure.empty()) continue;  // told when the scene was read
     const auto* type = find_measure(expectation.measure);
-    if (type == nullptr) {
+    if (type == nullptr || type->value == nullptr) {
       complain_unknown(expectation, mistakes);
       continue;
     }
     check_limits(expectation, *type, mistakes);
-    if (type->subject == MeasureType::Subject::Nothing) continue;
-    const auto of = subject_of(expectation, *type);
-    if (of.empty())
+    if (type->subject == Measure::Subject::Nothing) continue;
+    if (type->subject == Measure::Subject::Playing) {
+      if (!scene.playability && !scene.incomplete)
+        mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs [playability]",
+                     "add the section with kind = \"roll\" or kind = \"tone\"");
+      continue;
+    }
+    const auto of = expectation.of.empty() ? signal_of(scene.roles, type->of) : expectation.of;
+    if (of.empty() && !type->of.empty())
+      report_role(expectation.measure, expectation.at, type->of, scene, mistakes);
+    else if (of.empty())
       mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
                    "say of what, as in of = \"" + (recorded.empty() ? "plant.x" : recorded.back()) + "\"");
-    else if (type->subject == MeasureType::Subject::Port)
+    else if (type->subject == Measure::Subject::Port)
       check_port(expectation, scene, mistakes);
     else
       check_subject(expectation, of, scene, recorded, mistakes);
-    if (!type->beside.empty()) check_subject(expectation, type->beside, scene, recorded, mistakes);
+    if (type->beside.empty()) continue;
+    if (const auto beside = signal_of(scene.roles, type->beside); beside.empty())
+      report_role(expectation.measure, expectation.at, type->beside, scene, mistakes);
+    else
+      check_subject(expectation, beside, scene, recorded, mistakes);
   }
 }
 
 void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
   const auto recorded = recorded_names(scene, table);
   for (const auto& accuracy : scene.accuracy) {
-    const auto* type = find_accuracy(accuracy.measure);
-    if (type == nullptr || accuracy.of.empty()) continue;  // told when the scene was read
+    const auto* type = find_measure(accuracy.measure);
+    if (type == nullptr || type->error == nullptr || accuracy.of.empty())
+      continue;  // told when the scene was read
     check_recorded(accuracy.of, accuracy.of_at, scene, recorded, mistakes);
     const auto check_unit = [&](const std::optional<QuantityValue>& number, const std::string& unit) {
-      if (!number || number->bare || unit == AccuracyType::kUnitOfSubject) return;
+      if (!number || number->bare || unit == Measure::kUnitOfSubject) return;
       if (!(number->unit.dimension == parse_unit(unit)->dimension))
         mistakes.add(
             Errc::UnitMismatch, accuracy.at,
@@ -150,7 +174,7 @@ void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
             "give it in " + unit);
     };
     check_unit(accuracy.exact, type->unit);
-    check_unit(accuracy.scale, type->scale);
+    check_unit(accuracy.scale, type->unit);
   }
 }
 
@@ -161,7 +185,15 @@ void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes&
   const bool roll = judged.kind == Playability::Kind::Roll;
   auto signals = roll ? std::vector{&judged.hits, &judged.contact} : std::vector{&judged.sound};
   if (!roll && !judged.pitch.name.empty()) signals.push_back(&judged.pitch);
-  for (const auto* signal : signals) check_recorded(signal->name, signal->at, scene, recorded, mistakes);
+  for (const auto* signal : signals)
+    if (signal->name.empty())
+      report_role("[playability]", signal->at,
+                  signal == &judged.hits ? "hit"
+                  : roll                 ? "contact"
+                                         : "monitor",
+                  scene, mistakes);
+    else
+      check_recorded(signal->name, signal->at, scene, recorded, mistakes);
 }
 
 void check_wanted_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes) {

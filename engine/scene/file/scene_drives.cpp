@@ -6,18 +6,17 @@
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/drive_entry.h"
+#include "engine/scene/file/scene_fields.h"
 
 namespace tactus {
 
 void read_drives(const Value::Table& scene, const std::filesystem::path& folder,
                  const std::filesystem::path& root, SceneSpec& spec, Mistakes& mistakes) {
-  static const std::vector<std::string> kKeys = {"profile", "volts_per_full_scale", "ceiling", "about"};
   for (const auto& entry :
        read_entries(scene, "drives", "{ profile = \"woofer\", volts_per_full_scale = \"10 V\" }", mistakes)) {
     spec.drive_places[entry.name] = entry.at;
     if (entry.broken) continue;
-    mistakes.unknown_keys(entry.fields, kKeys);
-    mistakes.text(entry.fields, "about");
+    FieldReader{entry.fields, drive_fields(), mistakes};
     spec.drives.named[entry.name] = read_drive(entry, {folder, root, root}, mistakes).limits;
   }
 }

@@ -8,12 +8,11 @@
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/scene_checks.h"
+#include "engine/scene/file/scene_fields.h"
 #include "engine/scene/file/scene_sections.h"
 
 namespace tactus {
 namespace {
-
-constexpr double kMost_J = 1e6;
 
 std::string signal_called(const EntrySpec& entry, const char* key, Source& at, Mistakes& mistakes) {
   const auto* value = find(entry.fields, key);
@@ -28,18 +27,16 @@ std::string signal_called(const EntrySpec& entry, const char* key, Source& at, M
 }
 
 Port read_port(const EntrySpec& entry, Mistakes& mistakes) {
-  static const std::vector<std::string> kKeys = {"force", "position", "active_up_to", "about"};
   Port port;
   port.name = entry.name;
   port.at = port.force_at = port.position_at = entry.at;
-  mistakes.unknown_keys(entry.fields, kKeys);
-  mistakes.text(entry.fields, "about");
+  FieldReader fields{entry.fields, port_fields(), mistakes};
   port.force = signal_called(entry, "force", port.force_at, mistakes);
   port.position = signal_called(entry, "position", port.position_at, mistakes);
-  if (find(entry.fields, "active_up_to") == nullptr && !entry.broken)
+  if (!fields.has("active_up_to") && !entry.broken)
     mistakes.add(Errc::Missing, entry.at, "port '" + entry.name + "' does not say what is allowed",
                  "write active_up_to = \"10 mJ\" with what its springs can store");
-  port.allowed = read_bounded(entry.fields, "active_up_to", "J", 0, kMost_J, mistakes).value_or(0);
+  port.allowed = fields.number("active_up_to").value_or(0);
   return port;
 }
 

@@ -7,6 +7,7 @@
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/scope.h"
+#include "engine/scene/file/scene_fields.h"
 
 namespace tactus {
 namespace {
@@ -16,19 +17,6 @@ std::string seconds_text(double seconds) {
 }
 
 // ---- gestures ----
-
-Gesture::Curve read_curve(const Value::Table& fields, Mistakes& mistakes) {
-  static const std::vector<std::string> kCurves = {"linear", "step", "smooth"};
-  const auto* value = find(fields, "curve");
-  const auto word = mistakes.text(fields, "curve");
-  if (value == nullptr || value->text() == nullptr) return Gesture::Curve::Linear;
-  const auto found = std::find(kCurves.begin(), kCurves.end(), word);
-  if (found != kCurves.end()) return static_cast<Gesture::Curve>(found - kCurves.begin());
-  const auto nearest = nearest_name(word, kCurves);
-  mistakes.add(Errc::UnknownName, value->at, "there is no curve '" + word + "'",
-               nearest.empty() ? "there are " + listed(kCurves) : "did you mean '" + nearest + "'?");
-  return Gesture::Curve::Linear;
-}
 
 /// Reads the points of one gesture; each point with a mistake is reported and left out.
 class PointReader {
@@ -78,15 +66,13 @@ class PointReader {
 };
 
 Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
-  static const std::vector<std::string> kKeys = {"points", "curve", "about"};
   Gesture gesture;
   gesture.name = entry.name;
   gesture.at = entry.at;
-  mistakes.unknown_keys(entry.fields, kKeys);
-  mistakes.text(entry.fields, "about");
-  gesture.curve = read_curve(entry.fields, mistakes);
+  FieldReader fields{entry.fields, gesture_fields(), mistakes};
+  gesture.curve = static_cast<Gesture::Curve>(fields.choice("curve").value_or(0));
   if (entry.broken) return gesture;
-  const auto* points = find(entry.fields, "points");
+  const auto* points = fields.value("points");
   if (points == nullptr || points->list() == nullptr || points->list()->empty()) {
     mistakes.add(Errc::Missing, points ? points->at : entry.at, "gesture '" + entry.name + "' has no points",
                  "write points = [[\"0 s\", 0], [\"1 s\", 1]]");
@@ -113,23 +99,20 @@ void check_limits(const Expectation& expectation, const Value::Table& fields, Mi
 }
 
 Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
-  static const std::vector<std::string> kKeys = {"measure", "of", "from", "to", "min", "max", "about"};
+  FieldReader fields{entry.fields, expectation_fields(), mistakes};
   Expectation expectation;
   expectation.name = entry.name;
-  expectation.at = expectation.measure_at = expectation.of_at = entry.at;
-  mistakes.unknown_keys(entry.fields, kKeys);
-  mistakes.text(entry.fields, "about");
-  expectation.measure = mistakes.text(entry.fields, "measure");
-  expectation.of = mistakes.text(entry.fields, "of");
-  if (const auto* measure = find(entry.fields, "measure"))
-    expectation.measure_at = measure->at;
-  else
+  expectation.at = entry.at;
+  expectation.measure = fields.text("measure");
+  expectation.measure_at = fields.at("measure", entry.at);
+  expectation.of = fields.text("of");
+  expectation.of_at = fields.at("of", entry.at);
+  if (!fields.has("measure"))
     mistakes.add(Errc::Missing, entry.at, "'" + entry.name + "' says nothing to measure",
                  "write measure = \"…\" with what is meant");
-  if (const auto* of = find(entry.fields, "of")) expectation.of_at = of->at;
-  std::tie(expectation.from_s, expectation.to_s) = read_window(entry.fields, duration, mistakes);
-  expectation.min = read_any(entry.fields, "min", mistakes);
-  expectation.max = read_any(entry.fields, "max", mistakes);
+  std::tie(expectation.from_s, expectation.to_s) = fields.window(duration);
+  expectation.min = fields.any("min");
+  expectation.max = fields.any("max");
   check_limits(expectation, entry.fields, mistakes);
   return expectation;
 }
@@ -152,22 +135,15 @@ std::vector<Gesture> read_gestures(const Value::Table& scene, Mistakes& mistakes
 }
 
 Converters read_converters(const Value::Table& scene, Mistakes& mistakes) {
-  static const std::vector<std::string> kKeys = {"bits", "off"};
   Converters converters;
-  const auto* fields = read_section(scene, "converters", mistakes);
-  if (fields == nullptr) return converters;
-  mistakes.unknown_keys(*fields, kKeys);
-  if (const auto bits = read_whole(*fields, "bits", 1, 32, mistakes))
-    converters.bits = static_cast<int>(*bits);
-  const auto* off = find(*fields, "off");
-  if (off == nullptr) return converters;
-  if (off->flag() == nullptr)
-    mistakes.add(Errc::WrongType, off->at, "'off' must be true or false, not " + off->kind(),
-                 "write off = true");
-  else
-    converters.on = !*off->flag();
-  if (!converters.on && find(*fields, "bits") != nullptr)
-    mistakes.add(Errc::Duplicate, off->at, "converters that are off have no bits", "remove 'off' or 'bits'");
+  const auto* section = read_section(scene, "converters", mistakes);
+  if (section == nullptr) return converters;
+  FieldReader fields{*section, converter_fields(), mistakes};
+  if (const auto bits = fields.number("bits")) converters.bits = static_cast<int>(*bits);
+  converters.on = !fields.flag("off");
+  if (!converters.on && fields.has("bits"))
+    mistakes.add(Errc::Duplicate, fields.value("off")->at, "converters that are off have no bits",
+                 "remove 'off' or 'bits'");
   return converters;
 }
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
+#include "engine/graph/file/field.h"
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/read_fields.h"
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {

@@ -9,37 +9,35 @@
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/part_path.h"
 #include "engine/graph/semantics/scope.h"
+#include "engine/scene/file/accuracy_section.h"
 #include "engine/scene/file/playability_section.h"
+#include "engine/scene/file/roles.h"
 #include "engine/scene/file/scene_drives.h"
+#include "engine/scene/file/scene_fields.h"
 #include "engine/scene/file/scene_ports.h"
 #include "engine/scene/file/scene_sections.h"
-#include "engine/scene/measures/accuracy.h"
 
 namespace tactus {
 namespace {
 
-const std::vector<std::string> kSceneKeys = {
-    "format",     "name",   "about",   "source", "rate",   "delay",    "duration", "parts",      "gestures",
-    "converters", "expect", "compare", "seed",   "drives", "accuracy", "ports",    "playability"};
-const std::vector<std::string> kGraphKeys = {"inputs", "controls", "nodes", "networks", "outputs"};
-
-// Whole numbers in a file are doubles: above 2^53 they would not come out as they were written.
-constexpr double kMaxSeed = 9007199254740991.0;
-
 /// False if there is a key that may have been meant as a section, or a section that is none.
 bool check_keys(const Value::Table& table, Mistakes& mistakes) {
-  const auto of_graph = [](const Field& field) {
-    return std::find(kGraphKeys.begin(), kGraphKeys.end(), field.key) != kGraphKeys.end();
+  const auto keys = scene_fields().keys(), graph_keys = graph_fields().keys();
+  const auto among = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const auto of_graph = [&](const Field& field) {
+    return among(graph_keys, field.key) && !among(keys, field.key);
   };
   Value::Table rest = table;
   std::erase_if(rest, of_graph);
-  mistakes.unknown_keys(rest, kSceneKeys);
+  mistakes.unknown_keys(rest, keys);
   for (const auto& field : table)
     if (of_graph(field))
       mistakes.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a graph, and this is a scene",
                    "move it to the file of a part");
-  return std::all_of(rest.begin(), rest.end(), [](const Field& field) {
-    const bool known = std::find(kSceneKeys.begin(), kSceneKeys.end(), field.key) != kSceneKeys.end();
+  return std::all_of(rest.begin(), rest.end(), [&](const Field& field) {
+    const bool known = among(keys, field.key);
     const bool section = field.key == "parts" || field.key == "gestures";
     return known && (!section || field.value.table() != nullptr);
   });
@@ -81,8 +79,6 @@ class SceneReader {
     scene_.about = mistakes_.text(table, "about");
     scene_.source = mistakes_.text(table, "source");
     read_times(table);
-    if (const auto seed = read_whole(table, "seed", 0, kMaxSeed, mistakes_))
-      scene_.seed = static_cast<std::uint64_t>(*seed);
     read_parts(table);
     scene_.gestures = read_gestures(table, mistakes_);
     scene_.converters = read_converters(table, mistakes_);
@@ -90,7 +86,8 @@ class SceneReader {
     scene_.ports = read_ports(table, mistakes_);
     scene_.expect = read_expectations(table, scene_.duration, mistakes_);
     scene_.accuracy = read_accuracy(table, scene_.duration, mistakes_);
-    scene_.playability = read_playability(table, scene_.duration, mistakes_);
+    scene_.roles = read_roles(table, scene_.parts, mistakes_);
+    scene_.playability = read_playability(table, scene_.duration, scene_.roles, mistakes_);
     scene_.compare = read_comparison(table, mistakes_);
     NameSpace names;
     for (const auto& part : scene_.parts) names.add(part.name, "a part", part.at, mistakes_);
@@ -98,12 +95,11 @@ class SceneReader {
   }
 
   void read_times(const Value::Table& table) {
-    if (const auto rate = read_bounded(table, "rate", "Hz", 1e3, 768e3, mistakes_))
-      scene_.rate = Hertz{*rate};
-    if (const auto delay = read_bounded(table, "delay", "s", 0, 10, mistakes_))
-      scene_.delay = Seconds{*delay};
-    if (const auto duration = read_bounded(table, "duration", "s", 1e-3, 86400, mistakes_))
-      scene_.duration = Seconds{*duration};
+    FieldReader fields{table, scene_fields(), mistakes_, FieldReader::kKeysChecked};
+    if (const auto seed = fields.number("seed")) scene_.seed = static_cast<std::uint64_t>(*seed);
+    if (const auto rate = fields.number("rate")) scene_.rate = Hertz{*rate};
+    if (const auto delay = fields.number("delay")) scene_.delay = Seconds{*delay};
+    if (const auto duration = fields.number("duration")) scene_.duration = Seconds{*duration};
     if (find(table, "duration") == nullptr)
       mistakes_.add(Errc::Missing, {scene_.file.file, 1, 1}, "'duration' is missing",
                     "say how long the scene lasts, as in duration = \"6 s\"");

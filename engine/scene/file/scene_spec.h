@@ -61,6 +61,13 @@ struct Port {
   double allowed = 0;  ///< [J] that the instrument may give
 };
 
+/// A signal and what it is to measures and reports, see `role_types`.
+struct Role {
+  std::string name, signal;
+  Source at;
+  bool written = false;  ///< in [roles]; else a port plays it by its name
+};
+
 /// What must hold when the scene was played. Which measures there are is known to those who measure.
 struct Expectation {
   std::string name;
@@ -101,14 +108,15 @@ struct Playability {
   double from_s = 1;           ///< what is judged begins here
   std::optional<double> to_s;  ///< and ends here, or with the scene
 
-  Signal hits{"instrument.hit", {}};     ///< of a roll: the trigger of what the instrument heard
-  Signal contact{"plant.contact", {}};   ///< the force of what struck it
-  double fewest = 10;                    ///< strikes in its worst second
-  Signal sound{"instrument.sound", {}};  ///< of a tone
-  double pitch_hz = 0;                   ///< the note wanted; 0: that of `pitch`
-  Signal pitch{};                        ///< the notes wanted, one after the other; "": the one of `pitch_hz`
-  double begin_s = 0;                    ///< when the bow is on the string
-  double quiet = 1e-3;                   ///< softer than this it is silent: root mean square
+  // Signals that are left out play the roles "hit", "contact" and "monitor".
+  Signal hits{};        ///< of a roll: the trigger of a detected strike
+  Signal contact{};     ///< the contact force of the strikes
+  double fewest = 10;   ///< strikes in its worst second
+  Signal sound{};       ///< of a tone
+  double pitch_hz = 0;  ///< the note wanted; 0: that of `pitch`
+  Signal pitch{};       ///< the notes wanted, one after the other; "": the one of `pitch_hz`
+  double begin_s = 0;   ///< when the bow is on the string
+  double quiet = 1e-3;  ///< softer than this it is silent: root mean square
 };
 
 /// The same scene once more with some controls elsewhere, to show beside it what they do.
@@ -133,6 +141,7 @@ struct SceneSpec {
   DriveBook drives;                            ///< what the guard of each drive is to keep
   std::map<std::string, Source> drive_places;  ///< where [drives] names them
   std::vector<Port> ports;
+  std::vector<Role> roles;
   std::vector<Expectation> expect;
   std::vector<Accuracy> accuracy;
   std::optional<Playability> playability;

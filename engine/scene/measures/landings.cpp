@@ -60,13 +60,11 @@ int period_of(const std::vector<double>& speeds) {
   return 0;
 }
 
-std::optional<Bouncing> bouncing_in(const SceneRecording& recording, const std::string& ball, double from_s,
-                                    double to_s) {
-  const auto *position = recording.find(ball), *table = recording.find(kTable);
-  if (position == nullptr || table == nullptr) return std::nullopt;
+Bouncing bouncing_in(std::span<const double> ball, std::span<const double> table, Hertz rate, double from_s,
+                     double to_s) {
   Bouncing found;
   std::vector<double> times;
-  for (const auto& landing : landings_of(position->samples, table->samples, recording.sample_rate)) {
+  for (const auto& landing : landings_of(ball, table, rate)) {
     if (landing.time_s < from_s || landing.time_s >= to_s) continue;
     times.push_back(landing.time_s);
     found.speeds.push_back(landing.speed);

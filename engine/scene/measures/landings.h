@@ -1,12 +1,9 @@
 #pragma once
 
-#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/scene/play_scene.h"
 
 namespace tactus {
 
@@ -33,17 +30,14 @@ inline constexpr int kLongestOrbit = 8;
 /// split_of(speeds, p) <= kAlikeLandings * mean. 0: there is none, or there are no more than 2 p landings.
 int period_of(const std::vector<double>& speeds);
 
-/// The table of every ball.
-inline constexpr auto kTable = "plant.table";
-
 /// What a ball does on its table.
 struct Bouncing {
   std::vector<double> speeds;      ///< of the landings, towards the table [m/s]
   int period = 0;                  ///< as `period_of` says
   double landings_per_second = 0;  ///< over whole orbits, if there are
 };
-/// [control] Of the landings on kTable between two times; nullopt where ball or table were not recorded.
-std::optional<Bouncing> bouncing_in(const SceneRecording& recording, const std::string& ball, double from_s,
-                                    double to_s);
+/// [control] Of the landings between two times, from the positions of both.
+Bouncing bouncing_in(std::span<const double> ball, std::span<const double> table, Hertz rate, double from_s,
+                     double to_s);
 
 }  // namespace tactus

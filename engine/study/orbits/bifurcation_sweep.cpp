@@ -5,6 +5,7 @@
 
 #include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/scene/file/roles.h"
 #include "engine/scene/play_scene.h"
 
 namespace tactus {
@@ -101,10 +102,12 @@ SweepResult SceneSweep::run(const std::vector<double>& values) const {
   if (!built) return tl::unexpected(built.error().front());
   const auto recording = play_scene(scene, *built, 256);
   if (!recording) return tl::unexpected(recording.error());
-  const auto *ball = recording->find("plant.ball"), *floor = recording->find("plant.table");
+  const auto *ball = recording->find(signal_of(scene.roles, "ball")),
+             *floor = recording->find(signal_of(scene.roles, "table"));
   if (ball == nullptr || floor == nullptr)
-    return fail(Errc::Missing, scene.file.text(), "the plant shows no ball on a table",
-                "give it outputs 'ball' and 'table' in metres");
+    return fail(Errc::Missing, scene.file.text(),
+                "the scene has no signals with the roles 'ball' and 'table'",
+                "name two positions under [roles]");
   const auto landings = landings_of(ball->samples, floor->samples, recording->sample_rate);
   std::vector<HeldValue> held;
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -161,7 +161,7 @@ class Study {
     const auto setup = setup_of(number);
     const auto key = key_of(setup);
     if (const auto* kept = kept_.find(key))
-      study_.runs[number].judged = judged_of(*kept, reading_types(study_.kind).size());
+      study_.runs[number].judged = judged_of(*kept, measure_columns(study_.kind).size());
     const bool mine = static_cast<int>(number) % options_.parts == options_.part;
     if (study_.runs[number].judged || !mine || failed_ || (options_.stop && options_.stop())) return;
     auto judged = play(setup);

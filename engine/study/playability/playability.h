@@ -11,7 +11,7 @@
 #include "engine/graph/node_table.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/scene_spec.h"
-#include "engine/study/playability/judged_run.h"
+#include "engine/scene/measures/judged_run.h"
 
 namespace tactus {
 

@@ -30,7 +30,9 @@ std::size_t kind_index(const PlayabilityStudy& study, const PlayedRun& run) {
 std::string fill_of(std::size_t kind) { return svg::shade(kKindColors[kind]).line; }
 
 /// The reading that a map shows beside kind and score.
-const ReadingType& main_reading(const PlayabilityStudy& study) { return reading_types(study.kind).front(); }
+const MeasureColumn& main_reading(const PlayabilityStudy& study) {
+  return measure_columns(study.kind).front();
+}
 
 double main_of(const PlayabilityStudy& study, const PlayedRun& run) {
   return run.judged->reading(study.kind, main_reading(study).name);
@@ -100,7 +102,7 @@ Figure curves_of(const PlayabilityStudy& study) {
   auto score = reading_panel(study, "score", [](const PlayedRun& run) { return run.judged->score; });
   score.y.high = 1.05;
   figure.panels.push_back(std::move(score));
-  const auto& types = reading_types(study.kind);
+  const auto& types = measure_columns(study.kind);
   for (const auto& type : types) {
     if (!type.drawn) continue;
     figure.panels.push_back(reading_panel(

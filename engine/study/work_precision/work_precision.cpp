@@ -5,7 +5,8 @@
 #include <map>
 #include <memory>
 
-#include "engine/study/work_precision/accuracy_error.h"
+#include "engine/core/decibels.h"
+#include "engine/scene/measures/measure.h"
 #include "engine/study/work_precision/reference_run.h"
 #include "engine/study/work_precision/work_timing.h"
 
@@ -17,6 +18,17 @@ WorkPrecisionOptions completed(WorkPrecisionOptions options, Hertz rate) {
   if (options.rates.empty()) options.rates = {Hertz{0.5 * rate.value}, rate, Hertz{2 * rate.value}};
   if (options.oversamples.empty()) options.oversamples = {1, 2, 4, 8, 16};
   return options;
+}
+
+/// Non-finite values, or ten times the size that they may have.
+bool exploded(const Accuracy& accuracy, const SceneRecording& run, const SceneRecording& reference) {
+  constexpr double kExplosion = 10.0;
+  if (!run.faults.empty()) return true;
+  const auto& samples = run.find(accuracy.of)->samples;
+  if (!std::all_of(samples.begin(), samples.end(), [](double x) { return std::isfinite(x); })) return true;
+  const double most =
+      std::max(peak_of(reference.find(accuracy.of)->samples), accuracy.scale ? accuracy.scale->si : 0);
+  return peak_of(samples) > kExplosion * most && most > 0;
 }
 
 class Study {

@@ -37,7 +37,7 @@ PlayabilityStudy rolls(const std::vector<double>& scores) {
                           {},
                           "as written",
                           JudgedRun{good ? "regular" : "irregular", scores[i], good,
-                                    std::vector<double>(reading_types(study.kind).size(), 1.0)}});
+                                    std::vector<double>(measure_columns(study.kind).size(), 1.0)}});
   }
   return study;
 }

@@ -253,7 +253,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 hand = { points = [["0 s", 0]], curve = "smoth" }
 )",
-     R"(scene.toml:7:41: there is no curve 'smoth'; did you mean 'smooth'?)"},
+     R"(scene.toml:7:41: 'curve' cannot be 'smoth'; did you mean 'smooth'?)"},
     {"a gesture called like a part",
      R"(format = 1
 duration = "1 s"
@@ -412,7 +412,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "missed", max = 0 }
 )",
-     R"(scene.toml:7:1: 'missed' needs 'plant.contact', and nothing of that name is recorded; recorded are 'instrument.mic', 'instrument.pedal', 'instrument.hit.hit', 'instrument.hit.level', 'instrument.woofer', 'plant.mic' and 'plant.stick')"},
+     R"(scene.toml:7:1: 'missed' needs a signal with the role 'contact'; name one under [roles], as in contact = "plant.contact")"},
     {"a comparison without a name",
      R"(format = 1
 duration = "1 s"

@@ -85,15 +85,15 @@ TEST_CASE("playability section: its mistakes come with line and column", "[scene
   CHECK(folder.mistakes("from = \"1 s\"\n") ==
         "scene.toml:7:1: [playability] lacks 'kind'; there are 'roll' and 'tone'");
   CHECK(folder.mistakes("kind = \"rol\"\n") ==
-        "scene.toml:8:8: nothing of kind 'rol' can be judged; did you mean 'roll'?");
+        "scene.toml:8:8: 'kind' cannot be 'rol'; did you mean 'roll'?");
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\npitch = \"110 Hz\"\n")
             .starts_with("scene.toml:10:1: unknown key 'pitch'"));
   CHECK(folder.mistakes("kind = \"roll\"\n")
-            .starts_with("scene.toml:7:1: nothing called 'plant.contact' is recorded"));
+            .starts_with("scene.toml:7:1: '[playability]' needs a signal with the role 'contact'"));
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stik\"\n") ==
         "scene.toml:9:11: nothing called 'plant.stik' is recorded; did you mean 'plant.stick'?");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\n") ==
-        "scene.toml:7:1: a tone needs the 'pitch' that is wanted; give it as in pitch = \"110 Hz\", or as "
+        "scene.toml:7:1: a tone needs the 'pitch' that is expected; give it as in pitch = \"110 Hz\", or as "
         "what a part gives out: \"wanted.pitch\"");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"1 s\"\n")
             .starts_with("scene.toml:10:9: '1 s' is in s, but 'pitch' is in Hz"));

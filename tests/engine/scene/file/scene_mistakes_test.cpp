@@ -65,7 +65,7 @@ scene.toml:5:40: 'drive' is a plain number, but this is in m; divide by a quanti
 scene.toml:5:55: there is no 'heigth'; did you mean 'height'?
 scene.toml:10:20: there is no measure 'peek'; did you mean 'peak'?
 scene.toml:11:35: nothing called 'instrument.hti' is recorded; did you mean 'instrument.hit'?
-scene.toml:12:1: 'missed' needs 'plant.contact', and nothing of that name is recorded; recorded are 'instrument.mic', 'instrument.pedal', 'instrument.hit.hit', 'instrument.hit.level', 'instrument.woofer', 'plant.mic' and 'plant.stick'
+scene.toml:12:1: 'missed' needs a signal with the role 'contact'; name one under [roles], as in contact = "plant.contact"
 scene.toml:13:1: 'rms' needs an 'of'; say of what, as in of = "plant.stick"
 scene.toml:14:1: 'rate' is in Hz, but it is to be compared with 15 ms; give its limits in Hz
 scene.toml:17:1: part 'instrument' has no control 'strengt'; did you mean 'strength'?

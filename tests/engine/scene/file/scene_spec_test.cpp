@@ -145,7 +145,7 @@ scene.toml:12:34: 0 s does not come after 0 s before it; the times of a gesture 
 scene.toml:12:41: '1 N' is in N, but 'a' is in m; give "12 mm"
 scene.toml:12:50: '1 mm' is in m, but 'time' is in s; give "15 ms"
 scene.toml:12:62: a point is a time and a value; write it as in ["0.1 s", "2 m/s"]
-scene.toml:12:76: there is no curve 'stpe'; did you mean 'step'?
+scene.toml:12:76: 'curve' cannot be 'stpe'; did you mean 'step'?
 scene.toml:13:1: gesture 'b' has no points; write points = [["0 s", 0], ["1 s", 1]]
 scene.toml:15:8: 'bits' cannot be 64; give one from 1 to 32
 scene.toml:16:7: 'off' must be true or false, not a number; write off = true

@@ -1,9 +1,8 @@
-#include "engine/scene/measures/accuracy.h"
-
 #include <catch2/catch.hpp>
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
+#include "engine/scene/file/accuracy_section.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;

@@ -53,6 +53,7 @@ SceneRecording bounces(const std::vector<double>& speeds, int landings) {
     begins = static_cast<double>(ball.samples.size()) / kRate;
   }
   recording.signals = {std::move(ball), {"plant.table", parse_unit("m")->dimension, {}}};
+  recording.roles = {{"ball", "plant.ball", {}}, {"table", "plant.table", {}}};
   recording.signals[1].samples.assign(recording.signals[0].samples.size(), 0.0);
   return recording;
 }
@@ -87,4 +88,27 @@ TEST_CASE("measure: the pitch of a part of a signal, 0 where it has none", "[sce
   // 0.1 cent.
   CHECK(pitch(recording, 0.1, 0.4) == Approx(220).epsilon(6e-5));
   CHECK(pitch(recording, 0.6, 0.9) == 0);
+}
+
+// Peak over root mean square: sqrt(2) of a sine over whole periods, 1 of a square, 0 by definition of
+// silence.
+TEST_CASE("measure: the crest factor of a sine, a square and silence", "[scene]") {
+  SceneRecording recording;
+  recording.sample_rate = 48_kHz;
+  recording.signals = {{"plant.sine", {}, {}}, {"plant.square", {}, {}}, {"plant.silence", {}, {}}};
+  for (int n = 0; n < 48000; ++n) {
+    const double turns = 100.0 * n / 48000;  // 480 frames a period, of which one is the crest
+    recording.signals[0].samples.push_back(3 * std::sin(2 * std::numbers::pi * turns));
+    recording.signals[1].samples.push_back(turns - std::floor(turns) < 0.5 ? 2.0 : -2.0);
+    recording.signals[2].samples.push_back(0);
+  }
+  const auto crest_factor = [&](const char* signal) {
+    Expectation expectation;
+    expectation.measure = "crest_factor";
+    expectation.of = signal;
+    return measure(recording, expectation).value();
+  };
+  CHECK(crest_factor("plant.sine") == Approx(std::numbers::sqrt2).epsilon(1e-12));
+  CHECK(crest_factor("plant.square") == 1);
+  CHECK(crest_factor("plant.silence") == 0);
 }

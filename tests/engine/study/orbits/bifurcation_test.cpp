@@ -29,7 +29,9 @@ std::vector<Landing> landings_of(const SceneRecording& recording) {
 /// Landings per cycle in the last three seconds of a scene.
 int period_in(const char* file) {
   const auto recording = play(scene_of(file));
-  return bouncing_in(recording, "plant.ball", recording.seconds() - 3, recording.seconds())->period;
+  return bouncing_in(recording.find("plant.ball")->samples, recording.find("plant.table")->samples,
+                     recording.sample_rate, recording.seconds() - 3, recording.seconds())
+      .period;
 }
 
 /// Where one landing a period doubles on the table, with a ball that touches it for so long.

@@ -1,0 +1,173 @@
+#include "engine/graph/file/field.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "engine/graph/file/nearest.h"
+
+namespace tactus {
+namespace {
+
+using Kind = FieldType::Kind;
+
+Unit unit_called(const std::string& text) { return parse_unit(text).value_or(Unit{}); }
+
+std::string in_unit(double si, const std::string& unit) {
+  return short_quantity(si, unit_called(unit).dimension);
+}
+
+std::optional<double> read_whole(const Value& value, const FieldType& field, double high,
+                                 Mistakes& mistakes) {
+  const auto* number = value.number();
+  const bool whole = number != nullptr && std::floor(*number) == *number;
+  if (whole && *number >= field.low && *number <= high) return *number;
+  mistakes.add(
+      number ? Errc::OutOfRange : Errc::WrongType, value.at,
+      "'" + field.key + (whole ? "' cannot be " + short_number(*number) : "' must be a whole number"),
+      "give one from " + std::to_string(std::llround(field.low)) + " to " +
+          std::to_string(std::llround(high)));
+  return std::nullopt;
+}
+
+}  // namespace
+
+const FieldType& SectionType::operator[](std::string_view key) const {
+  const auto found =
+      std::find_if(fields.begin(), fields.end(), [&](const FieldType& field) { return field.key == key; });
+  assert(found != fields.end());
+  return *found;
+}
+
+std::vector<std::string> SectionType::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& field : fields) keys.push_back(field.key);
+  return keys;
+}
+
+FieldType text_field(std::string key, std::string doc, std::string fallback) {
+  return {.key = std::move(key), .doc = std::move(doc), .fallback = std::move(fallback)};
+}
+FieldType quantity_field(std::string key, std::string unit, double low, double high, std::string doc,
+                         std::string fallback) {
+  return {.key = std::move(key),
+          .kind = Kind::Quantity,
+          .doc = std::move(doc),
+          .unit = std::move(unit),
+          .low = low,
+          .high = high,
+          .fallback = std::move(fallback)};
+}
+FieldType whole_field(std::string key, double low, double high, std::string doc, std::string fallback) {
+  return {.key = std::move(key),
+          .kind = Kind::Whole,
+          .doc = std::move(doc),
+          .low = low,
+          .high = high,
+          .fallback = std::move(fallback)};
+}
+FieldType choice_field(std::string key, std::vector<std::string> choices, std::string doc,
+                       std::string fallback) {
+  return {.key = std::move(key),
+          .kind = Kind::Choice,
+          .doc = std::move(doc),
+          .fallback = std::move(fallback),
+          .choices = std::move(choices)};
+}
+FieldType section_field(std::string key, const SectionType& inside) {
+  return {.key = std::move(key), .kind = Kind::Section, .doc = inside.doc, .inside = &inside};
+}
+FieldType entries_field(std::string key, const SectionType& inside, std::string doc) {
+  return {.key = std::move(key), .kind = Kind::Entries, .doc = std::move(doc), .inside = &inside};
+}
+FieldType field(std::string key, Kind kind, std::string doc) {
+  return {.key = std::move(key), .kind = kind, .doc = std::move(doc)};
+}
+FieldType required(FieldType field) {
+  field.required = true;
+  return field;
+}
+FieldType only(std::string kind, FieldType field) {
+  field.only = std::move(kind);
+  return field;
+}
+FieldType about_field() { return text_field("about", "for people"); }
+
+FieldReader::FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes)
+    : FieldReader(table, section, mistakes, kKeysChecked) {
+  const auto* kind = find(table, "kind");
+  const auto* chosen = kind != nullptr ? kind->text() : nullptr;
+  std::vector<std::string> known;
+  bool chosen_well = false;
+  for (const auto& field : section.fields) chosen_well = chosen_well || (chosen && field.only == *chosen);
+  for (const auto& field : section.fields)
+    if (!chosen_well || field.only.empty() || field.only == *chosen) known.push_back(field.key);
+  mistakes.unknown_keys(table, known);
+  if (has("about")) mistakes.text(table, "about");
+}
+
+Source FieldReader::at(std::string_view key, const Source& otherwise) const {
+  const auto* found = value(key);
+  return found != nullptr ? found->at : otherwise;
+}
+
+std::string FieldReader::text(std::string_view key) { return mistakes_.text(table_, key); }
+
+std::optional<double> FieldReader::number(std::string_view key, double most) {
+  const auto& field = section_[key];
+  const double high = std::min(field.high, most);
+  if (field.kind != Kind::Whole)
+    return read_bounded(table_, field.key, field.unit, field.low, high, mistakes_);
+  return has(key) ? read_whole(*value(key), field, high, mistakes_) : std::nullopt;
+}
+
+std::optional<QuantityValue> FieldReader::any(std::string_view key) {
+  if (!has(key)) return std::nullopt;
+  const auto quantity = read_quantity(*value(key));
+  return mistakes_.keep(quantity) == nullptr ? std::nullopt : std::optional{*quantity};
+}
+
+bool FieldReader::flag(std::string_view key) {
+  const auto* found = value(key);
+  if (found == nullptr) return false;
+  if (found->flag() == nullptr)
+    mistakes_.add(Errc::WrongType, found->at,
+                  "'" + std::string{key} + "' must be true or false, not " + found->kind(),
+                  "write " + std::string{key} + " = true");
+  return found->flag() != nullptr && *found->flag();
+}
+
+std::optional<int> FieldReader::choice(std::string_view key) {
+  const auto* found = value(key);
+  const auto word = text(key);
+  if (found == nullptr || found->text() == nullptr) return std::nullopt;
+  const auto& choices = section_[key].choices;
+  const auto place = std::find(choices.begin(), choices.end(), word);
+  if (place != choices.end()) return static_cast<int>(place - choices.begin());
+  const auto near = nearest_name(word, choices);
+  mistakes_.add(Errc::UnknownName, found->at, "'" + std::string{key} + "' cannot be '" + word + "'",
+                near.empty() ? "there are " + listed(choices) : "did you mean '" + near + "'?");
+  return std::nullopt;
+}
+
+std::pair<std::optional<double>, std::optional<double>> FieldReader::window(Seconds duration) {
+  const double end_s = duration.value > 0 ? duration.value : kLongestTime_s;
+  const auto from = number("from", end_s), to = number("to", end_s);
+  if (from && to && *from >= *to)
+    mistakes_.add(Errc::OutOfRange, value("to")->at, "'to' does not come after 'from'", "swap them");
+  return {from, to};
+}
+
+std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
+                                   double low, double high, Mistakes& mistakes) {
+  const auto* value = find(table, key);
+  if (value == nullptr) return std::nullopt;
+  const auto number = read_quantity(*value, unit_called(unit), key);
+  if (mistakes.keep(number) == nullptr) return std::nullopt;
+  if (*number >= low && *number <= high) return *number;
+  mistakes.add(Errc::OutOfRange, value->at, "'" + key + "' cannot be " + in_unit(*number, unit),
+               "it runs from " + in_unit(low, unit) + " to " + in_unit(high, unit));
+  return std::nullopt;
+}
+
+}  // namespace tactus

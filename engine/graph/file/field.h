@@ -1,0 +1,120 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/core/units.h"
+#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/quantity.h"
+
+// Thread: [control]
+
+namespace tactus {
+
+/// Of a number that may be as large, or as far below 0, as one likes.
+inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
+/// The latest time that a file may name: a day.
+inline constexpr double kLongestTime_s = 86400;
+
+struct SectionType;
+
+/// One key of a section of a file. Reader, unknown-key errors, ranges, JSON Schema and reference come from
+/// it.
+struct FieldType {
+  enum class Kind {
+    Text,       ///< not empty
+    Prose,      ///< for people
+    Quantity,   ///< of `unit`, from `low` to `high` (SI)
+    Any,        ///< a quantity of any unit
+    Signal,     ///< an expression, a number or lanes
+    Whole,      ///< from `low` to `high`
+    Flag,       ///< true or false
+    Choice,     ///< one of `choices`
+    Range,      ///< two quantities, the lower one first
+    Points,     ///< list of such pairs
+    Channels,   ///< whole numbers or "none"
+    Format,     ///< 1
+    Section,    ///< keys as in `inside`
+    Entries,    ///< free names, each a table with keys as in `inside`
+    Settings,   ///< free names, each a quantity
+    Reference,  ///< free names, each as the schema's definition `unit`; read by code of its own
+  };
+  std::string key;
+  Kind kind = Kind::Text;
+  std::string doc;
+  std::string unit{};
+  double low = -kNoBound, high = kNoBound;
+  std::string fallback{};  ///< what it is if left out, as in a file
+  std::vector<std::string> choices{};
+  const SectionType* inside = nullptr;
+  bool required = false;
+  std::string only{};  ///< belongs only to this `kind` of the section
+};
+
+/// The keys of a table of a file.
+struct SectionType {
+  std::string doc;
+  std::vector<FieldType> fields;
+  std::vector<std::string> one_of{};    ///< at least one of these is required
+  std::vector<std::string> together{};  ///< all of these or none
+
+  /// Which must exist.
+  const FieldType& operator[](std::string_view key) const;
+  std::vector<std::string> keys() const;
+};
+
+// Rows of a section.
+FieldType text_field(std::string key, std::string doc, std::string fallback = {});
+FieldType quantity_field(std::string key, std::string unit, double low, double high, std::string doc,
+                         std::string fallback = {});
+FieldType whole_field(std::string key, double low, double high, std::string doc, std::string fallback = {});
+FieldType choice_field(std::string key, std::vector<std::string> choices, std::string doc,
+                       std::string fallback = {});
+FieldType section_field(std::string key, const SectionType& inside);
+FieldType entries_field(std::string key, const SectionType& inside, std::string doc);
+FieldType field(std::string key, FieldType::Kind kind, std::string doc);
+FieldType required(FieldType field);
+FieldType only(std::string kind, FieldType field);
+FieldType about_field();
+
+/// Reads one table as its section says; each mistake is reported by its place. What is left out or wrong is
+/// nothing. The table and the section must outlive it.
+class FieldReader {
+ public:
+  /// Reports unknown keys, those that belong to another `kind`, and an `about` that is no text.
+  FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes);
+  /// Reports nothing: for tables whose keys were checked before.
+  enum Checked { kKeysChecked };
+  FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes, Checked)
+      : table_(table), section_(section), mistakes_(mistakes) {}
+
+  const Value* value(std::string_view key) const { return find(table_, key); }
+  bool has(std::string_view key) const { return value(key) != nullptr; }
+  /// Where a key is, else `otherwise`.
+  Source at(std::string_view key, const Source& otherwise) const;
+
+  std::string text(std::string_view key);
+  /// Of a quantity or a whole number; `most` lowers the highest that the section allows.
+  std::optional<double> number(std::string_view key, double most = kNoBound);
+  std::optional<QuantityValue> any(std::string_view key);
+  bool flag(std::string_view key);
+  /// Place in the choices.
+  std::optional<int> choice(std::string_view key);
+  /// `from` and `to` within `duration` (0: a day), in this order.
+  std::pair<std::optional<double>, std::optional<double>> window(Seconds duration);
+
+ private:
+  const Value::Table& table_;
+  const SectionType& section_;
+  Mistakes& mistakes_;
+};
+
+/// A quantity called `key` from `low` to `high` (SI); nothing if it is left out or wrong.
+std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
+                                   double low, double high, Mistakes& mistakes);
+
+}  // namespace tactus

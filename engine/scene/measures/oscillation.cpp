@@ -1,0 +1,123 @@
+#include "engine/scene/measures/oscillation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/core/find_root.h"
+
+namespace tactus {
+namespace {
+
+// Samples on each side of a crossing that the curve through it goes by.
+constexpr std::size_t kBeside = 4;
+
+/// The polynomial through y[0] ... y[7] at -3 ... 4, by Neville's scheme.
+double curve(const double* y, double x) {
+  std::array<double, 2 * kBeside> p;
+  std::copy_n(y, p.size(), p.begin());
+  for (std::size_t order = 1; order < p.size(); ++order)
+    for (std::size_t i = 0; i + order < p.size(); ++i) {
+      const double at = static_cast<double>(i) - 3.0, width = static_cast<double>(order);
+      p[i] = ((at + width - x) * p[i] + (x - at) * p[i + 1]) / width;
+    }
+  return p[0];
+}
+
+/// Where the samples cross `level`, from below to above or the other way, in samples.
+struct Crossing {
+  double time;
+  bool rises;
+};
+std::vector<Crossing> crossings(std::span<const double> samples, double level) {
+  std::vector<Crossing> found;
+  for (std::size_t n = kBeside - 1; n + kBeside < samples.size(); ++n) {
+    const bool below = samples[n] < level;
+    if (below == (samples[n + 1] < level)) continue;
+    const auto above = [&](double x) { return curve(&samples[n + 1 - kBeside], x) - level; };
+    found.push_back({static_cast<double>(n) + find_zero(above, 0.0, 1.0, 1e-13).near, below});
+  }
+  return found;
+}
+
+/// A moment of each swing: of two rises and the fall between them, which counts twice. An offset of the level
+/// moves rises and falls apart, and this not at all; a decay moves it by the third power of its ratio only.
+/// Of one swing alone: its rises.
+std::vector<double> swings(std::span<const double> samples, double level) {
+  const auto all = crossings(samples, level);
+  std::vector<double> times, rises;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!all[i].rises) continue;
+    rises.push_back(all[i].time);
+    if (i + 2 < all.size()) times.push_back(0.25 * (all[i].time + 2.0 * all[i + 1].time + all[i + 2].time));
+  }
+  return times.size() > 1 ? times : rises;
+}
+
+struct Line {
+  double slope;
+  bool known;
+};
+
+/// Least squares.
+Line line_through(const std::vector<double>& x, const std::vector<double>& y) {
+  double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
+  const auto count = static_cast<double>(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) mean_x += x[i] / count, mean_y += y[i] / count;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (x[i] - mean_x) * (x[i] - mean_x);
+    xy += (x[i] - mean_x) * (y[i] - mean_y);
+  }
+  return {xy / xx, x.size() > 1};
+}
+
+}  // namespace
+
+std::optional<double> frequency_of(std::span<const double> samples, Hertz rate) {
+  if (samples.empty()) return std::nullopt;
+  const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
+  const auto times = swings(samples, 0.5 * (*low + *high));
+  if (times.size() < 2) return std::nullopt;
+  return rate.value * static_cast<double>(times.size() - 1) / (times.back() - times.front());
+}
+
+std::optional<double> decay_of(std::span<const double> samples, Hertz rate) {
+  std::vector<double> times, logarithms;
+  for (std::size_t n = 1; n + 1 < samples.size(); ++n) {
+    const double before = std::abs(samples[n - 1]), here = std::abs(samples[n]),
+                 after = std::abs(samples[n + 1]);
+    if (!(here > before && here >= after) || samples[n - 1] * samples[n + 1] <= 0) continue;
+    const double slope = 0.5 * (after - before), bend = after - 2 * here + before;
+    times.push_back((static_cast<double>(n) - slope / bend) / rate.value);
+    logarithms.push_back(std::log(here - 0.5 * slope * slope / bend));
+  }
+  const auto line = line_through(times, logarithms);
+  return line.known ? std::optional{-line.slope} : std::nullopt;
+}
+
+std::optional<double> slope_of(std::span<const double> samples, Hertz rate) {
+  std::vector<double> times;
+  for (std::size_t n = 0; n < samples.size(); ++n) times.push_back(static_cast<double>(n) / rate.value);
+  const auto line = line_through(times, {samples.begin(), samples.end()});
+  return line.known ? std::optional{line.slope} : std::nullopt;
+}
+
+std::vector<double> falls_through_zero(std::span<const double> samples, Hertz rate) {
+  std::vector<double> times;
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    const double last = samples[n - 1];
+    if (!(last > 0.0 && samples[n] <= 0.0)) continue;
+    double share = last / (last - samples[n]);
+    if (n >= 3 && samples[n - 2] > 0.0 && samples[n - 3] > 0.0) {
+      const double slope = 0.5 * (3 * last - 4 * samples[n - 2] + samples[n - 3]);
+      const double bend = last - 2 * samples[n - 2] + samples[n - 3];
+      // The smaller root of  last + slope x + bend x^2 / 2, in the form that does not cancel.
+      const double found = 2 * last / (-slope + std::sqrt(std::max(0.0, slope * slope - 2 * bend * last)));
+      if (found >= 0.0 && found <= 1.5) share = found;
+    }
+    times.push_back((static_cast<double>(n - 1) + share) / rate.value);
+  }
+  return times;
+}
+
+}  // namespace tactus

@@ -1,0 +1,133 @@
+#include "engine/scene/measures/roll.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+using namespace tactus;
+
+namespace {
+
+constexpr double kRate = 8000, kDuration_s = 5;
+
+/// Times from `first` on, `intervals` over and over.
+std::vector<double> strokes(double first, std::vector<double> intervals, double last = kDuration_s) {
+  std::vector<double> times;
+  double now = first;
+  for (std::size_t i = 0; now < last; now += intervals[i++ % intervals.size()]) times.push_back(now);
+  return times;
+}
+
+/// Strikes of 20 N and 1 ms; each hit is a trigger 0.5 ms later.
+SceneRecording recorded(const std::vector<double>& strikes, const std::vector<double>& heard) {
+  const auto frames = static_cast<std::size_t>(kRate * kDuration_s);
+  SceneRecording recording;
+  recording.sample_rate = Hertz{kRate};
+  recording.signals = {{"plant.contact", Dimension{}, std::vector<double>(frames, 0.0)},
+                       {"instrument.hit.hit", Dimension{}, std::vector<double>(frames, 0.0)}};
+  for (const double time : strikes)
+    for (int i = 0; i < 8; ++i) {
+      const auto frame = static_cast<std::size_t>(std::lround(time * kRate)) + static_cast<std::size_t>(i);
+      if (frame < frames) recording.signals[0].samples[frame] = 20;
+    }
+  for (const double time : heard) {
+    const auto frame = static_cast<std::size_t>(std::lround((time + 0.5e-3) * kRate));
+    if (frame < frames) recording.signals[1].samples[frame] = 1;
+  }
+  return recording;
+}
+
+JudgedRun judged(const std::vector<double>& strikes, const std::vector<double>& heard) {
+  Playability playability;
+  playability.hits.name = "instrument.hit";
+  playability.contact.name = "plant.contact";
+  return judge(recorded(strikes, heard), playability);
+}
+
+}  // namespace
+
+TEST_CASE("judged roll: even intervals have no spread, a gallop repeats after two, three or four",
+          "[analysis]") {
+  CHECK(evenness_of(strokes(0, {0.05})).spread == Approx(0).margin(1e-9));
+  CHECK(evenness_of(strokes(0, {0.05})).beats == 1);
+  // Mean 40 ms, each 20 ms off it.
+  const auto gallop = evenness_of(strokes(0, {0.02, 0.06}, 40));
+  CHECK(gallop.spread == Approx(0.5).epsilon(0).margin(1e-3));
+  CHECK(gallop.beats == 2);
+  CHECK(gallop.pattern_spread == Approx(0).margin(1e-9));
+  CHECK(evenness_of(strokes(0, {0.02, 0.03, 0.06})).beats == 3);
+  CHECK(evenness_of(strokes(0, {0.02, 0.03, 0.06, 0.025})).beats == 4);
+}
+
+// For independent intervals the mean of (I[n+p] - I[n])^2 is twice their variance, whatever p.
+TEST_CASE("judged roll: chance has the same spread for every pattern", "[analysis]") {
+  std::mt19937 random{1};
+  std::uniform_real_distribution<double> interval{0.02, 0.06};
+  std::vector<double> times{0};
+  for (int i = 0; i < 20000; ++i) times.push_back(times.back() + interval(random));
+  const auto even = evenness_of(times);
+  const double theory = (0.04 / std::sqrt(12.0)) / 0.04;
+  CHECK(even.spread == Approx(theory).epsilon(0.02));
+  CHECK(even.pattern_spread == Approx(theory).epsilon(0.03));
+}
+
+TEST_CASE("judged roll: a roll that is even and all heard has the score 1", "[analysis]") {
+  const auto times = strokes(0.1, {0.05});
+  const auto run = judged(times, times);
+  CHECK(run.kind == "regular");
+  CHECK(run.score == Approx(1));
+  CHECK(run.playable);
+  CHECK(run.reading(Playability::Kind::Roll, "rate_hz") == Approx(20).epsilon(1e-3));
+  CHECK(run.reading(Playability::Kind::Roll, "long_short") == Approx(1).epsilon(0.01));
+}
+
+TEST_CASE("judged roll: long and short is a gallop, and as good", "[analysis]") {
+  const auto times = strokes(0.1, {0.02, 0.06});
+  const auto run = judged(times, times);
+  CHECK(run.kind == "gallop");
+  CHECK(run.score == Approx(1));
+  CHECK(run.reading(Playability::Kind::Roll, "long_short") == Approx(3).epsilon(0.03));
+}
+
+TEST_CASE("judged roll: an irregular roll loses by its spread", "[analysis]") {
+  std::mt19937 random{1};
+  std::uniform_real_distribution<double> interval{0.01, 0.09};
+  std::vector<double> times{0.1};
+  while (times.back() < kDuration_s) times.push_back(times.back() + interval(random));
+  const auto run = judged(times, times);
+  const double spread = run.reading(Playability::Kind::Roll, "pattern_spread");
+  CHECK(run.kind == "irregular");
+  CHECK(spread > 0.3);
+  CHECK(run.score == Approx(kEvenSpread / spread).epsilon(1e-9));
+  CHECK_FALSE(run.playable);
+}
+
+// Windows of 1 s begin at 1.0, 1.1 … 4.0 s: 31. With 20 strikes a second until 3 s, those that begin up to
+// 2.5 s have ten: 16.
+TEST_CASE("judged roll: a roll that ends is dead, and keeps the share that it lasted", "[analysis]") {
+  const auto times = strokes(0.1001, {0.05}, 3.0);
+  const auto run = judged(times, times);
+  CHECK(run.kind == "dead");
+  CHECK(run.score == Approx(16.0 / 31).epsilon(1e-6));
+  CHECK_FALSE(run.playable);
+}
+
+TEST_CASE("judged roll: what is missed or doubled takes its share", "[analysis]") {
+  const auto times = strokes(0.1, {0.05});
+  std::vector<double> some, more = times;
+  for (std::size_t i = 0; i < times.size(); ++i)
+    if (i % 4 != 3) some.push_back(times[i]);
+  CHECK(judged(times, some).score < 0.76);
+  for (const double time : times) more.push_back(time + 0.025);
+  std::sort(more.begin(), more.end());
+  const auto doubled = judged(times, more);
+  CHECK(doubled.reading(Playability::Kind::Roll, "doubled") == Approx(80).margin(1));
+  CHECK(doubled.score == Approx(0.5).epsilon(0.01));
+}
+
+TEST_CASE("judged roll: a drum that hears itself is dead", "[analysis]") {
+  const auto run = judged({}, strokes(0.1, {0.05}));
+  CHECK(run.kind == "dead");
+  CHECK(run.score == 0);
+}
