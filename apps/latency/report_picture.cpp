@@ -135,14 +135,15 @@ Plot sweeps_plot(const LatencyReport& report) {
     }
     if (openings.size() > 1)
       subplot.bands.push_back({.from = before + 0.5,
-                             .to = static_cast<double>(points.x.size()) + 0.5,
-                             .label = fmt::format("opening {}", o + 1),
-                             .color = o % 2 == 0 ? PlotColor::Sky : PlotColor::Grey});
+                               .to = static_cast<double>(points.x.size()) + 0.5,
+                               .label = fmt::format("opening {}", o + 1),
+                               .color = o % 2 == 0 ? PlotColor::Sky : PlotColor::Grey});
   }
   subplot.series = {points};
   widen_axis(points.y, subplot.y);
   if (report.ok())
-    subplot.levels = {{.y = report.measurement.delay_frames, .label = "mean", .color = PlotColor::Vermillion}};
+    subplot.levels = {
+        {.y = report.measurement.delay_frames, .label = "mean", .color = PlotColor::Vermillion}};
   plot.subplots = {subplot};
   return plot;
 }

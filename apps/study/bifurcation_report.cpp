@@ -96,13 +96,14 @@ std::string text_of(const Bifurcation& study) {
 }
 
 std::vector<Plot> picture_of(const Bifurcation& study) {
-  return {{.title = study.scene,
-           .subtitle = fmt::format("{} swept up; restitution {:.3f}", study.control, study.restitution),
-           .x = {.label = study.control},
-           .subplots = {subplot(study, {.label = "landing speed", .unit = "m/s"}, &BifurcationColumn::speeds),
-                        subplot(study, {.label = "phase of the landing, in drive periods", .low = 0, .high = 1},
-                                &BifurcationColumn::phases)},
-           .subplot_height = 380}};
+  return {
+      {.title = study.scene,
+       .subtitle = fmt::format("{} swept up; restitution {:.3f}", study.control, study.restitution),
+       .x = {.label = study.control},
+       .subplots = {subplot(study, {.label = "landing speed", .unit = "m/s"}, &BifurcationColumn::speeds),
+                    subplot(study, {.label = "phase of the landing, in drive periods", .low = 0, .high = 1},
+                            &BifurcationColumn::phases)},
+       .subplot_height = 380}};
 }
 
 }  // namespace tactus::app

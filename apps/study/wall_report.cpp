@@ -205,8 +205,7 @@ Json json_of(const WallMap& map) {
 }
 
 std::vector<Plot> picture_of(const WallMap& map) {
-  auto by_delay =
-      plot_of(map, map.by_delay, delay_of, {.label = "delay from sensor to motor", .unit = "s"});
+  auto by_delay = plot_of(map, map.by_delay, delay_of, {.label = "delay from sensor to motor", .unit = "s"});
   by_delay.title = "The stiffest stable wall";
   by_delay.subtitle = fmt::format(
       "Over the delay: curves at {}; over the rate: curves with one frame of delay. Diamonds: controllers, "

@@ -118,8 +118,10 @@ std::vector<Tick> note_ticks(const Scale& scale, int most) {
   };
   // From C on: all notes, the natural ones, C E A, E A.
   for (const std::string_view octave : {"xxxxxxxxxxxx", "x.x.xx.x.x.x", "x...x....x..", "....x....x.."})
-    if (collect([&](int note) { return octave[static_cast<std::size_t>(above_c(note))] == 'x'; })) return ticks;
-  for (int octaves = 1; !collect([&](int note) { return (note - kA4) % (octaves * kOctave) == 0; });) ++octaves;
+    if (collect([&](int note) { return octave[static_cast<std::size_t>(above_c(note))] == 'x'; }))
+      return ticks;
+  for (int octaves = 1; !collect([&](int note) { return (note - kA4) % (octaves * kOctave) == 0; });)
+    ++octaves;
   return ticks;
 }
 

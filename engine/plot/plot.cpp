@@ -17,8 +17,8 @@ using namespace plot;
 
 constexpr double kFont = 11.5, kTitleFont = 17, kSubtitleFont = 12.5;  // [px]
 constexpr double kTitleRow = 22, kSubtitleRow = 17, kLabelRow = 14;
-constexpr double kPad = 16;                                  // around a plot
-constexpr double kSample = 26, kLegendText = 200;            // of a line of the legend
+constexpr double kPad = 16;                        // around a plot
+constexpr double kSample = 26, kLegendText = 200;  // of a line of the legend
 constexpr double kWidestCell = 40, kHighestCell = 24, kHighestMap = 480;
 constexpr int kEventRows = 3;
 
@@ -97,7 +97,8 @@ class Canvas {
     fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
   }
   void line(const Point& a, const Point& b, const std::string& css, double width = 1, const char* more = "") {
-    out("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\" stroke-width=\"{}\"{}/>\n",
+    out("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\" "
+        "stroke-width=\"{}\"{}/>\n",
         a.x, a.y, b.x, b.y, css, width, more);
   }
   void text(double x, double y, const std::string& text, const char* anchor, const std::string& css,
@@ -187,7 +188,8 @@ struct Axis {
   std::vector<Tick> ticks;
 };
 
-Axis make_axis(const PlotAxis& axis, const Range& range, double pixel_low, double pixel_high, double per_tick) {
+Axis make_axis(const PlotAxis& axis, const Range& range, double pixel_low, double pixel_high,
+               double per_tick) {
   Axis made;
   made.scale = {range.low, range.high, pixel_low, pixel_high, axis.log};
   made.unit = prefixed_unit(axis.unit, std::max(std::abs(range.low), std::abs(range.high)));
@@ -257,7 +259,7 @@ struct Layout {
   double height = 0, top = 0;
   Axis y;
   std::vector<Key> keys;
-  bool legend = false;                 ///< samples beside the names, instead of names at the ends of the series
+  bool legend = false;  ///< samples beside the names, instead of names at the ends of the series
   std::vector<RowLabel> event_labels;  ///< above the subplot
   std::vector<std::pair<std::string, PlotColor>> event_texts;
 };
@@ -275,15 +277,16 @@ void Layout::add_keys(const Plot& plot, const Range& xs) {
     auto& key = add(series.label, color_of(*subplot, i));
     key.series = &series;
     key.end = *end;
-    // A leader from a series that ends early would cross the others.
-    legend = legend || end->x < kNearEdge;
+    // A leader from a series that ends early would cross the others; a cloud of points has no end.
+    legend = legend || end->x < kNearEdge || (series.mark == PlotMark::Points && height > 200);
   }
   for (const auto& level : subplot->levels)
     if (!level.label.empty()) add(level.label, level.color).end = {1, y.scale.pixel(level.y) / -height + 1};
   for (const auto& region : subplot->regions)
     if (!region.label.empty()) add(region.label, region.color), legend = true;
   if (subplot->map)
-    for (const auto& entry : subplot->map->keys) add(entry.label, PlotColor::Black).cell = &entry.cell, legend = true;
+    for (const auto& entry : subplot->map->keys)
+      add(entry.label, PlotColor::Black).cell = &entry.cell, legend = true;
   legend = legend || kLabelRow * static_cast<double>(keys.size()) > height;
 }
 
@@ -396,8 +399,9 @@ void Drawing::draw_subplot(const Layout& layout, const std::string& clip) {
   draw_events(layout, plot_.events);
   draw_events(layout, subplot.events);
   // Room for the points on the edge.
-  canvas_.out("<clipPath id=\"{}\"><rect x=\"{:.1f}\" y=\"-4\" width=\"{:.1f}\" height=\"{:.1f}\"/></clipPath>\n",
-              clip, left_ - 4, right_ - left_ + 8, layout.height + 8);
+  canvas_.out(
+      "<clipPath id=\"{}\"><rect x=\"{:.1f}\" y=\"-4\" width=\"{:.1f}\" height=\"{:.1f}\"/></clipPath>\n",
+      clip, left_ - 4, right_ - left_ + 8, layout.height + 8);
   canvas_.out("<g clip-path=\"url(#{})\">\n", clip);
   for (const auto& region : subplot.regions) draw_region(layout, region);
   for (std::size_t i = 0; i < subplot.series.size(); ++i)
@@ -469,11 +473,13 @@ void Drawing::draw_grid(const Layout& layout) {
 }
 
 void Drawing::draw_series(const Layout& layout, const PlotSeries& series, PlotColor color) {
-  for (const auto& line : polylines(series, x_.scale, layout.y.scale)) {
-    if (series.mark != PlotMark::Points) canvas_.path(line, color, series.dashed);
-    if (series.mark == PlotMark::Line) continue;
-    for (const auto& point : line) canvas_.dot(point, color);
-  }
+  const auto &x = x_.scale, &y = layout.y.scale;
+  if (series.mark != PlotMark::Points)
+    for (const auto& line : polylines(series, x, y)) canvas_.path(line, color, series.dashed);
+  if (series.mark == PlotMark::Line) return;
+  for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
+    if (x.shows(series.x[i]) && y.shows(series.y[i]))
+      canvas_.dot({x.pixel(series.x[i]), y.pixel(series.y[i])}, color);
 }
 
 void Drawing::draw_cell(double x, double y, double width, double height, const PlotMap::Cell& cell) {
@@ -484,8 +490,10 @@ void Drawing::draw_cell(double x, double y, double width, double height, const P
                         : std::string{"class=\"page\""};
   canvas_.rect(x, y, width, height, fmt::format("{} stroke-width=\"{}\"", fill, small ? 0.0 : 0.6));
   if (!cell.letter.empty() && width >= 9 && height >= 9)
-    canvas_.out("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" fill=\"#ffffff\" font-size=\"10\">{}</text>\n",
-                x + 0.5 * width, y + 0.5 * height + 4, escape(cell.letter));
+    canvas_.out(
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" fill=\"#ffffff\" "
+        "font-size=\"10\">{}</text>\n",
+        x + 0.5 * width, y + 0.5 * height + 4, escape(cell.letter));
 }
 
 void Drawing::draw_map(const Layout& layout) {
@@ -509,12 +517,13 @@ void Drawing::draw_pins(const Layout& layout) {
   for (const auto* pin : shown) {
     const double x = x_.scale.pixel(pin->x), y = layout.y.scale.pixel(pin->y);
     space.take({x - 5, y - 5, x + 5, y + 5});
-    canvas_.out("<path d=\"M{:.1f} {:.1f}l5 5l5 -5l-5 -5Z\" class=\"{} dot\"/>\n", x - 5, y, css('f', pin->color));
+    canvas_.out("<path d=\"M{:.1f} {:.1f}l5 5l5 -5l-5 -5Z\" class=\"{} dot\"/>\n", x - 5, y,
+                css('f', pin->color));
   }
   for (const auto* pin : shown) {
     if (pin->label.empty()) continue;
-    const auto place = space.beside({x_.scale.pixel(pin->x), layout.y.scale.pixel(pin->y)},
-                                    text_width(pin->label, kFont));
+    const auto place =
+        space.beside({x_.scale.pixel(pin->x), layout.y.scale.pixel(pin->y)}, text_width(pin->label, kFont));
     canvas_.text(place.x, place.y, pin->label, place.anchor, css('t', pin->color), kFont, true);
   }
 }
@@ -526,7 +535,8 @@ void Drawing::draw_end_labels(const Layout& layout) {
   for (std::size_t i = 0; i < layout.keys.size(); ++i) {
     const auto& key = layout.keys[i];
     const double x = left_ + key.end.x * (right_ - left_);
-    canvas_.line({x + 3, preferred[i]}, {right_ + 10, placed[i]}, css('s', key.color), 0.8, " opacity=\"0.6\"");
+    canvas_.line({x + 3, preferred[i]}, {right_ + 10, placed[i]}, css('s', key.color), 0.8,
+                 " opacity=\"0.6\"");
     std::string text;
     for (const auto& line : key.lines) text += (text.empty() ? "" : " ") + line;
     canvas_.text(right_ + 13, placed[i] + 4, text, "start", css('t', key.color), kFont, true);
@@ -541,7 +551,8 @@ void Drawing::draw_legend(const Layout& layout) {
     if (key.cell != nullptr) {
       draw_cell(left + kSample - 12, middle - 6, 12, 12, {key.cell->color, key.cell->share});
     } else if (key.series == nullptr) {
-      canvas_.rect(left, middle - 5, kSample, 10, fmt::format("class=\"{}\" opacity=\"0.25\"", css('f', key.color)));
+      canvas_.rect(left, middle - 5, kSample, 10,
+                   fmt::format("class=\"{}\" opacity=\"0.25\"", css('f', key.color)));
     } else {
       if (key.series->mark != PlotMark::Points)
         canvas_.path({{left, middle}, {left + kSample, middle}}, key.color, key.series->dashed);
@@ -606,7 +617,8 @@ std::string to_svg(const std::vector<Plot>& page, int columns) {
   }
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
-      "{1:.0f}\" role=\"img\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\" font-size=\"{2}\">\n"
+      "{1:.0f}\" role=\"img\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\" "
+      "font-size=\"{2}\">\n"
       "<title>{3}</title>\n<style>{4}@media (prefers-color-scheme: dark){{\n{5}}}</style>\n"
       "<rect width=\"100%\" height=\"100%\" class=\"page\"/>\n{6}</svg>\n",
       width, y + row_height, kFont, page.empty() ? "" : escape(page.front().title), rules(kLight, false),

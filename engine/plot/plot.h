@@ -18,8 +18,8 @@ enum class PlotColor { Auto, Blue, Vermillion, Green, Purple, Orange, Sky, Grey,
 
 enum class PlotMark { Line, Points, LineAndPoints };
 
-/// Values over x. A NaN leaves a gap. Of a dense line each pixel column keeps its lowest and highest value, so
-/// a spike of one sample stays visible.
+/// Values over x. A NaN leaves a gap. Of a dense line each pixel column keeps its lowest and highest value,
+/// so a spike of one sample stays visible.
 struct PlotSeries {
   std::string label = {};  ///< at its right end, or in the legend; empty: none
   std::vector<double> x = {}, y = {};

@@ -28,8 +28,7 @@ class ScenePlotter {
     add_motion(plot);
     for (const auto& input : recording_.inputs) add_sensor(plot, input);
     add_drives(plot);
-    for (const double time : hits_)
-      plot.events.push_back({.x = time, .label = {}, .color = PlotColor::Grey});
+    for (const double time : hits_) plot.events.push_back({.x = time, .label = {}, .color = PlotColor::Grey});
     return plot;
   }
 
@@ -58,7 +57,7 @@ class ScenePlotter {
       if (point.time_s < from_ || point.time_s > to_) continue;
       // A gap where there was no pitch, and where another note begins.
       if (!detected.x.empty() && (point.time_s > detected.x.back() + 1.5 * kPitchHop_s ||
-                               std::abs(cents(point.hertz, detected.y.back())) > kNearPartial_cents)) {
+                                  std::abs(cents(point.hertz, detected.y.back())) > kNearPartial_cents)) {
         detected.x.push_back(point.time_s);
         detected.y.push_back(std::numeric_limits<double>::quiet_NaN());
       }
@@ -81,7 +80,8 @@ class ScenePlotter {
     for (const auto& signal : recording_.signals) {
       if (signal.name.starts_with("instrument.") || signal.dimension.plain() || is_pitch(signal)) continue;
       const auto unit = to_string(signal.dimension);
-      auto subplot = std::find_if(subplots.begin(), subplots.end(), [&](const auto& p) { return p.first == unit; });
+      auto subplot =
+          std::find_if(subplots.begin(), subplots.end(), [&](const auto& p) { return p.first == unit; });
       if (subplot == subplots.end()) {
         subplots.emplace_back(unit, Subplot{});
         subplot = subplots.end() - 1;

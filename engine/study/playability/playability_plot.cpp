@@ -149,7 +149,9 @@ Plot maps_over_delay(const PlayabilityStudy& study) {
       scores.push_back(runs.back()->judged->score);
       readings.push_back(main_of(study, *runs.back()));
     }
-  const auto head = [&](const std::string& what) { return PlotAxis{.label = what + ", over " + study.over[0].name}; };
+  const auto head = [&](const std::string& what) {
+    return PlotAxis{.label = what + ", over " + study.over[0].name};
+  };
   return {.title = "Playability of " + study.scene,
           .subtitle = subtitle_of(study),
           .x = {.label = "delay [ms]"},
@@ -168,11 +170,12 @@ std::vector<Plot> maps_by_delay(const PlayabilityStudy& study) {
     std::vector<const PlayedRun*> runs;
     for (std::size_t b = 0; b < study.over[1].values.size(); ++b)
       for (std::size_t a = 0; a < study.over[0].values.size(); ++a) runs.push_back(&run_at(study, d, a, b));
-    page.push_back({.title = fmt::format("Playability of {}, {:g} ms", study.scene, 1e3 * study.delays_s[d]),
-                    .x = {.label = study.over[0].name},
-                    .subplots = {{.y = {.label = study.over[1].name},
-                                  .map = kind_map(study, names_of(study.over[0]), names_of(study.over[1]), runs)}},
-                    .width = 560});
+    page.push_back(
+        {.title = fmt::format("Playability of {}, {:g} ms", study.scene, 1e3 * study.delays_s[d]),
+         .x = {.label = study.over[0].name},
+         .subplots = {{.y = {.label = study.over[1].name},
+                       .map = kind_map(study, names_of(study.over[0]), names_of(study.over[1]), runs)}},
+         .width = 560});
   }
   return page;
 }

@@ -69,7 +69,10 @@ Plot plot_of(const WorkPrecision& study, std::size_t a) {
   plot.title = fmt::format("{}: {} ({} of {})", study.scene, used.accuracy, used.measure, used.of);
   plot.subtitle = "reference: " + used.what;
   plot.subplot_height = 420;
-  plot.x = {.label = "computing time for 1/48000 s of the scene", .unit = "s", .high = 2 * kShownSpan_s, .log = true};
+  plot.x = {.label = "computing time for 1/48000 s of the scene",
+            .unit = "s",
+            .high = 2 * kShownSpan_s,
+            .log = true};
   auto& errors = plot.subplots.emplace_back();
   errors.y = {.label = "relative error", .log = true};
   for (std::size_t i = 0; i < study.points.size(); ++i) {

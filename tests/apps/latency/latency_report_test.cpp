@@ -185,8 +185,7 @@ TEST_CASE("latency report: the picture is well-formed and has its axes with unit
       contains(svg, words);
     CHECK(svg.find("nan") == std::string::npos);
   }
-  contains(to_svg(picture_of(five_openings())),
-           "Delay 960.2500 ± 0.0004 frames, 20.005208 ± 0.000008 ms");
+  contains(to_svg(picture_of(five_openings())), "Delay 960.2500 ± 0.0004 frames, 20.005208 ± 0.000008 ms");
   contains(to_svg(picture_of(refused())), "No delay: LOST_FRAMES");
 }
 

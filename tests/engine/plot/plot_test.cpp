@@ -225,7 +225,8 @@ TEST_CASE("plot: the plots of a page stand below one another, each with clips of
   };
   CHECK(height(page) == Approx(2 * height(one)).margin(1));
   CHECK(contains(page, "translate(0 " + std::to_string(height(one)) + ")"));
-  for (const auto* clip : {"clipPath id=\"p0s0\"", "clipPath id=\"p1s0\"", "url(#p1s0)"}) CHECK(contains(page, clip));
+  for (const auto* clip : {"clipPath id=\"p0s0\"", "clipPath id=\"p1s0\"", "url(#p1s0)"})
+    CHECK(contains(page, clip));
   const auto wide = to_svg({small_plot(), small_plot()}, 2);
   CHECK(height(wide) == height(one));
   CHECK(contains(wide, "translate(900 0)"));
@@ -239,10 +240,11 @@ Plot borders() {
   Plot plot;
   plot.title = "Stiffest <stable> wall & its border";
   plot.x = {.label = "delay", .unit = "s", .log = true};
-  plot.subplots = {{.y = {.label = "stiffness", .unit = "N/m", .log = true},
-                    .series = {{.label = "bare", .x = {1e-4, 1e-3, 1e-2}, .y = {1e3, 1e2, 1e1}},
-                               {.label = "held", .x = {1e-4, 1e-3, 1e-2}, .y = {1e4, 1e3, 1e2}, .dashed = true}},
-                    .height = 3}};
+  plot.subplots = {
+      {.y = {.label = "stiffness", .unit = "N/m", .log = true},
+       .series = {{.label = "bare", .x = {1e-4, 1e-3, 1e-2}, .y = {1e3, 1e2, 1e1}},
+                  {.label = "held", .x = {1e-4, 1e-3, 1e-2}, .y = {1e4, 1e3, 1e2}, .dashed = true}},
+       .height = 3}};
   return plot;
 }
 
@@ -326,7 +328,9 @@ TEST_CASE("plot: labels of pins at one place do not overlap and lie within the p
 // ---- maps
 
 TEST_CASE("plot: a map has one box per cell, named rows and columns, escaped text", "[plot]") {
-  Plot plot{.title = "Kind < of \"roll\"", .x = {.label = "delay [ms]"}, .subplots = {{.y = {.label = "strength"}}}};
+  Plot plot{.title = "Kind < of \"roll\"",
+            .x = {.label = "delay [ms]"},
+            .subplots = {{.y = {.label = "strength"}}}};
   PlotMap map{{"0", "1", "2"}, {"0.5", "1"}, {}, {{{.color = PlotColor::Orange}, "dead"}}};
   for (int i = 0; i < 6; ++i) map.cells.push_back({.color = PlotColor::Green, .letter = "R"});
   plot.subplots[0].map = map;
@@ -334,8 +338,8 @@ TEST_CASE("plot: a map has one box per cell, named rows and columns, escaped tex
   CHECK(well_formed(svg));
   CHECK(count(svg, "class=\"f3 gap\"") == 6);
   CHECK(count(svg, ">R</text>") == 6);
-  for (const auto* text : {"Kind &lt; of &quot;roll&quot;", ">0</text>", ">2</text>", ">0.5</text>", ">dead</text>",
-                           ">delay [ms]</text>", ">strength</text>"})
+  for (const auto* text : {"Kind &lt; of &quot;roll&quot;", ">0</text>", ">2</text>", ">0.5</text>",
+                           ">dead</text>", ">delay [ms]</text>", ">strength</text>"})
     CHECK(contains(svg, text));
 }
 
