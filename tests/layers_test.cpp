@@ -253,7 +253,7 @@ TEST_CASE("layers: an include against the table is refused, with the reason", "[
   CHECK(judge("backends/jack/a.cpp", {"backends/rtaudio/b.h", true}) == "a backend must not include another");
   CHECK(judge("backends/simulated/a.cpp", {"backends/offline/b.h", true}) ==
         "a backend must not include another");
-  CHECK(judge("backends/simulated/a.cpp", {"engine/plot/svg.h", true}) ==
+  CHECK(judge("backends/simulated/a.cpp", {"engine/plot/plot.h", true}) ==
         "backends/simulated must not include engine/plot");
   CHECK(judge("latency/a.cpp", {"backends/simulated/b.h", true}) ==
         "latency must not include backends/simulated");

@@ -99,7 +99,7 @@ Status write_evidence(const CalibrateOptions& options, const Calibration& calibr
   if (!options.sound.empty())
     if (auto status = write_recording(options.sound, opening.recording); !status) return status;
   if (options.picture.empty() || calibration.spectrum.empty()) return {};
-  return write_svg_page(options.picture, picture_of(calibration));
+  return write_svg(options.picture, picture_of(calibration));
 }
 
 int run(const CalibrateOptions& options) {

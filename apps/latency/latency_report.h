@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/plot/svg.h"
+#include "engine/plot/plot.h"
 #include "latency/calibration.h"
 #include "latency/measurement.h"
 
@@ -46,10 +46,10 @@ nlohmann::ordered_json essentials_json(const Essentials& essentials, const Analy
 nlohmann::ordered_json json_of(const LatencyReport& report);
 /// Lines for people.
 std::string text_of(const LatencyReport& report);
-/// A page: figures, impulse response, spectrum, group delay, the delay of every sweep.
-std::vector<Figure> picture_of(const LatencyReport& report);
+/// A page: impulse response, spectrum, group delay, the delay of every sweep.
+std::vector<Plot> picture_of(const LatencyReport& report);
 /// A page: impulse response, spectrum, group delay of an actuator and a sensor.
-std::vector<Figure> picture_of(const Calibration& calibration);
+std::vector<Plot> picture_of(const Calibration& calibration);
 
 /// With so many digits behind the point; 0 has no sign.
 std::string fixed(double value, int digits);

@@ -35,7 +35,7 @@ Status write_sounds(LatencyReport& report, const std::string& file) {
 }
 
 Status write_picture(LatencyReport& report, const std::string& file) {
-  auto status = write_svg_page(file, picture_of(report));
+  auto status = write_svg(file, picture_of(report));
   if (status) report.written.push_back(file);
   return status;
 }

@@ -49,11 +49,11 @@ std::vector<double> envelope_db(const std::vector<double>& samples) {
 }
 
 /// `marked`: the delay is one to be trusted.
-Figure response_figure(const Analysis& analysis, bool marked, double after_s) {
+Plot response_plot(const Analysis& analysis, bool marked, double after_s) {
   const auto shown = around_delay(analysis, after_s);
-  Figure figure;
-  figure.x = {.label = "delay", .unit = "s"};
-  PlotPanel linear, envelope;
+  Plot plot;
+  plot.x = {.label = "delay", .unit = "s"};
+  Subplot linear, envelope;
   linear.y = {.label = "impulse response"};
   linear.series = {{.label = {}, .x = shown.delay_s, .y = shown.samples}};
   linear.height = 1.3;
@@ -61,10 +61,10 @@ Figure response_figure(const Analysis& analysis, bool marked, double after_s) {
     linear.events = {{.x = analysis.delay_frames / analysis.sample_rate.value,
                       .label = fmt::format("{:.2f} frames", analysis.delay_frames),
                       .color = PlotColor::Vermillion}};
-  envelope.y = {.label = "its envelope", .unit = "dB", .high = 3.0};
+  envelope.y = {.label = "envelope", .unit = "dB", .high = 3.0};
   envelope.series = {{.label = {}, .x = shown.delay_s, .y = envelope_db(shown.samples)}};
-  figure.panels = {linear, envelope};
-  return figure;
+  plot.subplots = {linear, envelope};
+  return plot;
 }
 
 /// A short upright line for each error.
@@ -78,11 +78,11 @@ PlotSeries error_bars(const std::vector<BandDelay>& bands, double less) {
   return bars;
 }
 
-Figure spectrum_figure(const Analysis& analysis) {
-  Figure figure;
-  figure.x = {
+Plot spectrum_plot(const Analysis& analysis) {
+  Plot plot;
+  plot.x = {
       .label = "frequency", .unit = "Hz", .low = 16.0, .high = 0.5 * analysis.sample_rate.value, .log = true};
-  PlotPanel gain;
+  Subplot gain;
   gain.y = {.label = "gain of the path", .unit = "dB"};
   gain.height = 1.3;
   PlotSeries path{.label = "path", .color = PlotColor::Blue};
@@ -94,10 +94,10 @@ Figure spectrum_figure(const Analysis& analysis) {
     noise.y.push_back(point.noise_db);
   }
   gain.series = {path, noise};
-  figure.panels = {gain};
-  if (analysis.group_delay.empty()) return figure;
-  PlotPanel groups;
-  groups.y = {.label = "group delay of an octave, less the delay", .unit = "frames"};
+  plot.subplots = {gain};
+  if (analysis.group_delay.empty()) return plot;
+  Subplot groups;
+  groups.y = {.label = "group delay per octave, minus the delay", .unit = "frames"};
   PlotSeries points{.label = {}, .mark = PlotMark::Points, .color = PlotColor::Blue};
   for (const auto& band : analysis.group_delay) {
     points.x.push_back(band.centre_hz);
@@ -105,12 +105,12 @@ Figure spectrum_figure(const Analysis& analysis) {
   }
   groups.series = {error_bars(analysis.group_delay, analysis.delay_frames), points};
   groups.levels = {{.y = 0.0}};
-  figure.panels.push_back(groups);
-  return figure;
+  plot.subplots.push_back(groups);
+  return plot;
 }
 
-/// Noise alone would fill the panel as if it were much.
-void widen(const std::vector<double>& values, PlotAxis& axis) {
+/// Noise alone must not fill the subplot.
+void widen_axis(const std::vector<double>& values, PlotAxis& axis) {
   constexpr double kLeast = 0.001;  // frames
   if (values.empty()) return;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
@@ -120,12 +120,12 @@ void widen(const std::vector<double>& values, PlotAxis& axis) {
 }
 
 /// Every sweep of every opening, one opening after the other.
-Figure sweeps_figure(const LatencyReport& report) {
+Plot sweeps_plot(const LatencyReport& report) {
   const auto& openings = report.measurement.openings;
-  Figure figure;
-  figure.x = {.label = openings.size() > 1 ? "sweep, in the order in which they were played" : "sweep"};
-  PlotPanel panel;
-  panel.y = {.label = "delay of each sweep", .unit = "frames"};
+  Plot plot;
+  plot.x = {.label = openings.size() > 1 ? "sweep, in order of playing" : "sweep"};
+  Subplot subplot;
+  subplot.y = {.label = "delay of each sweep", .unit = "frames"};
   PlotSeries points{.label = {}, .mark = PlotMark::Points, .color = PlotColor::Blue};
   for (std::size_t o = 0; o < openings.size(); ++o) {
     const auto before = static_cast<double>(points.x.size());
@@ -134,17 +134,18 @@ Figure sweeps_figure(const LatencyReport& report) {
       points.y.push_back(sweep.delay_frames);
     }
     if (openings.size() > 1)
-      panel.spans.push_back({.from = before + 0.5,
-                             .to = static_cast<double>(points.x.size()) + 0.5,
-                             .label = fmt::format("opening {}", o + 1),
-                             .color = o % 2 == 0 ? PlotColor::Sky : PlotColor::Grey});
+      subplot.bands.push_back({.from = before + 0.5,
+                               .to = static_cast<double>(points.x.size()) + 0.5,
+                               .label = fmt::format("opening {}", o + 1),
+                               .color = o % 2 == 0 ? PlotColor::Sky : PlotColor::Grey});
   }
-  panel.series = {points};
-  widen(points.y, panel.y);
+  subplot.series = {points};
+  widen_axis(points.y, subplot.y);
   if (report.ok())
-    panel.levels = {{.y = report.measurement.delay_frames, .label = "mean", .color = PlotColor::Vermillion}};
-  figure.panels = {panel};
-  return figure;
+    subplot.levels = {
+        {.y = report.measurement.delay_frames, .label = "mean", .color = PlotColor::Vermillion}};
+  plot.subplots = {subplot};
+  return plot;
 }
 
 std::string headline(const LatencyReport& report) {
@@ -156,7 +157,7 @@ std::string headline(const LatencyReport& report) {
                      with_error(measurement.delay_frames * ms, measurement.standard_error_frames * ms));
 }
 
-std::string figures_in_words(const LatencyReport& report, const Analysis& analysis) {
+std::string describe_analysis(const LatencyReport& report, const Analysis& analysis) {
   auto words = report.source;
   if (!report.ok()) words += ". Seen: " + report.measurement.finding.what;
   if (!analysis.heard) return words;
@@ -169,24 +170,24 @@ std::string figures_in_words(const LatencyReport& report, const Analysis& analys
 
 }  // namespace
 
-std::vector<Figure> picture_of(const LatencyReport& report) {
+std::vector<Plot> picture_of(const LatencyReport& report) {
   const auto* shown = report.shown();
   const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
-  auto page = analysis.heard ? std::vector{response_figure(analysis, report.ok(), kAfter_s),
-                                           spectrum_figure(analysis), sweeps_figure(report)}
-                             : std::vector{Figure{}};
+  auto page = analysis.heard ? std::vector{response_plot(analysis, report.ok(), kAfter_s),
+                                           spectrum_plot(analysis), sweeps_plot(report)}
+                             : std::vector{Plot{}};
   page.front().title = headline(report);
-  page.front().subtitle = figures_in_words(report, analysis);
+  page.front().subtitle = describe_analysis(report, analysis);
   return page;
 }
 
-std::vector<Figure> picture_of(const Calibration& calibration) {
+std::vector<Plot> picture_of(const Calibration& calibration) {
   Analysis path;
   path.sample_rate = calibration.profile.sample_rate;
   path.response = calibration.profile.taps;
   path.spectrum = calibration.spectrum;
   path.group_delay = calibration.group_delay;
-  std::vector page{response_figure(path, false, kRinging_s), spectrum_figure(path)};
+  std::vector page{response_plot(path, false, kRinging_s), spectrum_plot(path)};
   const auto& finding = calibration.finding;
   page.front().title = finding.verdict == Verdict::Ok
                            ? fmt::format("Path, {}", calibration.polarity > 0 ? "not inverted" : "inverted")

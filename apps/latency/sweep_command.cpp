@@ -123,7 +123,7 @@ class Sweep {
 int publish(SweepReport& sweep, const SweepOptions& options) {
   Status written;
   if (!options.picture.empty()) {
-    written = write_svg(options.picture, picture_of(sweep));
+    written = write_svg(options.picture, {picture_of(sweep)});
     if (written) sweep.written.push_back(options.picture);
   }
   if (options.json)

@@ -124,12 +124,12 @@ std::string group_name(const SettingDelay& setting) {
 }
 
 /// Of a group: its points, its line, and what is no good.
-void add_group(const std::vector<SettingDelay>& group, PlotColor color, PlotPanel& panel) {
+void add_group(const std::vector<SettingDelay>& group, PlotColor color, Subplot& subplot) {
   PlotSeries good{.label = group_name(group.front()), .mark = PlotMark::Points, .color = color};
   PlotSeries gaps{.label = "lost frames", .mark = PlotMark::Points, .color = PlotColor::Vermillion};
   for (const auto& setting : group) {
     if (setting.finding.verdict != Verdict::Ok) {
-      panel.events.push_back(
+      subplot.events.push_back(
           {.x = static_cast<double>(setting.block_frames),
            .label = fmt::format("{}: {}", setting.block_frames, code(setting.finding.verdict)),
            .color = PlotColor::Vermillion});
@@ -146,10 +146,10 @@ void add_group(const std::vector<SettingDelay>& group, PlotColor color, PlotPane
       line.x.push_back(block);
       line.y.push_back(law->at(block) / group.front().sample_rate.value);
     }
-    panel.series.push_back(line);
+    subplot.series.push_back(line);
   }
-  if (!good.x.empty()) panel.series.push_back(good);
-  if (!gaps.x.empty()) panel.series.push_back(gaps);
+  if (!good.x.empty()) subplot.series.push_back(good);
+  if (!gaps.x.empty()) subplot.series.push_back(gaps);
 }
 
 std::vector<std::vector<SettingDelay>> groups_of(const std::vector<SettingDelay>& settings) {
@@ -226,22 +226,22 @@ std::string text_of(const SweepReport& report) {
   return text;
 }
 
-Figure picture_of(const SweepReport& report) {
-  Figure figure;
-  figure.title = "Delay against block";
-  figure.subtitle = report.source + ". " + recommendation(report.settings());
-  figure.x = {.label = "block", .unit = "frames", .low = 0.0};
-  figure.panel_height = 340;
-  PlotPanel panel;
-  panel.y = {.label = "delay", .unit = "s", .low = 0.0};
+Plot picture_of(const SweepReport& report) {
+  Plot plot;
+  plot.title = "Delay against block";
+  plot.subtitle = report.source + ". " + recommendation(report.settings());
+  plot.x = {.label = "block", .unit = "frames", .low = 0.0};
+  plot.subplot_height = 340;
+  Subplot subplot;
+  subplot.y = {.label = "delay", .unit = "s", .low = 0.0};
   int color = static_cast<int>(PlotColor::Blue);
   for (const auto& group : groups_of(report.settings())) {
-    add_group(group, static_cast<PlotColor>(color), panel);
+    add_group(group, static_cast<PlotColor>(color), subplot);
     // Vermillion is for what lost frames.
     color = color == static_cast<int>(PlotColor::Blue) ? static_cast<int>(PlotColor::Green) : color % 6 + 1;
   }
-  figure.panels = {panel};
-  return figure;
+  plot.subplots = {subplot};
+  return plot;
 }
 
 }  // namespace tactus::app

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/plot/svg.h"
+#include "engine/plot/plot.h"
 #include "latency/block_law.h"
 #include "latency/estimation/analysis.h"
 
@@ -47,6 +47,6 @@ struct SweepReport {
 nlohmann::ordered_json json_of(const SweepReport& report);
 std::string text_of(const SweepReport& report);
 /// Delay against block, with the lines.
-Figure picture_of(const SweepReport& report);
+Plot picture_of(const SweepReport& report);
 
 }  // namespace tactus::app

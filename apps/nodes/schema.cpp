@@ -2,7 +2,7 @@
 
 #include "apps/nodes/schema_pieces.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/nodes/networks/solver_words.h"
+#include "engine/nodes/networks/solver_names.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"
 #include "engine/scene/file/scene_fields.h"

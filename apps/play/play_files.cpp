@@ -89,7 +89,8 @@ Result<std::vector<std::string>> write_files(const PlayFiles& files, const Playe
     if (auto status = write_sound(base + suffix, signals, recording.sample_rate, written); !status)
       return tl::unexpected(status.error());
   const auto picture = base + ".svg";
-  if (auto status = write_svg(picture, story(played.scene, recording, times->first, times->second)); !status)
+  if (auto status = write_svg(picture, {scene_plot(played.scene, recording, times->first, times->second)});
+      !status)
     return tl::unexpected(status.error());
   written.push_back(picture + fmt::format("  the picture, {:g} s to {:g} s", times->first, times->second));
   return written;

@@ -42,7 +42,7 @@ int run(const BifurcationOptions& options) {
   progress.reset();
   if (!study) return report(study.error());
   if (!options.picture.empty())
-    if (const auto written = write_log_plots(options.picture, picture_of(*study)); !written)
+    if (const auto written = write_svg(options.picture, picture_of(*study)); !written)
       return report(written.error());
   if (options.json)
     fmt::print("{}\n", json_of(*study).dump(2));

@@ -60,13 +60,11 @@ PlotSeries points(const std::vector<BifurcationColumn>& columns, const std::stri
   return series;
 }
 
-LogPlot plot(const Bifurcation& study, const std::string& title, PlotAxis y,
-             std::vector<double> BifurcationColumn::*of) {
-  y.log = false;
-  LogPlot plot{.title = title, .x = {.label = study.control, .log = false}, .y = std::move(y)};
-  if (!study.exact.empty()) plot.series.push_back(points(study.exact, "ideal ball", PlotColor::Grey, of));
-  plot.series.push_back(points(study.simulated, "simulated", PlotColor::Blue, of));
-  return plot;
+Subplot subplot(const Bifurcation& study, PlotAxis y, std::vector<double> BifurcationColumn::*of) {
+  Subplot made{.y = std::move(y)};
+  if (!study.exact.empty()) made.series.push_back(points(study.exact, "ideal ball", PlotColor::Grey, of));
+  made.series.push_back(points(study.simulated, "simulated", PlotColor::Blue, of));
+  return made;
 }
 
 }  // namespace
@@ -97,13 +95,15 @@ std::string text_of(const Bifurcation& study) {
   return text + columns_text(study.simulated) + doublings_text(study);
 }
 
-std::vector<LogPlot> picture_of(const Bifurcation& study) {
-  auto speeds =
-      plot(study, study.scene, {.label = "speed of landing", .unit = "m/s"}, &BifurcationColumn::speeds);
-  speeds.subtitle = fmt::format("{} swept up; restitution {:.3f}", study.control, study.restitution);
-  return {speeds,
-          plot(study, "", {.label = "moment of landing, in periods of the drive", .low = 0, .high = 1},
-               &BifurcationColumn::phases)};
+std::vector<Plot> picture_of(const Bifurcation& study) {
+  return {
+      {.title = study.scene,
+       .subtitle = fmt::format("{} swept up; restitution {:.3f}", study.control, study.restitution),
+       .x = {.label = study.control},
+       .subplots = {subplot(study, {.label = "landing speed", .unit = "m/s"}, &BifurcationColumn::speeds),
+                    subplot(study, {.label = "phase of the landing, in drive periods", .low = 0, .high = 1},
+                            &BifurcationColumn::phases)},
+       .subplot_height = 380}};
 }
 
 }  // namespace tactus::app

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/plot/log_plot.h"
+#include "engine/plot/plot.h"
 #include "engine/study/orbits/bifurcation.h"
 
 namespace tactus::app {
@@ -13,6 +13,6 @@ namespace tactus::app {
 
 nlohmann::ordered_json json_of(const Bifurcation& study);
 std::string text_of(const Bifurcation& study);
-std::vector<LogPlot> picture_of(const Bifurcation& study);
+std::vector<Plot> picture_of(const Bifurcation& study);
 
 }  // namespace tactus::app

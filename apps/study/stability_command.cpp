@@ -89,7 +89,7 @@ int run(const StabilityOptions& options) {
   const auto map = map_walls(*study, [&](double share) { (*progress)(share); });
   progress.reset();
   if (!options.picture.empty())
-    if (const auto written = write_log_plots(options.picture, picture_of(map)); !written)
+    if (const auto written = write_svg(options.picture, picture_of(map)); !written)
       return report(written.error());
   if (options.json)
     fmt::print("{}\n", json_of(map).dump(2));

@@ -132,8 +132,8 @@ PlotSeries series_of(const std::string& label, const std::vector<WallLimit>& lim
   return series;
 }
 
-LogPlot plot_of(const WallMap& map, const Curves& curves, const Abscissa& x) {
-  LogPlot plot;
+Plot plot_of(const WallMap& map, const Curves& curves, const Abscissa& x, PlotAxis axis) {
+  Subplot plot;
   plot.y = {.label = "stiffest wall", .unit = "N/m", .log = true};
   for (std::size_t d = 0; d < curves.size(); ++d)
     plot.series.push_back(series_of(map.devices[d].name, curves[d], x, &WallLimit::stiffest));
@@ -148,7 +148,7 @@ LogPlot plot_of(const WallMap& map, const Curves& curves, const Abscissa& x) {
   passive.color = PlotColor::Grey;
   plot.series.push_back(std::move(passive));
   if (map.friction_limit > 0 && std::isfinite(map.friction_limit))
-    plot.series.push_back({.label = "dry friction stills the encoder's steps below",
+    plot.series.push_back({.label = "below: friction suppresses encoder noise",
                            .x = {bare.x.front(), bare.x.back()},
                            .y = {map.friction_limit, map.friction_limit},
                            .color = PlotColor::Black,
@@ -158,7 +158,8 @@ LogPlot plot_of(const WallMap& map, const Curves& curves, const Abscissa& x) {
         {x(limits.front()), limits.front().stiffest,
          controller.name + (controller.bits > 0 ? fmt::format(", {} bit", controller.bits) : ""),
          PlotColor::Black});
-  return plot;
+  axis.log = true;
+  return {.x = std::move(axis), .subplots = {std::move(plot)}, .subplot_height = 420};
 }
 
 }  // namespace
@@ -203,18 +204,15 @@ Json json_of(const WallMap& map) {
   return json;
 }
 
-std::vector<LogPlot> picture_of(const WallMap& map) {
-  auto by_delay = plot_of(map, map.by_delay, delay_of);
-  by_delay.title = "The stiffest wall that does not explode";
+std::vector<Plot> picture_of(const WallMap& map) {
+  auto by_delay = plot_of(map, map.by_delay, delay_of, {.label = "delay from sensor to motor", .unit = "s"});
+  by_delay.title = "The stiffest stable wall";
   by_delay.subtitle = fmt::format(
-      "Over the delay, curves at {}; over the rate, curves with one frame of delay. Diamonds: controllers, "
-      "each with its own rate and delay, under the device as it is called {}. {} of {} borders confirmed by "
-      "simulation on both sides.",
+      "Over the delay: curves at {}; over the rate: curves with one frame of delay. Diamonds: controllers, "
+      "each with its own rate and delay, for the device '{}'. {} of {} borders confirmed by simulation on "
+      "both sides.",
       hz(map.rate), map.devices.front().name, map.confirmed(), map.borders());
-  by_delay.x = {.label = "delay from sensor to motor", .unit = "s", .log = true};
-  auto by_rate = plot_of(map, map.by_rate, rate_of);
-  by_rate.x = {.label = "sample rate", .unit = "Hz", .log = true};
-  return {by_delay, by_rate};
+  return {by_delay, plot_of(map, map.by_rate, rate_of, {.label = "sample rate", .unit = "Hz"})};
 }
 
 }  // namespace tactus::app

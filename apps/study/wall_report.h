@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/plot/log_plot.h"
+#include "engine/plot/plot.h"
 #include "engine/study/walls/wall_map.h"
 
 namespace tactus::app {
@@ -12,6 +12,6 @@ namespace tactus::app {
 /// A map of walls for people, for machines, and to look at: one plot over the delay, one over the rate.
 std::string text_of(const WallMap& map);
 nlohmann::ordered_json json_of(const WallMap& map);
-std::vector<LogPlot> picture_of(const WallMap& map);
+std::vector<Plot> picture_of(const WallMap& map);
 
 }  // namespace tactus::app

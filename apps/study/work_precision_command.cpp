@@ -39,7 +39,7 @@ Status write_text(const fs::path& file, const std::string& text) {
 Status write_files(const WorkPrecision& study, const fs::path& folder) {
   std::error_code ignored;
   fs::create_directories(folder, ignored);
-  if (auto status = write_log_plots(folder / "work_precision.svg", plots_of(study)); !status) return status;
+  if (auto status = write_svg(folder / "work_precision.svg", plots_of(study)); !status) return status;
   if (auto status = write_text(folder / "work_precision.md", markdown_of(study)); !status) return status;
   return write_json((folder / "work_precision.json").string(), json_of(study));
 }

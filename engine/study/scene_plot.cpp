@@ -14,23 +14,22 @@
 namespace tactus {
 namespace {
 
-class Story {
+class ScenePlotter {
  public:
-  Story(const SceneSpec& scene, const SceneRecording& recording, double from_s, double to_s)
+  ScenePlotter(const SceneSpec& scene, const SceneRecording& recording, double from_s, double to_s)
       : scene_(scene), recording_(recording), from_(from_s), to_(std::min(to_s, recording.seconds())) {}
 
-  Figure run() {
-    Figure figure;
-    figure.title = scene_.name;
-    figure.subtitle = scene_.about;
-    figure.x = {.label = "time", .unit = "s", .low = from_, .high = to_};
-    add_pitch(figure);
-    add_motions(figure);
-    for (const auto& input : recording_.inputs) add_heard(figure, input);
-    add_given(figure);
-    for (const double time : hits_)
-      figure.events.push_back({.x = time, .label = {}, .color = PlotColor::Grey});
-    return figure;
+  Plot run() {
+    Plot plot;
+    plot.title = scene_.name;
+    plot.subtitle = scene_.about;
+    plot.x = {.label = "time", .unit = "s", .low = from_, .high = to_};
+    add_pitch(plot);
+    add_motion(plot);
+    for (const auto& input : recording_.inputs) add_sensor(plot, input);
+    add_drives(plot);
+    for (const double time : hits_) plot.events.push_back({.x = time, .label = {}, .color = PlotColor::Grey});
+    return plot;
   }
 
  private:
@@ -45,29 +44,29 @@ class Story {
 
   static std::string short_name(const std::string& name) { return name.substr(name.rfind('.') + 1); }
 
-  /// What was to be played and what was heard.
-  void add_pitch(Figure& figure) const {
+  /// Expected and detected pitch.
+  void add_pitch(Plot& plot) const {
     const auto melody = melody_of(recording_);
     if (!melody) return;
-    PlotPanel panel;
-    panel.y = {.label = "pitch", .unit = "Hz", .log = true, .notes = true};
-    panel.height = 1.6;
-    panel.series.push_back(trace("wanted", *melody->wanted));
-    PlotSeries heard{.label = "heard", .color = PlotColor::Vermillion};
+    Subplot subplot;
+    subplot.y = {.label = "pitch", .unit = "Hz", .log = true, .notes = true};
+    subplot.height = 1.6;
+    subplot.series.push_back(trace("expected", *melody->wanted));
+    PlotSeries detected{.label = "detected", .color = PlotColor::Vermillion};
     for (const auto& point : melody->heard) {
       if (point.time_s < from_ || point.time_s > to_) continue;
-      // A gap where nothing had a pitch for a while, and where another note begins.
-      if (!heard.x.empty() && (point.time_s > heard.x.back() + 1.5 * kPitchHop_s ||
-                               std::abs(cents(point.hertz, heard.y.back())) > kNearPartial_cents)) {
-        heard.x.push_back(point.time_s);
-        heard.y.push_back(std::numeric_limits<double>::quiet_NaN());
+      // A gap where there was no pitch, and where another note begins.
+      if (!detected.x.empty() && (point.time_s > detected.x.back() + 1.5 * kPitchHop_s ||
+                                  std::abs(cents(point.hertz, detected.y.back())) > kNearPartial_cents)) {
+        detected.x.push_back(point.time_s);
+        detected.y.push_back(std::numeric_limits<double>::quiet_NaN());
       }
-      heard.x.push_back(point.time_s);
-      heard.y.push_back(point.hertz);
+      detected.x.push_back(point.time_s);
+      detected.y.push_back(point.hertz);
     }
-    panel.series.push_back(std::move(heard));
-    figure.panels.push_back(std::move(panel));
-    figure.subtitle += " Heard: " + in_words(melody->notes) + ".";
+    subplot.series.push_back(std::move(detected));
+    plot.subplots.push_back(std::move(subplot));
+    plot.subtitle += " Detected: " + in_words(melody->notes) + ".";
   }
 
   static bool is_pitch(const RecordedSignal& signal) {
@@ -76,21 +75,22 @@ class Story {
   }
 
   /// The plant's outputs, those of one unit together.
-  void add_motions(Figure& figure) const {
-    std::vector<std::pair<std::string, PlotPanel>> panels;
+  void add_motion(Plot& plot) const {
+    std::vector<std::pair<std::string, Subplot>> subplots;
     for (const auto& signal : recording_.signals) {
       if (signal.name.starts_with("instrument.") || signal.dimension.plain() || is_pitch(signal)) continue;
       const auto unit = to_string(signal.dimension);
-      auto panel = std::find_if(panels.begin(), panels.end(), [&](const auto& p) { return p.first == unit; });
-      if (panel == panels.end()) {
-        panels.emplace_back(unit, PlotPanel{});
-        panel = panels.end() - 1;
-        panel->second.y = {.label = quantity_name(unit), .unit = unit};
-        panel->second.height = unit == "m" ? 2.0 : 0.8;
+      auto subplot =
+          std::find_if(subplots.begin(), subplots.end(), [&](const auto& p) { return p.first == unit; });
+      if (subplot == subplots.end()) {
+        subplots.emplace_back(unit, Subplot{});
+        subplot = subplots.end() - 1;
+        subplot->second.y = {.label = quantity_name(unit), .unit = unit};
+        subplot->second.height = unit == "m" ? 2.0 : 0.8;
       }
-      panel->second.series.push_back(trace(short_name(signal.name), signal));
+      subplot->second.series.push_back(trace(short_name(signal.name), signal));
     }
-    for (auto& [unit, panel] : panels) figure.panels.push_back(std::move(panel));
+    for (auto& [unit, subplot] : subplots) plot.subplots.push_back(std::move(subplot));
   }
 
   static std::string quantity_name(const std::string& unit) {
@@ -100,11 +100,11 @@ class Story {
     return it == kNames.end() ? unit : it->second;
   }
 
-  void add_heard(Figure& figure, const std::string& input) {
-    PlotPanel panel;
-    panel.y = {.label = "what the instrument hears", .unit = ""};
-    panel.series.push_back(trace(input, *recording_.find("instrument." + input)));
-    // What it noticed stands once, with what it hears first.
+  void add_sensor(Plot& plot, const std::string& input) {
+    Subplot subplot;
+    subplot.y = {.label = "sensor: " + input, .unit = ""};
+    subplot.series.push_back(trace(input, *recording_.find("instrument." + input)));
+    // Triggers are shown once, with the first input.
     for (const auto& signal : recording_.signals) {
       if (input != recording_.inputs.front() || !signal.name.starts_with("instrument.") ||
           std::count(signal.name.begin(), signal.name.end(), '.') != 2 || signal.name.ends_with(".level"))
@@ -117,17 +117,17 @@ class Story {
         marks.y.push_back(0);
         hits_.push_back(time);
       }
-      panel.series.push_back(std::move(marks));
+      subplot.series.push_back(std::move(marks));
     }
-    figure.panels.push_back(std::move(panel));
+    plot.subplots.push_back(std::move(subplot));
   }
 
-  void add_given(Figure& figure) const {
+  void add_drives(Plot& plot) const {
     for (const auto& output : drive_names(recording_)) {
-      PlotPanel panel;
-      panel.y = {.label = "what the instrument gives", .unit = ""};
-      panel.series.push_back(trace(output, *recording_.find("instrument." + output)));
-      figure.panels.push_back(std::move(panel));
+      Subplot subplot;
+      subplot.y = {.label = "drive: " + output, .unit = ""};
+      subplot.series.push_back(trace(output, *recording_.find("instrument." + output)));
+      plot.subplots.push_back(std::move(subplot));
     }
   }
 
@@ -139,8 +139,8 @@ class Story {
 
 }  // namespace
 
-Figure story(const SceneSpec& scene, const SceneRecording& recording, double from_s, double to_s) {
-  return Story{scene, recording, from_s, to_s}.run();
+Plot scene_plot(const SceneSpec& scene, const SceneRecording& recording, double from_s, double to_s) {
+  return ScenePlotter{scene, recording, from_s, to_s}.run();
 }
 
 }  // namespace tactus

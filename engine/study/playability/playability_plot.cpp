@@ -7,9 +7,7 @@
 #include <functional>
 
 #include "engine/graph/file/quantity.h"
-#include "engine/plot/cell_map.h"
-#include "engine/plot/svg.h"
-#include "engine/plot/svg_canvas.h"
+#include "engine/plot/plot.h"
 
 namespace tactus {
 namespace {
@@ -26,8 +24,6 @@ std::size_t kind_index(const PlayabilityStudy& study, const PlayedRun& run) {
       std::find_if(kinds.begin(), kinds.end(), [&](const RunKind& k) { return k.name == run.judged->kind; });
   return static_cast<std::size_t>(found - kinds.begin());
 }
-
-std::string fill_of(std::size_t kind) { return svg::shade(kKindColors[kind]).line; }
 
 /// The reading that a map shows beside kind and score.
 const MeasureColumn& main_reading(const PlayabilityStudy& study) {
@@ -47,17 +43,17 @@ std::string subtitle_of(const PlayabilityStudy& study) {
 
 // ---- nothing swept: curves
 
-PlotPanel panel(const char* label, const char* unit) {
-  PlotPanel made;
+Subplot subplot(const char* label, const char* unit) {
+  Subplot made;
   made.y.label = label;
   made.y.unit = unit;
   return made;
 }
 
 /// One series for each kind that there is, over a grey line.
-PlotPanel reading_panel(const PlayabilityStudy& study, const std::string& label,
+Subplot reading_subplot(const PlayabilityStudy& study, const std::string& label,
                         const std::function<double(const PlayedRun&)>& value) {
-  auto made = panel(label.c_str(), "");
+  auto made = subplot(label.c_str(), "");
   PlotSeries line;
   line.color = PlotColor::Grey;
   std::vector<PlotSeries> points;
@@ -80,8 +76,8 @@ PlotPanel reading_panel(const PlayabilityStudy& study, const std::string& label,
   return made;
 }
 
-PlotPanel robust_panel(const PlayabilityStudy& study) {
-  auto made = panel("other actuators and plants that are playable", "");
+Subplot robust_subplot(const PlayabilityStudy& study) {
+  auto made = subplot("other actuators and plants that are playable", "");
   PlotSeries line{.mark = PlotMark::LineAndPoints, .color = PlotColor::Purple};
   for (const auto& verdict : study.verdicts()) {
     line.x.push_back(verdict.delay_s);
@@ -94,22 +90,22 @@ PlotPanel robust_panel(const PlayabilityStudy& study) {
   return made;
 }
 
-Figure curves_of(const PlayabilityStudy& study) {
-  Figure figure;
-  figure.title = "Playability of " + study.scene;
-  figure.subtitle = subtitle_of(study);
-  figure.x = {.label = "delay", .unit = "s"};
-  auto score = reading_panel(study, "score", [](const PlayedRun& run) { return run.judged->score; });
+Plot curves_of(const PlayabilityStudy& study) {
+  Plot plot;
+  plot.title = "Playability of " + study.scene;
+  plot.subtitle = subtitle_of(study);
+  plot.x = {.label = "delay", .unit = "s"};
+  auto score = reading_subplot(study, "score", [](const PlayedRun& run) { return run.judged->score; });
   score.y.high = 1.05;
-  figure.panels.push_back(std::move(score));
+  plot.subplots.push_back(std::move(score));
   const auto& types = measure_columns(study.kind);
   for (const auto& type : types) {
     if (!type.drawn) continue;
-    figure.panels.push_back(reading_panel(
+    plot.subplots.push_back(reading_subplot(
         study, type.head, [&](const PlayedRun& run) { return run.judged->reading(study.kind, type.name); }));
   }
-  if (study.variants.size() > 1) figure.panels.push_back(robust_panel(study));
-  return figure;
+  if (study.variants.size() > 1) plot.subplots.push_back(robust_subplot(study));
+  return plot;
 }
 
 // ---- maps
@@ -120,24 +116,20 @@ std::vector<std::string> names_of(const SweptValue& swept) {
   return names;
 }
 
-std::vector<CellMap::Key> kind_keys(const PlayabilityStudy& study) {
-  std::vector<CellMap::Key> keys;
+PlotMap::Cell kind_cell(const PlayabilityStudy& study, const PlayedRun& run) {
+  const auto kind = kind_index(study, run);
+  return {.color = kKindColors[kind], .letter = std::string(1, run_kinds(study.kind)[kind].letter)};
+}
+
+/// A map of the kind of runs: of `runs`, row by row.
+PlotMap kind_map(const PlayabilityStudy& study, std::vector<std::string> columns,
+                 std::vector<std::string> rows, const std::vector<const PlayedRun*>& runs) {
+  PlotMap map{std::move(columns), std::move(rows), {}, {}};
+  for (const auto* run : runs) map.cells.push_back(kind_cell(study, *run));
   const auto& kinds = run_kinds(study.kind);
   for (std::size_t k = 0; k < kinds.size(); ++k)
-    keys.push_back({fill_of(k), fmt::format("{} {}", kinds[k].letter, kinds[k].name)});
-  return keys;
-}
-
-CellMap::Cell kind_cell(const PlayabilityStudy& study, const PlayedRun& run) {
-  const auto kind = kind_index(study, run);
-  return {fill_of(kind), std::string(1, run_kinds(study.kind)[kind].letter)};
-}
-
-std::vector<CellMap::Key> ramp_keys(double most, int digits) {
-  std::vector<CellMap::Key> keys;
-  for (int i = 4; i >= 0; --i)
-    keys.push_back({ramp_color(i / 4.0), fmt::format("{:.{}f}", most * i / 4.0, digits)});
-  return keys;
+    map.keys.push_back({{.color = kKindColors[k]}, fmt::format("{} {}", kinds[k].letter, kinds[k].name)});
+  return map;
 }
 
 const PlayedRun& run_at(const PlayabilityStudy& study, std::size_t delay, std::size_t a, std::size_t b) {
@@ -146,51 +138,46 @@ const PlayedRun& run_at(const PlayabilityStudy& study, std::size_t delay, std::s
   return study.runs[cell * study.variants.size()];
 }
 
-/// Delay across, what is swept upwards.
-CellMap over_delay(const PlayabilityStudy& study, const std::string& title,
-                   const std::function<CellMap::Cell(const PlayedRun&)>& cell) {
-  CellMap map{title, "delay [ms]", study.over[0].name, {}, names_of(study.over[0]), {}, {}};
-  for (const double delay : study.delays_s) map.x.push_back(fmt::format("{:g}", 1e3 * delay));
-  for (std::size_t a = 0; a < map.y.size(); ++a)
-    for (std::size_t d = 0; d < map.x.size(); ++d) map.cells.push_back(cell(run_at(study, d, a, 0)));
-  return map;
+/// Kind, score and main reading over the delay and one swept quantity.
+Plot maps_over_delay(const PlayabilityStudy& study) {
+  std::vector<std::string> delays;
+  for (const double delay : study.delays_s) delays.push_back(fmt::format("{:g}", 1e3 * delay));
+  const auto values = names_of(study.over[0]);
+  std::vector<const PlayedRun*> runs;
+  std::vector<double> scores, readings;
+  for (std::size_t a = 0; a < values.size(); ++a)
+    for (std::size_t d = 0; d < delays.size(); ++d) {
+      runs.push_back(&run_at(study, d, a, 0));
+      scores.push_back(runs.back()->judged->score);
+      readings.push_back(main_of(study, *runs.back()));
+    }
+  const auto head = [&](const std::string& what) {
+    return PlotAxis{.label = what + ", over " + study.over[0].name};
+  };
+  return {.title = "Playability of " + study.scene,
+          .subtitle = subtitle_of(study),
+          .x = {.label = "delay [ms]"},
+          .subplots = {{.y = head("kind"), .map = kind_map(study, delays, values, runs)},
+                       {.y = head("score"), .map = value_map(delays, values, scores, 0, 1)},
+                       {.y = head(main_reading(study).head), .map = value_map(delays, values, readings, 0)}}};
 }
 
-CellPage maps_over_delay(const PlayabilityStudy& study) {
-  CellPage page{"Playability of " + study.scene, subtitle_of(study), {}};
-  double most = 0;
-  for (const auto& run : study.runs) most = std::max(most, main_of(study, run));
-  page.maps.push_back(over_delay(study, "kind", [&](const PlayedRun& run) { return kind_cell(study, run); }));
-  page.maps.back().keys = kind_keys(study);
-  page.maps.push_back(over_delay(
-      study, "score", [](const PlayedRun& run) { return CellMap::Cell{ramp_color(run.judged->score)}; }));
-  page.maps.back().keys = ramp_keys(1, 2);
-  const auto& type = main_reading(study);
-  page.maps.push_back(over_delay(study, type.head, [&](const PlayedRun& run) {
-    return CellMap::Cell{ramp_color(most > 0 ? main_of(study, run) / most : 0)};
-  }));
-  page.maps.back().keys = ramp_keys(most, type.digits);
-  return page;
-}
-
-/// One of the two across, the other upwards, for each of some delays.
-CellPage maps_by_delay(const PlayabilityStudy& study) {
-  CellPage page{"Playability of " + study.scene, subtitle_of(study), {}, 2};
+/// The kind over two swept quantities, for several delays.
+std::vector<Plot> maps_by_delay(const PlayabilityStudy& study) {
+  std::vector<Plot> page;
   const auto delays = study.delays_s.size();
   const auto shown = std::min(delays, kMostMaps);
   for (std::size_t s = 0; s < shown; ++s) {
     const auto d = shown == 1 ? 0 : s * (delays - 1) / (shown - 1);
-    CellMap map{fmt::format("{:g} ms", 1e3 * study.delays_s[d]),
-                study.over[0].name,
-                study.over[1].name,
-                names_of(study.over[0]),
-                names_of(study.over[1]),
-                {},
-                kind_keys(study)};
-    for (std::size_t b = 0; b < map.y.size(); ++b)
-      for (std::size_t a = 0; a < map.x.size(); ++a)
-        map.cells.push_back(kind_cell(study, run_at(study, d, a, b)));
-    page.maps.push_back(std::move(map));
+    std::vector<const PlayedRun*> runs;
+    for (std::size_t b = 0; b < study.over[1].values.size(); ++b)
+      for (std::size_t a = 0; a < study.over[0].values.size(); ++a) runs.push_back(&run_at(study, d, a, b));
+    page.push_back(
+        {.title = fmt::format("Playability of {}, {:g} ms", study.scene, 1e3 * study.delays_s[d]),
+         .x = {.label = study.over[0].name},
+         .subplots = {{.y = {.label = study.over[1].name},
+                       .map = kind_map(study, names_of(study.over[0]), names_of(study.over[1]), runs)}},
+         .width = 560});
   }
   return page;
 }
@@ -205,8 +192,8 @@ std::string value_in_words(const SweptValue& swept, std::size_t index) {
 }
 
 Status write_picture(const std::filesystem::path& path, const PlayabilityStudy& study) {
-  if (study.over.empty()) return write_svg(path, curves_of(study));
-  return write_svg(path, study.over.size() == 1 ? maps_over_delay(study) : maps_by_delay(study));
+  if (study.over.size() > 1) return write_svg(path, maps_by_delay(study), 2);
+  return write_svg(path, {study.over.empty() ? curves_of(study) : maps_over_delay(study)});
 }
 
 }  // namespace tactus

@@ -7,12 +7,12 @@
 namespace tactus {
 namespace {
 
-// Below it there is nothing but rounding.
+// Smaller errors are rounding.
 constexpr double kLeastError = 1e-16;
-// Times are told for this long, so that rates can be compared: a frame at 48 kHz.
-constexpr double kWorkPrecisionPlotTold_s = 1.0 / 48000;
+// Computing time is shown for this time of the scene, so that rates can be compared.
+constexpr double kShownSpan_s = 1.0 / 48000;
 
-double time_of(const WorkPoint& point) { return point.load() * kWorkPrecisionPlotTold_s; }
+double time_of(const WorkPoint& point) { return point.load() * kShownSpan_s; }
 double shown(double error) { return std::max(kLeastError, error); }
 
 PlotColor color_of(const std::string& solver) {
@@ -22,8 +22,7 @@ PlotColor color_of(const std::string& solver) {
   return solver == "passive" ? PlotColor::Green : PlotColor::Orange;
 }
 
-/// One solver at one rate, by its steps a frame. The scene's lowest rate is dashed, its highest has no
-/// points.
+/// One solver at one rate over its oversampling.
 PlotSeries curve(const WorkPrecision& study, const SolverVariant& of, std::size_t a) {
   PlotSeries series;
   series.label = fmt::format("{}, {:g} kHz", of.solver, of.rate.value / 1e3);
@@ -38,13 +37,13 @@ PlotSeries curve(const WorkPrecision& study, const SolverVariant& of, std::size_
   return series;
 }
 
-/// From the cheapest to the closest, in steps: between two of its points nothing lies below.
+/// The Pareto front, as steps: no variant is both cheaper and more accurate.
 PlotSeries front(const WorkPrecision& study, std::size_t a) {
   std::vector<std::pair<double, double>> corners;
   for (const auto& point : study.points)
     if (point.known() && point.front[a]) corners.emplace_back(time_of(point), shown(point.errors[a]));
   std::sort(corners.begin(), corners.end());
-  PlotSeries series{.label = "nothing cheaper is closer", .color = PlotColor::Black};
+  PlotSeries series{.label = "Pareto front", .color = PlotColor::Black};
   for (const auto& [x, y] : corners) {
     if (!series.y.empty()) series.x.push_back(x), series.y.push_back(series.y.back());
     series.x.push_back(x);
@@ -53,26 +52,29 @@ PlotSeries front(const WorkPrecision& study, std::size_t a) {
   return series;
 }
 
-PlotSeries real_time(const LogPlot& plot) {
+PlotSeries real_time(const Subplot& plot) {
   double low = 1, high = kLeastError;
   for (const auto& series : plot.series)
     for (const double y : series.y) low = std::min(low, y), high = std::max(high, y);
-  return {.label = "real time ends here",
-          .x = {kWorkPrecisionPlotTold_s, kWorkPrecisionPlotTold_s},
+  return {.label = "limit of real time",
+          .x = {kShownSpan_s, kShownSpan_s},
           .y = {low, high},
           .color = PlotColor::Grey,
           .dashed = true};
 }
 
-LogPlot plot(const WorkPrecision& study, std::size_t a) {
+Plot plot_of(const WorkPrecision& study, std::size_t a) {
   const auto& used = study.references[a];
-  LogPlot plot;
+  Plot plot;
   plot.title = fmt::format("{}: {} ({} of {})", study.scene, used.accuracy, used.measure, used.of);
-  plot.subtitle = "against: " + used.what;
-  plot.x.label = "computing time for 1/48000 s of the scene";
-  plot.x.unit = "s";
-  plot.x.high = 2 * kWorkPrecisionPlotTold_s;
-  plot.y.label = "relative error";
+  plot.subtitle = "reference: " + used.what;
+  plot.subplot_height = 420;
+  plot.x = {.label = "computing time for 1/48000 s of the scene",
+            .unit = "s",
+            .high = 2 * kShownSpan_s,
+            .log = true};
+  auto& errors = plot.subplots.emplace_back();
+  errors.y = {.label = "relative error", .log = true};
   for (std::size_t i = 0; i < study.points.size(); ++i) {
     const auto& variant = study.points[i].variant;
     const auto same = [&](const WorkPoint& other) {
@@ -81,19 +83,19 @@ LogPlot plot(const WorkPrecision& study, std::size_t a) {
     const auto begin = study.points.begin();
     if (std::find_if(begin, study.points.end(), same) != begin + static_cast<std::ptrdiff_t>(i)) continue;
     auto series = curve(study, variant, a);
-    if (!series.x.empty()) plot.series.push_back(std::move(series));
+    if (!series.x.empty()) errors.series.push_back(std::move(series));
   }
   auto edge = front(study, a);
-  if (!edge.x.empty()) plot.series.push_back(std::move(edge));
-  plot.series.push_back(real_time(plot));
+  if (!edge.x.empty()) errors.series.push_back(std::move(edge));
+  errors.series.push_back(real_time(errors));
   return plot;
 }
 
 }  // namespace
 
-std::vector<LogPlot> plots_of(const WorkPrecision& study) {
-  std::vector<LogPlot> plots;
-  for (std::size_t a = 0; a < study.references.size(); ++a) plots.push_back(plot(study, a));
+std::vector<Plot> plots_of(const WorkPrecision& study) {
+  std::vector<Plot> plots;
+  for (std::size_t a = 0; a < study.references.size(); ++a) plots.push_back(plot_of(study, a));
   return plots;
 }
 

@@ -154,7 +154,7 @@ TEST_CASE("latency report: of silence only its noise is told", "[latency]") {
   CHECK(json["noise_floor_dbfs"] == -120);
   CHECK_FALSE(json.contains("xruns"));
   contains(text_of(report), "noise          -120.0 dBFS, DC 0\n");
-  CHECK(test::well_formed(to_svg_page(picture_of(report))));
+  CHECK(test::well_formed(to_svg(picture_of(report))));
 }
 
 TEST_CASE("latency report: of what was given up before it was played, nothing is told that nobody knows",
@@ -178,16 +178,15 @@ TEST_CASE("latency report: of what was given up before it was played, nothing is
 
 TEST_CASE("latency report: the picture is well-formed and has its axes with units", "[latency]") {
   for (const auto& report : {five_openings(), refused()}) {
-    const auto svg = to_svg_page(picture_of(report));
+    const auto svg = to_svg(picture_of(report));
     CHECK(test::well_formed(svg));
     for (const char* words :
          {"delay [ms]", "frequency", "gain of the path [dB]", "delay of each sweep [frames]"})
       contains(svg, words);
     CHECK(svg.find("nan") == std::string::npos);
   }
-  contains(to_svg_page(picture_of(five_openings())),
-           "Delay 960.2500 ± 0.0004 frames, 20.005208 ± 0.000008 ms");
-  contains(to_svg_page(picture_of(refused())), "No delay: LOST_FRAMES");
+  contains(to_svg(picture_of(five_openings())), "Delay 960.2500 ± 0.0004 frames, 20.005208 ± 0.000008 ms");
+  contains(to_svg(picture_of(refused())), "No delay: LOST_FRAMES");
 }
 
 namespace {
@@ -253,7 +252,7 @@ TEST_CASE("latency sweep: the JSON has the law, the shortest good setting and nu
 }
 
 TEST_CASE("latency sweep: the picture marks what lost frames, and is well-formed", "[latency]") {
-  const auto svg = to_svg(picture_of(swept()));
+  const auto svg = to_svg({picture_of(swept())});
   CHECK(test::well_formed(svg));
   for (const char* words :
        {"32: LOST_FRAMES", "lost frames", "block [frames]", "delay [ms]", "48 kHz, 2 periods"})

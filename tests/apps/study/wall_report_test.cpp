@@ -43,7 +43,7 @@ TEST_CASE("wall report: people, machines and pictures get the same map", "[apps]
   CHECK(json["by_delay"]["held"].size() == 5);
   CHECK(json["devices"][1]["force_limit_n"].is_null());  // JSON has no infinity
 
-  const auto picture = log_plots_svg(picture_of(map));
+  const auto picture = to_svg(picture_of(map));
   CHECK(test::well_formed(picture));
   for (const auto& controller : map.controllers) CHECK(contains(picture, controller.controller.name));
 }

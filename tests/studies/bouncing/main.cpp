@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "engine/plot/log_plot.h"
+#include "engine/plot/plot.h"
 #include "engine/study/orbits/bouncing_cascade.h"
 
 // The ball on a driven table, exactly: `bouncing_study PICTURE.svg` draws where it lands against how hard the
@@ -53,12 +53,12 @@ void print_doublings() {
 int main(int count, char** arguments) {
   if (count != 2) return std::fprintf(stderr, "usage: bouncing_study PICTURE.svg\n"), 2;
   print_doublings();
-  LogPlot plot;
-  plot.title = "A ball on a driven table: when it lands";
-  plot.subtitle = fmt::format("restitution {}, exact map; 48 landings at each drive", kDrawnRestitution);
-  plot.x = {.label = "largest acceleration of the table over that of gravity"};
-  plot.y = {.label = "phase of the table at the landing [rad]"};
-  plot.series.push_back(landings());
-  const auto written = write_log_plots(arguments[1], {plot});
+  const Plot plot{
+      .title = "A ball on a driven table: phase of its landings",
+      .subtitle = fmt::format("restitution {}, exact map; 48 landings at each drive", kDrawnRestitution),
+      .x = {.label = "largest acceleration of the table over that of gravity"},
+      .subplots = {{.y = {.label = "phase of the table at the landing [rad]"}, .series = {landings()}}},
+      .subplot_height = 420};
+  const auto written = write_svg(arguments[1], {plot});
   return written ? 0 : (std::fprintf(stderr, "%s\n", to_string(written.error()).c_str()), 3);
 }

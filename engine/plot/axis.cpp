@@ -1,4 +1,4 @@
-#include "engine/plot/svg_scale.h"
+#include "engine/plot/axis.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,32 @@
 #include <array>
 #include <string_view>
 
-namespace tactus::svg {
+namespace tactus {
+namespace {
+
+constexpr int kA4 = 57, kOctave = 12;
+
+/// Semitones above the C below; the note may lie below C0.
+int above_c(int semitones) { return (semitones % kOctave + kOctave) % kOctave; }
+
+}  // namespace
+
+int nearest_note(double hertz) {
+  return static_cast<int>(std::lround(kA4 + kOctave * std::log2(hertz / 440)));
+}
+
+double pitch_of_note(int semitones) {
+  return 440 * std::exp2(static_cast<double>(semitones - kA4) / kOctave);
+}
+
+std::string note_name(double hertz) {
+  static constexpr std::array<const char*, 12> kNames = {"C",  "C#", "D",  "D#", "E",  "F",
+                                                         "F#", "G",  "G#", "A",  "A#", "B"};
+  const int note = nearest_note(hertz), step = above_c(note);
+  return kNames[static_cast<std::size_t>(step)] + std::to_string((note - step) / kOctave);
+}
+
+namespace plot {
 namespace {
 
 constexpr std::array<std::string_view, 15> kSymbols = {"m",  "s", "Hz",  "N", "V", "A", "W", "J",
@@ -21,7 +46,7 @@ bool takes_prefix(const std::string& unit) {
   return !power && std::find(kSymbols.begin(), kSymbols.end(), first) != kSymbols.end();
 }
 
-/// "m/s^2" as people print it.
+/// "m/s^2" as printed.
 std::string pretty(std::string unit) {
   const auto replace = [&](std::string_view from, std::string_view to) {
     for (auto at = unit.find(from); at != std::string::npos; at = unit.find(from, at + to.size()))
@@ -71,11 +96,32 @@ std::vector<Tick> log_ticks(const Scale& scale, const std::string& unit, int mos
     for (const int mantissa : {1, 2, 5}) {
       if (mantissa != 1 && !few) continue;
       const double value = mantissa * std::pow(10.0, exponent);
-      // A hair outside, where rounding has put a tick that lies on the end of the scale.
+      // Rounding may put a tick on the end of the scale just outside.
       if (value < scale.low * (1 - 1e-9) || value > scale.high * (1 + 1e-9)) continue;
       ticks.push_back({value, log_tick_text(value, mantissa, exponent, unit)});
     }
   }
+  return ticks;
+}
+
+/// As many notes of each octave as leave at most `most` ticks, or else every second, third, ... A.
+std::vector<Tick> note_ticks(const Scale& scale, int most) {
+  std::vector<Tick> ticks;
+  const auto collect = [&](const auto& is_ticked) {
+    ticks.clear();
+    const double low = kA4 + kOctave * std::log2(scale.low / 440);
+    const double high = kA4 + kOctave * std::log2(scale.high / 440);
+    for (int note = static_cast<int>(std::ceil(low - 1e-9)); note <= high + 1e-9; ++note)
+      if (const double hertz = pitch_of_note(note); is_ticked(note))
+        ticks.push_back({hertz, fmt::format("{} {:.0f} Hz", note_name(hertz), hertz)});
+    return std::ssize(ticks) <= std::max(1, most);
+  };
+  // From C on: all notes, the natural ones, C E A, E A.
+  for (const std::string_view octave : {"xxxxxxxxxxxx", "x.x.xx.x.x.x", "x...x....x..", "....x....x.."})
+    if (collect([&](int note) { return octave[static_cast<std::size_t>(above_c(note))] == 'x'; }))
+      return ticks;
+  for (int octaves = 1; !collect([&](int note) { return (note - kA4) % (octaves * kOctave) == 0; });)
+    ++octaves;
   return ticks;
 }
 
@@ -95,7 +141,7 @@ Range range_of(const PlotAxis& axis, double low, double high, bool margin) {
   top += extra;
   const double from = axis.low.value_or(axis.log ? std::exp(bottom) : bottom);
   const double to = axis.high.value_or(axis.log ? std::exp(top) : top);
-  // An asked-for end may lie beyond all data: the other end then follows it.
+  // A given limit may lie beyond all data: the other end then follows it.
   if (from < to) return {from, to};
   return axis.low ? Range{from, axis.log ? from * 10.0 : from + 1.0}
                   : Range{axis.log ? to / 10.0 : to - 1.0, to};
@@ -109,10 +155,10 @@ PrefixedUnit prefixed_unit(const std::string& unit, double largest) {
   return {std::string{kPrefixes[static_cast<std::size_t>(step + 4)]} + pretty(unit), std::pow(1000.0, step)};
 }
 
-std::vector<Tick> ticks_of(const Scale& scale, const std::string& unit, const PrefixedUnit& prefixed,
-                           int most) {
+std::vector<Tick> ticks_of(const Scale& scale, const PlotAxis& axis, const PrefixedUnit& prefixed, int most) {
+  if (axis.notes) return note_ticks(scale, most);
   if (scale.log)
-    if (auto ticks = log_ticks(scale, unit, most); ticks.size() > 1 || scale.high >= 10 * scale.low)
+    if (auto ticks = log_ticks(scale, axis.unit, most); ticks.size() > 1 || scale.high >= 10 * scale.low)
       return ticks;
   const double low = scale.low / prefixed.factor;
   const double high = scale.high / prefixed.factor;
@@ -122,7 +168,7 @@ std::vector<Tick> ticks_of(const Scale& scale, const std::string& unit, const Pr
   for (const double nice : {5.0, 2.0, 1.0})
     if (nice * power >= least_step * (1 - 1e-9)) step = nice * power;
   const int decimals = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
-  const auto own_unit = scale.log && takes_prefix(unit) ? " " + prefixed.text : std::string{};
+  const auto own_unit = scale.log && takes_prefix(axis.unit) ? " " + prefixed.text : std::string{};
   std::vector<Tick> ticks;
   for (double n = std::ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n += 1.0)
     ticks.push_back({n * step * prefixed.factor, number(n * step, decimals) + own_unit});
@@ -134,4 +180,5 @@ std::string axis_title(const PlotAxis& axis, const PrefixedUnit& prefixed) {
   return axis.label.empty() ? "[" + prefixed.text + "]" : axis.label + " [" + prefixed.text + "]";
 }
 
-}  // namespace tactus::svg
+}  // namespace plot
+}  // namespace tactus

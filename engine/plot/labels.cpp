@@ -1,10 +1,11 @@
-#include "engine/plot/svg_layout.h"
+#include "engine/plot/labels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
-namespace tactus::svg {
+namespace tactus::plot {
 namespace {
 
 bool continues_utf8(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
@@ -54,17 +55,17 @@ std::vector<std::string> wrap(const std::string& text, double font_size, double 
   return lines;
 }
 
-std::vector<double> spread(const std::vector<double>& wanted, double gap, double low, double high) {
-  std::vector<std::size_t> order(wanted.size());
+std::vector<double> spread(const std::vector<double>& preferred, double gap, double low, double high) {
+  std::vector<std::size_t> order(preferred.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return wanted[a] < wanted[b]; });
-  std::vector<double> placed(wanted.size());
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return preferred[a] < preferred[b]; });
+  std::vector<double> placed(preferred.size());
   double next = low;
   for (const auto i : order) {
-    placed[i] = std::max(wanted[i], next);
+    placed[i] = std::max(preferred[i], next);
     next = placed[i] + gap;
   }
-  // What was pushed out at the end goes back and pushes its neighbours in turn.
+  // Labels pushed beyond the end move back and push their neighbours in turn.
   double last = high;
   for (auto i = order.rbegin(); i != order.rend(); ++i) {
     placed[*i] = std::min(placed[*i], last);
@@ -116,4 +117,42 @@ std::vector<std::vector<Point>> polylines(const PlotSeries& series, const Scale&
   return lines;
 }
 
-}  // namespace tactus::svg
+void FreeSpace::take(const std::vector<Point>& line) {
+  constexpr double kStep = 4;  // [px]
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const double dx = line[i].x - line[i - 1].x, dy = line[i].y - line[i - 1].y;
+    const int steps = 1 + static_cast<int>(std::min(1e4, std::hypot(dx, dy) / kStep));
+    for (int n = 0; n <= steps; ++n) {
+      const double x = line[i - 1].x + dx * n / steps, y = line[i - 1].y + dy * n / steps;
+      take({x - 1, y - 1, x + 1, y + 1});
+    }
+  }
+}
+
+FreeSpace::Place FreeSpace::beside(const Point& point, double width) {
+  constexpr double kGap = 7, kHalfLine = 6;  // [px]
+  constexpr std::array<Point, 8> kSides = {
+      {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}}};
+  const auto box_at = [&](const Point& side) {
+    const double x = point.x + side.x * (kGap + 0.5 * width), y = point.y + side.y * (kGap + kHalfLine);
+    return Box{x - 0.5 * width, y - kHalfLine, x + 0.5 * width, y + kHalfLine};
+  };
+  const auto is_free = [&](const Point& side) {
+    const auto box = box_at(side);
+    const bool within = box.left >= plot_.left && box.right <= plot_.right && box.top >= plot_.top &&
+                        box.bottom <= plot_.bottom;
+    return within && std::none_of(taken_.begin(), taken_.end(), [&](const Box& other) {
+             return box.left < other.right && other.left < box.right && box.top < other.bottom &&
+                    other.top < box.bottom;
+           });
+  };
+  const auto found = std::find_if(kSides.begin(), kSides.end(), is_free);
+  const auto side = found == kSides.end() ? kSides.front() : *found;
+  const auto box = box_at(side);
+  take(box);
+  // The width is an estimate: the anchor is the end that is near the point.
+  const char* anchor = side.x > 0 ? "start" : side.x < 0 ? "end" : "middle";
+  return {point.x + side.x * kGap, box.bottom - 2, anchor};
+}
+
+}  // namespace tactus::plot
