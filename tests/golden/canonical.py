@@ -22,14 +22,15 @@ def parse(text):
     return json.loads(text, parse_float=Number, parse_int=Number)
 
 
-def numbers(value, key=""):
-    """In the order of the document."""
+def numbers(value, key="", sort=False):
+    """In the order of the document; `sort`: lists of results come in an order that depends on times."""
     if isinstance(value, dict):
         for name, item in value.items():
             if not VOLATILE.search(name):
-                yield from numbers(item, name)
+                yield from numbers(item, name, sort)
     elif isinstance(value, list):
-        inside = [word for item in value for word in numbers(item, key)]
+        items = [list(numbers(item, key, sort)) for item in value]
+        inside = [word for item in (sorted(items) if sort else items) for word in item]
         yield from ["["] + inside + ["]"] if inside else []
     elif isinstance(value, Number):
         yield repr(float(value))
@@ -39,8 +40,8 @@ def numbers(value, key=""):
         yield value
 
 
-def of_json(text):
-    return " ".join(numbers(parse(text)))
+def of_json(text, sort=False):
+    return " ".join(numbers(parse(text), sort=sort))
 
 
 def of_errors(text):

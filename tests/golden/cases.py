@@ -32,10 +32,10 @@ class Runner:
         return subprocess.run([self.program, *map(str, arguments)], cwd=ROOT, capture_output=True, text=True,
                               errors="replace", stdin=subprocess.DEVNULL, timeout=seconds)
 
-    def answer(self, *arguments):
+    def answer(self, *arguments, sort=False):
         """Exit code, numbers of the JSON, places of errors."""
         done = self(*arguments)
-        body = canonical.of_json(done.stdout) if done.stdout.lstrip().startswith(("{", "[")) else ""
+        body = canonical.of_json(done.stdout, sort) if done.stdout.lstrip().startswith(("{", "[")) else ""
         return "\n".join([f"exit {done.returncode}", body, canonical.of_errors(done.stderr)])
 
     def rendered(self, *arguments, events=True):
@@ -183,7 +183,8 @@ STUDIES = {
 
 
 def study(run, *arguments):
-    return run.answer("study", *arguments, "--json")
+    # The runs of work-precision are listed by the time that they took.
+    return run.answer("study", *arguments, "--json", sort=arguments[0] == "work-precision")
 
 
 def all_cases():
