@@ -115,7 +115,7 @@ void print_loops(const StabilityVerdict& verdict) {
     for (const auto& loop : regime.loops)
       fmt::print("  {:28} {:8} {:24} {:>10} {:9.4g} {:10.3g} {:>10}\n", regime.name,
                  regime.held ? "held" : "bare", loop.at,
-                 loop.wave_port          ? "passive"
+                 loop.wave_port      ? "passive"
                  : loop.integrates() ? "integrates"
                                      : decibels(loop.margin.border),
                  loop.margin.border_hz, loop.margin.peak,

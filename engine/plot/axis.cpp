@@ -7,30 +7,6 @@
 #include <string_view>
 
 namespace tactus {
-namespace {
-
-constexpr int kA4 = 57, kOctave = 12;
-
-/// Semitones above the C below; the note may lie below C0.
-int above_c(int semitones) { return (semitones % kOctave + kOctave) % kOctave; }
-
-}  // namespace
-
-int nearest_note(double hertz) {
-  return static_cast<int>(std::lround(kA4 + kOctave * std::log2(hertz / 440)));
-}
-
-double pitch_of_note(int semitones) {
-  return 440 * std::exp2(static_cast<double>(semitones - kA4) / kOctave);
-}
-
-std::string note_name(double hertz) {
-  static constexpr std::array<const char*, 12> kNames = {"C",  "C#", "D",  "D#", "E",  "F",
-                                                         "F#", "G",  "G#", "A",  "A#", "B"};
-  const int note = nearest_note(hertz), step = above_c(note);
-  return kNames[static_cast<std::size_t>(step)] + std::to_string((note - step) / kOctave);
-}
-
 namespace plot {
 namespace {
 
@@ -109,8 +85,8 @@ std::vector<Tick> note_ticks(const Scale& scale, int most) {
   std::vector<Tick> ticks;
   const auto collect = [&](const auto& is_ticked) {
     ticks.clear();
-    const double low = kA4 + kOctave * std::log2(scale.low / 440);
-    const double high = kA4 + kOctave * std::log2(scale.high / 440);
+    const double low = kA4 + kSemitonesOfOctave * std::log2(scale.low / 440);
+    const double high = kA4 + kSemitonesOfOctave * std::log2(scale.high / 440);
     for (int note = static_cast<int>(std::ceil(low - 1e-9)); note <= high + 1e-9; ++note)
       if (const double hertz = pitch_of_note(note); is_ticked(note))
         ticks.push_back({hertz, fmt::format("{} {:.0f} Hz", note_name(hertz), hertz)});
@@ -118,9 +94,10 @@ std::vector<Tick> note_ticks(const Scale& scale, int most) {
   };
   // From C on: all notes, the natural ones, C E A, E A.
   for (const std::string_view octave : {"xxxxxxxxxxxx", "x.x.xx.x.x.x", "x...x....x..", "....x....x.."})
-    if (collect([&](int note) { return octave[static_cast<std::size_t>(above_c(note))] == 'x'; }))
+    if (collect([&](int note) { return octave[static_cast<std::size_t>(semitones_above_c(note))] == 'x'; }))
       return ticks;
-  for (int octaves = 1; !collect([&](int note) { return (note - kA4) % (octaves * kOctave) == 0; });)
+  for (int octaves = 1;
+       !collect([&](int note) { return (note - kA4) % (octaves * kSemitonesOfOctave) == 0; });)
     ++octaves;
   return ticks;
 }

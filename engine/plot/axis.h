@@ -4,17 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/notes.h"
 #include "engine/plot/plot.h"
 
 // Thread: [any]
 
 namespace tactus {
-
-/// The nearest note of the scale in equal temperament, in semitones above C0; A4 = 440 Hz is 57.
-int nearest_note(double hertz);
-double pitch_of_note(int semitones);
-/// "A2", "C#4": the nearest note.
-std::string note_name(double hertz);
 
 namespace plot {
 

@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "engine/core/units.h"
 #include "engine/core/find_root.h"
+#include "engine/core/units.h"
 
 namespace tactus {
 namespace {

@@ -15,7 +15,9 @@ class RegimeJudge {
   RegimeJudge(const ClosedGraph& closed, const Regime& regime, Hertz rate)
       : closed_(closed),
         rate_(rate),
-        verdict_{.name = regime.name, .held = regime.hand.has_value(), .unstable_equilibria = closed.graph.unstable_equilibria} {}
+        verdict_{.name = regime.name,
+                 .held = regime.hand.has_value(),
+                 .unstable_equilibria = closed.graph.unstable_equilibria} {}
 
   RegimeVerdict run() {
     std::vector<int> wanted = closed_.drives;

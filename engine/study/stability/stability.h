@@ -17,7 +17,7 @@ namespace tactus {
 struct NetworkVerdict {
   std::string path, regime;
   Solver solver = Solver::Passive;
-  bool has_friction = false;                     ///< has frictions, which are left out
+  bool has_friction = false;             ///< has frictions, which are left out
   double radius = 0;                     ///< of one frame
   double rate_hz = 0;                    ///< that it runs at: rate times oversample
   std::optional<double> needed_hz = {};  ///< the least; nullopt: it holds at every rate, infinite: at none
@@ -36,7 +36,7 @@ struct LoopVerdict {
   std::string at;
   std::vector<std::string> way;  ///< once around
   bool drive = false;            ///< one of the instrument's outputs: its delay is the system's
-  bool wave_port = false;            ///< the port of a network: it gives back no more than it takes
+  bool wave_port = false;        ///< the port of a network: it gives back no more than it takes
   CutMargin margin;
   /// It adds up what comes in: a root stands at z = 1 on purpose, and no gain was to be turned up.
   bool integrates() const { return margin.border_hz == 0 && margin.border >= 1 && margin.border < 1 + 1e-6; }
@@ -64,7 +64,8 @@ struct RegimeVerdict {
   std::optional<double> device_damping = {};  ///< [N s/m] of what is driven, near 0 Hz
   /// Loops that are too many to be looked at, by their first signal.
   std::vector<std::string> too_large = {};
-  std::vector<std::string> unstable_equilibria = {};  ///< laws that push away here and pull back elsewhere: left out
+  std::vector<std::string> unstable_equilibria =
+      {};  ///< laws that push away here and pull back elsewhere: left out
   bool is_stable() const { return growing == 0; }
 };
 
@@ -96,7 +97,7 @@ struct StabilityVerdict {
   std::vector<ControlVerdict> controls;
   std::vector<OpenVerdict> open;
   std::vector<std::string> skipped;
-  bool nonlinear = false;         ///< some force answers a position otherwise elsewhere
+  bool nonlinear = false;     ///< some force answers a position otherwise elsewhere
   bool outside_known = true;  ///< false: an instrument alone, and only what it holds itself is judged
   bool stable = true;
 };

@@ -21,8 +21,8 @@ std::string newtons_per_metre(double stiffness) {
   return std::isfinite(stiffness) ? fmt::format("{:.4g} N/m", stiffness) : "any stiffness";
 }
 
-/// Where one change does most: of what is stable, the place with the least margin; of what is not, the one that
-/// is nearest to stability. Fingertips do not count.
+/// Where one change does most: of what is stable, the place with the least margin; of what is not, the one
+/// that is nearest to stability. Fingertips do not count.
 struct Critical {
   const RegimeVerdict* regime = nullptr;
   const LoopVerdict* loop = nullptr;
@@ -41,7 +41,8 @@ Critical most_critical(const StabilityVerdict& verdict) {
     for (const auto& regime : verdict.regimes) {
       if (regime.held || (!verdict.stable && regime.is_stable())) continue;
       for (const auto& stiff : regime.stiff)
-        if (const double border = stiff.stable_up_to / stiff.stiffness; springs && more_critical(border, found))
+        if (const double border = stiff.stable_up_to / stiff.stiffness;
+            springs && more_critical(border, found))
           found = {&regime, nullptr, &stiff, border};
       for (const auto& loop : regime.loops)
         if (!springs && !loop.wave_port && !loop.integrates() && more_critical(loop.margin.border, found))
@@ -78,11 +79,11 @@ void report_growing(const StabilityVerdict& verdict, std::vector<std::string>& w
   for (const auto& regime : verdict.regimes) {
     if (regime.is_stable()) continue;
     std::string line =
-        fmt::format("{}{}: {} root{} grow{}", regime.name, regime.held ? ", held by a fingertip" : "", regime.growing,
-                    regime.growing == 1 ? "" : "s", regime.growing == 1 ? "s" : "");
+        fmt::format("{}{}: {} root{} grow{}", regime.name, regime.held ? ", held by a fingertip" : "",
+                    regime.growing, regime.growing == 1 ? "" : "s", regime.growing == 1 ? "s" : "");
     if (!regime.roots.empty() && regime.roots.front().growth_per_s > 0)
-      line += fmt::format(", the fastest at {:.4g} Hz with a time constant of {:.3g} s", regime.roots.front().frequency_hz,
-                          1 / regime.roots.front().growth_per_s);
+      line += fmt::format(", the fastest at {:.4g} Hz with a time constant of {:.3g} s",
+                          regime.roots.front().frequency_hz, 1 / regime.roots.front().growth_per_s);
     words.push_back(std::move(line));
   }
 }
@@ -91,20 +92,22 @@ void report_first(const Critical& first, std::vector<std::string>& words) {
   if (first.regime == nullptr) return;
   if (first.stiff != nullptr) {
     const bool pushes = first.stiff->stiffness < 0;
-    words.push_back(fmt::format("most critical: {} '{}' ({}), which {} {} and is stable up to {}", first.stiff->type,
-                                first.stiff->path, first.regime->name, pushes ? "pushes away with" : "has",
+    words.push_back(fmt::format("most critical: {} '{}' ({}), which {} {} and is stable up to {}",
+                                first.stiff->type, first.stiff->path, first.regime->name,
+                                pushes ? "pushes away with" : "has",
                                 newtons_per_metre(std::abs(first.stiff->stiffness)),
                                 newtons_per_metre(std::abs(first.stiff->stable_up_to))));
     return;
   }
-  words.push_back(fmt::format("most critical ({}): the loop {}, unstable from {:.3g} times its gain on", first.regime->name,
-                              joined(first.loop->way), first.border));
+  words.push_back(fmt::format("most critical ({}): the loop {}, unstable from {:.3g} times its gain on",
+                              first.regime->name, joined(first.loop->way), first.border));
 }
 
 void report_room(const StabilityVerdict& verdict, const Critical& first, std::vector<std::string>& words) {
   if (several_drives(verdict)) {
     words.emplace_back(
-        "several drives: each margin is that of one drive alone; all together have smaller margins of gain and "
+        "several drives: each margin is that of one drive alone; all together have smaller margins of gain "
+        "and "
         "of delay");
     return;
   }
@@ -133,8 +136,7 @@ void report_change(const StabilityVerdict& verdict, const Critical& first, std::
   if (first.stiff != nullptr)
     ways.push_back(fmt::format("give '{}' less than {}", first.stiff->path,
                                newtons_per_metre(std::abs(first.stiff->stable_up_to))));
-  if (first.loop != nullptr)
-    ways.push_back(fmt::format("use less than {:.3g} times the gain", first.border));
+  if (first.loop != nullptr) ways.push_back(fmt::format("use less than {:.3g} times the gain", first.border));
   for (const auto& control : verdict.controls)
     if (control.border)
       ways.push_back(fmt::format("set '{}' {} {}", control.control.name,
@@ -190,17 +192,16 @@ void report_networks(const StabilityVerdict& verdict, std::vector<std::string>& 
     if (first && !network.contacts_stable())
       words.push_back(
           network.contact_steps < kFewestContactSteps
-              ? fmt::format(
-                    "network '{}': a strike at 1 m/s lasts {:.2g} steps, fewer than {:g}: explicit "
-                    "contacts then add energy; oversample = {:.0f}, or solver = \"passive\"",
-                    network.path, network.contact_steps, kFewestContactSteps,
-                    std::ceil(kFewestContactSteps / network.contact_steps))
+              ? fmt::format("network '{}': a strike at 1 m/s lasts {:.2g} steps, fewer than {:g}: explicit "
+                            "contacts then add energy; oversample = {:.0f}, or solver = \"passive\"",
+                            network.path, network.contact_steps, kFewestContactSteps,
+                            std::ceil(kFewestContactSteps / network.contact_steps))
               : fmt::format("network '{}': its initial state presses a contact too stiff for explicit steps, "
                             "which then add energy; more steps, or solver = \"passive\"",
                             network.path));
     if (network.stable || !network.grows) continue;
-    std::string line = fmt::format("network '{}' ({}) is unstable by itself: spectral radius {:.9g}", network.path,
-                                   network.regime, network.radius);
+    std::string line = fmt::format("network '{}' ({}) is unstable by itself: spectral radius {:.9g}",
+                                   network.path, network.regime, network.radius);
     if (!network.weakest.empty()) line += ", mode of " + network.weakest;
     if (network.needed_hz && std::isfinite(*network.needed_hz))
       line += fmt::format("; it needs {:.4g} Hz: oversample = {:.0f}, or solver = \"passive\"",
@@ -234,7 +235,8 @@ std::vector<std::string> describe(const StabilityVerdict& verdict) {
   std::vector<std::string> words{headline(verdict, first)};
   report_growing(verdict, words);
   report_networks(verdict, words);
-  if (std::any_of(verdict.networks.begin(), verdict.networks.end(), [](const auto& n) { return n.has_friction; }))
+  if (std::any_of(verdict.networks.begin(), verdict.networks.end(),
+                  [](const auto& n) { return n.has_friction; }))
     words.emplace_back("dry friction is left out: it stabilises small motions beyond these limits");
   report_equilibria(verdict, words);
   report_first(first, words);
@@ -244,8 +246,7 @@ std::vector<std::string> describe(const StabilityVerdict& verdict) {
   report_held(verdict, words);
   report_events(verdict, words);
   report_outside(verdict, words);
-  for (const auto& path : verdict.skipped)
-    words.push_back(path + ": too large to analyse; skipped");
+  for (const auto& path : verdict.skipped) words.push_back(path + ": too large to analyse; skipped");
   return words;
 }
 

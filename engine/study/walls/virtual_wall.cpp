@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/study/walls/held_mass.h"
 #include "engine/core/find_root.h"
+#include "engine/study/walls/held_mass.h"
 
 namespace tactus {
 

@@ -9,9 +9,9 @@
 #include <optional>
 #include <vector>
 
+#include "engine/core/find_root.h"
 #include "engine/study/stability/split_delay.h"
 #include "engine/study/walls/held_mass.h"
-#include "engine/core/find_root.h"
 
 namespace tactus {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/study/parallel_for.h"
 #include "engine/core/find_root.h"
+#include "engine/study/parallel_for.h"
 #include "engine/study/walls/wall_border.h"
 
 namespace tactus {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/plot/axis.h"
+#include "engine/core/notes.h"
 #include "engine/scene/measures/notes/standing_tone.h"
 
 namespace tactus {

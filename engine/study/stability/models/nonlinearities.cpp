@@ -37,8 +37,9 @@ struct Group {
 
   /// Whether every law answers as much where the source has moved by `there` as where it has moved by `here`.
   bool serves(double there, double here) const {
-    return std::all_of(laws.begin(), laws.end(),
-                       [&](const Nonlinearity* law) { return law->answer(there) >= law->answer(here) * (1 - 1e-9); });
+    return std::all_of(laws.begin(), laws.end(), [&](const Nonlinearity* law) {
+      return law->answer(there) >= law->answer(here) * (1 - 1e-9);
+    });
   }
 
   void offer(Choice choice) {
@@ -100,7 +101,7 @@ Derived AffineMaps::of(const PlanSignal& signal) const {
 }
 
 void AffineMaps::note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in,
-                       const Operands& operands) {
+                      const Operands& operands) {
   if (!is_linear(op, operands)) return;
   Derived derived{{}, 0};
   for (int k = 0; k < operands_of(op); ++k) {
@@ -119,8 +120,8 @@ std::optional<double> AffineMaps::moved(const PlanSignal& signal, const Displace
   return found == moved.end() ? std::nullopt : std::optional{from.slope * found->second};
 }
 
-std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands, int which,
-                           const Derived& from) {
+std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands,
+                                   int which, const Derived& from) {
   const bool bends = op == Expression::Op::Min || op == Expression::Op::Max || op == Expression::Op::Abs;
   if (!bends || (operands.moves[0] && operands.moves[1])) return std::nullopt;
   const auto answer = [=](double moved) {

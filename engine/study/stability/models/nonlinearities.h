@@ -54,8 +54,8 @@ struct Nonlinearity {
 };
 
 /// [any] Of a minimum, maximum or absolute value of `from` and what rests; nullopt of other operations.
-std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands, int which,
-                           const Derived& from);
+std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands,
+                                   int which, const Derived& from);
 
 struct OperatingPoint {
   std::string name;

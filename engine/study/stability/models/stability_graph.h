@@ -66,11 +66,12 @@ struct LinearGraph {
   std::vector<std::string> skipped;  ///< networks that are too large
   std::vector<StiffPlace> stiff;
   std::vector<EventPlace> events;
-  std::vector<std::string> unstable_equilibria;  ///< laws that push away where they rest and pull back elsewhere: left out
-  std::vector<int> wave_ports;          ///< waves that leave a network
-  std::vector<Nonlinearity> laws;           ///< that answer otherwise elsewhere
-  bool nonlinear = false;               ///< some force answers a position otherwise elsewhere
-  bool has_touched = false;         ///< some law is steeper elsewhere than where it rests
+  std::vector<std::string>
+      unstable_equilibria;         ///< laws that push away where they rest and pull back elsewhere: left out
+  std::vector<int> wave_ports;     ///< waves that leave a network
+  std::vector<Nonlinearity> laws;  ///< that answer otherwise elsewhere
+  bool nonlinear = false;          ///< some force answers a position otherwise elsewhere
+  bool has_touched = false;        ///< some law is steeper elsewhere than where it rests
 
   int add_signal(std::string name);
   void join(int from, int to) { edges.push_back({.from = from, .to = to, .path = {}}); }

@@ -30,7 +30,7 @@ bool is_spring(const NodeType& type, std::size_t input, std::size_t output);
 struct SteepPlace {
   std::vector<double> at;  ///< its inputs there
   double answer = 0;       ///< sum of the slopes; of a force that answers a position only what pulls back
-  bool nonlinear = false;      ///< it answers otherwise elsewhere
+  bool nonlinear = false;  ///< it answers otherwise elsewhere
   int input = -1;          ///< what moved to get there; the first that can, where nothing had to
 };
 

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/study/walls/held_mass.h"
 #include "engine/core/find_root.h"
+#include "engine/study/walls/held_mass.h"
 #include "engine/study/walls/wall_border.h"
 
 using namespace tactus;

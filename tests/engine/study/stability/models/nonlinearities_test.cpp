@@ -66,7 +66,8 @@ TEST_CASE("stability bends: laws that overlap are looked at where their sum answ
           "[analysis]") {
   // Two bells nearer than 2 / sqrt 2 widths: their sum has one summit, in the middle.
   const auto bell = [](const char* path, double middle, double height) {
-    return Nonlinearity{path, kX, middle, [=](double x) { return height * std::exp(-(x - middle) * (x - middle)); }};
+    return Nonlinearity{path, kX, middle,
+                        [=](double x) { return height * std::exp(-(x - middle) * (x - middle)); }};
   };
   const auto places = operating_points({bell("low", -0.6, 1), bell("high", 0.6, 1)});
   REQUIRE(places.size() == 3);
@@ -76,7 +77,7 @@ TEST_CASE("stability bends: laws that overlap are looked at where their sum answ
 
 TEST_CASE("stability bends: stops on different signals are met in every combination", "[analysis]") {
   const std::vector<Nonlinearity> both{stop("low", kX, -1), stop("high", kX, 1), stop("floor", kY, -1),
-                               stop("roof", kY, 1)};
+                                       stop("roof", kY, 1)};
   const auto places = operating_points(both);
   REQUIRE(places.size() == 4);
   for (const auto& place : places) CHECK(place.moved.size() == 2);
