@@ -170,7 +170,7 @@ Checked<std::vector<ExtremeRun>> run_all(const CheckJob& job, const StabilityVer
   return runs;
 }
 
-int run(const CheckOptions& options) {
+int run_check(const CheckOptions& options) {
   CheckJob job;
   if (const auto refusal = read(options, job)) return report(refusal->errors), refusal->exit;
   std::vector<ExtremeRun> runs;
@@ -225,7 +225,7 @@ void add_check(CLI::App& app, int& exit_code) {
       "Examples:\n  tactus check instruments/haptic_drum\n  tactus check my_wall.toml --delay \"1 ms\" "
       "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: it does not "
       "hold.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_check(*options); });
 }
 
 }  // namespace tactus::app

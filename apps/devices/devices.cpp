@@ -62,7 +62,7 @@ void print(const Device& device, const MeasuredDelays& delays) {
       latency_text(device), measured_text(device, delays));
 }
 
-int run(const std::string& backend, bool as_json) {
+int run_devices(const std::string& backend, bool as_json) {
   if (!backend.empty())
     if (const auto known = make_card_backend(backend); !known) return report(known.error()), kUsage;
   const auto all = list_devices(backend);
@@ -105,7 +105,7 @@ void add_devices(CLI::App& app, int& exit_code) {
       "An id, or a part of a name that only one device has, goes into:\n"
       "  tactus play instruments/haptic_drum --device jack:system\n"
       "Exit code 4: there is none.");
-  command->callback([=, &exit_code] { exit_code = run(*backend, *as_json); });
+  command->callback([=, &exit_code] { exit_code = run_devices(*backend, *as_json); });
 }
 
 }  // namespace tactus::app

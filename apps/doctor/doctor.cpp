@@ -27,7 +27,7 @@ void print(const Finding& finding) {
   if (!finding.command.empty()) fmt::print("{:29}{}\n", "", finding.command);
 }
 
-int run(bool json) {
+int run_doctor(bool json) {
   const auto priority = try_priority();
   const auto memory = lock_memory();
   const auto findings = judge_system(read_system(), priority, memory);
@@ -58,7 +58,7 @@ void add_doctor(CLI::App& app, int& exit_code) {
       "Example:\n  tactus doctor\nIt changes nothing; each finding is followed by the command that fixes it, "
       "or "
       "that shows more.\nExit code 1: something warns.");
-  command->callback([json, &exit_code] { exit_code = run(*json); });
+  command->callback([json, &exit_code] { exit_code = run_doctor(*json); });
 }
 
 }  // namespace tactus::app

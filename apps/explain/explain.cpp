@@ -193,7 +193,7 @@ bool is_scene(const std::filesystem::path& file) {
   return table && find(*table, "parts") != nullptr;
 }
 
-int run(const ExplainOptions& options) {
+int run_explain(const ExplainOptions& options) {
   auto file = resolve_target(options.target, "instrument.toml");
   const auto rate = parse_rate(options.rate);
   if (!rate) return report(rate.error()), kUsage;
@@ -232,7 +232,7 @@ void add_explain(CLI::App& app, int& exit_code) {
   command->footer(
       "Examples:\n  tactus explain instruments/haptic_drum\n  tactus explain "
       "instruments/haptic_drum/scene.toml --json");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_explain(*options); });
 }
 
 }  // namespace tactus::app

@@ -33,7 +33,7 @@ LatencyReport report_of(const std::string& source, Capture capture, Analysis ana
   return report;
 }
 
-int run(AnalyzeOptions options) {
+int run_latency_analyze(AnalyzeOptions options) {
   if (!options.rate.empty()) {
     const auto rate = parse_rate(options.rate, "rate");
     if (!rate) return report(rate.error());
@@ -81,7 +81,7 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
       "The delay is counted from the beginning of the probe to where it begins in FILE: it is that of the "
       "device only\nif both were begun in the same frame.\n"
       "Exit code 1: the recording shows why its delay is not to be trusted.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_latency_analyze(*options); });
 }
 
 }  // namespace tactus::app

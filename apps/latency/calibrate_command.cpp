@@ -102,7 +102,7 @@ Status write_evidence(const CalibrateOptions& options, const Calibration& calibr
   return write_svg(options.picture, picture_of(calibration));
 }
 
-int run(const CalibrateOptions& options) {
+int run_latency_calibrate(const CalibrateOptions& options) {
   auto loop = make_loop(options.loop);
   if (!loop) return report(loop.error().errors), loop.error().exit;
   install_signal_handlers();
@@ -160,7 +160,7 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
       "microphone\n"
       "  tactus latency measure --rig desk.toml --profile woofer.toml    # from now on without a cable\n"
       "The first output of the rig moves, as loud as its guard allows: keep hands away.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_latency_calibrate(*options); });
 }
 
 }  // namespace tactus::app

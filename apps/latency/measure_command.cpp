@@ -36,7 +36,7 @@ int keep(LatencyReport& report, const Loop& loop, const MeasureOptions& options)
   return on_machine != kDone ? on_machine : in_rig;
 }
 
-int run(const MeasureOptions& options) {
+int run_latency_measure(const MeasureOptions& options) {
   auto loop = make_loop(options.loop);
   if (!loop) return report(loop.error().errors), loop.error().exit;
   install_signal_handlers();
@@ -77,7 +77,7 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
       "Connect the output with the input by a cable, and take the speakers off: what is played begins softly "
       "and becomes no louder than it must.\n"
       "Exit code 1: there is no delay to be trusted, and the report says why and what to do.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_latency_measure(*options); });
 }
 
 }  // namespace tactus::app

@@ -20,7 +20,7 @@ struct ProbeOptions {
   bool json = false;
 };
 
-int run(const ProbeOptions& options) {
+int run_latency_probe(const ProbeOptions& options) {
   const auto rate = parse_rate(options.rate, "rate");
   if (!rate) return report(rate.error());
   const auto level = parse_level(options.level, "level");
@@ -58,7 +58,7 @@ void add_latency_probe(CLI::App& latency, int& exit_code) {
       "Play it and record it at the same time, in one program, from before it begins until after it has "
       "ended; then:\n"
       "  tactus latency analyze capture.wav --probe probe.wav");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_latency_probe(*options); });
 }
 
 }  // namespace tactus::app

@@ -135,7 +135,7 @@ int publish(SweepReport& sweep, const SweepOptions& options) {
   return shortest_good(sweep.settings()) == nullptr ? kNo : kDone;
 }
 
-int run(const SweepOptions& options) {
+int run_latency_sweep(const SweepOptions& options) {
   auto loop = make_loop(options.loop);
   if (!loop) return report(loop.error().errors), loop.error().exit;
   std::vector<Hertz> rates;
@@ -181,7 +181,7 @@ void add_latency_sweep(CLI::App& latency, int& exit_code) {
       "  tactus latency sweep --device USB --blocks 32,64,128 --periods 2,3 --report blocks.svg\n"
       "Nothing is kept: measure the setting that you choose with tactus latency measure.\n"
       "Exit code 1: no setting can be trusted.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_latency_sweep(*options); });
 }
 
 }  // namespace tactus::app

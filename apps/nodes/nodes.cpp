@@ -135,7 +135,7 @@ int run_json(const NodeTable& table, const std::string& name) {
   return kDone;
 }
 
-int run(const NodesOptions& options) {
+int run_nodes(const NodesOptions& options) {
   const auto& table = standard_nodes();
   const auto* type = table.find(options.name);
   if (!options.name.empty() && options.name != "network" && type == nullptr)
@@ -161,7 +161,7 @@ void add_nodes(CLI::App& app, int& exit_code) {
                     "JSON Schema of graph files, for editors (docs/tactus.schema.json)");
   command->footer(
       "Examples:\n  tactus nodes\n  tactus nodes onset\n  tactus nodes network\n  tactus nodes delay --json");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_nodes(*options); });
 }
 
 }  // namespace tactus::app

@@ -6,13 +6,11 @@
 namespace tactus::app {
 namespace {
 
-using Kind = MidiMessage::Kind;
-
 constexpr int kFineControllers = 32;  // 0 to 31 have their low bits in 32 to 63: MIDI 1.0, table 3
 constexpr int kPitchBend = -1;
 
 bool is_low_half(const MidiMessage& message) {
-  return message.kind == Kind::Controller && message.number >= kFineControllers &&
+  return message.kind == MidiMessage::Kind::Controller && message.number >= kFineControllers &&
          message.number < 2 * kFineControllers;
 }
 
@@ -31,7 +29,7 @@ std::vector<ControlMove> MidiMap::hear(const MidiEvent& event) {
     if (const auto place = place_of(binding, event)) moves.push_back({binding.control, *place});
   }
   const auto& message = event.message;
-  if (message.kind == Kind::Controller && message.number < kFineControllers)
+  if (message.kind == MidiMessage::Kind::Controller && message.number < kFineControllers)
     high_bits_[{event.port, {message.channel, message.number}}] = message.value;
   return moves;
 }
@@ -40,17 +38,17 @@ std::optional<double> MidiMap::place_of(const RigMidi& binding, const MidiEvent&
   const auto& message = event.message;
   switch (binding.kind) {
     case RigMidi::Kind::PitchBend:
-      if (message.kind != Kind::PitchBend) return std::nullopt;
+      if (message.kind != MidiMessage::Kind::PitchBend) return std::nullopt;
       return message.value / 16383.0;
     case RigMidi::Kind::Note:
       if (message.number != binding.number) return std::nullopt;
-      if (message.kind == Kind::NoteOn) return binding.gate ? 1.0 : message.value / 127.0;
-      if (message.kind == Kind::NoteOff && binding.gate) return 0.0;
+      if (message.kind == MidiMessage::Kind::NoteOn) return binding.gate ? 1.0 : message.value / 127.0;
+      if (message.kind == MidiMessage::Kind::NoteOff && binding.gate) return 0.0;
       return std::nullopt;
     case RigMidi::Kind::Controller:
       break;
   }
-  if (message.kind != Kind::Controller) return std::nullopt;
+  if (message.kind != MidiMessage::Kind::Controller) return std::nullopt;
   if (!binding.fine)
     return message.number == binding.number ? std::optional{message.value / 127.0} : std::nullopt;
   // The high bits alone set the low ones to 0.
@@ -68,8 +66,9 @@ void MidiMap::learn(const std::string& control) {
 
 void MidiMap::watch(const MidiEvent& event) {
   const auto& message = event.message;
-  if (message.kind == Kind::NoteOff) return;
-  if (message.kind == Kind::NoteOn) return bind(event, RigMidi::Kind::Note, message.number, false);
+  if (message.kind == MidiMessage::Kind::NoteOff) return;
+  if (message.kind == MidiMessage::Kind::NoteOn)
+    return bind(event, RigMidi::Kind::Note, message.number, false);
   if (is_low_half(message)) {
     const auto high = heard_.find({event.port, {message.channel, message.number - kFineControllers}});
     if (high != heard_.end()) {
@@ -77,7 +76,7 @@ void MidiMap::watch(const MidiEvent& event) {
       return;
     }
   }
-  const bool bend = message.kind == Kind::PitchBend;
+  const bool bend = message.kind == MidiMessage::Kind::PitchBend;
   const Knob knob{event.port, {message.channel, bend ? kPitchBend : message.number}};
   // The wheel rests in its middle, and is not heard of before it leaves it.
   const auto [heard, fresh] = heard_.try_emplace(knob, Heard{bend ? 8192 : message.value, false});

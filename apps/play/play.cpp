@@ -101,7 +101,7 @@ int play_on_card(const PlayOptions& options) {
   return play_live(live);
 }
 
-int run(const PlayOptions& options) {
+int run_play(const PlayOptions& options) {
   if (options.live.live()) return play_on_card(options);
   if (const auto stray = options.live.stray(); !stray.empty())
     return report(Error{Errc::BadArgument, stray, "is for sound cards",
@@ -188,7 +188,7 @@ void add_play(CLI::App& app, int& exit_code) {
       "ms\" --set strength=0.5\n"
       "  tactus play instruments/haptic_drum/galloping.toml --show \"2 s\" \"3 s\"\n"
       "Exit code 1: it ran, and did not do what the scene expects.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_play(*options); });
 }
 
 }  // namespace tactus::app

@@ -218,7 +218,7 @@ int replay(const RenderOptions& options) {
                       options.set, options.delay, options.guard, options.json});
 }
 
-int run(const RenderOptions& options) {
+int run_render(const RenderOptions& options) {
   if (!options.replay.empty()) return replay(options);
   if (options.target.empty())
     return report(Error{Errc::Missing, "", "there is nothing to render",
@@ -286,7 +286,7 @@ void add_render(CLI::App& app, int& exit_code) {
       "  tactus render instruments/cellomobo --sound phrase.wav\n"
       "  tactus render instruments/haptic_drum --delay \"10 ms\" --out drive.wav\n"
       "  tactus render instruments/numerics/woofer --error");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_render(*options); });
 }
 
 }  // namespace tactus::app

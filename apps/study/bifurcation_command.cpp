@@ -25,7 +25,7 @@ std::string default_control(const SceneSpec& scene) {
   return scene.part("instrument") != nullptr ? "gamma" : "plant.gamma";
 }
 
-int run(const BifurcationOptions& options) {
+int run_bifurcation(const BifurcationOptions& options) {
   auto plan = options.plan;
   if (!(plan.from < plan.to))
     return report(Error{Errc::OutOfRange, "--to", "the sweep goes up, and its end is not above its start",
@@ -81,7 +81,7 @@ void add_study_bifurcation(CLI::App& study, int& exit_code) {
       "  tactus study bifurcation instruments/bouncing_ball/table_scene.toml --from 1.3 --to 1.75 --values "
       "91\n"
       "Exit code 1: the ball never landed once a period.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_bifurcation(*options); });
 }
 
 }  // namespace tactus::app

@@ -20,7 +20,7 @@
 namespace tactus::app {
 namespace {
 
-struct Options {
+struct PlayabilityArguments {
   std::string target, delay = "0:40:1 ms", gain, within = "20 %", duration, part, keep, picture;
   std::vector<std::string> over, set;
   int draws = 0, workers = 0;
@@ -101,7 +101,7 @@ Status check_swept(const PlayabilityOptions& study) {
   return {};
 }
 
-Status read_variants(const Options& options, PlayabilityOptions& study) {
+Status read_variants(const PlayabilityArguments& options, PlayabilityOptions& study) {
   study.draws = options.draws;
   study.seed = options.seed;
   const auto within = parse_option(options.within, "", "within");
@@ -112,7 +112,7 @@ Status read_variants(const Options& options, PlayabilityOptions& study) {
   return read_gain(options.gain, study);
 }
 
-Result<PlayabilityOptions> study_options(const Options& options, SceneSpec& scene) {
+Result<PlayabilityOptions> study_options(const PlayabilityArguments& options, SceneSpec& scene) {
   PlayabilityOptions study;
   study.workers = options.workers;
   study.keep = options.keep;
@@ -155,7 +155,7 @@ int told_interrupted(const PlayabilityStudy& study, const PlayabilityOptions& op
   return kInterrupted;
 }
 
-int publish(const PlayabilityStudy& study, const Options& options) {
+int publish(const PlayabilityStudy& study, const PlayabilityArguments& options) {
   Status written;
   if (!options.picture.empty()) written = write_picture(options.picture, study);
   if (options.json)
@@ -168,7 +168,7 @@ int publish(const PlayabilityStudy& study, const Options& options) {
                                                                                                  : kNo;
 }
 
-int run(const Options& options) {
+int run_playability(const PlayabilityArguments& options) {
   const auto file = resolve_target(options.target, "scene.toml");
   auto scene = load_scene(file, root_of(file));
   if (!scene) return report(scene.error());
@@ -190,7 +190,7 @@ int run(const Options& options) {
 
 void add_study_playability(CLI::App& study, int& exit_code) {
   auto* command = study.add_subcommand("playability", "How playable a scene is, over the delay");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlayabilityArguments>();
   command->add_option("SCENE", options->target, "scene with [playability]; a folder means its scene.toml")
       ->required();
   command->add_option("--delay", options->delay, "FROM:TO:STEP, or one")->capture_default_str();
@@ -228,7 +228,7 @@ void add_study_playability(CLI::App& study, int& exit_code) {
       "\"tuned=55:880:5:log Hz\"\n"
       "What is judged stands under [playability] in the scene; docs/playability.md says how.\n"
       "Exit code 1: there is a delay at which it is not playable. 5: interrupted.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_playability(*options); });
 }
 
 }  // namespace tactus::app

@@ -82,7 +82,7 @@ Checked<WallStudy> study_of(const StabilityOptions& options) {
   return study;
 }
 
-int run(const StabilityOptions& options) {
+int run_stability(const StabilityOptions& options) {
   const auto study = study_of(options);
   if (!study) return report(study.error());
   std::optional<Progress> progress{"walls"};
@@ -125,7 +125,7 @@ void add_study_stability(CLI::App& study, int& exit_code) {
       "Examples:\n  tactus study stability instruments/wall --report walls.svg\n"
       "  tactus study stability --mass \"20 g\" --damping \"0.3 N s/m\" --rate \"8 kHz\"\n"
       "docs/walls.md says how to read the map. Exit code 1: a border was not confirmed by simulation.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_stability(*options); });
 }
 
 }  // namespace tactus::app

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct WorkPrecisionArguments {
   std::string target, folder;
   std::vector<std::string> solvers, rates;
   std::vector<int> oversamples;
@@ -67,7 +67,7 @@ Status check_solvers(const std::vector<std::string>& asked) {
   return {};
 }
 
-int run(const Options& options) {
+int run_work_precision(const WorkPrecisionArguments& options) {
   if (const auto status = check_solvers(options.solvers); !status) return report(status.error()), kUsage;
   const auto rates = rates_of(options.rates);
   if (!rates) return report(rates.error()), kUsage;
@@ -95,7 +95,7 @@ int run(const Options& options) {
 void add_study_work_precision(CLI::App& study, int& exit_code) {
   auto* command = study.add_subcommand(
       "work-precision", "Error against computing time, for every solver, rate and number of steps a frame");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<WorkPrecisionArguments>();
   command->add_option("SCENE", options->target, "scene with [accuracy]; a folder means its scene.toml")
       ->required();
   command->add_option("--solvers", options->solvers, "such as explicit,passive; [all]")->delimiter(',');
@@ -118,7 +118,7 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
       "--out out/woofer\n"
       "What must come out right stands under [accuracy] in the scene (docs/graph_files.md).\n"
       "Exit code 1: nothing is stable in real time.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] { exit_code = run_work_precision(*options); });
 }
 
 }  // namespace tactus::app

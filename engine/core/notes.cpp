@@ -6,7 +6,7 @@
 namespace tactus {
 namespace {
 
-constexpr int kA4 = 57, kOctave = kSemitonesOfOctave;
+constexpr int kOctave = kSemitonesOfOctave;
 
 }  // namespace
 

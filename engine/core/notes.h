@@ -6,7 +6,8 @@
 
 namespace tactus {
 
-inline constexpr int kSemitonesOfOctave = 12;
+/// Semitones of A4 above C0, and of an octave.
+inline constexpr int kA4 = 57, kSemitonesOfOctave = 12;
 
 /// The nearest note of the scale in equal temperament, in semitones above C0; A4 = 440 Hz is 57.
 int nearest_note(double hertz);

@@ -25,9 +25,9 @@ constexpr const char* kHelp =
     "l MIDI learn for it | s save the rig | q quit";
 
 /// The keys of a session, and the control that they have selected.
-class Player {
+class LivePlay {
  public:
-  Player(Session& session, Plan& plan, const LiveOptions& options, StatusLine& line)
+  LivePlay(Session& session, Plan& plan, const LiveOptions& options, StatusLine& line)
       : session_(session),
         plan_(plan),
         line_(line),
@@ -145,11 +145,11 @@ Result<double> seconds_of(const std::string& text, const char* option) {
 }
 
 /// The control loop: keys, edits, the status line. Returns the exit code.
-int run(Session& session, Plan& plan, const LiveOptions& options, double seconds) {
+int run_play_live(Session& session, Plan& plan, const LiveOptions& options, double seconds) {
   using namespace std::chrono_literals;
   StatusLine line;
   Keyboard keyboard;
-  Player player{session, plan, options, line};
+  LivePlay player{session, plan, options, line};
   if (keyboard.is_terminal()) line.say(kHelp);
   const auto begin = Clock::now();
   auto drawn = begin - 1s;
@@ -198,7 +198,7 @@ int play_live(const LiveOptions& options) {
   if (const auto started = session.start(); !started) return report(started.error()), kDevice;
   announce(session, *plan, options);
 
-  const int ended = run(session, *plan, options, *seconds);
+  const int ended = run_play_live(session, *plan, options, *seconds);
   const auto view = session.look();
   std::vector<std::string> words;
   const auto stopped = session.stop(words);

@@ -10,8 +10,6 @@
 namespace tactus::app {
 namespace {
 
-using Kind = JournalEntry::Kind;
-
 /// The longest fade of all guards.
 Seconds fade_of(const std::vector<GuardedChannel>& guards) {
   Seconds longest{0.0};
@@ -127,7 +125,7 @@ std::vector<std::string> Session::tick() {
 
 void Session::forget_delay() {
   delay_known_ = false;
-  (void)performer_.instrument().post({JournalEntry::kNow, Kind::SystemDelay, 0, -1.0});
+  (void)performer_.instrument().post({JournalEntry::kNow, JournalEntry::Kind::SystemDelay, 0, -1.0});
 }
 
 /// Some drivers come out of a gap with a buffer more or less.

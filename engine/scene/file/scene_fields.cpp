@@ -8,7 +8,7 @@
 namespace tactus {
 namespace {
 
-using Kind = FieldType::Kind;
+using FieldKind = FieldType::Kind;
 
 FieldType from_field(const char* doc, const char* fallback) {
   return quantity_field("from", "s", 0, kLongestTime_s, doc, fallback);
@@ -23,7 +23,7 @@ constexpr double kMaxSeed = 9007199254740991.0;
 const SectionType& gesture_fields() {
   static const SectionType section{
       "a value over time",
-      {required(field("points", Kind::Points, "[[time, value], …], times increase")),
+      {required(field("points", FieldKind::Points, "[[time, value], …], times increase")),
        choice_field("curve", {"linear", "step", "smooth"}, "from point to point", "linear"), about_field()}};
   return section;
 }
@@ -51,8 +51,8 @@ const SectionType& expectation_fields() {
       "what must hold when the scene was played",
       {required(choice_field("measure", value_names(), "what is measured")),
        text_field("of", "a recorded signal, as in \"instrument.hit\"", "the role of the measure"),
-       from_field("start of the window", "0 s"), to_field(), field("min", Kind::Any, "least value"),
-       field("max", Kind::Any, "greatest value"), about_field()},
+       from_field("start of the window", "0 s"), to_field(), field("min", FieldKind::Any, "least value"),
+       field("max", FieldKind::Any, "greatest value"), about_field()},
       {"min", "max"}};
   return section;
 }
@@ -62,15 +62,15 @@ const SectionType& accuracy_fields() {
       "what must come out right with every solver",
       {required(choice_field("measure", error_names(), "what is compared")),
        required(text_field("of", "a signal, as in \"plant.tip\"")), from_field("start of the window", "0 s"),
-       to_field(), field("exact", Kind::Any, "what theory says; compared with a reference if left out"),
-       field("scale", Kind::Any, "an error of 1; of the reference if left out"), about_field()}};
+       to_field(), field("exact", FieldKind::Any, "what theory says; compared with a reference if left out"),
+       field("scale", FieldKind::Any, "an error of 1; of the reference if left out"), about_field()}};
   return section;
 }
 
 const SectionType& converter_fields() {
   static const SectionType section{"of the simulated sound card",
                                    {whole_field("bits", 1, 32, "resolution", "24"),
-                                    field("off", Kind::Flag, "neither quantises nor clips")}};
+                                    field("off", FieldKind::Flag, "neither quantises nor clips")}};
   return section;
 }
 
@@ -112,7 +112,7 @@ const SectionType& scene_fields() {
              required(quantity_field("duration", "s", 1e-3, kLongestTime_s, "how long it lasts")),
              whole_field("seed", 0, kMaxSeed, "of everything random"),
              required({.key = "parts",
-             .kind = Kind::Reference,
+             .kind = FieldKind::Reference,
              .doc = "graphs and how they are wired",
              .unit = "part"}),
              entries_field("gestures", gesture_fields(), "how the player moves"),
