@@ -37,14 +37,27 @@ int try_lock(const fs::path& path) {
   return -1;
 }
 
+std::string name_of(int n) { return "tactus-test-" + to_string(::getuid()) + "-" + to_string(n); }
+
 /// The first name that no running test has, or none. It is used again and again, so that whatever a test that
 /// crashed left under it goes away with the next.
 std::string free_name(int& lock) {
   for (int n = 0; n < kNames; ++n) {
-    const auto name = "tactus-test-" + to_string(::getuid()) + "-" + to_string(n);
-    if ((lock = try_lock(lock_file(name))) >= 0) return name;
+    if ((lock = try_lock(lock_file(name_of(n)))) >= 0) return name_of(n);
   }
   return "";
+}
+
+/// Whether another test has a sound server at this moment.
+bool others_run(const std::string& name) {
+  for (int n = 0; n < kNames; ++n) {
+    const auto path = lock_file(name_of(n));
+    if (name_of(n) == name || !fs::exists(path)) continue;
+    const int lock = try_lock(path);
+    if (lock < 0) return true;
+    ::close(lock);
+  }
+  return false;
 }
 
 /// What a server that was killed leaves, and the next one of its name does not take over.
@@ -145,7 +158,7 @@ void SoundServer::end() {
 void SoundServer::kill() {
   server_->kill();
   hand_->kill();
-  if (first_of_user_) fs::remove_all(metadata());
+  if (first_of_user_ && !others_run(name_)) fs::remove_all(metadata());
 }
 void SoundServer::stop_answering() { server_->send(SIGSTOP); }
 void SoundServer::go_on() { server_->send(SIGCONT); }

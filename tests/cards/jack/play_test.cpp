@@ -24,11 +24,11 @@ class Playing {
   explicit Playing(const std::vector<std::string>& arguments) : process_(command(arguments), Logged) {}
 
   void press(const std::string& key) { REQUIRE(process_.say(key)); }
-  /// It said this within five seconds.
+  /// Waits until it prints this.
   bool says(const std::string& words) {
     return test::wait_until([&] { return process_.log().find(words) != std::string::npos; });
   }
-  int ends() { return process_.wait(10s).value_or(-1000); }
+  int ends() { return process_.wait(60s).value_or(-1000); }
   /// The object that --json prints at the end.
   nlohmann::json report() const {
     const auto log = process_.log();
