@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <algorithm>
 #include <cstdint>
 #include <vector>

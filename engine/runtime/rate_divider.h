@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include <array>
 #include <cstdint>
 

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control] where not said otherwise.
+
 #include <atomic>
 #include <cstdint>
 #include <memory>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <cstdint>
 
 #include "engine/runtime/running.h"

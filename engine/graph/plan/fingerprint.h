@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <bit>
 #include <cstdint>
 #include <string_view>

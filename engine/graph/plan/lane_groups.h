@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <algorithm>
 #include <memory>
 #include <vector>

@@ -8,6 +8,7 @@
 #include "engine/graph/plan/phase_delay.h"
 #include "engine/graph/plan/rate_converter.h"
 #include "engine/graph/plan/vector_nodes.h"
+#include "engine/graph/semantics/facts.h"
 #include "engine/graph/semantics/operators.h"
 
 namespace tactus {
@@ -62,7 +63,7 @@ class Maker {
 
   void make(Vertex& vertex) {
     const auto& node = flat_node(vertex);
-    auto setup = setup_of(node, vertex);
+    auto setup = setup_with_inputs(node, vertex);
     if (!setup || (!node.compensate.empty() && !shorten_time(node, vertex, *setup))) return;
     auto made = make_within(*setup);
     if (made) {
@@ -105,14 +106,9 @@ class Maker {
   }
 
   /// Nothing after a mistake.
-  std::optional<NodeSetup> setup_of(const FlatNode& node, const Vertex& vertex) {
-    NodeSetup setup;
+  std::optional<NodeSetup> setup_with_inputs(const FlatNode& node, const Vertex& vertex) {
+    auto setup = setup_of(node, options_.sample_rate, vertex.lane);
     bool right = true;
-    setup.sample_rate = rate_of(node.divisor);
-    setup.type = node.type.get();
-    setup.settings = node.settings;
-    setup.lane = vertex.lane;
-    setup.lanes = node.lanes;
     for (std::size_t i = 0; i < vertex.in.size(); ++i) {
       InputInfo info{node.ranges[i], std::nullopt, node.inputs[i].has_value()};
       const auto& source = at(vertex.in[i]);

@@ -7,7 +7,7 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/plan/vertex_graph.h"
 
-// Thread: [control]
+// Thread: [control].
 
 namespace tactus {
 

@@ -6,6 +6,7 @@
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/vector_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
+#include "engine/graph/semantics/facts.h"
 #include "engine/graph/semantics/operators.h"
 
 namespace tactus {
@@ -154,10 +155,7 @@ class Simplifier {
   bool fold_node(int v) {
     const auto& node = flat_.nodes[static_cast<std::size_t>(at(v).index)];
     if (!node.type->stateless) return false;
-    NodeSetup setup;
-    setup.sample_rate = Hertz{sample_rate_.value / node.divisor};
-    setup.type = node.type.get();
-    setup.settings = node.settings;
+    auto setup = setup_of(node, sample_rate_);
     std::vector<double> values;
     for (std::size_t i = 0; i < at(v).in.size(); ++i) {
       const auto value = constant(at(v).in[i]);

@@ -6,7 +6,7 @@
 
 #include "engine/graph/semantics/flat_graph.h"
 
-// Thread: [control]
+// Thread: [control].
 
 namespace tactus {
 

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <string>
 #include <vector>
 
@@ -22,6 +24,9 @@ UnitFact product(UnitFact a, UnitFact b, bool divide);
 Interval range_of(const FlatGraph& graph, const Expression& expression);
 /// Of an input of a node, its fallback included.
 Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t input);
+
+/// What a lane of a node is made from, except for its inputs; `sample_rate` is the engine's.
+NodeSetup setup_of(const FlatNode& node, Hertz sample_rate, int lane = 0);
 
 /// The unit of a port: fixed, unchecked, or that of another port times something ("=in/s").
 struct PortUnit {

@@ -177,9 +177,7 @@ class Inference {
   Interval output_range(const FlatNode& node, int port) const {
     const auto& type = *node.type;
     if (!type.range) return type.outputs[static_cast<std::size_t>(port)].range;
-    NodeSetup setup;
-    setup.type = &type;
-    setup.settings = node.settings;
+    auto setup = setup_of(node, {});
     for (std::size_t i = 0; i < node.inputs.size(); ++i)
       setup.inputs.push_back({input_range(graph_, node, i), std::nullopt, node.inputs[i].has_value()});
     return type.range(port, setup);

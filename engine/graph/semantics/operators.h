@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [any].
+
 #include <cmath>
 
 #include "engine/graph/semantics/flat_graph.h"

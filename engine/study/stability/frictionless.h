@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {

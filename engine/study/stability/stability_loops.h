@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [any].
+
 #include <Eigen/Core>
 #include <complex>
 #include <string>
