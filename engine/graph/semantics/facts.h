@@ -10,17 +10,17 @@
 
 namespace tactus {
 
-// What is known of a expression once the facts about its signals are: asked again and again while they are
+// What is known of an expression once the facts about its signals are: asked again and again while they are
 // inferred.
 
-/// Lanes of a expression; 0 if any number of them fits (a spread).
+/// Lanes of an expression; 0 if any number of them fits (a spread).
 int lanes_of(const FlatGraph& graph, const Expression& expression);
 
-/// Unit of a expression. Only known units can contradict each other.
+/// Unit of an expression. Only known units can contradict each other.
 UnitFact unit_of(const FlatGraph& graph, const Expression& expression);
 UnitFact product(UnitFact a, UnitFact b, bool divide);
 
-/// All values that a expression can take.
+/// All values that an expression can take.
 Interval range_of(const FlatGraph& graph, const Expression& expression);
 /// Of an input of a node, its fallback included.
 Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t input);
