@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/block_io.h"
-#include "engine/runtime/control_inbox.h"
+#include "engine/core/control_inbox.h"
 #include "engine/runtime/output_fade.h"
 #include "engine/runtime/replacement.h"
 #include "engine/runtime/step_runner.h"
