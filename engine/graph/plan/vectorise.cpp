@@ -11,8 +11,6 @@ namespace {
 
 using Group = LaneGroup;
 
-constexpr int kNone = Group::kNone;
-
 class Vectoriser {
  public:
   Vectoriser(VertexGraph& graph, const FlatGraph& flat) : graph_(graph), groups_(graph, flat) {}
@@ -25,7 +23,7 @@ class Vectoriser {
     for (std::size_t v = 0; v < scalars; ++v) connect_scalar(static_cast<int>(v));
     for (const auto& group : groups_.groups())
       for (const int member : group.members)
-        if (member != kNone) at(member).alive = false;
+        if (member != Group::kNone) at(member).alive = false;
     graph_.compact();
     return true;
   }
@@ -58,8 +56,8 @@ class Vectoriser {
   std::uint64_t made_from(const Group& group) {
     Fingerprint print;
     for (const int v : group.members) {
-      print.add(std::uint64_t{v == kNone});
-      if (v == kNone) continue;
+      print.add(std::uint64_t{v == Group::kNone});
+      if (v == Group::kNone) continue;
       const bool operation = at(v).kind == Vertex::Kind::Operation;
       print.add(operation ? static_cast<std::uint64_t>(at(v).op) : at(v).fingerprint);
     }
@@ -76,7 +74,7 @@ class Vectoriser {
   }
 
   Wire wide_input(const LaneRow& row, const Vertex& reader) {
-    if (const int g = groups_.lined_up(row); g != kNone) return all_lanes(g, row);
+    if (const int g = groups_.lined_up(row); g != Group::kNone) return all_lanes(g, row);
     if (all_of(row, [&](const Wire& wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; }))
       return constants(row);
     if (all_of(row, [&](const Wire& wire) { return wire == first_of(row); }))
@@ -92,13 +90,13 @@ class Vectoriser {
     Vertex vertex;
     vertex.width = kWide;
     for (const auto& wire : row)
-      vertex.values.push_back(at(wire.vertex == kNone ? first_of(row).vertex : wire.vertex).value);
+      vertex.values.push_back(at(wire.vertex == Group::kNone ? first_of(row).vertex : wire.vertex).value);
     return {add(std::move(vertex)), 0, Wire::kAllLanes};
   }
 
   Wire packed(const LaneRow& row, std::string path, int divisor) {
     LaneRow wires;
-    for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == kNone ? first_of(row) : wire));
+    for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == Group::kNone ? first_of(row) : wire));
     wires.resize(kWide, wires[0]);
     Vertex vertex;
     vertex.kind = Vertex::Kind::Pack;
@@ -124,7 +122,7 @@ class Vectoriser {
   /// Where the signal is now: on its own, or a lane of what is wide.
   Wire lane_of(const Wire& wire) const {
     const int g = groups_.group_of(wire);
-    if (g == kNone) return wire;
+    if (g == Group::kNone) return wire;
     const auto& group = groups_[g];
     const auto lane = std::find(group.members.begin(), group.members.end(), wire.vertex);
     return {group.vertex, wire.port, static_cast<int>(lane - group.members.begin())};
@@ -132,7 +130,7 @@ class Vectoriser {
 
   /// Its samples in a row.
   Wire scalar(const Wire& wire, std::string path) {
-    if (groups_.group_of(wire) == kNone) return wire;
+    if (groups_.group_of(wire) == Group::kNone) return wire;
     const auto lane = lane_of(wire);
     const auto [known, fresh] = rows_.try_emplace(wires_of({lane}));
     if (!fresh) return known->second;
@@ -146,7 +144,7 @@ class Vectoriser {
   }
 
   void connect_scalar(int v) {
-    if (!at(v).alive || groups_.group_of({v, 0}) != kNone) return;
+    if (!at(v).alive || groups_.group_of({v, 0}) != Group::kNone) return;
     if (at(v).kind == Vertex::Kind::Sum && sum_wide(v)) return;
     const bool takes_lanes = at(v).kind == Vertex::Kind::Output;
     auto in = at(v).in;
@@ -163,12 +161,12 @@ class Vectoriser {
       rows.back().push_back(lanes[lane]);
     }
     if (std::none_of(rows.begin(), rows.end(),
-                     [this](const LaneRow& row) { return groups_.lined_up(row) != kNone; }))
+                     [this](const LaneRow& row) { return groups_.lined_up(row) != Group::kNone; }))
       return false;
     LaneRow in;
     for (const auto& row : rows) {
       const int g = groups_.lined_up(row);
-      in.push_back(g == kNone ? packed(row, at(v).path, at(v).divisor) : all_lanes(g, row));
+      in.push_back(g == Group::kNone ? packed(row, at(v).path, at(v).divisor) : all_lanes(g, row));
     }
     at(v).in = std::move(in);
     at(v).node = std::make_shared<LaneSum>(static_cast<int>(lanes.size()));
