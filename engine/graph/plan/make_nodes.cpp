@@ -38,7 +38,7 @@ class Maker {
         vertex.node = std::make_shared<PhaseDelay>(other.node, static_cast<int>(vertex.in.size()) - 2,
                                                    rate_of(vertex.divisor), vertex.value);
       else if (made_.mistakes.empty())
-        complain_phase(vertex);
+        report_phase(vertex);
     }
     return std::move(made_);
   }
@@ -73,13 +73,13 @@ class Maker {
     }
     auto error = made.error();
     if (error.where.empty()) error.where = node.at.text();
-    // As the file at that place calls it, so that a part used twice tells its mistake once.
+    // As the file at that place calls it, so that the error of a part used twice is reported once.
     const auto name = node.path.substr(node.path.rfind('.') + 1);
     error.what = node.type->name + " '" + name + "': " + error.what;
     made_.mistakes.push_back(std::move(error));
   }
 
-  /// What stands in the settings is kept by each lane of each node, whatever else it keeps.
+  /// Each lane of each node keeps the numbers of its settings, besides its state.
   Result<std::unique_ptr<Node>> make_within(NodeSetup& setup) {
     setup.memory = &memory_;
     std::size_t numbers = 0;
@@ -105,7 +105,7 @@ class Maker {
     }
   }
 
-  /// Nothing after a mistake.
+  /// Nothing after an error.
   std::optional<NodeSetup> setup_with_inputs(const FlatNode& node, const Vertex& vertex) {
     auto setup = setup_of(node, options_.sample_rate, vertex.lane);
     bool right = true;
@@ -171,7 +171,7 @@ class Maker {
       const auto& other = graph_.vertices[static_cast<std::size_t>(at(wire).index)];
       if (other.node == nullptr) return false;
       const auto taken = PhaseDelay::range(other.node, tuned, flat_node(other).ranges, rate_of(node.divisor));
-      if (!taken) return complain_phase(at(wire)), false;
+      if (!taken) return report_phase(at(wire)), false;
       left = left + (where.sign < 0 ? Interval{-taken->high, -taken->low} : *taken);
     }
     left = left +
@@ -182,7 +182,7 @@ class Maker {
     return true;
   }
 
-  void complain_phase(const Vertex& phase_delay) {
+  void report_phase(const Vertex& phase_delay) {
     made_.mistakes.push_back({Errc::BadArgument, phase_delay.at.text(),
                               "the phase delay of '" +
                                   graph_.vertices[static_cast<std::size_t>(phase_delay.index)].path +

@@ -127,7 +127,7 @@ class Simplifier {
     }
     if (vertex.op == Expression::Op::Divide && same_in_all(vertex.in[1]) == 1.0)
       return replace(v, vertex.in[0]);
-    // Of all numbers this changes -0 only, which no operation tells from 0.
+    // Of all numbers this changes -0 only, which no operation distinguishes from 0.
     if ((vertex.op == Expression::Op::Add || vertex.op == Expression::Op::Subtract) &&
         same_in_all(vertex.in[1]) == 0.0)
       return replace(v, vertex.in[0]);
@@ -249,7 +249,7 @@ class Simplifier {
       }
       if (vertex.path.find("system.") != std::string::npos) continue;
       graph_.left_out.push_back(
-          {vertex.path, vertex.kind == Vertex::Kind::Control ? "nobody reads it" : reason_[v]});
+          {vertex.path, vertex.kind == Vertex::Kind::Control ? "nothing reads it" : reason_[v]});
     }
   }
 

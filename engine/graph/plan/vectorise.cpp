@@ -18,7 +18,7 @@ class Vectoriser {
   bool run() {
     if (groups_.groups().empty()) return false;
     const auto scalars = graph_.vertices.size();
-    for (auto& group : groups_.groups()) add_wide(group);
+    for (auto& group : groups_.groups()) add_vectorised(group);
     for (auto& group : groups_.groups()) connect(group);
     for (std::size_t v = 0; v < scalars; ++v) connect_scalar(static_cast<int>(v));
     for (const auto& group : groups_.groups())
@@ -36,16 +36,17 @@ class Vectoriser {
     return static_cast<int>(graph_.vertices.size()) - 1;
   }
 
-  // ---- wide vertices
+  // ---- vectorised vertices
 
-  void add_wide(Group& group) {
+  void add_vectorised(Group& group) {
     Vertex wide = at(group.first);
-    const int first = wide.lane / kWide * kWide, last = std::min(first + kWide, wide.lanes) - 1;
+    const int first = wide.lane / kVectorWidth * kVectorWidth,
+              last = std::min(first + kVectorWidth, wide.lanes) - 1;
     // Lanes of a node are named one by one, operators after their expression.
     if (wide.kind == Vertex::Kind::Node) wide.path.resize(wide.path.rfind('['));
     wide.path += "[" + std::to_string(first) + ".." + std::to_string(last) + "]";
     wide.origin = {};
-    wide.width = kWide;
+    wide.width = kVectorWidth;
     wide.in.clear();
     wide.node = std::move(group.node);
     wide.fingerprint = made_from(group);
@@ -67,13 +68,13 @@ class Vectoriser {
   void connect(const Group& group) {
     std::vector<Wire> in;
     for (std::size_t i = 0; i < at(group.first).in.size(); ++i)
-      in.push_back(wide_input(groups_.input(group, i), at(group.vertex)));
+      in.push_back(vector_input(groups_.input(group, i), at(group.vertex)));
     // Every operation has two operands to point at.
     if (at(group.vertex).kind == Vertex::Kind::Operation && in.size() == 1) in.push_back(in[0]);
     at(group.vertex).in = std::move(in);
   }
 
-  Wire wide_input(const LaneRow& row, const Vertex& reader) {
+  Wire vector_input(const LaneRow& row, const Vertex& reader) {
     if (const int g = groups_.lined_up(row); g != Group::kNone) return all_lanes(g, row);
     if (all_of(row, [&](const Wire& wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; }))
       return constants(row);
@@ -88,7 +89,7 @@ class Vectoriser {
 
   Wire constants(const LaneRow& row) {
     Vertex vertex;
-    vertex.width = kWide;
+    vertex.width = kVectorWidth;
     for (const auto& wire : row)
       vertex.values.push_back(at(wire.vertex == Group::kNone ? first_of(row).vertex : wire.vertex).value);
     return {add(std::move(vertex)), 0, Wire::kAllLanes};
@@ -97,10 +98,10 @@ class Vectoriser {
   Wire packed(const LaneRow& row, std::string path, int divisor) {
     LaneRow wires;
     for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == Group::kNone ? first_of(row) : wire));
-    wires.resize(kWide, wires[0]);
+    wires.resize(kVectorWidth, wires[0]);
     Vertex vertex;
     vertex.kind = Vertex::Kind::Pack;
-    vertex.width = kWide;
+    vertex.width = kVectorWidth;
     vertex.divisor = divisor;
     vertex.path = std::move(path);
     auto key = wires_of(wires);
@@ -119,7 +120,7 @@ class Vectoriser {
 
   // ---- what stays scalar
 
-  /// Where the signal is now: on its own, or a lane of what is wide.
+  /// Where the signal is now: on its own, or a lane of a vectorised vertex.
   Wire lane_of(const Wire& wire) const {
     const int g = groups_.group_of(wire);
     if (g == Group::kNone) return wire;
@@ -145,19 +146,19 @@ class Vectoriser {
 
   void connect_scalar(int v) {
     if (!at(v).alive || groups_.group_of({v, 0}) != Group::kNone) return;
-    if (at(v).kind == Vertex::Kind::Sum && sum_wide(v)) return;
+    if (at(v).kind == Vertex::Kind::Sum && sum_vectorised(v)) return;
     const bool takes_lanes = at(v).kind == Vertex::Kind::Output;
     auto in = at(v).in;
     for (auto& wire : in) wire = takes_lanes ? lane_of(wire) : scalar(wire, at(v).path);
     at(v).in = std::move(in);
   }
 
-  /// False if none of its lanes are wide.
-  bool sum_wide(int v) {
+  /// False if none of its lanes are vectorised.
+  bool sum_vectorised(int v) {
     const auto lanes = at(v).in;
     std::vector<LaneRow> rows;
     for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
-      if (lane % kWide == 0) rows.emplace_back();
+      if (lane % kVectorWidth == 0) rows.emplace_back();
       rows.back().push_back(lanes[lane]);
     }
     if (std::none_of(rows.begin(), rows.end(),

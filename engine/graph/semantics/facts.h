@@ -38,11 +38,11 @@ PortUnit port_unit(const FlatNode& node, const std::string& declared);
 
 /// Works out and checks the unit, the number of lanes and the range of every signal, loops included, and
 /// fills them in. Each fact starts as "unknown" and passes are made until nothing changes; ranges start
-/// unbounded and only shrink, so they hold at every pass. Returns the mistakes, in file order.
+/// unbounded and only shrink, so they are valid at every pass. Returns the errors, in file order.
 std::vector<Error> infer(FlatGraph& graph);
 
 /// Where units, lanes and ranges, once inferred, contradict each other or what a port wants; by place. A
-/// mistake in the file of a part that is used twice is told once.
+/// error in the file of a part that is used twice is reported once.
 std::vector<Error> check_facts(const FlatGraph& graph);
 
 }  // namespace tactus

@@ -39,7 +39,7 @@ struct OpenPair {
   int from = -1, to = -1;  ///< in the graph
 };
 
-/// What is to be looked at, and how.
+/// What is to be analysed, and how.
 struct WorldOptions {
   std::optional<Hertz> rate;
   Seconds delay = 0_s;
