@@ -45,27 +45,7 @@ void run(const Signal* in, double* out, int frames) noexcept {
 }  // namespace
 
 void VectorOperation::process(const NodeBlock& block) noexcept {
-  double* const out = block.out[0];
-  switch (op_) {
-    case Expression::Op::Negate:
-      return run<Expression::Op::Negate>(block.in, out, block.frames);
-    case Expression::Op::Add:
-      return run<Expression::Op::Add>(block.in, out, block.frames);
-    case Expression::Op::Subtract:
-      return run<Expression::Op::Subtract>(block.in, out, block.frames);
-    case Expression::Op::Multiply:
-      return run<Expression::Op::Multiply>(block.in, out, block.frames);
-    case Expression::Op::Divide:
-      return run<Expression::Op::Divide>(block.in, out, block.frames);
-    case Expression::Op::Min:
-      return run<Expression::Op::Min>(block.in, out, block.frames);
-    case Expression::Op::Max:
-      return run<Expression::Op::Max>(block.in, out, block.frames);
-    case Expression::Op::Abs:
-      return run<Expression::Op::Abs>(block.in, out, block.frames);
-    default:
-      return run<Expression::Op::Signal>(block.in, out, block.frames);
-  }
+  for_operator(op_, [&](auto constant) { run<constant()>(block.in, block.out[0], block.frames); });
 }
 
 void Pack::process(const NodeBlock& block) noexcept {
