@@ -79,7 +79,7 @@ std::size_t memory_of(const Plan& plan) {
          plan.operations.size() * sizeof(MicroOperation);
 }
 
-/// What a node tells about itself; of one that runs in two halves, once.
+/// Notes of a node on how it was made; of one that runs in two halves, once.
 std::string about_step(const Plan& plan, const Step& step) {
   return step.node < 0 || step.kind == Step::Kind::Absorb
              ? std::string{}
@@ -159,7 +159,7 @@ std::vector<LeftOut> around_everything() {
 std::vector<LeftOut> around(const GraphSpec& graph) {
   std::vector<LeftOut> left = around_everything();
   for (const auto& tap : event_taps(graph, standard_nodes()))
-    left.push_back({"tap " + tap, "is read by nobody: scenes and `tactus render --events` do"});
+    left.push_back({"tap " + tap, "is not read here: scenes and `tactus render --events` read it"});
   return left;
 }
 

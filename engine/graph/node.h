@@ -15,10 +15,10 @@
 namespace tactus {
 
 /// Longest sub-block that a node is given, whatever the block size: its signals stay in the cache.
-inline constexpr int kMaxPiece = 64;
+inline constexpr int kMaxSubBlock = 64;
 
-/// Lanes that one vectorised node processes (see Node::widened).
-inline constexpr int kWide = 8;
+/// Lanes that one vectorised node processes (see Node::vectorised).
+inline constexpr int kVectorWidth = 8;
 
 /// One input of a node for one sub-block. A constant (or a control at rest) is one number with stride 0, so
 /// that a node can see that nothing changes; anything else has one sample per frame.
@@ -95,12 +95,13 @@ class Node {
   }
 
   /// [control] One vectorised node that replaces these, in their initial state; nullptr if there is none.
-  /// `lanes` are kWide nodes of the same declaration and settings, nullptr where a lane is not used: it then
-  /// equals this node, the first that is used. In a vectorised node every output has kWide numbers per frame,
-  /// and the stride of an input is kWide (as many numbers), 1 (one number for all lanes) or 0 (kWide constant
-  /// numbers). The rest of the contract applies; delays are those of all lanes, and each lane gives the
-  /// output of its node except for rounding (its recurrence runs in another order).
-  virtual std::unique_ptr<Node> widened(std::span<const Node* const> /*lanes*/) const { return nullptr; }
+  /// `lanes` are kVectorWidth nodes of the same declaration and settings, nullptr where a lane is not used:
+  /// it then equals this node, the first that is used. In a vectorised node every output has kVectorWidth
+  /// numbers per frame, and the stride of an input is kVectorWidth (as many numbers), 1 (one number for all
+  /// lanes) or 0 (kVectorWidth constant numbers). The rest of the contract applies; delays are those of all
+  /// lanes, and each lane gives the output of its node except for rounding (its recurrence runs in another
+  /// order).
+  virtual std::unique_ptr<Node> vectorised(std::span<const Node* const> /*lanes*/) const { return nullptr; }
 
   /// [any] Notes on how the node was made, for `tactus explain`; may be empty.
   virtual std::string about() const { return {}; }

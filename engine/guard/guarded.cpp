@@ -64,7 +64,7 @@ Status Guarded::prepare(const StreamFormat& format) {
   frame_ = 0;
   stopped_ = false;
   sensors_.assign(static_cast<std::size_t>(format.in_channels), SensorWatch{format.sample_rate});
-  while (inbox_.front() != nullptr) inbox_.drop_front();
+  inbox_.drop_posted();
   std::vector<Channel> before;
   before.swap(channels_);
   for (std::size_t c = 0; c < outputs; ++c) {
@@ -152,17 +152,15 @@ void Guarded::finish(const BlockIo& io) noexcept {
 }
 
 void Guarded::guard_block(const BlockIo& io, std::int64_t first) noexcept {
-  int done = 0;
   take_pending([&](const JournalEntry& entry) { apply(entry, first); });
-  while (const JournalEntry* entry = inbox_.front()) {
-    const auto due = std::max(entry->frame, first + done);
-    if (due >= first + io.frames) break;
-    guard_frames(io, done, static_cast<int>(due - first), first);
-    done = static_cast<int>(due - first);
-    apply(*entry, due);
-    inbox_.drop_front();
+  for (int done = 0; done < io.frames;) {
+    const auto now = first + done;
+    const int next =
+        done + static_cast<int>(inbox_.take_due(now, io.frames - done,
+                                                [&](const JournalEntry& entry) { apply(entry, now); }));
+    guard_frames(io, done, next, first);
+    done = next;
   }
-  guard_frames(io, done, io.frames, first);
 }
 
 void Guarded::guard_frames(const BlockIo& io, int from, int to, std::int64_t first_frame) noexcept {
@@ -238,7 +236,7 @@ bool Guarded::post(const JournalEntry& entry) noexcept {
   using Kind = JournalEntry::Kind;
   const bool ours = entry.kind == Kind::Arm || entry.kind == Kind::Mute || entry.kind == Kind::Fade ||
                     entry.kind == Kind::CoilHeat || entry.kind == Kind::BodyHeat;
-  return ours && (entry.frame == JournalEntry::kNow ? at_once_ : inbox_).push(entry);
+  return ours && (entry.frame == JournalEntry::kNow ? at_once_.push(entry) : inbox_.post(entry));
 }
 
 GuardCounts Guarded::counts(int channel) const noexcept {

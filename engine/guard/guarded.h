@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/block_io.h"
+#include "engine/core/control_inbox.h"
 #include "engine/core/journal.h"
 #include "engine/core/spsc_queue.h"
 #include "engine/guard/drive_guard.h"
@@ -147,7 +148,7 @@ class Guarded final : public BlockProcessor {
   std::vector<SensorWatch> sensors_;
   std::atomic<std::int64_t> frame_{0};
   GuardSwitch arm_, mute_, fade_;
-  SpscQueue<JournalEntry> inbox_{256};
+  ControlInbox inbox_;
   SpscQueue<JournalEntry> at_once_{256};
   SpscQueue<JournalEntry> applied_{1024};
   SpscQueue<GuardEvent> events_{64};

@@ -36,7 +36,7 @@ class ElementwiseNode final : public Node {
   }
   void reset() noexcept override {}
 
-  std::unique_ptr<Node> widened(std::span<const Node* const>) const override {
+  std::unique_ptr<Node> vectorised(std::span<const Node* const>) const override {
     return std::make_unique<WideElementwiseNode<Law>>(law_);
   }
 
@@ -101,7 +101,7 @@ class WideElementwiseNode final : public Node {
     std::copy_n(block.in, kInputs, signals.begin());
     std::array<Lanes, kInputs> in;
     double* out = block.out[0];
-    for (int n = 0, frames = block.frames; n < frames; ++n, out += kWide) {
+    for (int n = 0, frames = block.frames; n < frames; ++n, out += kVectorWidth) {
       for (std::size_t k = 0; k < kInputs; ++k) in[k] = WideSignal{signals[k]}[n];
       value(in).store(out);
     }
@@ -115,10 +115,10 @@ class WideElementwiseNode final : public Node {
     if constexpr (requires(const Law& law, const Lanes* lanes) { law.value(lanes); }) {
       return law_.value(in.data());
     } else {
-      std::array<std::array<double, kWide>, kInputs> rows;
+      std::array<std::array<double, kVectorWidth>, kInputs> rows;
       for (std::size_t k = 0; k < kInputs; ++k) in[k].store(rows[k].data());
-      std::array<double, kWide> result;
-      for (std::size_t lane = 0; lane < kWide; ++lane) {
+      std::array<double, kVectorWidth> result;
+      for (std::size_t lane = 0; lane < kVectorWidth; ++lane) {
         std::array<double, kInputs> values;
         for (std::size_t k = 0; k < kInputs; ++k) values[k] = rows[k][lane];
         result[lane] = law_.value(values.data());

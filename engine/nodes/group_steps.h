@@ -60,7 +60,7 @@ class InARow {
   }
 
  private:
-  std::array<double, kMaxPiece> samples_;
+  std::array<double, kMaxSubBlock> samples_;
 };
 
 }  // namespace tactus

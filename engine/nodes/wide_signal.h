@@ -7,9 +7,9 @@
 
 namespace tactus {
 
-static_assert(kWide == Lanes::kCount);
+static_assert(kVectorWidth == Lanes::kCount);
 
-/// An input of a wide node, whose stride says what it is (see Node::widened).
+/// An input of a wide node, whose stride says what it is (see Node::vectorised).
 class WideSignal {
  public:
   explicit WideSignal(const Signal& signal) noexcept : data_(signal.data), stride_(signal.stride) {}

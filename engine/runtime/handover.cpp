@@ -92,7 +92,7 @@ class Planner {
     return found;
   }
 
-  /// A fault's silence goes on.
+  /// The silence of a fault continues.
   void pair_silences() {
     const auto was = silence_of_nodes(was_), is = silence_of_nodes(is_);
     for (const auto [from, to] : new_.handover.nodes)
@@ -177,7 +177,7 @@ class Planner {
     const auto& divisors = is_.divisors;
     const int divisor = now.kind == Vertex::Kind::RateConverter ? now.conversion.from : now.divisor;
     ramp.divider = static_cast<int>(std::find(divisors.begin(), divisors.end(), divisor) - divisors.begin());
-    ramp.samples.assign(kMaxPiece, 0.0);
+    ramp.samples.assign(kMaxSubBlock, 0.0);
     const int slot = now.first_in + input;
     ramp.control.readers.slots = {slot};
     ramp.control.value = {before, after, 0, 0};

@@ -42,26 +42,7 @@ void run_operation_row(Expression::Op op, const Signal* in, double* out, int fra
     std::fill_n(out, frames, apply(op, in[0][0], in[1][0]));
     return;
   }
-  switch (op) {
-    case Expression::Op::Negate:
-      return run<Expression::Op::Negate>(in, out, frames);
-    case Expression::Op::Add:
-      return run<Expression::Op::Add>(in, out, frames);
-    case Expression::Op::Subtract:
-      return run<Expression::Op::Subtract>(in, out, frames);
-    case Expression::Op::Multiply:
-      return run<Expression::Op::Multiply>(in, out, frames);
-    case Expression::Op::Divide:
-      return run<Expression::Op::Divide>(in, out, frames);
-    case Expression::Op::Min:
-      return run<Expression::Op::Min>(in, out, frames);
-    case Expression::Op::Max:
-      return run<Expression::Op::Max>(in, out, frames);
-    case Expression::Op::Abs:
-      return run<Expression::Op::Abs>(in, out, frames);
-    default:
-      return run<Expression::Op::Signal>(in, out, frames);
-  }
+  for_operator(op, [&](auto constant) { run<constant()>(in, out, frames); });
 }
 
 bool row_is_finite(const double* samples, int frames) noexcept {

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include <cstdint>
 #include <utility>
 

@@ -31,7 +31,7 @@ Status Player::prepare(const StreamFormat& format) {
   fading_until_ = 0;
   last_frames_ = 0;
   outside_buffers_.assign(running_->outputs.size() + plan().input_names.size(),
-                          std::vector<double>(kMaxPiece, 0.0));
+                          std::vector<double>(kMaxSubBlock, 0.0));
   outside_in_.clear();
   outside_out_.clear();
   for (std::size_t i = 0; i < outside_buffers_.size(); ++i) {
@@ -56,7 +56,7 @@ void Player::run_block(const BlockIo& io) noexcept {
   const NoDenormals no_denormals;
   io_ = io;
   for (offset_ = 0; offset_ < io.frames;) {
-    const int frames = frames_to_next_entry(std::min(io.frames - offset_, kMaxPiece));
+    const int frames = frames_to_next_entry(std::min(io.frames - offset_, kMaxSubBlock));
     run_sub_block<kTimed>(frames);
     offset_ += frames;
     now_ += frames;
@@ -95,7 +95,7 @@ void Player::apply(const JournalEntry& entry) noexcept {
   const auto& plan = *running_->plan;
   // Where it is no longer known, the last known value is the best guess.
   if (entry.kind == JournalEntry::Kind::SystemDelay && plan.system_delay != nullptr && entry.value >= 0)
-    std::fill_n(plan.system_delay, kWide, entry.value / plan.sample_rate.value);
+    std::fill_n(plan.system_delay, kVectorWidth, entry.value / plan.sample_rate.value);
   if (entry.kind != JournalEntry::Kind::ControlChange) return;
   if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
   const int index = running_->control_of[static_cast<std::size_t>(entry.index)];
@@ -161,11 +161,11 @@ void Player::store_outputs(int frames) noexcept {
     const auto& signal = output_signal(c);
     if (signal.stride == 1) {
       copy_samples(signal.data, frames, io_.out[c] + offset_);
-    } else if (running_->vectorised[c] && c + kWide <= channels) {
-      std::array<double*, kWide> lanes;
-      for (std::size_t lane = 0; lane < kWide; ++lane) lanes[lane] = io_.out[c + lane] + offset_;
+    } else if (running_->vectorised[c] && c + kVectorWidth <= channels) {
+      std::array<double*, kVectorWidth> lanes;
+      for (std::size_t lane = 0; lane < kVectorWidth; ++lane) lanes[lane] = io_.out[c + lane] + offset_;
       Transpose::unpack(signal.data, lanes, frames);
-      c += kWide - 1;
+      c += kVectorWidth - 1;
     } else {
       for (int n = 0; n < frames; ++n) io_.out[c][offset_ + n] = signal[n];
     }
@@ -175,7 +175,7 @@ void Player::store_outputs(int frames) noexcept {
 }
 
 void Player::answer(int offset, int frames) noexcept {
-  if (outside_ == nullptr) return;  // nobody there: the channels were loaded like any others
+  if (outside_ == nullptr) return;  // the channels were loaded like any others
   for (std::size_t c = 0; c < running_->outputs.size(); ++c) {
     const auto& signal = output_signal(c);
     double* samples = outside_buffers_[c].data();

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/block_io.h"
-#include "engine/runtime/control_inbox.h"
+#include "engine/core/control_inbox.h"
 #include "engine/runtime/output_fade.h"
 #include "engine/runtime/replacement.h"
 #include "engine/runtime/step_runner.h"
@@ -15,7 +15,7 @@
 namespace tactus {
 
 /// Runs a Plan on blocks of any size. The output does not depend on the size: a block is processed in
-/// sub-blocks of at most kMaxPiece frames, cut where a journal entry falls, and every node is exact to the
+/// sub-blocks of at most kMaxSubBlock frames, cut where a journal entry falls, and every node is exact to the
 /// frame.
 class Player final : public BlockProcessor, private Outside {
  public:

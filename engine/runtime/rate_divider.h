@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include <array>
 #include <cstdint>
 
@@ -10,10 +12,10 @@ namespace tactus {
 /// Where the frames of a part lie that runs at 1/R of the engine's rate: its frame m at engine frame R m,
 /// whatever the blocks are. Computed once per sub-block, so that no step divides.
 struct RateDivider {
-  int divisor = 1;                                   ///< R
-  int offset = 0;                                    ///< of the first frame in this sub-block
-  std::int64_t number = 0;                           ///< m of that frame
-  std::array<std::uint8_t, kMaxPiece + 1> before{};  ///< [offset in the sub-block] frames before it
+  int divisor = 1;                                      ///< R
+  int offset = 0;                                       ///< of the first frame in this sub-block
+  std::int64_t number = 0;                              ///< m of that frame
+  std::array<std::uint8_t, kMaxSubBlock + 1> before{};  ///< [offset in the sub-block] frames before it
 
   /// [realtime] For the sub-block of `frames` frames from `now` on.
   void begin(std::int64_t now, int frames) noexcept {

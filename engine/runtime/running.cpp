@@ -35,13 +35,14 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
 }
 
 bool Running::begins_lanes(std::size_t output) const {
-  if (output + kWide > outputs.size()) return false;
+  if (output + kVectorWidth > outputs.size()) return false;
   const auto signal = [&](std::size_t c) {
     return plan->channels[static_cast<std::size_t>(outputs[c])].signal;
   };
   const double* first = signal(output).data;
-  for (std::size_t lane = 0; lane < kWide; ++lane)
-    if (const auto s = signal(output + lane); s.stride != kWide || s.data != first + lane) return false;
+  for (std::size_t lane = 0; lane < kVectorWidth; ++lane)
+    if (const auto s = signal(output + lane); s.stride != kVectorWidth || s.data != first + lane)
+      return false;
   return true;
 }
 
@@ -49,7 +50,7 @@ void Running::start(int max_frames) {
   taps.assign(tap_channels.size(), std::vector<double>(static_cast<std::size_t>(max_frames), 0.0));
   std::fill_n(plan->arena.data(), plan->signal_doubles, 0.0);
   if (plan->system_delay != nullptr)
-    std::fill_n(plan->system_delay, kWide, plan->system_delay_at_start.value);
+    std::fill_n(plan->system_delay, kVectorWidth, plan->system_delay_at_start.value);
   for (auto& node : plan->nodes) node->reset();
   std::fill(silent_until.begin(), silent_until.end(), 0);
   for (std::size_t i = 0; i < controls.size(); ++i) {
@@ -85,7 +86,7 @@ void Running::take_over(Running& before, std::int64_t now, std::int64_t fade_fra
   for (const auto [from, to] : handover.nodes)
     std::swap(nodes[static_cast<std::size_t>(to)], old[static_cast<std::size_t>(from)]);
   if (plan->system_delay != nullptr && before.plan->system_delay != nullptr)
-    std::copy_n(before.plan->system_delay, kWide, plan->system_delay);
+    std::copy_n(before.plan->system_delay, kVectorWidth, plan->system_delay);
   take_values(before, now, fade_frames);
 }
 
@@ -120,7 +121,7 @@ void Running::settle(SmoothedControl& control, bool resting) noexcept {
   moving_ += static_cast<int>(control.resting) - static_cast<int>(resting);
   control.resting = resting;
   if (control.buffer == nullptr) return;
-  if (resting) std::fill_n(control.buffer, kWide, control.value.to);
+  if (resting) std::fill_n(control.buffer, kVectorWidth, control.value.to);
   set_strides(control.readers, resting ? 0 : 1);
 }
 

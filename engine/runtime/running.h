@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control] where not said otherwise.
+
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -15,7 +17,7 @@ namespace tactus {
 /// while it moves.
 struct SmoothedControl {
   Ramp value;
-  double* buffer = nullptr;  ///< nullptr: nobody reads it
+  double* buffer = nullptr;  ///< nullptr: nothing reads it
   Readers readers;
   bool decibel = false;
   bool resting = true;
@@ -62,19 +64,19 @@ struct Running {
   void take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
   /// [realtime] From here on the signal is one number, or a sample a frame.
   void settle(int can_rest, bool resting) noexcept;
-  /// [realtime] Moves on by `frames` from `now`. Once for each piece, before its steps.
+  /// [realtime] Advances by `frames` from `now`. Once for each sub-block, before its steps.
   void advance(std::int64_t now, int frames) noexcept;
 
   std::unique_ptr<Plan> plan;
   std::vector<SmoothedControl> controls;  ///< as Plan::controls
   std::vector<ConstantRamp> ramps;
-  std::vector<int> control_of;  ///< [number, which stays the same for ever] index in `controls`; -1: gone
+  std::vector<int> control_of;             ///< [number, which never changes] index in `controls`; -1: gone
   std::vector<std::string> control_names;  ///< [number]
   std::vector<int> outputs;                ///< channels that are not taps
   std::vector<bool> vectorised;            ///< [output] it and those behind it are the lanes of one signal
   std::vector<int> tap_channels;
   std::vector<std::vector<double>> taps;
-  std::vector<Signal> moved_in;  ///< a step's operands at an offset into the piece
+  std::vector<Signal> moved_in;  ///< a step's operands at an offset into the sub-block
   std::vector<double*> moved_out;
   std::vector<std::atomic<std::int64_t>> faults;  ///< [vertex]
   std::vector<double> step_ns;
@@ -93,7 +95,7 @@ struct Running {
   void set_strides(const Readers& readers, int stride) noexcept;
   void advance(SmoothedControl& control, const RateDivider* divider, std::int64_t now, int frames) noexcept;
 
-  int moving_ = 0;  ///< controls and ramps that do not rest: a file may have thousands that nobody moves
+  int moving_ = 0;  ///< controls and ramps in motion: a file may have thousands that are constant
 };
 
 }  // namespace tactus

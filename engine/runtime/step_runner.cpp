@@ -8,7 +8,7 @@
 namespace tactus {
 namespace {
 
-/// Adds its lifetime to a step's nanoseconds, if somebody asked for them.
+/// Adds its lifetime to a step's nanoseconds where `kTimed`.
 template <bool kTimed>
 struct StepTimer {
   explicit StepTimer(double&) {}
@@ -27,7 +27,7 @@ struct StepTimer<true> {
   std::chrono::steady_clock::time_point before;
 };
 
-std::int64_t end_of_cell(std::int64_t frame) { return frame - frame % kMaxPiece + kMaxPiece; }
+std::int64_t end_of_cell(std::int64_t frame) { return frame - frame % kMaxSubBlock + kMaxSubBlock; }
 
 }  // namespace
 
@@ -141,7 +141,7 @@ bool StepRunner::run_at_rest(const MicroOperation& operation, const Signal* oper
     value = 0;
     count_fault(operation.vertex, frames);
   }
-  std::fill_n(operation.out, kWide, value);
+  std::fill_n(operation.out, kVectorWidth, value);
   return true;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <cstdint>
 
 #include "engine/runtime/running.h"
@@ -17,7 +19,7 @@ class Outside {
 };
 
 /// Runs the steps of a plan over one sub-block. A non-finite value of a step silences it, or the loop that it
-/// lies in, to the end of its cell on a grid of kMaxPiece frames, and resets it: so the output does not
+/// lies in, to the end of its cell on a grid of kMaxSubBlock frames, and resets it: so the output does not
 /// depend on the blocks either. Its vertex is counted.
 class StepRunner {
  public:
@@ -30,7 +32,7 @@ class StepRunner {
   /// The first non-finite frame of a step, and its vertex.
   struct Fault {
     int vertex = kSound;
-    int frame = kMaxPiece;
+    int frame = kMaxSubBlock;
   };
 
   template <bool kTimed>

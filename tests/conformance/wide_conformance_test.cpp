@@ -5,8 +5,8 @@
 #include "tests/conformance/node_cases.h"
 #include "tests/support/allocation_count.h"
 
-// The wide forms (Node::widened in engine/graph/node.h) of every registered type that has one. Nothing here
-// knows a type by name.
+// The wide forms (Node::vectorised in engine/graph/node.h) of every registered type that has one. Nothing
+// here knows a type by name.
 
 using namespace tactus;
 using namespace tactus::test;
@@ -41,8 +41,8 @@ class WideRunner {
     }
     std::vector<const Node*> nodes;
     for (auto& scalar : scalars_) nodes.push_back(&scalar->node());
-    nodes.resize(kWide, nullptr);
-    node_ = nodes[0]->widened(nodes);
+    nodes.resize(kVectorWidth, nullptr);
+    node_ = nodes[0]->vectorised(nodes);
     for (std::size_t i = 0; i < lanes.type().inputs.size(); ++i) inputs_.push_back(laid_out(i));
   }
 
@@ -52,14 +52,14 @@ class WideRunner {
 
   /// Interleaved.
   Outputs run(const std::vector<int>& pieces, bool halves = false) {
-    Outputs outputs(lanes_.type().outputs.size(), Samples(kFrames * kWide));
+    Outputs outputs(lanes_.type().outputs.size(), Samples(kFrames * kVectorWidth));
     node_->reset();
     int from = 0;
     for (const int frames : pieces) {
       auto in = signals(from, false);
       auto early = signals(from, halves);
       std::vector<double*> out;
-      for (auto& output : outputs) out.push_back(output.data() + from * kWide);
+      for (auto& output : outputs) out.push_back(output.data() + from * kVectorWidth);
       if (halves) {
         node_->emit({early.data(), out.data(), frames, from});
         node_->absorb({in.data(), out.data(), frames, from});
@@ -73,7 +73,7 @@ class WideRunner {
 
   static Samples lane_of(const Samples& wide, std::size_t lane) {
     Samples one;
-    for (std::size_t n = lane; n < wide.size(); n += kWide) one.push_back(wide[n]);
+    for (std::size_t n = lane; n < wide.size(); n += kVectorWidth) one.push_back(wide[n]);
     return one;
   }
 
@@ -85,10 +85,10 @@ class WideRunner {
 
   Input laid_out(std::size_t input) const {
     bool rests = true;
-    for (std::size_t lane = 0; lane < kWide; ++lane)
+    for (std::size_t lane = 0; lane < kVectorWidth; ++lane)
       rests = rests && std::holds_alternative<double>(lanes_.value(input, lane));
     const bool shared = static_cast<int>(input) == lanes_.shared;
-    const std::size_t frames = rests ? 1 : kFrames, width = shared && !rests ? 1 : kWide;
+    const std::size_t frames = rests ? 1 : kFrames, width = shared && !rests ? 1 : kVectorWidth;
     Input made{{}, rests ? 0 : static_cast<std::ptrdiff_t>(width)};
     for (std::size_t n = 0; n < frames; ++n)
       for (std::size_t lane = 0; lane < width; ++lane) {
@@ -100,12 +100,12 @@ class WideRunner {
   }
 
   std::vector<Signal> signals(int from, bool without_late) const {
-    static const Samples unknown(kLongestPiece * kWide, std::numeric_limits<double>::quiet_NaN());
+    static const Samples unknown(kLongestPiece * kVectorWidth, std::numeric_limits<double>::quiet_NaN());
     std::vector<Signal> signals;
     for (std::size_t i = 0; i < inputs_.size(); ++i)
       signals.push_back(
           without_late && lanes_.type().inputs[i].late
-              ? Signal{unknown.data(), kWide}
+              ? Signal{unknown.data(), kVectorWidth}
               : Signal{inputs_[i].samples.data() + from * inputs_[i].stride, inputs_[i].stride});
     return signals;
   }
@@ -128,10 +128,10 @@ int for_all_lanes(Check check) {
   for (const auto* type : standard_nodes().types) {
     bool wide = false;
     for (const auto& settings : setting_variants(*type)) {
-      const auto all = ordinary_cases(*type, kFrames, kWide);
+      const auto all = ordinary_cases(*type, kFrames, kVectorWidth);
       Lanes lanes;
       for (const auto& one : all)
-        if (one.settings == settings.second && lanes.cases.size() < kWide) lanes.cases.push_back(one);
+        if (one.settings == settings.second && lanes.cases.size() < kVectorWidth) lanes.cases.push_back(one);
       for (lanes.shared = -1; lanes.shared < static_cast<int>(type->inputs.size()); ++lanes.shared) {
         WideRunner runner{lanes};
         if (!runner.made()) break;
@@ -200,11 +200,11 @@ TEST_CASE("wide: halves give what the whole gives, and delays are those of all l
 
 TEST_CASE("wide: nothing is allocated while it runs", "[conformance]") {
   for_all_lanes([](const Lanes&, WideRunner& runner) {
-    Samples silence(kLongestPiece * kWide);
+    Samples silence(kLongestPiece * kVectorWidth);
     std::vector<Samples> outputs(4, silence);
     std::vector<double*> out;
     for (auto& output : outputs) out.push_back(output.data());
-    const std::vector<Signal> in(16, Signal{silence.data(), kWide});
+    const std::vector<Signal> in(16, Signal{silence.data(), kVectorWidth});
     const auto before = allocation_count();
     runner.node().reset();
     for (int n = 0; n < 10; ++n)

@@ -52,14 +52,14 @@ class Builder {
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       place_[v] = plan_->signal_doubles;
       const auto& vertex = graph_.vertices[v];
-      if (has_buffer(vertex)) plan_->signal_doubles += index(vertex.outputs * vertex.width) * kMaxPiece;
+      if (has_buffer(vertex)) plan_->signal_doubles += index(vertex.outputs * vertex.width) * kMaxSubBlock;
     }
   }
 
   /// Behind the signals; those for all lanes first, so that they lie on cache lines.
   void lay_out_constants() {
     auto doubles = plan_->signal_doubles;
-    for (const int width : {kWide, 1})
+    for (const int width : {kVectorWidth, 1})
       for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
         const auto& vertex = graph_.vertices[v];
         if (vertex.kind != Vertex::Kind::Constant || vertex.width != width || read_[v].empty()) continue;
@@ -73,7 +73,7 @@ class Builder {
       if (vertex.width == 1)
         *(plan_->arena.data() + place_[v]) = vertex.value;
       else
-        std::copy_n(vertex.values.begin(), kWide, plan_->arena.data() + place_[v]);
+        std::copy_n(vertex.values.begin(), kVectorWidth, plan_->arena.data() + place_[v]);
     }
   }
 
@@ -90,7 +90,7 @@ class Builder {
   }
 
   double* buffer(int v, int port) {
-    return plan_->arena.data() + place_[index(v)] + port * at(v).width * kMaxPiece;
+    return plan_->arena.data() + place_[index(v)] + port * at(v).width * kMaxSubBlock;
   }
 
   /// A lane of a vectorised vertex is a signal with a longer stride. Controls rest until they are moved;
@@ -99,7 +99,7 @@ class Builder {
     const auto& vertex = at(wire.vertex);
     double* const data = buffer(wire.vertex, wire.port);
     if (vertex.kind == Vertex::Kind::Constant) return {data, 0};
-    if (vertex.width > 1) return {data + std::max(0, wire.lane), kWide};
+    if (vertex.width > 1) return {data + std::max(0, wire.lane), kVectorWidth};
     const bool rests = vertex.kind == Vertex::Kind::Control || vertex.kind == Vertex::Kind::SystemDelay;
     return {data, rests ? 0 : 1};
   }
@@ -276,7 +276,7 @@ class Builder {
   const CompileOptions& options_;
   std::unique_ptr<Plan> plan_;
   std::vector<std::size_t> place_;                     ///< [vertex] in the arena
-  std::vector<std::vector<int>> read_;                 ///< [vertex]: ports that somebody reads
+  std::vector<std::vector<int>> read_;                 ///< [vertex]: ports that are read
   std::vector<int> sources_;                           ///< [slot of Plan::inputs] the vertex that it reads
   std::map<int, int> can_rest_;                        ///< [vertex] in Plan::can_rest
   std::map<std::pair<bool, std::string>, int> paths_;  ///< [operation, path] how many so far

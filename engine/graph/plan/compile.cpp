@@ -39,7 +39,7 @@ std::size_t unfolded_nodes(const FlatGraph& graph) {
   return count;
 }
 
-/// What folded to no number: nothing that reads it could ever sound.
+/// A constant that is not finite: nothing that reads it can ever sound.
 void check_constants(const VertexGraph& graph, Mistakes& mistakes) {
   for (const auto& vertex : graph.vertices)
     if (vertex.alive && vertex.kind == Vertex::Kind::Constant && !std::isfinite(vertex.value))

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -43,17 +45,17 @@ struct CompileOptions {
   bool vectorise = true;
 };
 
-/// The mistakes that show before any node is made, in file order: names, ports, settings, units, lanes,
+/// The errors found before any node is made, in file order: names, ports, settings, units, lanes,
 /// ranges.
 std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options);
 
 /// resolve → unfold lanes → prune and fold → make the nodes → vectorise → plan. Errors, in
-/// file order: those of `check`; without any, what the nodes say when they are made, and all loops without a
+/// file order: those of `check`; without any, those of making the nodes, and all loops without a
 /// delay.
 Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& table,
                                        const CompileOptions& options);
 
-/// The same for a graph just loaded: the mistakes of its text and those of `check` in one go.
+/// The same for a graph just loaded: the errors of its text and those of `check` together.
 Checked<std::unique_ptr<Plan>> compile(const LoadedGraph& graph, const NodeTable& table,
                                        const CompileOptions& options);
 

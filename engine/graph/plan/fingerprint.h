@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <bit>
 #include <cstdint>
 #include <string_view>
@@ -30,7 +32,7 @@ class Fingerprint {
 };
 
 /// [control] Of everything that a node was made from: two nodes with the same fingerprint differ in their
-/// state alone. Of an input counts what `make` asked for, or what it had to be told because the port is
+/// state alone. Of an input counts what `make` asked for, or what it always gets because the port is
 /// fixed.
 std::uint64_t fingerprint(const NodeSetup& setup);
 

@@ -33,12 +33,12 @@ void LaneGroups::find() {
     const auto& vertex = graph_.vertices[v];
     const bool runs = vertex.kind == Vertex::Kind::Operation || vertex.kind == Vertex::Kind::Node;
     if (!vertex.alive || !vertex.origin || !runs) continue;
-    auto& row = rows[{vertex.origin, vertex.lane / kWide}];
-    row.resize(kWide, kNone);
-    row[static_cast<std::size_t>(vertex.lane % kWide)] = static_cast<int>(v);
+    auto& row = rows[{vertex.origin, vertex.lane / kVectorWidth}];
+    row.resize(kVectorWidth, kNone);
+    row[static_cast<std::size_t>(vertex.lane % kVectorWidth)] = static_cast<int>(v);
   }
   for (auto& [row, members] : rows) {
-    if (kWide - std::count(members.begin(), members.end(), kNone) < kLeastLanes) continue;
+    if (kVectorWidth - std::count(members.begin(), members.end(), kNone) < kLeastLanes) continue;
     LaneGroup group;
     group.members = std::move(members);
     group.first = *std::find_if(group.members.begin(), group.members.end(), [](int v) { return v != kNone; });
@@ -58,7 +58,7 @@ void LaneGroups::make_node(LaneGroup& group) const {
   group.remembers = !flat_.nodes[static_cast<std::size_t>(first.index)].type->stateless;
   std::vector<const Node*> lanes;
   for (const int v : group.members) lanes.push_back(v == kNone ? nullptr : at(v).node.get());
-  group.node = first.node->widened(lanes);
+  group.node = first.node->vectorised(lanes);
 }
 
 void LaneGroups::number_members() {

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -8,7 +10,7 @@
 
 namespace tactus {
 
-/// Lanes that are to run side by side.
+/// Lanes that are to be vectorised.
 struct LaneGroup {
   static constexpr int kNone = -1;
 
@@ -16,7 +18,7 @@ struct LaneGroup {
   int first = 0;             ///< the first lane that is there
   std::unique_ptr<Node> node;
   bool remembers = false;
-  int vertex = kNone;  ///< the wide one
+  int vertex = kNone;  ///< the vectorised one
 };
 
 /// What each lane reads; a wire without a vertex where there is no lane.
@@ -32,8 +34,8 @@ bool all_of(const LaneRow& row, Condition holds) {
                      [&](const Wire& wire) { return wire.vertex == LaneGroup::kNone || holds(wire); });
 }
 
-/// Which lanes of a graph are worth running side by side: lanes 8k … 8k+7 of the same node or operator, where
-/// half of them or more are there, and where one of the groups that read one another remembers something.
+/// Which lanes of a graph are worth vectorising: lanes 8k … 8k+7 of the same node or operator, where
+/// half of them or more are there, and where one of the groups that read one another has a state.
 class LaneGroups {
  public:
   /// [control] The nodes of the single lanes are made.

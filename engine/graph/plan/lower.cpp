@@ -93,7 +93,7 @@ class Lowering {
         vertex.kind = Vertex::Kind::SystemDelay;
         break;
       case FlatSignal::Kind::Missing:
-        break;  // a constant that nobody reads
+        break;  // a constant that nothing reads
       case FlatSignal::Kind::Expression:
       case FlatSignal::Kind::NodeOutput:
         vertex.kind = Vertex::Kind::Operation;
@@ -104,7 +104,7 @@ class Lowering {
     return add(std::move(vertex));
   }
 
-  /// One for all files: whoever plays tells it once.
+  /// One for all files.
   Wire system_delay(const FlatSignal& signal) {
     if (system_delay_.vertex < 0) system_delay_ = make_source(signal, 0);
     return system_delay_;

@@ -8,6 +8,7 @@
 #include "engine/graph/plan/phase_delay.h"
 #include "engine/graph/plan/rate_converter.h"
 #include "engine/graph/plan/vector_nodes.h"
+#include "engine/graph/semantics/facts.h"
 #include "engine/graph/semantics/operators.h"
 
 namespace tactus {
@@ -37,7 +38,7 @@ class Maker {
         vertex.node = std::make_shared<PhaseDelay>(other.node, static_cast<int>(vertex.in.size()) - 2,
                                                    rate_of(vertex.divisor), vertex.value);
       else if (made_.mistakes.empty())
-        complain_phase(vertex);
+        report_phase(vertex);
     }
     return std::move(made_);
   }
@@ -62,7 +63,7 @@ class Maker {
 
   void make(Vertex& vertex) {
     const auto& node = flat_node(vertex);
-    auto setup = setup_of(node, vertex);
+    auto setup = setup_with_inputs(node, vertex);
     if (!setup || (!node.compensate.empty() && !shorten_time(node, vertex, *setup))) return;
     auto made = make_within(*setup);
     if (made) {
@@ -72,13 +73,13 @@ class Maker {
     }
     auto error = made.error();
     if (error.where.empty()) error.where = node.at.text();
-    // As the file at that place calls it, so that a part used twice tells its mistake once.
+    // As the file at that place calls it, so that the error of a part used twice is reported once.
     const auto name = node.path.substr(node.path.rfind('.') + 1);
     error.what = node.type->name + " '" + name + "': " + error.what;
     made_.mistakes.push_back(std::move(error));
   }
 
-  /// What stands in the settings is kept by each lane of each node, whatever else it keeps.
+  /// Each lane of each node keeps the numbers of its settings, besides its state.
   Result<std::unique_ptr<Node>> make_within(NodeSetup& setup) {
     setup.memory = &memory_;
     std::size_t numbers = 0;
@@ -104,15 +105,10 @@ class Maker {
     }
   }
 
-  /// Nothing after a mistake.
-  std::optional<NodeSetup> setup_of(const FlatNode& node, const Vertex& vertex) {
-    NodeSetup setup;
+  /// Nothing after an error.
+  std::optional<NodeSetup> setup_with_inputs(const FlatNode& node, const Vertex& vertex) {
+    auto setup = setup_of(node, options_.sample_rate, vertex.lane);
     bool right = true;
-    setup.sample_rate = rate_of(node.divisor);
-    setup.type = node.type.get();
-    setup.settings = node.settings;
-    setup.lane = vertex.lane;
-    setup.lanes = node.lanes;
     for (std::size_t i = 0; i < vertex.in.size(); ++i) {
       InputInfo info{node.ranges[i], std::nullopt, node.inputs[i].has_value()};
       const auto& source = at(vertex.in[i]);
@@ -175,7 +171,7 @@ class Maker {
       const auto& other = graph_.vertices[static_cast<std::size_t>(at(wire).index)];
       if (other.node == nullptr) return false;
       const auto taken = PhaseDelay::range(other.node, tuned, flat_node(other).ranges, rate_of(node.divisor));
-      if (!taken) return complain_phase(at(wire)), false;
+      if (!taken) return report_phase(at(wire)), false;
       left = left + (where.sign < 0 ? Interval{-taken->high, -taken->low} : *taken);
     }
     left = left +
@@ -186,7 +182,7 @@ class Maker {
     return true;
   }
 
-  void complain_phase(const Vertex& phase_delay) {
+  void report_phase(const Vertex& phase_delay) {
     made_.mistakes.push_back({Errc::BadArgument, phase_delay.at.text(),
                               "the phase delay of '" +
                                   graph_.vertices[static_cast<std::size_t>(phase_delay.index)].path +

@@ -28,7 +28,7 @@ int least_delay(const Vertex& vertex) {
   for (std::size_t i = 0; i < vertex.in.size() && vertex.node != nullptr; ++i)
     for (int output = 0; is_late(vertex, i) && output < vertex.outputs; ++output)
       least = std::min(least, vertex.node->delay(static_cast<int>(i), output).least);
-  if (least == std::numeric_limits<int>::max()) return kMaxPiece;
+  if (least == std::numeric_limits<int>::max()) return kMaxSubBlock;
   return std::min(least, std::numeric_limits<int>::max() / vertex.divisor) * vertex.divisor;
 }
 
@@ -105,7 +105,7 @@ class Ordering {
     for (const int v : component)
       for (const auto& edge : readers(v))
         if (edge.late && inside.contains(edge.to))
-          delays.insert(std::min(kMaxPiece, least_[static_cast<std::size_t>(edge.to)]));
+          delays.insert(std::min(kMaxSubBlock, least_[static_cast<std::size_t>(edge.to)]));
     OrderedSection section;
     for (const int sub_block : delays) {
       std::vector<int> left;
@@ -199,7 +199,7 @@ class Ordering {
   }
 
   /// A cycle in `stuck`, from its first vertex on. Everything stuck waits for something stuck, so that
-  /// walking backwards always goes on, until a vertex comes up again.
+  /// walking backwards never ends before a vertex comes up again.
   std::vector<int> walk_cycle(const std::set<int>& stuck) const {
     std::map<int, int> waits_for;
     for (const int v : stuck)

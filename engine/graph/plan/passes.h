@@ -7,7 +7,7 @@
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/plan/vertex_graph.h"
 
-// Thread: [control]
+// Thread: [control].
 
 namespace tactus {
 
@@ -31,8 +31,8 @@ struct OrderedVertex {
 struct OrderedSection {
   std::vector<OrderedVertex> vertices;
   bool loop = false;
-  int sub_block = kMaxPiece;  ///< the largest S for which delays of S frames and more cut every cycle
-  int delay_frames = 0;       ///< the shortest of the delays that cut
+  int sub_block = kMaxSubBlock;  ///< the largest S for which delays of S frames and more cut every cycle
+  int delay_frames = 0;          ///< the shortest of the delays that cut
 };
 
 /// Puts the vertices in an order in which everything runs after what it reads. Strongly connected parts

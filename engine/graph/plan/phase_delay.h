@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]; overrides of Node as it says.
+
 #include <memory>
 #include <optional>
 #include <utility>

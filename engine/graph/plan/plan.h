@@ -69,13 +69,13 @@ struct Step {
 struct Section {
   int first_step = 0;
   int end_step = 0;
-  int sub_block = kMaxPiece;
+  int sub_block = kMaxSubBlock;
   bool loop = false;
 };
 
 struct PlannedControl {
   FlatControl control;
-  double* buffer = nullptr;  ///< samples while it ramps; kWide times the same while it rests
+  double* buffer = nullptr;  ///< samples while it ramps; kVectorWidth times the same while it rests
   Readers readers;
   bool frozen = false;  ///< some node needed its value when it was made: it cannot change while running
 };
@@ -88,7 +88,7 @@ struct PlannedChannel {
   Signal signal;
 };
 
-/// What `tactus explain` tells about a loop.
+/// A loop, for `tactus explain`.
 struct LoopReport {
   std::vector<std::string> paths;
   int sub_block = 0;
@@ -120,8 +120,9 @@ struct Plan {
   std::vector<MicroOperation> operations;
   /// Of operations on nothing but controls and numbers: while those rest each is one number, which rests too.
   std::vector<Readers> can_rest;
-  std::vector<double*> input_buffers;  ///< nullptr: nobody reads the channel
-  double* system_delay = nullptr;      ///< kWide times the same, in seconds, or nullptr if nobody reads it
+  std::vector<double*> input_buffers;  ///< nullptr: nothing reads the channel
+  double* system_delay =
+      nullptr;  ///< kVectorWidth times the same, in seconds, or nullptr if nothing reads it
   Seconds system_delay_at_start;
   Arena arena;                     ///< buffers of signals, then constants
   std::size_t signal_doubles = 0;  ///< of `arena`

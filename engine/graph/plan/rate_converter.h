@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]; overrides of Node as it says.
+
 #include <string>
 
 #include "engine/core/units.h"

@@ -6,6 +6,7 @@
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/vector_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
+#include "engine/graph/semantics/facts.h"
 #include "engine/graph/semantics/operators.h"
 
 namespace tactus {
@@ -126,7 +127,7 @@ class Simplifier {
     }
     if (vertex.op == Expression::Op::Divide && same_in_all(vertex.in[1]) == 1.0)
       return replace(v, vertex.in[0]);
-    // Of all numbers this changes -0 only, which no operation tells from 0.
+    // Of all numbers this changes -0 only, which no operation distinguishes from 0.
     if ((vertex.op == Expression::Op::Add || vertex.op == Expression::Op::Subtract) &&
         same_in_all(vertex.in[1]) == 0.0)
       return replace(v, vertex.in[0]);
@@ -154,10 +155,7 @@ class Simplifier {
   bool fold_node(int v) {
     const auto& node = flat_.nodes[static_cast<std::size_t>(at(v).index)];
     if (!node.type->stateless) return false;
-    NodeSetup setup;
-    setup.sample_rate = Hertz{sample_rate_.value / node.divisor};
-    setup.type = node.type.get();
-    setup.settings = node.settings;
+    auto setup = setup_of(node, sample_rate_);
     std::vector<double> values;
     for (std::size_t i = 0; i < at(v).in.size(); ++i) {
       const auto value = constant(at(v).in[i]);
@@ -251,7 +249,7 @@ class Simplifier {
       }
       if (vertex.path.find("system.") != std::string::npos) continue;
       graph_.left_out.push_back(
-          {vertex.path, vertex.kind == Vertex::Kind::Control ? "nobody reads it" : reason_[v]});
+          {vertex.path, vertex.kind == Vertex::Kind::Control ? "nothing reads it" : reason_[v]});
     }
   }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [any].
+
 #include <vector>
 
 namespace tactus {

@@ -9,7 +9,7 @@
 namespace tactus {
 namespace {
 
-using Row = std::array<double, kWide>;
+using Row = std::array<double, kVectorWidth>;
 
 /// The lanes of one frame of an input, whatever its stride.
 template <bool kSame>
@@ -22,12 +22,12 @@ void run(const Signal* in, double* out, int frames) noexcept {
   const double* left = in[0].data;
   const double* right = in[1].data;
   const auto left_stride = in[0].stride, right_stride = in[1].stride;
-  for (int n = 0; n < frames; ++n, out += kWide) {
+  for (int n = 0; n < frames; ++n, out += kVectorWidth) {
     Row result;
-    for (int lane = 0; lane < kWide; ++lane)
+    for (int lane = 0; lane < kVectorWidth; ++lane)
       result[static_cast<std::size_t>(lane)] =
           apply(kOp, lane_of<kSameLeft>(left, lane), lane_of<kSameRight>(right, lane));
-    std::copy_n(result.data(), kWide, out);
+    std::copy_n(result.data(), kVectorWidth, out);
     left += left_stride;
     right += right_stride;
   }
@@ -45,42 +45,22 @@ void run(const Signal* in, double* out, int frames) noexcept {
 }  // namespace
 
 void VectorOperation::process(const NodeBlock& block) noexcept {
-  double* const out = block.out[0];
-  switch (op_) {
-    case Expression::Op::Negate:
-      return run<Expression::Op::Negate>(block.in, out, block.frames);
-    case Expression::Op::Add:
-      return run<Expression::Op::Add>(block.in, out, block.frames);
-    case Expression::Op::Subtract:
-      return run<Expression::Op::Subtract>(block.in, out, block.frames);
-    case Expression::Op::Multiply:
-      return run<Expression::Op::Multiply>(block.in, out, block.frames);
-    case Expression::Op::Divide:
-      return run<Expression::Op::Divide>(block.in, out, block.frames);
-    case Expression::Op::Min:
-      return run<Expression::Op::Min>(block.in, out, block.frames);
-    case Expression::Op::Max:
-      return run<Expression::Op::Max>(block.in, out, block.frames);
-    case Expression::Op::Abs:
-      return run<Expression::Op::Abs>(block.in, out, block.frames);
-    default:
-      return run<Expression::Op::Signal>(block.in, out, block.frames);
-  }
+  for_operator(op_, [&](auto constant) { run<constant()>(block.in, block.out[0], block.frames); });
 }
 
 void Pack::process(const NodeBlock& block) noexcept {
   double* out = block.out[0];
-  if (std::all_of(block.in, block.in + kWide, [](const Signal& lane) { return lane.stride == 1; })) {
-    std::array<const double*, kWide> rows;
-    for (std::size_t lane = 0; lane < kWide; ++lane) rows[lane] = block.in[lane].data;
+  if (std::all_of(block.in, block.in + kVectorWidth, [](const Signal& lane) { return lane.stride == 1; })) {
+    std::array<const double*, kVectorWidth> rows;
+    for (std::size_t lane = 0; lane < kVectorWidth; ++lane) rows[lane] = block.in[lane].data;
     return Transpose::pack(rows, out, block.frames);
   }
   for (int n = 0; n < block.frames; ++n)
-    for (int lane = 0; lane < kWide; ++lane) *out++ = block.in[lane][n];
+    for (int lane = 0; lane < kVectorWidth; ++lane) *out++ = block.in[lane][n];
 }
 
 void LaneSum::process(const NodeBlock& block) noexcept {
-  const int whole = lanes_ / kWide, rest = lanes_ % kWide, all = block.frames * kWide;
+  const int whole = lanes_ / kVectorWidth, rest = lanes_ % kVectorWidth, all = block.frames * kVectorWidth;
   // Adding -0 changes no number, not even its sign.
   if (whole == 0) std::fill_n(sums_.begin(), all, -0.0);
   if (whole > 0) std::copy_n(block.in[0].data, all, sums_.begin());
@@ -89,9 +69,9 @@ void LaneSum::process(const NodeBlock& block) noexcept {
     for (int k = 0; k < all; ++k) sums_[static_cast<std::size_t>(k)] += rows[k];
   }
   double* sum = sums_.data();
-  for (int n = 0; n < block.frames; ++n, sum += kWide) {
-    for (int lane = 0; lane < rest; ++lane) sum[lane] += block.in[whole].data[n * kWide + lane];
-    const auto half = [sum](int lane) { return sum[lane] + sum[lane + kWide / 2]; };
+  for (int n = 0; n < block.frames; ++n, sum += kVectorWidth) {
+    for (int lane = 0; lane < rest; ++lane) sum[lane] += block.in[whole].data[n * kVectorWidth + lane];
+    const auto half = [sum](int lane) { return sum[lane] + sum[lane + kVectorWidth / 2]; };
     block.out[0][n] = (half(0) + half(2)) + (half(1) + half(3));
   }
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]; overrides of Node as it says.
+
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -9,9 +11,9 @@
 
 namespace tactus {
 
-// The steps that `vectorise` puts between wide nodes (see Node::widened).
+// The steps that `vectorise` puts between vectorised nodes (see Node::vectorised).
 
-/// One operator of an expression on kWide lanes: out = op(in[0], in[1]), as `apply` says.
+/// One operator of an expression on kVectorWidth lanes: out = op(in[0], in[1]), as `apply` says.
 class VectorOperation : public Node {
  public:
   explicit VectorOperation(Expression::Op op) : op_(op) {}
@@ -22,14 +24,14 @@ class VectorOperation : public Node {
   Expression::Op op_;
 };
 
-/// kWide signals, put side by side.
+/// kVectorWidth scalar signals as one vectorised signal.
 class Pack : public Node {
  public:
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override {}
 };
 
-/// The sum of `lanes` lanes that stand in wide signals, in the order of `add_lanes`.
+/// The sum of `lanes` lanes of vectorised signals, in the order of `add_lanes`.
 class LaneSum : public Node {
  public:
   explicit LaneSum(int lanes) : lanes_(lanes) {}
@@ -38,14 +40,14 @@ class LaneSum : public Node {
 
  private:
   int lanes_;
-  std::array<double, static_cast<std::size_t>(kWide) * kMaxPiece> sums_;
+  std::array<double, static_cast<std::size_t>(kVectorWidth) * kMaxSubBlock> sums_;
 };
 
 /// The order in which `mix` adds lanes, which decides the last bits of its sum: lane k takes in lanes k + 8,
 /// k + 16 … one after the other; what is then left is added in halves, k and k + 4, k and k + 2, k and k + 1.
 template <class Value, class Add>
 Value add_lanes(const std::vector<Value>& lanes, Add add) {
-  constexpr std::size_t kStrands = kWide;
+  constexpr std::size_t kStrands = kVectorWidth;
   std::vector<Value> strands;
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     if (i < kStrands)

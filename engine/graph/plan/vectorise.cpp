@@ -11,8 +11,6 @@ namespace {
 
 using Group = LaneGroup;
 
-constexpr int kNone = Group::kNone;
-
 class Vectoriser {
  public:
   Vectoriser(VertexGraph& graph, const FlatGraph& flat) : graph_(graph), groups_(graph, flat) {}
@@ -20,12 +18,12 @@ class Vectoriser {
   bool run() {
     if (groups_.groups().empty()) return false;
     const auto scalars = graph_.vertices.size();
-    for (auto& group : groups_.groups()) add_wide(group);
+    for (auto& group : groups_.groups()) add_vectorised(group);
     for (auto& group : groups_.groups()) connect(group);
     for (std::size_t v = 0; v < scalars; ++v) connect_scalar(static_cast<int>(v));
     for (const auto& group : groups_.groups())
       for (const int member : group.members)
-        if (member != kNone) at(member).alive = false;
+        if (member != Group::kNone) at(member).alive = false;
     graph_.compact();
     return true;
   }
@@ -38,16 +36,17 @@ class Vectoriser {
     return static_cast<int>(graph_.vertices.size()) - 1;
   }
 
-  // ---- wide vertices
+  // ---- vectorised vertices
 
-  void add_wide(Group& group) {
+  void add_vectorised(Group& group) {
     Vertex wide = at(group.first);
-    const int first = wide.lane / kWide * kWide, last = std::min(first + kWide, wide.lanes) - 1;
+    const int first = wide.lane / kVectorWidth * kVectorWidth,
+              last = std::min(first + kVectorWidth, wide.lanes) - 1;
     // Lanes of a node are named one by one, operators after their expression.
     if (wide.kind == Vertex::Kind::Node) wide.path.resize(wide.path.rfind('['));
     wide.path += "[" + std::to_string(first) + ".." + std::to_string(last) + "]";
     wide.origin = {};
-    wide.width = kWide;
+    wide.width = kVectorWidth;
     wide.in.clear();
     wide.node = std::move(group.node);
     wide.fingerprint = made_from(group);
@@ -58,8 +57,8 @@ class Vectoriser {
   std::uint64_t made_from(const Group& group) {
     Fingerprint print;
     for (const int v : group.members) {
-      print.add(std::uint64_t{v == kNone});
-      if (v == kNone) continue;
+      print.add(std::uint64_t{v == Group::kNone});
+      if (v == Group::kNone) continue;
       const bool operation = at(v).kind == Vertex::Kind::Operation;
       print.add(operation ? static_cast<std::uint64_t>(at(v).op) : at(v).fingerprint);
     }
@@ -69,14 +68,14 @@ class Vectoriser {
   void connect(const Group& group) {
     std::vector<Wire> in;
     for (std::size_t i = 0; i < at(group.first).in.size(); ++i)
-      in.push_back(wide_input(groups_.input(group, i), at(group.vertex)));
+      in.push_back(vector_input(groups_.input(group, i), at(group.vertex)));
     // Every operation has two operands to point at.
     if (at(group.vertex).kind == Vertex::Kind::Operation && in.size() == 1) in.push_back(in[0]);
     at(group.vertex).in = std::move(in);
   }
 
-  Wire wide_input(const LaneRow& row, const Vertex& reader) {
-    if (const int g = groups_.lined_up(row); g != kNone) return all_lanes(g, row);
+  Wire vector_input(const LaneRow& row, const Vertex& reader) {
+    if (const int g = groups_.lined_up(row); g != Group::kNone) return all_lanes(g, row);
     if (all_of(row, [&](const Wire& wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; }))
       return constants(row);
     if (all_of(row, [&](const Wire& wire) { return wire == first_of(row); }))
@@ -90,19 +89,19 @@ class Vectoriser {
 
   Wire constants(const LaneRow& row) {
     Vertex vertex;
-    vertex.width = kWide;
+    vertex.width = kVectorWidth;
     for (const auto& wire : row)
-      vertex.values.push_back(at(wire.vertex == kNone ? first_of(row).vertex : wire.vertex).value);
+      vertex.values.push_back(at(wire.vertex == Group::kNone ? first_of(row).vertex : wire.vertex).value);
     return {add(std::move(vertex)), 0, Wire::kAllLanes};
   }
 
   Wire packed(const LaneRow& row, std::string path, int divisor) {
     LaneRow wires;
-    for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == kNone ? first_of(row) : wire));
-    wires.resize(kWide, wires[0]);
+    for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == Group::kNone ? first_of(row) : wire));
+    wires.resize(kVectorWidth, wires[0]);
     Vertex vertex;
     vertex.kind = Vertex::Kind::Pack;
-    vertex.width = kWide;
+    vertex.width = kVectorWidth;
     vertex.divisor = divisor;
     vertex.path = std::move(path);
     auto key = wires_of(wires);
@@ -121,10 +120,10 @@ class Vectoriser {
 
   // ---- what stays scalar
 
-  /// Where the signal is now: on its own, or a lane of what is wide.
+  /// Where the signal is now: on its own, or a lane of a vectorised vertex.
   Wire lane_of(const Wire& wire) const {
     const int g = groups_.group_of(wire);
-    if (g == kNone) return wire;
+    if (g == Group::kNone) return wire;
     const auto& group = groups_[g];
     const auto lane = std::find(group.members.begin(), group.members.end(), wire.vertex);
     return {group.vertex, wire.port, static_cast<int>(lane - group.members.begin())};
@@ -132,7 +131,7 @@ class Vectoriser {
 
   /// Its samples in a row.
   Wire scalar(const Wire& wire, std::string path) {
-    if (groups_.group_of(wire) == kNone) return wire;
+    if (groups_.group_of(wire) == Group::kNone) return wire;
     const auto lane = lane_of(wire);
     const auto [known, fresh] = rows_.try_emplace(wires_of({lane}));
     if (!fresh) return known->second;
@@ -146,29 +145,29 @@ class Vectoriser {
   }
 
   void connect_scalar(int v) {
-    if (!at(v).alive || groups_.group_of({v, 0}) != kNone) return;
-    if (at(v).kind == Vertex::Kind::Sum && sum_wide(v)) return;
+    if (!at(v).alive || groups_.group_of({v, 0}) != Group::kNone) return;
+    if (at(v).kind == Vertex::Kind::Sum && sum_vectorised(v)) return;
     const bool takes_lanes = at(v).kind == Vertex::Kind::Output;
     auto in = at(v).in;
     for (auto& wire : in) wire = takes_lanes ? lane_of(wire) : scalar(wire, at(v).path);
     at(v).in = std::move(in);
   }
 
-  /// False if none of its lanes are wide.
-  bool sum_wide(int v) {
+  /// False if none of its lanes are vectorised.
+  bool sum_vectorised(int v) {
     const auto lanes = at(v).in;
     std::vector<LaneRow> rows;
     for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
-      if (lane % kWide == 0) rows.emplace_back();
+      if (lane % kVectorWidth == 0) rows.emplace_back();
       rows.back().push_back(lanes[lane]);
     }
     if (std::none_of(rows.begin(), rows.end(),
-                     [this](const LaneRow& row) { return groups_.lined_up(row) != kNone; }))
+                     [this](const LaneRow& row) { return groups_.lined_up(row) != Group::kNone; }))
       return false;
     LaneRow in;
     for (const auto& row : rows) {
       const int g = groups_.lined_up(row);
-      in.push_back(g == kNone ? packed(row, at(v).path, at(v).divisor) : all_lanes(g, row));
+      in.push_back(g == Group::kNone ? packed(row, at(v).path, at(v).divisor) : all_lanes(g, row));
     }
     at(v).in = std::move(in);
     at(v).node = std::make_shared<LaneSum>(static_cast<int>(lanes.size()));

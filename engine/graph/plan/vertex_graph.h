@@ -6,7 +6,7 @@
 
 #include "engine/graph/semantics/flat_graph.h"
 
-// Thread: [control]
+// Thread: [control].
 
 namespace tactus {
 
@@ -38,7 +38,7 @@ struct Vertex {
     Node,
     PhaseDelay,
     Sum,            ///< all lanes of a signal; where no lane is vectorised, additions replace it
-    Pack,           ///< kWide scalar signals as one vectorised signal
+    Pack,           ///< kVectorWidth scalar signals as one vectorised signal
     RateConverter,  ///< into a part with a rate of its own, or out of it
     Output
   };
@@ -46,12 +46,12 @@ struct Vertex {
   Kind kind = Kind::Constant;
   Expression::Op op = Expression::Op::Number;  ///< Operation; `Signal` copies
   double value = 0;                            ///< Constant; PhaseDelay: its sign
-  std::vector<double> values;                  ///< Constant of width kWide
+  std::vector<double> values;                  ///< Constant of width kVectorWidth
   int index = -1;                              ///< of the channel, control, output channel, or flat node
   int lane = 0;                                ///< the first one of a vectorised vertex
   int lanes = 1;                               ///< of its origin
   Origin origin;
-  int width = 1;              ///< 1 or kWide
+  int width = 1;              ///< 1 or kVectorWidth
   int divisor = 1;            ///< engine frames between two of its samples
   RateConversion conversion;  ///< RateConverter
   std::vector<Wire> in;
@@ -103,10 +103,10 @@ VertexGraph lower(const FlatGraph& flat);
 void simplify(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate);
 
 /// Lanes 8k … 8k+7 of the same node, or of the same operator of an expression, become one vectorised vertex
-/// (see Node::widened), so that a recurrence runs across lanes instead of along time, where at least four of
-/// them exist. It reads another vectorised vertex as it is, one scalar for all lanes, or a Pack of scalars;
-/// scalar vertices read one lane. Only where nodes with a vectorised form and a state take part: operators
-/// alone are as fast along time. False: there is nothing to vectorise, and `graph` is as it was.
+/// (see Node::vectorised), so that a recurrence runs across lanes instead of along time, where at least four
+/// of them exist. It reads another vectorised vertex as it is, one scalar for all lanes, or a Pack of
+/// scalars; scalar vertices read one lane. Only where nodes with a vectorised form and a state take part:
+/// operators alone are as fast along time. False: there is nothing to vectorise, and `graph` is as it was.
 ///
 /// Lanes that run together have one sub-block, the shortest of theirs, and are reset together after a fault.
 bool vectorise(VertexGraph& graph, const FlatGraph& flat);

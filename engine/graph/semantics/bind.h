@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <filesystem>
 
 #include "engine/graph/file/mistakes.h"
@@ -11,10 +13,10 @@
 namespace tactus {
 
 /// A value in a signal port as a Expression: a number, a quantity or expression in a string, a list of lanes,
-/// or a spread { from, to, curve } over the lanes. With a mistake, the missing signal.
+/// or a spread { from, to, curve } over the lanes. After an error, the missing signal.
 Expression bind_signal(const Value& value, const Scope& scope, Mistakes& mistakes);
 
-/// Stands for what a mistake left out, and raises no second error.
+/// Replaces what an error left out, and raises no second error.
 Expression missing_signal(const Source& at);
 
 /// A setting read from the `fields` of its node, or its fallback. `folder` is where files start.

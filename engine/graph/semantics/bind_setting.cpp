@@ -9,7 +9,7 @@
 namespace tactus {
 namespace {
 
-/// One setting of one node being read: where to complain and how to call it.
+/// Reads one setting of one node; its errors have the place and the name of the node.
 struct Reader {
   const Setting& setting;
   const Value::Table& fields;

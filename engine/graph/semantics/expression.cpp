@@ -41,9 +41,9 @@ class Parser {
     if (here_ == text_.size()) return value;
     if (peek() == ')') return syntax(here_, "')' has no '(' before it", "remove it");
     if (peek() == ',')
-      return syntax(here_, "',' stands outside of min( , ) and max( , )", "write decimals with a point");
+      return syntax(here_, "',' is only allowed in min( , ) and max( , )", "write decimals with a point");
     if (peek() == '^') return syntax(here_, "'^' is not an operator", "multiply instead");
-    return syntax(here_, found() + " stands where an operator should", "put + - * or / before it");
+    return syntax(here_, found() + " found where an operator was expected", "put + - * or / before it");
   }
 
  private:
@@ -93,7 +93,8 @@ class Parser {
                     text_.find_first_not_of(" \t\r\n") == text_.npos ? "the expression is empty"
                                                                      : "the expression ends too early",
                     "a number, a name or '(' belongs here");
-    return syntax(here_, found() + " stands where a value should", "a number, a name or '(' belongs here");
+    return syntax(here_, found() + " found where a value was expected",
+                  "a number, a name or '(' belongs here");
   }
 
   Result<Expression> negative() {
@@ -193,7 +194,7 @@ class Parser {
   }
   Result<Expression> unclosed(std::size_t open) const {
     if (here_ == text_.size()) return syntax(open, "'(' is not closed", "put ')' where it ends");
-    return syntax(here_, found() + " stands where an operator or ')' should",
+    return syntax(here_, found() + " found where an operator or ')' was expected",
                   "put + - * or / before it, or ')'");
   }
   Result<Expression> not_a_unit(std::string_view digits) {
@@ -205,7 +206,7 @@ class Parser {
                   "to multiply, write " + std::string{digits} + " * " + word);
   }
 
-  /// What stands at this place, for messages.
+  /// The word or character at this place, for messages.
   std::string found() const {
     auto end = here_;
     while (end < text_.size() && (letter(text_[end]) || digit(text_[end]) || text_[end] == '.')) ++end;

@@ -20,7 +20,7 @@ namespace tactus {
 ///   factor  = "-" factor | number [unit] | name | ("min" | "max") "(" sum "," sum ")" | "abs" "(" sum ")"
 ///           | "(" sum ")"
 ///
-/// A unit stands directly behind its number ("15 ms", "2 N/m"); there it wins over a name of the same
+/// A unit directly follows its number ("15 ms", "2 N/m"); there it wins over a name of the same
 /// letters. Its factors are joined by spaces ("N s/m") or a '/' without spaces: in "2 N / s" and "2 N * s"
 /// the s is a name. A sign belongs to the number behind it, so "-34 dB" is a small gain. Names have dots:
 /// "filter.low", "drum.stick.position", "system.rate".
@@ -40,11 +40,11 @@ struct Expression {
   Source at;  ///< of this part of the text; of an operator, its sign
 };
 
-/// `at` is where the first character of `text` stands in the file. Errors: Syntax, with the column of what
+/// `at` is the place of the first character of `text` in the file. Errors: Syntax, with the column of what
 /// could not be read and what was expected there.
 Result<Expression> parse_expression(std::string_view text, const Source& at);
 
-/// Where the first letter of a string stands: behind its quote.
+/// The place of the first letter of a string: behind its quote.
 Source text_start(const Value& value);
 
 }  // namespace tactus

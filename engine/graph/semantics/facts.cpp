@@ -92,6 +92,16 @@ Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t i
   return Interval::exactly(node.type->inputs[input].fallback.value_or(0));
 }
 
+NodeSetup setup_of(const FlatNode& node, Hertz sample_rate, int lane) {
+  NodeSetup setup;
+  setup.sample_rate = Hertz{sample_rate.value / node.divisor};
+  setup.type = node.type.get();
+  setup.settings = node.settings;
+  setup.lane = lane;
+  setup.lanes = node.lanes;
+  return setup;
+}
+
 PortUnit port_unit(const FlatNode& node, const std::string& declared) {
   if (declared == "any") return {PortUnit::Kind::Any, {}, -1};
   if (declared.empty() || declared.front() != '=') return {PortUnit::Kind::Fixed, dimension_of(declared), -1};

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <string>
 #include <vector>
 
@@ -8,20 +10,23 @@
 
 namespace tactus {
 
-// What is known of a expression once the facts about its signals are: asked again and again while they are
+// What is known of an expression once the facts about its signals are: asked again and again while they are
 // inferred.
 
-/// Lanes of a expression; 0 if any number of them fits (a spread).
+/// Lanes of an expression; 0 if any number of them fits (a spread).
 int lanes_of(const FlatGraph& graph, const Expression& expression);
 
-/// Unit of a expression. Only known units can contradict each other.
+/// Unit of an expression. Only known units can contradict each other.
 UnitFact unit_of(const FlatGraph& graph, const Expression& expression);
 UnitFact product(UnitFact a, UnitFact b, bool divide);
 
-/// All values that a expression can take.
+/// All values that an expression can take.
 Interval range_of(const FlatGraph& graph, const Expression& expression);
 /// Of an input of a node, its fallback included.
 Interval input_range(const FlatGraph& graph, const FlatNode& node, std::size_t input);
+
+/// What a lane of a node is made from, except for its inputs; `sample_rate` is the engine's.
+NodeSetup setup_of(const FlatNode& node, Hertz sample_rate, int lane = 0);
 
 /// The unit of a port: fixed, unchecked, or that of another port times something ("=in/s").
 struct PortUnit {
@@ -33,11 +38,11 @@ PortUnit port_unit(const FlatNode& node, const std::string& declared);
 
 /// Works out and checks the unit, the number of lanes and the range of every signal, loops included, and
 /// fills them in. Each fact starts as "unknown" and passes are made until nothing changes; ranges start
-/// unbounded and only shrink, so they hold at every pass. Returns the mistakes, in file order.
+/// unbounded and only shrink, so they are valid at every pass. Returns the errors, in file order.
 std::vector<Error> infer(FlatGraph& graph);
 
 /// Where units, lanes and ranges, once inferred, contradict each other or what a port wants; by place. A
-/// mistake in the file of a part that is used twice is told once.
+/// error in the file of a part that is used twice is reported once.
 std::vector<Error> check_facts(const FlatGraph& graph);
 
 }  // namespace tactus

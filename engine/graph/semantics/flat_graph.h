@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <map>
 #include <optional>
 #include <string>
@@ -34,7 +36,7 @@ struct RateConversion {
 };
 
 struct FlatSignal {
-  /// Missing stands for whatever a mistake of the file left out, so that it raises no second error.
+  /// Missing replaces what an error of the file left out, so that it raises no second error.
   enum class Kind { Missing, Input, Control, SystemDelay, Expression, NodeOutput };
 
   Kind kind = Kind::Expression;

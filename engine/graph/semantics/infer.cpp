@@ -12,7 +12,7 @@ void add_signals(const Expression& expression, std::vector<int>& signals) {
 }
 
 /// All signals, each behind those that it is made of, loops aside: so that facts run along the longest chain
-/// in one pass, whatever order a file is written in. The first output of a node stands for all that it reads.
+/// in one pass, whatever order a file is written in. The first output of a node represents all that it reads.
 class DependencyOrder {
  public:
   explicit DependencyOrder(const FlatGraph& graph) : graph_(graph), seen_(graph.signals.size()) {
@@ -89,33 +89,33 @@ class Inference {
   // ---- lanes: they only grow, and by no more than the widest list, so this ends
 
   void infer_lanes() {
-    while (widen_all()) {
+    while (grow_all_lanes()) {
     }
     for (auto& output : graph_.outputs) output.lanes = std::max(1, lanes_of(graph_, output.expression));
   }
 
-  bool widen_all() {
+  bool grow_all_lanes() {
     bool changed = false;
     for (const int id : order_) {
       auto& s = signal(id);
-      if (s.kind == FlatSignal::Kind::Expression) changed |= widen(s.lanes, lanes_of(graph_, s.expression));
-      if (s.kind == FlatSignal::Kind::NodeOutput) changed |= widen_node(s, id);
+      if (s.kind == FlatSignal::Kind::Expression) changed |= grow(s.lanes, lanes_of(graph_, s.expression));
+      if (s.kind == FlatSignal::Kind::NodeOutput) changed |= grow_node_lanes(s, id);
     }
     return changed;
   }
 
-  bool widen_node(const FlatSignal& output, int id) {
+  bool grow_node_lanes(const FlatSignal& output, int id) {
     auto& node = graph_.nodes[static_cast<std::size_t>(output.index)];
     if (id != node.outputs.front()) return false;
-    bool changed = widen(node.lanes, node.voices);
+    bool changed = grow(node.lanes, node.voices);
     for (const auto& input : node.inputs)
-      if (input) changed |= widen(node.lanes, lanes_of(graph_, *input));
+      if (input) changed |= grow(node.lanes, lanes_of(graph_, *input));
     for (const int other : node.outputs)
-      changed |= widen(signal(other).lanes, node.type->reduces_lanes ? 1 : node.lanes);
+      changed |= grow(signal(other).lanes, node.type->reduces_lanes ? 1 : node.lanes);
     return changed;
   }
 
-  static bool widen(int& lanes, int wanted) {
+  static bool grow(int& lanes, int wanted) {
     if (wanted <= lanes) return false;
     lanes = wanted;
     return true;
@@ -151,7 +151,7 @@ class Inference {
     return rule.dimension.plain() ? followed : product(followed, UnitFact::known(rule.dimension), false);
   }
 
-  // ---- ranges: each pass narrows further along chains; loops that would go on for ever are cut off, which
+  // ---- ranges: each pass narrows further along chains; endless loops are cut off, which
   // is safe
 
   void infer_ranges() {
@@ -177,9 +177,7 @@ class Inference {
   Interval output_range(const FlatNode& node, int port) const {
     const auto& type = *node.type;
     if (!type.range) return type.outputs[static_cast<std::size_t>(port)].range;
-    NodeSetup setup;
-    setup.type = &type;
-    setup.settings = node.settings;
+    auto setup = setup_of(node, {});
     for (std::size_t i = 0; i < node.inputs.size(); ++i)
       setup.inputs.push_back({input_range(graph_, node, i), std::nullopt, node.inputs[i].has_value()});
     return type.range(port, setup);

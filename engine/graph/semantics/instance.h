@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <map>
 #include <memory>
 #include <string>
@@ -26,11 +28,11 @@ struct Resolving {
 };
 
 /// One file at one place in the tree of parts: first all its names become signals (`declare`), parts
-/// included; then what stands in its ports is bound (`connect`). Two passes, because loops name what comes
+/// included; then its ports are bound (`connect`). Two passes, because loops name what comes
 /// later.
 class Instance {
  public:
-  /// `prefix` ("bridge.") stands before its names in the whole graph; `voices` is how many lanes its user
+  /// `prefix` ("bridge.") precedes its names in the whole graph; `voices` is how many lanes its user
   /// wants. `outer_divisor` is the rate divisor of the file that uses it.
   Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices, int outer_divisor = 1,
            PartRate rate = {});
@@ -68,7 +70,7 @@ class Instance {
   void declare_as_part();
   int declare_binding(const EntrySpec& entry);
 
-  // What stands in the ports (connect.cpp).
+  // Ports (connect.cpp).
   void connect_inside();
   void connect_node(const EntrySpec& entry, FlatNode& node);
   void connect_ports(const EntrySpec& entry, FlatNode& node, const std::string& owner);

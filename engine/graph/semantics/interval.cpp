@@ -3,7 +3,7 @@
 namespace tactus {
 namespace {
 
-/// 0 * infinity counts as 0: an end of a range stands for values that come close to it.
+/// 0 * infinity counts as 0: an end of a range represents values close to it.
 double product(double a, double b) { return a == 0 || b == 0 ? 0 : a * b; }
 
 }  // namespace

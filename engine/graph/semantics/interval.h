@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [any].
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,6 +1,10 @@
 #pragma once
 
+// Thread: [any].
+
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
 #include "engine/graph/semantics/flat_graph.h"
 
@@ -29,6 +33,19 @@ inline double apply(Expression::Op op, double a, double b) noexcept {
     default:
       return a;
   }
+}
+
+/// Calls `with` with the operator as a constant, so that each gets a loop of its own. What is no operator
+/// copies.
+template <class With>
+void for_operator(Expression::Op op, With with) {
+  using Op = Expression::Op;
+  const auto known = [&]<Op... kOps>(std::integer_sequence<Op, kOps...>) {
+    return ((op == kOps && (with(std::integral_constant<Op, kOps>{}), true)) || ...);
+  };
+  if (!known(std::integer_sequence<Op, Op::Negate, Op::Add, Op::Subtract, Op::Multiply, Op::Divide, Op::Min,
+                                   Op::Max, Op::Abs>{}))
+    with(std::integral_constant<Op, Op::Signal>{});
 }
 
 /// Whether it can give what is not finite although its operands are.

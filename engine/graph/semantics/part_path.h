@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <filesystem>
 #include <string>
 
@@ -8,7 +10,7 @@
 
 namespace tactus {
 
-/// Where a path that stands in a graph file leads.
+/// Where a path of a graph file leads.
 struct PartPath {
   std::string name;                 ///< as messages print it
   std::filesystem::path canonical;  ///< without links and dots: the same file has the same one

@@ -49,7 +49,7 @@ std::string nearest_rates(double around, double ratio) {
   return "write " + offer(below) + " or " + offer(below + 1);
 }
 
-/// Frames around it for one of its own, not yet known to be a whole number; nothing after a mistake.
+/// Frames around it for one of its own, not yet known to be a whole number; nothing after an error.
 std::optional<double> read_ratio(const NodeSpec& node, const Value& value, Hertz around, Mistakes& mistakes) {
   if (const auto* text = value.text())
     if (const auto below = below_one(*text)) return below;

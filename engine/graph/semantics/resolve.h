@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -12,9 +14,9 @@
 namespace tactus {
 
 struct Resolved {
-  FlatGraph graph;  ///< where something is missing, FlatSignal::Kind::Missing stands for it
+  FlatGraph graph;  ///< FlatSignal::Kind::Missing replaces what is missing
   std::vector<Error> mistakes;
-  bool too_large = false;  ///< parts were left out, with a mistake: the graph has more than `most_signals`
+  bool too_large = false;  ///< parts were left out, with an error: the graph has more than `most_signals`
 };
 
 /// Looks every name up: node types, ports, settings, signals; unfolds parts. `taps` names signals of the top

@@ -53,7 +53,7 @@ void NameSpace::add(const std::string& name, const std::string& kind, const Sour
   const auto quoted = "'" + name + "'";
   if (!well_formed(name))
     return mistakes.add(Errc::Syntax, at, quoted + " cannot name " + kind,
-                        "names begin with a small letter and go on with small letters, digits and _");
+                        "names begin with a small letter and continue with small letters, digits and _");
   if (name.size() > 1 && is_unit_symbol(name))
     return mistakes.add(Errc::Syntax, at, quoted + " is a unit and cannot name " + kind,
                         "choose another name");
@@ -62,7 +62,7 @@ void NameSpace::add(const std::string& name, const std::string& kind, const Sour
                         "choose another name");
   const auto [owner, is_new] = owners_.try_emplace(name, Owner{kind, at});
   if (is_new) return;
-  // The later one in the file is the mistake, whichever section was read first.
+  // The error is the later one in the file, whichever section was read first.
   const bool later = std::tie(at.line, at.column) > std::tie(owner->second.at.line, owner->second.at.column);
   const Owner here = later ? Owner{kind, at} : owner->second;
   const Owner there = later ? owner->second : Owner{kind, at};

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <map>
 #include <set>
 #include <string>
@@ -23,9 +25,10 @@ class Scope {
   /// A name that exists but is no signal by itself; `why` says what to write instead.
   void explain(const std::string& name, std::string why) { not_signals_[name] = std::move(why); }
 
-  /// A name whose own mistake was reported already: it and all below it are FlatGraph::kMissing.
+  /// A name whose own error was reported already: it and all below it are FlatGraph::kMissing.
   void hide(const std::string& name) { hidden_.insert(first_word(name)); }
-  /// What is not found below `name` ("": at all) may stand in what could not be read: FlatGraph::kMissing.
+  /// What is not found below `name` ("": at all) may be in a part that could not be read:
+  /// FlatGraph::kMissing.
   void tolerate(const std::string& name) { tolerated_.insert(name); }
 
   /// The signal, or an error with the nearest right name.

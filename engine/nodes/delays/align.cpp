@@ -26,7 +26,7 @@ class Align final : public Node {
         longest_period_(std::clamp(setup.input("period").range.high, shortest_period_, kLongestPeriod_s)),
         pad_{frame_s_},
         taps_(TimeRange{0, pad_.longest(longest_period_)}, setup.sample_rate),
-        line_(taps_.longest() + kMaxPiece, kMaxPiece + kOrder),
+        line_(taps_.longest() + kMaxSubBlock, kMaxSubBlock + kOrder),
         fade_frames_(static_cast<int>(std::lround(kFade_s / frame_s_))) {}
 
   static Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {

@@ -32,7 +32,7 @@ template <int Order>
 class DelayNode : public RememberingNode {
  public:
   explicit DelayNode(const DelayTaps<Order>& taps)
-      : RememberingNode(DelayLine{taps.longest() + kMaxPiece, kMaxPiece + Order}),
+      : RememberingNode(DelayLine{taps.longest() + kMaxSubBlock, kMaxSubBlock + Order}),
         taps_(taps),
         aim_(taps_.at(taps_.range().low_s)) {}
 
@@ -58,10 +58,10 @@ class DelayNode : public RememberingNode {
     return taps_.response(taps_.inside(at[kTime]), z);
   }
 
-  std::unique_ptr<Node> widened(std::span<const Node* const> lanes) const override {
+  std::unique_ptr<Node> vectorised(std::span<const Node* const> lanes) const override {
     std::vector<DelayTaps<Order>> taps;
-    std::array<bool, kWide> used{};
-    for (std::size_t lane = 0; lane < kWide; ++lane) {
+    std::array<bool, kVectorWidth> used{};
+    for (std::size_t lane = 0; lane < kVectorWidth; ++lane) {
       used[lane] = lanes[lane] != nullptr;
       taps.push_back(static_cast<const DelayNode*>(used[lane] ? lanes[lane] : this)->taps_);
     }

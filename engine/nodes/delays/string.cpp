@@ -36,7 +36,7 @@ class StringNode : public Node {
     steps_.reset();
   }
 
-  std::unique_ptr<Node> widened(std::span<const Node* const> lanes) const override {
+  std::unique_ptr<Node> vectorised(std::span<const Node* const> lanes) const override {
     double lowest = lowest_pitch_;
     for (const auto* lane : lanes)
       if (lane != nullptr) lowest = std::min(lowest, static_cast<const StringNode*>(lane)->lowest_pitch_);

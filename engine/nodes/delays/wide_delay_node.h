@@ -19,9 +19,9 @@ class WideDelayNode final : public Node {
   using AllTaps = std::vector<DelayTaps<Order>>;
 
   /// What lanes that are not `used` refuse is not counted.
-  WideDelayNode(AllTaps taps, const std::array<bool, kWide>& used)
-      : taps_(std::move(taps)), used_(used), line_(longest(taps_) + kMaxPiece, kMaxPiece + Order) {
-    for (std::size_t lane = 0; lane < kWide; ++lane) aim(lane, taps_[lane].range().low_s);
+  WideDelayNode(AllTaps taps, const std::array<bool, kVectorWidth>& used)
+      : taps_(std::move(taps)), used_(used), line_(longest(taps_) + kMaxSubBlock, kMaxSubBlock + Order) {
+    for (std::size_t lane = 0; lane < kVectorWidth; ++lane) aim(lane, taps_[lane].range().low_s);
   }
 
   void process(const NodeBlock& block) noexcept override {
@@ -30,9 +30,9 @@ class WideDelayNode final : public Node {
   }
   void emit(const NodeBlock& block) noexcept override { read(block, 0); }
   void absorb(const NodeBlock& block) noexcept override {
-    if (block.in[0].stride == kWide) return line_.write(block.in[0].data, block.frames);
+    if (block.in[0].stride == kVectorWidth) return line_.write(block.in[0].data, block.frames);
     const WideSignal x{block.in[0]};
-    std::array<double, kWide> frame;
+    std::array<double, kVectorWidth> frame;
     for (int n = 0; n < block.frames; ++n) {
       x[n].store(frame.data());
       line_.write(frame.data(), 1);
@@ -71,7 +71,7 @@ class WideDelayNode final : public Node {
   }
 
   void aim_all(const WideSignal& time, int frame, int frames) noexcept {
-    for (std::size_t lane = 0; lane < kWide; ++lane) {
+    for (std::size_t lane = 0; lane < kVectorWidth; ++lane) {
       const double asked = time.lane(static_cast<int>(lane), frame);
       const double seconds = taps_[lane].inside(asked);
       if (seconds != asked && used_[lane]) clamped_ += frames;
@@ -82,7 +82,7 @@ class WideDelayNode final : public Node {
   /// `written`: how many of the frames to come the line has got already.
   WideDelayLine::Places oldest(int written) const noexcept {
     WideDelayLine::Places places;
-    for (std::size_t lane = 0; lane < kWide; ++lane)
+    for (std::size_t lane = 0; lane < kVectorWidth; ++lane)
       places[lane] = line_.behind(static_cast<int>(lane), newest_[lane] + Order + written);
     return places;
   }
@@ -102,7 +102,7 @@ class WideDelayNode final : public Node {
     }
     for (int n = 0; n < block.frames; ++n) {
       aim_all(time, n, 1);
-      read_row(y + n * kWide, 1, written - n);
+      read_row(y + n * kVectorWidth, 1, written - n);
     }
   }
 
@@ -110,17 +110,17 @@ class WideDelayNode final : public Node {
     const auto places = oldest(written);
     const auto weight = weights();
     WideTaps<Order + 1> taps{places};
-    for (int n = 0; n < frames; ++n, y += kWide) {
+    for (int n = 0; n < frames; ++n, y += kVectorWidth) {
       taps.next(places, n);
       (Order == 0 ? taps.newest() : taps.sum(weight, Lanes::broadcast(0))).store(y);
     }
   }
 
   AllTaps taps_;
-  std::array<bool, kWide> used_;
-  std::array<double, kWide> aimed_at_{};
-  std::array<int, kWide> newest_{};
-  alignas(64) std::array<std::array<double, kWide>, Order + 1> weights_{};
+  std::array<bool, kVectorWidth> used_;
+  std::array<double, kVectorWidth> aimed_at_{};
+  std::array<int, kVectorWidth> newest_{};
+  alignas(64) std::array<std::array<double, kVectorWidth>, Order + 1> weights_{};
   WideDelayLine line_;
   std::int64_t clamped_ = 0;
 };

@@ -21,12 +21,14 @@ class WideStringNode final : public Node {
     steps_.go(
         block, rest(block, 1, 3),
         [&](int n) {
-          for (int l = 0; l < kWide; ++l)
+          for (int l = 0; l < kVectorWidth; ++l)
             strings_.tune(l, {.pitch_hz = std::max(lowest_pitch_, pitch.lane(l, n)),
                               .gain = gain.lane(l, n),
                               .loss = loss.lane(l, n)});
         },
-        [&](int from, int to, int) { strings_.run(x.from(from), block.out[0] + from * kWide, to - from); });
+        [&](int from, int to, int) {
+          strings_.run(x.from(from), block.out[0] + from * kVectorWidth, to - from);
+        });
   }
 
   void adopt(Node& before) noexcept override {

@@ -46,7 +46,7 @@ class FilterNode : public Node {
     return output == 0 ? filtered : 1.0 - filtered;
   }
 
-  std::unique_ptr<Node> widened(std::span<const Node* const>) const override {
+  std::unique_ptr<Node> vectorised(std::span<const Node* const>) const override {
     return std::make_unique<WideFilterNode<Order, ParameterCount>>(design_, sample_rate_, has_rest_);
   }
 
@@ -69,7 +69,7 @@ class FilterNode : public Node {
   [[gnu::noinline]] void process_row(const NodeBlock& block) noexcept {
     InARow in_a_row;
     const double* x = in_a_row(block.in[0], block.frames);
-    std::array<double, kMaxPiece> unread;
+    std::array<double, kMaxSubBlock> unread;
     double* y = block.out[0] != nullptr ? block.out[0] : unread.data();
     steps_.go(
         block, rest(block, 1, ParameterCount), [&](int frame) { update(block, frame); },

@@ -22,7 +22,7 @@ class ModalNode final : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     const Signal in = block.in[kIn];
-    std::array<double, kMaxPiece> before;
+    std::array<double, kMaxSubBlock> before;
     before[0] = last_in_;
     for (int n = 1; n < block.frames; ++n) before[static_cast<std::size_t>(n)] = in[n - 1];
     last_in_ = in[block.frames - 1];

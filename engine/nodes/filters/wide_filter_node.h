@@ -22,14 +22,14 @@ class WideFilterNode final : public Node {
 
   void process(const NodeBlock& block) noexcept override {
     const WideSignal x{block.in[0]};
-    std::array<double, static_cast<std::size_t>(kMaxPiece * kWide)> unread;
+    std::array<double, static_cast<std::size_t>(kMaxSubBlock * kVectorWidth)> unread;
     double* const y = block.out[0] != nullptr ? block.out[0] : unread.data();
     steps_.go(
         block, rest(block, 1, ParameterCount), [&](int frame) { update(block, frame); },
-        [&](int from, int to, int) { filter_.run(x.from(from), y + from * kWide, to - from); });
+        [&](int from, int to, int) { filter_.run(x.from(from), y + from * kVectorWidth, to - from); });
     if (!has_rest_ || block.out[1] == nullptr) return;
     for (int n = 0; n < block.frames; ++n)
-      (x[n] - Lanes::load(y + n * kWide)).store(block.out[1] + n * kWide);
+      (x[n] - Lanes::load(y + n * kVectorWidth)).store(block.out[1] + n * kVectorWidth);
   }
 
   void reset() noexcept override {
@@ -40,7 +40,7 @@ class WideFilterNode final : public Node {
 
  private:
   void update(const NodeBlock& block, int frame) noexcept {
-    for (int lane = 0; lane < kWide; ++lane) {
+    for (int lane = 0; lane < kVectorWidth; ++lane) {
       Parameters now;
       for (std::size_t i = 0; i < ParameterCount; ++i) now[i] = WideSignal{block.in[i + 1]}.lane(lane, frame);
       auto& before = parameters_[static_cast<std::size_t>(lane)];
@@ -55,7 +55,7 @@ class WideFilterNode final : public Node {
   Hertz sample_rate_;
   bool has_rest_;
   bool designed_ = false;
-  std::array<Parameters, kWide> parameters_{};
+  std::array<Parameters, kVectorWidth> parameters_{};
   GroupSteps steps_;
   WideFilter<Order> filter_;
 };

@@ -10,7 +10,7 @@ namespace tactus {
 namespace {
 
 enum Input { kWave, kPitch, kGain, kLoss };
-static_assert(WaveLine::kLongest >= kMaxPiece);
+static_assert(WaveLine::kLongest >= kMaxSubBlock);
 
 class WaveguideNode final : public Node {
  public:

@@ -89,7 +89,7 @@ class RegimeJudge {
   RegimeVerdict verdict_;
 };
 
-/// Loops that are closed now and then, or that nobody can look into.
+/// Loops that are closed by events, or whose gain is unknown.
 class EventLoops {
  public:
   explicit EventLoops(const LinearGraph& graph) : graph_(graph), looping_(graph.signals.size(), false) {

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <functional>
 #include <limits>
 #include <map>
@@ -62,10 +64,10 @@ struct RegimeVerdict {
   std::vector<LoopVerdict> loops = {};
   std::vector<StiffVerdict> stiff = {};
   std::optional<double> device_damping = {};  ///< [N s/m] of what is driven, near 0 Hz
-  /// Loops that are too many to be looked at, by their first signal.
+  /// Groups of loops too large to analyse, by their first signal.
   std::vector<std::string> too_large = {};
   std::vector<std::string> unstable_equilibria =
-      {};  ///< laws that push away here and pull back elsewhere: left out
+      {};  ///< nonlinearities whose force pushes away here and restores elsewhere: left out
   bool is_stable() const { return growing == 0; }
 };
 
@@ -108,7 +110,7 @@ struct StabilityOptions {
   double push = 10.0;  ///< in closed contacts [N]
 };
 
-/// [control] `progress` hears the share done. Errors: of the graph.
+/// [control] `progress` gets the share done. Errors: of the graph.
 Checked<StabilityVerdict> judge_stability(const StabilitySubject& subject, const StabilityOptions& options,
                                           const std::function<void(double)>& progress = {});
 
@@ -119,7 +121,7 @@ bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options
 /// [control] One regime of a world that was made.
 RegimeVerdict judge_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate);
 
-/// [any] What breaks first and what to change, in sentences; the first says whether it holds.
+/// [any] What becomes unstable first and what to change, in sentences; the first is the verdict.
 std::vector<std::string> describe(const StabilityVerdict& verdict);
 
 }  // namespace tactus

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <functional>
 #include <map>
 #include <string>

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [any].
+
 #include <Eigen/Core>
 #include <complex>
 #include <string>
@@ -11,18 +13,18 @@ namespace tactus {
 
 /// Signals of a graph that go round and round, cut open so that they do not:
 ///     r = R(z) v,    the loop is closed by v = r,    f(z) = det(1 - R(z)),
-/// where v is what stands at the cuts and r what comes back to them. The zeros of f are the roots of the
+/// where v are the signals at the cuts and r what returns to them. The zeros of f are the roots of the
 /// closed loops. As every loop has a delay, R goes to what is smaller than 1 where z goes to infinity, and f
 /// has no poles outside the unit circle but those that the nodes have there.
 class LoopGroup {
  public:
-  /// `signals`: a strongly connected part of the graph; `wanted`: those of the cuts that somebody asks about.
+  /// `signals`: a strongly connected part of the graph; `wanted`: cuts that must be among them.
   LoopGroup(const LinearGraph& graph, std::vector<int> signals, const std::vector<int>& wanted);
 
   const LinearGraph& graph() const { return *graph_; }
   const std::vector<int>& signals() const { return signals_; }
   const std::vector<int>& cuts() const { return cuts_; }
-  /// So many loops in one another that they are not looked at: nothing below may be asked.
+  /// Too many nested loops to analyse: nothing below may be called.
   bool too_large() const { return cuts_.size() > kMostCuts; }
   /// Index in `cuts`, or -1.
   int cut(int signal) const;

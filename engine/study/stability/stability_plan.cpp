@@ -273,7 +273,7 @@ class PlanReader {
     }
   }
 
-  /// What goes in may come out, nobody knows how.
+  /// What goes in may come out, with an unknown gain.
   void skip_network(const Step& step, const std::string& path) {
     graph_.skipped.push_back(path);
     for (int i = 0; i < step.inputs; ++i)

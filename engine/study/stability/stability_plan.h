@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <string>
 #include <vector>
 
@@ -14,7 +16,7 @@ struct Terminals {
   std::vector<int> channels;  ///< in the order of Plan::channels, taps included
 };
 
-/// [control] Adds a plan (compiled with `vectorise` off) as it is at the place where its signals
+/// [control] Adds a plan (compiled with `vectorise` off) at the operating point where its signals
 /// stand: it must have run, and last for one frame. `prefix` comes before its names.
 Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime, const std::string& prefix);
 

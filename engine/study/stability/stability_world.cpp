@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSettleSeconds = 0.05;
 
-/// An instrument whose drives nobody hears.
+/// An instrument whose drives are disconnected.
 class Unheard final : public BlockProcessor {
  public:
   explicit Unheard(BlockProcessor& inner) : inner_(inner) {}

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <functional>
 #include <map>
 #include <memory>
@@ -37,7 +39,7 @@ struct OpenPair {
   int from = -1, to = -1;  ///< in the graph
 };
 
-/// What is to be looked at, and how.
+/// What is to be analysed, and how.
 struct WorldOptions {
   std::optional<Hertz> rate;
   Seconds delay = 0_s;

@@ -80,7 +80,7 @@ std::vector<Group> groups_of(const std::vector<Nonlinearity>& bends) {
   return groups;
 }
 
-/// Every place so far with each of the group's; only where there is a choice is it told.
+/// Every place so far with each of the group's; it is named only where there is a choice.
 std::vector<OperatingPoint> with(const std::vector<OperatingPoint>& places, const Group& group) {
   std::vector<OperatingPoint> further;
   for (const auto& place : places)

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [any].
+
 #include <array>
 #include <compare>
 #include <functional>
@@ -16,7 +18,7 @@ struct Plan;
 
 /// An output of a vertex of one of the plans that are analysed together.
 struct PlanSignal {
-  const Plan* plan = nullptr;  ///< tells the plans apart, no more
+  const Plan* plan = nullptr;  ///< identifies the plan, no more
   int vertex = -1, port = 0;
   auto operator<=>(const PlanSignal&) const = default;
 };

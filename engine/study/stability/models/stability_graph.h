@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <complex>
 #include <map>
 #include <memory>
@@ -13,14 +15,14 @@
 
 namespace tactus {
 
-/// What one signal of a graph does to another, by little.
+/// The small-signal effect of one signal of a graph on another.
 struct LinearEdge {
   enum class Kind {
     Gain,
     Delay,    ///< z^-frames
     Node,     ///< Node::response
     Network,  ///< of LinearNetwork
-    Event,    ///< something happens or not, or nobody knows: it has no gain, and closes no linear loop
+    Event,    ///< event-driven or unknown: it has no gain, and closes no linear loop
   };
   Kind kind = Kind::Gain;
   int from = 0, to = 0;
@@ -42,13 +44,13 @@ struct StiffPlace {
   bool touched = false;  ///< as it is in contact, not at rest
 };
 
-/// A node through which nothing goes by little: it waits, decides or is moved.
+/// An event-driven node, without a small-signal gain: it waits, decides or is moved.
 struct EventPlace {
   std::string path, type;
   std::optional<double> hold_s;  ///< no two events are closer
 };
 
-/// Which of the ways that a graph can be in is looked at: contacts open or closed, free or held.
+/// Which operating point is analysed: contacts open or closed, free or held.
 struct Regime {
   std::string name = "at rest";
   bool touched = false;  ///< laws without memory where they are steepest: behind the wall, on the slope
@@ -57,21 +59,21 @@ struct Regime {
   std::optional<Fingertip> hand = {};
 };
 
-/// Signals and what they do to one another, by little. May hold several plans.
+/// The small-signal model of one or several plans.
 struct LinearGraph {
   std::vector<std::string> signals;  ///< names, for people
   std::vector<LinearEdge> edges;
   std::vector<std::shared_ptr<const LinearNetwork>> networks;
   std::vector<std::string> network_paths;
-  std::vector<std::string> skipped;  ///< networks that are too large
+  std::vector<std::string> skipped;  ///< networks that are too large to analyse
   std::vector<StiffPlace> stiff;
   std::vector<EventPlace> events;
-  std::vector<std::string>
-      unstable_equilibria;         ///< laws that push away where they rest and pull back elsewhere: left out
-  std::vector<int> wave_ports;     ///< waves that leave a network
-  std::vector<Nonlinearity> laws;  ///< that answer otherwise elsewhere
-  bool nonlinear = false;          ///< some force answers a position otherwise elsewhere
-  bool has_touched = false;        ///< some law is steeper elsewhere than where it rests
+  std::vector<std::string> unstable_equilibria;  ///< nonlinearities whose force pushes away at the operating
+                                                 ///< point and restores elsewhere: left out
+  std::vector<int> wave_ports;                   ///< waves that leave a network
+  std::vector<Nonlinearity> laws;                ///< that answer otherwise elsewhere
+  bool nonlinear = false;                        ///< some force answers a position otherwise elsewhere
+  bool has_touched = false;                      ///< some law is steeper elsewhere than where it rests
 
   int add_signal(std::string name);
   void join(int from, int to) { edges.push_back({.from = from, .to = to, .path = {}}); }

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,7 +20,7 @@ struct Fingertip {
   double mass = 0.006;   ///< [kg]
 };
 
-/// How a network moves by little, and what would make it grow by itself.
+/// Small-signal model of a network, and what would make it grow by itself.
 class LinearNetwork {
  public:
   /// [control] nullptr if it cannot be run so.

@@ -152,13 +152,13 @@ g = { value = 2008-06-05 }
 [nodes]
 Mix = "1"
 )",
-     R"(test.toml:3:1: 'Mix' cannot name a node; names begin with a small letter and go on with small letters, digits and _)"},
+     R"(test.toml:3:1: 'Mix' cannot name a node; names begin with a small letter and continue with small letters, digits and _)"},
     {"a name in UTF-8",
      R"(format = 1
 [nodes]
 "größe" = "1"
 )",
-     R"(test.toml:3:1: 'größe' cannot name a node; names begin with a small letter and go on with small letters, digits and _)"},
+     R"(test.toml:3:1: 'größe' cannot name a node; names begin with a small letter and continue with small letters, digits and _)"},
     {"a letter with an accent outside of quotes",
      R"(format = 1
 [controls]
@@ -179,7 +179,7 @@ größe = "1"
 [nodes]
 "a.b" = "1"
 )",
-     R"(test.toml:3:1: 'a.b' cannot name a node; names begin with a small letter and go on with small letters, digits and _)"},
+     R"(test.toml:3:1: 'a.b' cannot name a node; names begin with a small letter and continue with small letters, digits and _)"},
     {"a reserved name",
      R"(format = 1
 [nodes]
@@ -399,7 +399,7 @@ x = {}
 [nodes]
 a = "0,5 * x"
 )",
-     R"(test.toml:5:7: ',' stands outside of min( , ) and max( , ); write decimals with a point)"},
+     R"(test.toml:5:7: ',' is only allowed in min( , ) and max( , ); write decimals with a point)"},
     {"an empty expression",
      R"(format = 1
 [nodes]

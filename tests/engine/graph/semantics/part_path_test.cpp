@@ -50,7 +50,7 @@ TEST_CASE("parts: mistakes in all files come together, each file once", "[graph]
                    "z = { use = \"bad.toml\" }\n1x = 3\n");
   CHECK(
       mistakes(folder, file) ==
-      "a.toml:6:1: '1x' cannot name a node; names begin with a small letter and go on with small letters, "
+      "a.toml:6:1: '1x' cannot name a node; names begin with a small letter and continue with small letters, "
       "digits "
       "and _\n"
       "bad.toml:2:1: unknown key 'nods'; did you mean 'nodes'?\n"

@@ -118,7 +118,7 @@ TEST_CASE("sample: sounds at its own pitch whatever the engine's rate", "[nodes]
     worst = std::max(worst, std::abs(out[static_cast<std::size_t>(n)] -
                                      16000.0 / 32768 * std::sin(kTwoPi * 100 * n / 48000)));
   // Catmull-Rom on a sine of 80 samples: slopes are short by (2 pi / 80)^2 / 6, which costs less than a
-  // thirteenth of that times 2 pi / 80; and half a step of 16 bits, widened by the cubic to at most 5 / 4.
+  // thirteenth of that times 2 pi / 80; and half a step of 16 bits, vectorised by the cubic to at most 5 / 4.
   CHECK(worst < 0.49 * std::pow(kTwoPi / 80, 3) / 6 / 4 + 0.5 / 32768 * 1.25);
 }
 

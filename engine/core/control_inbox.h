@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control].
+
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -24,6 +26,11 @@ class ControlInbox {
   void set_tap(JournalTap* tap) noexcept { tap_ = tap; }
   /// [control, one thread] False: the queue is full.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept { return posted_.push(entry); }
+
+  /// [control & stopped] Drops the entries that wait for their frame.
+  void drop_posted() noexcept {
+    while (posted_.front() != nullptr) posted_.drop_front();
+  }
 
   /// [realtime] Gives every entry that is due at `now` to `apply`. Returns the frames until the next one, at
   /// most `frames`.
