@@ -80,7 +80,8 @@ std::string law_in_words(const LawOfGroup& group) {
 Json essentials_of(const SweepRow& row) {
   const auto& setting = row.setting;
   return essentials_json(
-      {setting.finding, setting.sample_rate, setting.delay_frames, setting.standard_error_frames}, row.heard);
+      {setting.finding, setting.sample_rate, setting.delay_frames, setting.standard_error_frames},
+      row.analysis);
 }
 
 Json json_of(const SweepRow& row) {
@@ -99,7 +100,7 @@ Json json_of(const SweepRow& row) {
   json.update(essentials_of(row));
   json["xruns"] = row.xruns;
   json["lost_frames_counted"] = row.lost_frames;
-  json["lost_frames_heard"] = row.heard_lost_frames;
+  json["lost_frames_heard"] = row.detected_lost_frames;
   json["reported_frames"] = row.reported_frames ? Json(*row.reported_frames) : Json(nullptr);
   json["good"] = setting.good();
   return json;

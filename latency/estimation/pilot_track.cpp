@@ -51,8 +51,8 @@ double least_step_of(const Spectrum& piece, std::size_t size, double variance) {
   return std::max(6.0 * std::sqrt(variance / slope_energy), 0.3 * std::sqrt(energy / slope_energy));
 }
 
-/// Frames of `heard` from which on, for less than 50 ms, it is not what is expected from `begin` on.
-std::vector<std::int64_t> damage(const std::vector<double>& whole, std::span<const double> heard,
+/// Frames of `captured` from which on, for less than 50 ms, it is not what is expected from `begin` on.
+std::vector<std::int64_t> damage(const std::vector<double>& whole, std::span<const double> captured,
                                  std::int64_t begin, double variance) {
   constexpr std::int64_t kBlock = 64;
   constexpr std::int64_t kLongest = 40;  // blocks; what lasts longer is a gain that changes
@@ -61,11 +61,11 @@ std::vector<std::int64_t> damage(const std::vector<double>& whole, std::span<con
   for (const double sample : whole) usual += sample * sample * kBlock / static_cast<double>(whole.size());
   const auto broken = [&](std::int64_t block) {
     const auto from = block * kBlock, there = begin + from;
-    if (there < 0 || there + kBlock > static_cast<std::int64_t>(heard.size())) return false;
+    if (there < 0 || there + kBlock > static_cast<std::int64_t>(captured.size())) return false;
     double explained = 0.0, unexplained = 0.0;
     for (std::int64_t k = 0; k < kBlock; ++k) {
       const double expects = whole[static_cast<std::size_t>(from + k)];
-      const double rest = heard[static_cast<std::size_t>(there + k)] - expects;
+      const double rest = captured[static_cast<std::size_t>(there + k)] - expects;
       explained += expects * expects;
       unexplained += rest * rest;
     }
@@ -88,7 +88,7 @@ std::vector<DelayPoint> without_outliers(const std::vector<DelayPoint>& points) 
 
 }  // namespace
 
-PilotTrack track_pilot(std::span<const double> played, std::span<const double> heard, const Burst& pilot,
+PilotTrack track_pilot(std::span<const double> played, std::span<const double> captured, const Burst& pilot,
                        std::int64_t at, const PathModel& model, std::span<const double> profile,
                        double variance) {
   const auto whole =
@@ -98,10 +98,10 @@ PilotTrack track_pilot(std::span<const double> played, std::span<const double> h
   PilotTrack track;
   for (std::int64_t from = 0; from + kPiece <= pilot.frames; from += kPiece / 2) {
     const auto begin = pilot.at + at + from - kPilotTrackLead;
-    if (begin < 0 || begin + kPiece > static_cast<std::int64_t>(heard.size())) continue;
+    if (begin < 0 || begin + kPiece > static_cast<std::int64_t>(captured.size())) continue;
     const auto piece = fourier.forward(cut(whole, from, kPiece));
     if (track.least_step == 0.0) track.least_step = least_step_of(piece, fourier.size(), variance);
-    auto cross = fourier.forward(cut(heard, begin - kPilotTrackReach, kPiece + 2 * kPilotTrackReach));
+    auto cross = fourier.forward(cut(captured, begin - kPilotTrackReach, kPiece + 2 * kPilotTrackReach));
     for (std::size_t b = 0; b < cross.size(); ++b) cross[b] *= std::conj(piece[b]);
     auto correlation = fourier.inverse(cross);
     correlation.resize(static_cast<std::size_t>(2 * kPilotTrackReach));
@@ -111,7 +111,7 @@ PilotTrack track_pilot(std::span<const double> played, std::span<const double> h
     track.points.push_back({pilot.at + from, static_cast<double>(at + off) + model.delay_frames});
   }
   track.points = without_outliers(track.points);
-  track.damage = damage(whole, heard, pilot.at + at - kPilotTrackLead, variance);
+  track.damage = damage(whole, captured, pilot.at + at - kPilotTrackLead, variance);
   for (auto& frame : track.damage) frame -= at;
   return track;
 }
