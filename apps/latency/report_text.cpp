@@ -81,10 +81,10 @@ void add_openings(const LatencyReport& report, Lines& lines) {
 
 void add_driver(const LatencyReport& report, Lines& lines) {
   const auto& measurement = report.measurement;
-  if (!measurement.reported_frames) return lines.add("driver reports", "no latency");
+  if (!measurement.reported_frames) return lines.add("driver", "no latency");
   const double said = *measurement.reported_frames;
   const double beside = said - measurement.delay_frames;
-  lines.add("driver reports", "{:.0f} frames{}", said,
+  lines.add("driver", "{:.0f} frames{}", said,
             !report.ok()             ? ""
             : std::abs(beside) < 0.5 ? ", as measured"
                                      : fmt::format(": {:.1f} frames {} than measured", std::abs(beside),

@@ -91,7 +91,7 @@ TEST_CASE("latency report: the delay comes first, in frames and ms, with as many
           "[latency]") {
   const auto text = text_of(five_openings());
   CHECK(text.starts_with("delay          960.2500 ± 0.0004 frames, 20.005208 ± 0.000008 ms\n"));
-  contains(text, "driver reports 1024 frames: 63.8 frames more than measured\n");
+  contains(text, "driver         1024 frames: 63.8 frames more than measured\n");
   contains(text, "gaps           none detected; 2 counted by the driver, 0 frames\n");
   contains(text, "path           -6.02 dB, inverted, 12 Hz to 20.1 kHz within 3 dB\n");
   contains(text, "distortion     H2 -80 dB, H3 -91 dB\n");
