@@ -8,19 +8,19 @@
 
 namespace tactus {
 
-/// The guard's models move on in groups of this many frames, which lie on the absolute frame grid: however
-/// the frames are cut into blocks, a model sees the same sums at the same frames.
+/// The guard's models advance in groups of this many frames on the absolute frame grid: whatever the block
+/// size, a model gets the same sums at the same frames.
 inline constexpr int kGuardGroup = 64;
 
 inline int guard_position(std::int64_t frame) noexcept { return static_cast<int>(frame & (kGuardGroup - 1)); }
 
-/// A sum over the frames of a group in eight lanes, each frame in the lane of its place: vectorised, and
-/// still with the same additions in the same order for any cutting.
+/// A sum over the frames of a group in eight partial sums, chosen by the frame's position: vectorised, and
+/// with the same additions in the same order for every block size.
 struct GroupSum {
   static constexpr int kLanes = 8;
   std::array<double, kLanes> lanes{};
 
-  /// [realtime] Adds term(n) for the frames of a piece that begins at `position` of its group.
+  /// [realtime] Adds term(n) for frames that begin at `position` of their group.
   template <class Term>
   void add(int position, int frames, Term term) noexcept {
     int n = 0;
