@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 #include "latency/estimation/sweep_windows.h"
 #include "latency/estimation/toeplitz.h"
 #include "latency/path/noise_floor.h"
@@ -74,7 +75,7 @@ double unexplained(const CapturedWindow& window, const Spectrum& path) {
 std::optional<double> half_power(const std::vector<double>& power, std::size_t peak, int step) {
   for (auto b = static_cast<std::ptrdiff_t>(peak); b > 0 && b + 1 < static_cast<std::ptrdiff_t>(power.size());
        b += step) {
-    const double here = power[static_cast<std::size_t>(b)], next = power[static_cast<std::size_t>(b + step)];
+    const double here = power[index(b)], next = power[index(b + step)];
     if (next > 0.5 * power[peak]) continue;
     return static_cast<double>(b) + step * (here - 0.5 * power[peak]) / (here - next);
   }
@@ -159,7 +160,7 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   calibration.finding = calibration.analysis.finding;
   if (!calibration.analysis.detected || spoils(calibration.finding.verdict)) return calibration;
 
-  const auto& captured = recording.captured[static_cast<std::size_t>(settings.channel)];
+  const auto& captured = recording.captured[index(settings.channel)];
   const auto rate = recording.sample_rate;
   const auto bursts = *find_bursts(recording.played, rate);
   SweepWindows windows{bursts, rate, {}};

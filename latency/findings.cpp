@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -232,7 +234,7 @@ Finding not_detected(const std::vector<CoarseDelay>& channels, int channel) {
   int loudest = -1;
   double prominence = CoarseDelay::kNothing * 1.5;
   for (int c = 0; c < static_cast<int>(channels.size()); ++c) {
-    const auto& other = channels[static_cast<std::size_t>(c)];
+    const auto& other = channels[index(c)];
     if (c == channel || other.prominence <= prominence) continue;
     loudest = c;
     prominence = other.prominence;

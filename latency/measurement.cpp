@@ -12,6 +12,7 @@
 
 #include "backends/find_device.h"
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 #include "latency/probe/probe.h"
 #include "latency/probe/probe_player.h"
 #include "latency/session.h"
@@ -79,7 +80,7 @@ class Session {
     const auto output = device_with_id(*devices, request_.device);
     if (!output) return tl::unexpected(output.error());
     request_.sample_rate = request_.sample_rate.value_or(output->default_rate);
-    request_.in_map.resize(static_cast<std::size_t>(std::clamp(input->in_channels, 1, kMostInputs)));
+    request_.in_map.resize(index(std::clamp(input->in_channels, 1, kMostInputs)));
     std::iota(request_.in_map.begin(), request_.in_map.end(), 0);
     input_ = settings_.input;
     if (input_ >= static_cast<int>(request_.in_map.size())) {

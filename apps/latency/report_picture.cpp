@@ -5,6 +5,7 @@
 
 #include "apps/latency/latency_report.h"
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 
 namespace tactus::app {
 namespace {
@@ -40,7 +41,7 @@ std::vector<double> envelope_db(const std::vector<double>& samples) {
   for (std::ptrdiff_t n = 0; n < count; ++n) {
     double most = 1e-12;
     for (auto m = std::max<std::ptrdiff_t>(0, n - 2); m <= std::min(count - 1, n + 2); ++m)
-      most = std::max(most, std::abs(samples[static_cast<std::size_t>(m)]));
+      most = std::max(most, std::abs(samples[index(m)]));
     envelope.push_back(most);
     highest = std::max(highest, most);
   }

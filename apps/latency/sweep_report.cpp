@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "apps/latency/latency_report.h"
+#include "engine/core/index.h"
 
 namespace tactus::app {
 namespace {
@@ -182,7 +183,7 @@ const SweepRow* SweepReport::told() const {
   if (measured.empty()) return nullptr;
   const auto all = settings();
   const auto* shortest = shortest_good(all);
-  return shortest == nullptr ? measured.back() : measured[static_cast<std::size_t>(shortest - all.data())];
+  return shortest == nullptr ? measured.back() : measured[index(shortest - all.data())];
 }
 
 std::vector<LawOfGroup> SweepReport::laws() const {

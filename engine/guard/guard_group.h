@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/core/index.h"
 #include "engine/core/ramp.h"
 
 namespace tactus {
@@ -28,7 +29,7 @@ struct GroupSum {
       for (; ((position + n) & (kLanes - 1)) != 0; ++n) at(position + n) += term(n);
       auto sums = lanes;
       for (; n + kLanes <= frames; n += kLanes)
-        for (int k = 0; k < kLanes; ++k) sums[static_cast<std::size_t>(k)] += term(n + k);
+        for (int k = 0; k < kLanes; ++k) sums[index(k)] += term(n + k);
       lanes = sums;
     }
     for (; n < frames; ++n) at(position + n) += term(n);
@@ -42,7 +43,7 @@ struct GroupSum {
   }
 
  private:
-  double& at(int place) noexcept { return lanes[static_cast<std::size_t>(place & (kLanes - 1))]; }
+  double& at(int place) noexcept { return lanes[index(place & (kLanes - 1))]; }
 };
 
 /// A gain that is set once per group and moves to its new value on a ramp through the next group.

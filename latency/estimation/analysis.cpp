@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 #include "latency/estimation/loop_estimator.h"
 #include "latency/findings.h"
 #include "latency/path/response.h"
@@ -175,7 +176,7 @@ Status check(const LoopRecording& recording, const AnalysisSettings& settings) {
   if (settings.channel < 0 || settings.channel >= static_cast<int>(recording.captured.size()))
     return fail(Errc::BadArgument, "", "there is no input " + std::to_string(settings.channel + 1),
                 "choose one from 1 to " + std::to_string(recording.captured.size()));
-  const auto& captured = recording.captured[static_cast<std::size_t>(settings.channel)];
+  const auto& captured = recording.captured[index(settings.channel)];
   if (captured.empty())
     return fail(Errc::BadArgument, "", "nothing was recorded", "record at least one sweep");
   if (settings.profile && settings.profile->sample_rate != recording.sample_rate)

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
 
 namespace tactus {
@@ -56,7 +57,7 @@ double CoarseSearch::share_within(std::int64_t delay) const {
   const auto length = static_cast<std::int64_t>(energy_.size()) - 1;
   const auto from = std::clamp<std::int64_t>(-delay, 0, length),
              to = std::clamp<std::int64_t>(frames_ - delay, from, length);
-  return (energy_[static_cast<std::size_t>(to)] - energy_[static_cast<std::size_t>(from)]) / energy_.back();
+  return (energy_[index(to)] - energy_[index(from)]) / energy_.back();
 }
 
 std::vector<double> CoarseSearch::correlation(std::span<const double> captured) {
@@ -93,7 +94,7 @@ CoarseDelay CoarseSearch::find(std::span<const double> captured) {
   for (std::int64_t delay = frames_ - size; delay < frames_; ++delay) {
     const double share = share_within(delay);
     if (share < kLeastShare) continue;
-    values.push_back(correlated[static_cast<std::size_t>((delay + size) % size)]);
+    values.push_back(correlated[index((delay + size) % size)]);
     evened.push_back(values.back() / std::sqrt(share));  // noise correlates with what there is of the probe
     delays.push_back(delay);
   }
@@ -112,7 +113,7 @@ std::vector<double> CoarseSearch::behind(const PathModel& model) {
   auto spectrum = model.spectrum(fourier_.size(), {});
   for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= played_[b];
   auto captured = fourier_.inverse(spectrum);
-  captured.resize(static_cast<std::size_t>(frames_));
+  captured.resize(index(frames_));
   return captured;
 }
 

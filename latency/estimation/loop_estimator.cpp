@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "latency/estimation/pilot_track.h"
 
@@ -99,7 +100,7 @@ LoopEstimator::LoopEstimator(const LoopRecording& recording, const AnalysisSetti
     : recording_(recording),
       settings_(settings),
       bursts_(bursts),
-      captured_(recording.captured[static_cast<std::size_t>(settings.channel)]),
+      captured_(recording.captured[index(settings.channel)]),
       windows_(bursts, recording.sample_rate, profile_taps()),
       search_(through(recording.played, profile_taps()), captured_.size(), recording.sample_rate) {}
 
@@ -167,7 +168,7 @@ NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
   std::optional<NoiseFloor> best;
   for (const auto& piece : {copy(begin - frames(kLoopEstimatorQuiet), begin),
                             copy(end, end + frames(kLoopEstimatorQuiet)), between}) {
-    if (piece.size() < static_cast<std::size_t>(frames(kLoopEstimatorShortestQuiet))) continue;
+    if (piece.size() < index(frames(kLoopEstimatorShortestQuiet))) continue;
     auto found = NoiseFloor::of(piece);
     if (!best || best->variance > kFarLouder * found.variance) best = std::move(found);
   }

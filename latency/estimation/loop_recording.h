@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/index.h"
 #include "engine/core/units.h"
 
 namespace tactus {
@@ -23,7 +24,7 @@ inline std::span<const double> stretch(std::span<const double> all, std::int64_t
   const auto size = static_cast<std::int64_t>(all.size());
   from = std::clamp<std::int64_t>(from, 0, size);
   to = std::clamp<std::int64_t>(to, from, size);
-  return all.subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from));
+  return all.subspan(index(from), index(to - from));
 }
 
 /// [any] Sum of a[n] b[n], as far as there are both.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "latency/estimation/fourier.h"
 #include "latency/probe/short_runs.h"
@@ -31,10 +32,9 @@ std::vector<double> expected(std::span<const double> pilot, const PathModel& mod
 }
 
 std::vector<double> cut(std::span<const double> all, std::int64_t from, std::int64_t frames) {
-  std::vector<double> piece(static_cast<std::size_t>(frames), 0.0);
+  std::vector<double> piece(index(frames), 0.0);
   const auto end = std::min(from + frames, static_cast<std::int64_t>(all.size()));
-  for (auto n = std::max<std::int64_t>(0, from); n < end; ++n)
-    piece[static_cast<std::size_t>(n - from)] = all[static_cast<std::size_t>(n)];
+  for (auto n = std::max<std::int64_t>(0, from); n < end; ++n) piece[index(n - from)] = all[index(n)];
   return piece;
 }
 
@@ -64,8 +64,8 @@ std::vector<std::int64_t> damage(const std::vector<double>& whole, std::span<con
     if (there < 0 || there + kBlock > static_cast<std::int64_t>(captured.size())) return false;
     double explained = 0.0, unexplained = 0.0;
     for (std::int64_t k = 0; k < kBlock; ++k) {
-      const double expects = whole[static_cast<std::size_t>(from + k)];
-      const double rest = captured[static_cast<std::size_t>(there + k)] - expects;
+      const double expects = whole[index(from + k)];
+      const double rest = captured[index(there + k)] - expects;
       explained += expects * expects;
       unexplained += rest * rest;
     }
@@ -91,10 +91,8 @@ std::vector<DelayPoint> without_outliers(const std::vector<DelayPoint>& points) 
 PilotTrack track_pilot(std::span<const double> played, std::span<const double> captured, const Burst& pilot,
                        std::int64_t at, const PathModel& model, std::span<const double> profile,
                        double variance) {
-  const auto whole =
-      expected(played.subspan(static_cast<std::size_t>(pilot.at), static_cast<std::size_t>(pilot.frames)),
-               model, profile);
-  Fourier fourier{static_cast<std::size_t>(kPiece + 2 * kPilotTrackReach)};
+  const auto whole = expected(played.subspan(index(pilot.at), index(pilot.frames)), model, profile);
+  Fourier fourier{index(kPiece + 2 * kPilotTrackReach)};
   PilotTrack track;
   for (std::int64_t from = 0; from + kPiece <= pilot.frames; from += kPiece / 2) {
     const auto begin = pilot.at + at + from - kPilotTrackLead;
@@ -104,7 +102,7 @@ PilotTrack track_pilot(std::span<const double> played, std::span<const double> c
     auto cross = fourier.forward(cut(captured, begin - kPilotTrackReach, kPiece + 2 * kPilotTrackReach));
     for (std::size_t b = 0; b < cross.size(); ++b) cross[b] *= std::conj(piece[b]);
     auto correlation = fourier.inverse(cross);
-    correlation.resize(static_cast<std::size_t>(2 * kPilotTrackReach));
+    correlation.resize(index(2 * kPilotTrackReach));
     const auto highest = std::max_element(correlation.begin(), correlation.end());
     if (!(*highest > kProminent * robust_deviation(correlation))) continue;
     const auto off = highest - correlation.begin() - kPilotTrackReach;

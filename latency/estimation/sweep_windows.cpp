@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "latency/probe/short_runs.h"
 
@@ -57,20 +58,20 @@ SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::s
       lead_(kSweepWindowsLead + quarter_pause(bursts, sample_rate)),
       frames_(lead_ + static_cast<std::int64_t>(bursts.waveform.size()) +
               2 * quarter_pause(bursts, sample_rate)),
-      fade_(static_cast<std::size_t>(frames_), 1.0),
-      fourier_(static_cast<std::size_t>(frames_ + kSweepWindowsReach)),
+      fade_(index(frames_), 1.0),
+      fourier_(index(frames_ + kSweepWindowsReach)),
       lowest_bin_(
           static_cast<std::size_t>(std::ceil((profile.empty() ? kLowestHz : kLowestOfProfile) /
                                              sample_rate.value * static_cast<double>(fourier_.size())))) {
   // A window with hard edges would spread hum over all frequencies.
-  const auto edge = static_cast<std::size_t>(quarter_pause(bursts, sample_rate));
+  const auto edge = index(quarter_pause(bursts, sample_rate));
   for (std::size_t n = 0; n < edge; ++n) {
     const double raised =
         0.5 - 0.5 * std::cos(std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(edge));
     fade_[n] = fade_[fade_.size() - 1 - n] = raised;
   }
   fade_power_ = std::inner_product(fade_.begin(), fade_.end(), fade_.begin(), 0.0);
-  std::vector<double> placed(static_cast<std::size_t>(lead_), 0.0);
+  std::vector<double> placed(index(lead_), 0.0);
   placed.insert(placed.end(), bursts.waveform.begin(), bursts.waveform.end());
   played_ = fourier_.forward(placed);
   if (!profile.empty()) profile_ = fourier_.forward(profile);
@@ -82,12 +83,12 @@ void SweepWindows::set_noise(const NoiseFloor& floor) {
 }
 
 Spectrum SweepWindows::cut(std::span<const double> captured, std::int64_t from) {
-  std::vector<double> samples(static_cast<std::size_t>(frames_), 0.0);
+  std::vector<double> samples(index(frames_), 0.0);
   const auto begin = from - lead_;
   const auto end = std::min(frames_, static_cast<std::int64_t>(captured.size()) - begin);
   for (auto n = std::max<std::int64_t>(-begin, 0); n < end; ++n) {
-    const auto at = static_cast<std::size_t>(n);
-    samples[at] = fade_[at] * (captured[static_cast<std::size_t>(begin + n)] - mean_);
+    const auto at = index(n);
+    samples[at] = fade_[at] * (captured[index(begin + n)] - mean_);
   }
   return fourier_.forward(samples);
 }
@@ -109,7 +110,7 @@ std::int64_t SweepWindows::nearest(const CapturedWindow& window, const Spectrum&
   std::int64_t best = 0;
   double highest = 0.0;
   for (auto lag = -search; lag <= search; ++lag)
-    if (const double value = correlation[static_cast<std::size_t>((lag + size) % size)]; value > highest) {
+    if (const double value = correlation[index((lag + size) % size)]; value > highest) {
       highest = value;
       best = lag;
     }
@@ -207,7 +208,7 @@ std::vector<std::int64_t> SweepWindows::damage(std::span<const double> captured,
   const auto longest = static_cast<std::int64_t>(frames_in(kLongestDamage, sample_rate_)) / kBlock;
   // What lasts longer is a gain that changes, or a path that no model fits.
   auto places = short_runs(static_cast<std::int64_t>(explained.size()), longest, [&](std::int64_t block) {
-    const auto n = static_cast<std::size_t>(block);
+    const auto n = index(block);
     return explained[n] > 1e-4 * loudest && unexplained[n] > 0.25 * explained[n] &&
            unexplained[n] > 36.0 * kBlock * variance;
   });

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -50,8 +52,8 @@ LevelSearch::LevelSearch(const Settings& settings)
     : settings_(settings),
       most_windows_(quiet_windows(settings) + probes_in(settings) * kPeriod + 2 * windows_in(kLongestDelay) +
                     windows_in(kGone)) {
-  windows_.reserve(static_cast<std::size_t>(most_windows_));
-  sorted_.reserve(static_cast<std::size_t>(quiet_windows(settings)));
+  windows_.reserve(index(most_windows_));
+  sorted_.reserve(index(quiet_windows(settings)));
 }
 
 LevelSearch::Step LevelSearch::observe(const LevelWindow& window) noexcept {
@@ -161,21 +163,20 @@ int LevelSearch::best_lag() const noexcept {
 /// Mean over as many windows as a level probe lasts.
 double LevelSearch::power_at(int window) const noexcept {
   double sum = 0.0;
-  for (int w = window; w < std::min(window + kLevelProbeWindows, now()); ++w)
-    sum += windows_[static_cast<std::size_t>(w)].power;
+  for (int w = window; w < std::min(window + kLevelProbeWindows, now()); ++w) sum += windows_[index(w)].power;
   return sum / kLevelProbeWindows;
 }
 
 double LevelSearch::peak_at(int window) const noexcept {
   double peak = 0.0;
   for (int w = std::max(0, window - 1); w < std::min(window + kLevelProbeWindows + 1, now()); ++w)
-    peak = std::max(peak, windows_[static_cast<std::size_t>(w)].peak);
+    peak = std::max(peak, windows_[index(w)].peak);
   return peak;
 }
 
 /// The median: a click in the silence is no noise.
 double LevelSearch::noise() noexcept {
-  const auto from = static_cast<std::size_t>(std::min(windows_in(kSettling), now() - 1));
+  const auto from = index(std::min(windows_in(kSettling), now() - 1));
   sorted_.clear();
   for (std::size_t w = from; w < windows_.size(); ++w) sorted_.push_back(windows_[w].power);
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -31,8 +33,8 @@ std::array<double, kFree> derivatives(double w) {
 PathModel moved(PathModel model, const Step& step) {
   model.delay_frames += step[0];
   model.log_gain += step[1];
-  for (int k = 0; k < 3; ++k) model.high_pass[static_cast<std::size_t>(k)] += step[2 + k];
-  for (int k = 0; k < 2; ++k) model.droop[static_cast<std::size_t>(k)] += step[5 + k];
+  for (int k = 0; k < 3; ++k) model.high_pass[index(k)] += step[2 + k];
+  for (int k = 0; k < 2; ++k) model.droop[index(k)] += step[5 + k];
   return model;
 }
 
@@ -87,7 +89,7 @@ class Bins {
     const auto slope = derivatives(w);
     const double strength = weight * std::norm(expected);
     const Complex pull = weight * std::conj(expected) * rest;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(free_); ++i) {
+    for (std::size_t i = 0; i < index(free_); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       sum.gradient[row] += slope[i] * (kImaginary[i] ? pull.imag() : pull.real());
       for (std::size_t j = 0; j <= i; ++j)

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -169,8 +170,7 @@ std::vector<double> Response::impulse(int& first) const {
              after = static_cast<int>(0.025 * sample_rate_.value);
   first = centre - before;
   std::vector<double> impulse;
-  for (int n = first; n < centre + after; ++n)
-    impulse.push_back(answer[static_cast<std::size_t>((n + size) % size)]);
+  for (int n = first; n < centre + after; ++n) impulse.push_back(answer[index((n + size) % size)]);
   return impulse;
 }
 
@@ -192,7 +192,7 @@ Response::Echo Response::echo() const {
   const auto size = static_cast<std::int64_t>(left.size());
   // What stands at the path itself is its shape.
   const auto at = static_cast<std::int64_t>(highest_power(main));
-  for (auto n = at - kAtPath; n <= at + kAtPath; ++n) left[static_cast<std::size_t>((n + size) % size)] = 0.0;
+  for (auto n = at - kAtPath; n <= at + kAtPath; ++n) left[index((n + size) % size)] = 0.0;
   Echo echo;
   for (int k = 0; k < 3; ++k) {
     const auto place = static_cast<std::int64_t>(highest_power(left));
@@ -200,11 +200,10 @@ Response::Echo Response::echo() const {
       const auto from_main = place - at;
       echo.frames =
           static_cast<int>(std::remainder(static_cast<double>(from_main), static_cast<double>(size)));
-      echo.level_db =
-          power_to_db(left[static_cast<std::size_t>(place)] / *std::max_element(main.begin(), main.end()));
+      echo.level_db = power_to_db(left[index(place)] / *std::max_element(main.begin(), main.end()));
     }
     for (auto n = place - 8; n <= place + 8; ++n) {
-      auto& value = left[static_cast<std::size_t>((n + size) % size)];
+      auto& value = left[index((n + size) % size)];
       echo.share += value / all;
       value = 0.0;
     }
@@ -229,7 +228,7 @@ std::array<std::optional<double>, 4> harmonics(const CapturedWindow& window, con
     for (auto n = centre - half; n < centre + half; ++n) {
       const double fade =
           0.5 + 0.5 * std::cos(pi * static_cast<double>(n - centre) / static_cast<double>(half));
-      piece.push_back(std::sqrt(fade) * answer[static_cast<std::size_t>((n % size + size) % size)]);
+      piece.push_back(std::sqrt(fade) * answer[index((n % size + size) % size)]);
     }
     const auto spectrum = fourier.forward(piece);
     const double bins_per_hertz = static_cast<double>(fourier.size()) / sample_rate.value;

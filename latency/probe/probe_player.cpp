@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/core/index.h"
 #include "latency/probe/probe.h"
 
 namespace tactus {
@@ -56,7 +57,7 @@ Status ProbePlayer::prepare(const StreamFormat& format) {
                                                          LevelSearch::kLongestDelay + kAfter * 2,
                                                      rate);
   played_.assign(capacity, 0.0);
-  captured_.assign(static_cast<std::size_t>(format.in_channels), played_);
+  captured_.assign(index(format.in_channels), played_);
   recorded_ = 0;
   end_frame_ = kNever;
   outcome_ = Outcome::Played;
@@ -175,7 +176,7 @@ void ProbePlayer::observe(const BlockIo& io, std::int64_t first_frame) noexcept 
   std::copy_n(io.out[0], frames, played_.begin() + static_cast<std::ptrdiff_t>(recorded_));
   for (std::size_t c = 0; c < captured_.size(); ++c)
     std::copy_n(io.in[c], frames, captured_[c].begin() + static_cast<std::ptrdiff_t>(recorded_));
-  recorded_ += static_cast<std::size_t>(frames);
+  recorded_ += index(frames);
   if (stage_ == Stage::Done) done_.store(true, std::memory_order_release);
 }
 
