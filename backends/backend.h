@@ -10,6 +10,7 @@
 #include "backends/health.h"
 #include "engine/core/block_io.h"
 #include "engine/core/error.h"
+#include "engine/core/index.h"
 #include "engine/core/units.h"
 #include "engine/guard/guarded.h"
 
@@ -46,7 +47,7 @@ struct StreamRequest {
 /// [control] The channels that a map of a request means.
 inline std::vector<int> channels_of(std::vector<int> map, int channels) {
   if (!map.empty()) return map;
-  map.resize(static_cast<std::size_t>(channels));
+  map.resize(index(channels));
   std::iota(map.begin(), map.end(), 0);
   return map;
 }

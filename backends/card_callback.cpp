@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "backends/realtime_thread.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -89,7 +90,7 @@ void CardCallback::process(const float* const* in, float* const* out, int offset
   else
     processor_.process(io);
   for (int c = 0; c < out_.size(); ++c) {
-    auto* plane = out[out_map_[static_cast<std::size_t>(c)]];
+    auto* plane = out[out_map_[index(c)]];
     if (plane == nullptr) continue;
     std::transform(out_[c], out_[c] + frames, plane + offset,
                    [](double sample) { return static_cast<float>(sample); });
@@ -99,7 +100,7 @@ void CardCallback::process(const float* const* in, float* const* out, int offset
 void CardCallback::convert_input(const float* const* in, int offset, int frames) noexcept {
   std::int64_t bad = 0;
   for (int c = 0; c < in_.size(); ++c) {
-    const auto* plane = in == nullptr ? nullptr : in[in_map_[static_cast<std::size_t>(c)]];
+    const auto* plane = in == nullptr ? nullptr : in[in_map_[index(c)]];
     double* const samples = in_[c];
     if (plane == nullptr) {
       std::fill_n(samples, frames, 0.0);

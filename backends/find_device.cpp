@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -28,7 +30,7 @@ Status fits(int channels, const std::vector<int>& map, int there, const char* wh
             const std::string& device) {
   const auto at = "'" + device + "'";
   if (channels < 0) return fail(Errc::BadArgument, "", fmt::format("there are no {} {}", channels, what), "");
-  if (!map.empty() && map.size() != static_cast<std::size_t>(channels))
+  if (!map.empty() && map.size() != index(channels))
     return fail(Errc::BadArgument, "", fmt::format("{} {} are named for {}", map.size(), what, channels), "");
   const int last = map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
   if (last > there || (!map.empty() && *std::min_element(map.begin(), map.end()) < 0))

@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -134,12 +136,11 @@ std::int64_t WavReader::frames() const { return file_->info.frames; }
 
 int WavReader::read(double* const* channels, int frames) {
   auto& buffer = file_->interleaved;
-  const auto width = static_cast<std::size_t>(file_->info.channels);
-  buffer.assign(width * static_cast<std::size_t>(frames), 0.0);
+  const auto width = index(file_->info.channels);
+  buffer.assign(width * index(frames), 0.0);
   const auto got = static_cast<int>(sf_readf_double(file_->sound.get(), buffer.data(), frames));
   for (std::size_t c = 0; c < width; ++c)
-    for (int n = 0; n < frames; ++n)
-      channels[c][n] = n < got ? buffer[static_cast<std::size_t>(n) * width + c] : 0.0;
+    for (int n = 0; n < frames; ++n) channels[c][n] = n < got ? buffer[index(n) * width + c] : 0.0;
   return got;
 }
 
@@ -195,8 +196,8 @@ int WavWriter::channels() const { return file_->channels; }
 
 Status WavWriter::write(const double* const* channels, int frames) {
   auto& file = *file_;
-  const auto width = static_cast<std::size_t>(file.channels);
-  const auto count = width * static_cast<std::size_t>(frames);
+  const auto width = index(file.channels);
+  const auto count = width * index(frames);
   const auto sample = [&](std::size_t i) { return channels[i % width][i / width]; };
   sf_count_t written = 0;
   if (file.encoding == WavEncoding::Float32) {
@@ -226,8 +227,7 @@ Result<Samples> read_wav(const fs::path& path) {
   auto reader = WavReader::open(path);
   if (!reader) return tl::unexpected(reader.error());
   Samples samples{reader->sample_rate(), {}};
-  samples.channels.resize(static_cast<std::size_t>(reader->channels()),
-                          std::vector<double>(static_cast<std::size_t>(reader->frames())));
+  samples.channels.resize(index(reader->channels()), std::vector<double>(index(reader->frames())));
   constexpr std::int64_t kPiece = 65536;
   std::vector<double*> at(samples.channels.size());
   for (std::int64_t done = 0; done < reader->frames(); done += kPiece) {

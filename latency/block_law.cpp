@@ -94,8 +94,8 @@ std::string recommendation(const std::vector<SettingDelay>& settings) {
   if (best == nullptr) {
     const auto& last = settings.back();
     if (last.finding.verdict == Verdict::Ok)
-      return "No setting ran without a gap: try larger blocks, and see what tactus doctor says.";
-    return fmt::format("No setting can be trusted ({}): {}.", code(last.finding.verdict),
+      return "No setting ran without a gap: try larger blocks, and run tactus doctor.";
+    return fmt::format("No setting gave a reliable result ({}): {}.", code(last.finding.verdict),
                        last.finding.remedy.empty() ? last.finding.what : last.finding.remedy);
   }
   auto text = fmt::format("Play with {}: {}, and not a frame was lost in {:.0f} s.", in_words(*best),

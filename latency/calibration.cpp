@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 #include "latency/estimation/sweep_windows.h"
 #include "latency/estimation/toeplitz.h"
 #include "latency/path/noise_floor.h"
@@ -29,28 +30,29 @@ double energy(const std::vector<double>& samples) {
 }
 
 /// The card's whole frames are taken off by cutting later, the rest by turning the phase.
-HeardWindow without_delay(SweepWindows& windows, std::span<const double> heard, double delay,
-                          std::span<const TrackedSweep> sweeps) {
+CapturedWindow without_delay(SweepWindows& windows, std::span<const double> captured, double delay,
+                             std::span<const TrackedSweep> sweeps) {
   const double whole = std::floor(delay);
-  auto window = windows.mean(heard, static_cast<std::int64_t>(whole), sweeps);
-  for (std::size_t b = 0; b < window.heard.size(); ++b)
-    window.heard[b] *= std::polar(1.0, angular_frequency(b, window.size) * (delay - whole));
+  auto window = windows.mean(captured, static_cast<std::int64_t>(whole), sweeps);
+  for (std::size_t b = 0; b < window.captured.size(); ++b)
+    window.captured[b] *= std::polar(1.0, angular_frequency(b, window.size) * (delay - whole));
   return window;
 }
 
-std::vector<double> taps_of(const HeardWindow& window, Fourier& fourier, std::size_t length, double noise) {
+std::vector<double> taps_of(const CapturedWindow& window, Fourier& fourier, std::size_t length,
+                            double noise) {
   Spectrum own(window.played.size()), common(window.played.size());
-  double heard_power = 0.0, played_power = 0.0;
+  double captured_power = 0.0, played_power = 0.0;
   for (std::size_t b = 0; b < own.size(); ++b) {
     own[b] = std::norm(window.played[b]);
-    common[b] = window.heard[b] * std::conj(window.played[b]);
-    heard_power += std::norm(window.heard[b]);
+    common[b] = window.captured[b] * std::conj(window.played[b]);
+    captured_power += std::norm(window.captured[b]);
     played_power += own[b].real();
   }
   auto r = fourier.inverse(own), c = fourier.inverse(common);
   length = std::min(length, c.size() / 2);
   // Wiener: the variance of the noise over that of a tap, both as far as they are known.
-  const double of_tap = heard_power / played_power / static_cast<double>(length);
+  const double of_tap = captured_power / played_power / static_cast<double>(length);
   r[0] += std::max(noise / of_tap, kFlattest * r[0]);
   auto taps = solve_toeplitz(std::span{r}.first(length), std::span{c}.first(length));
   const double all = energy(taps);
@@ -59,21 +61,21 @@ std::vector<double> taps_of(const HeardWindow& window, Fourier& fourier, std::si
   return taps;
 }
 
-/// The share of what was heard, where it was played, that the taps leave over beyond the noise.
-double unexplained(const HeardWindow& window, const Spectrum& path) {
-  double left = 0.0, heard = 0.0;
+/// The share of what was captured, where it was played, that the taps leave over beyond the noise.
+double unexplained(const CapturedWindow& window, const Spectrum& path) {
+  double left = 0.0, captured = 0.0;
   for (auto b = window.lowest_bin; b + 1 < path.size(); ++b) {
-    left += std::norm(window.heard[b] - path[b] * window.played[b]) - window.noise[b];
-    heard += std::norm(window.heard[b]);
+    left += std::norm(window.captured[b] - path[b] * window.played[b]) - window.noise[b];
+    captured += std::norm(window.captured[b]);
   }
-  return std::max(0.0, left / heard);
+  return std::max(0.0, left / captured);
 }
 
 /// Where |H| crosses 1 / sqrt(2) of its peak, walking from it by `step`; nothing if it never does.
 std::optional<double> half_power(const std::vector<double>& power, std::size_t peak, int step) {
   for (auto b = static_cast<std::ptrdiff_t>(peak); b > 0 && b + 1 < static_cast<std::ptrdiff_t>(power.size());
        b += step) {
-    const double here = power[static_cast<std::size_t>(b)], next = power[static_cast<std::size_t>(b + step)];
+    const double here = power[index(b)], next = power[index(b + step)];
     if (next > 0.5 * power[peak]) continue;
     return static_cast<double>(b) + step * (here - 0.5 * power[peak]) / (here - next);
   }
@@ -116,19 +118,18 @@ void describe_swing(const std::vector<double>& taps, Calibration& calibration) {
 }
 
 Finding judge(const Calibration& calibration, double electrical_frames) {
-  if (calibration.heard.snr_db < kLeastSnr)
-    return {
-        Verdict::LowSnr, "the noise is too strong to tell the path's shape",
-        "play louder (but no louder than the actuator stands), raise the sensor's gain, or find the noise"};
+  if (calibration.analysis.snr_db < kLeastSnr)
+    return {Verdict::LowSnr, "the noise is too strong to determine the path's shape",
+            "play louder (within the actuator's limits), raise the sensor's gain, or find the noise"};
   if (calibration.unexplained <= kMostLeft) return {};
-  if (calibration.heard.delay_frames < electrical_frames - 1.0)
+  if (calibration.analysis.delay_frames < electrical_frames - 1.0)
     return {Verdict::NotFlat,
-            fmt::format("it is heard {:.0f} frames before the card's own delay has passed",
-                        electrical_frames - calibration.heard.delay_frames),
+            fmt::format("it is captured {:.0f} frames before the card's own delay has passed",
+                        electrical_frames - calibration.analysis.delay_frames),
             "the delay that is to be taken off is too long: measure it again over a cable, with the same "
             "setting"};
   return {Verdict::NotFlat,
-          "the path is no fixed linear response: part of what is heard changes from sweep to sweep or is "
+          "the path is no fixed linear response: part of what is captured changes from sweep to sweep or is "
           "distorted",
           "play softer, and make sure that nothing rattles or moves while it is measured"};
 }
@@ -155,22 +156,22 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   auto analysis = analyze(recording, plain);
   if (!analysis) return tl::unexpected{analysis.error()};
   Calibration calibration;
-  calibration.heard = std::move(*analysis);
-  calibration.finding = calibration.heard.finding;
-  if (!calibration.heard.heard || spoils(calibration.finding.verdict)) return calibration;
+  calibration.analysis = std::move(*analysis);
+  calibration.finding = calibration.analysis.finding;
+  if (!calibration.analysis.detected || spoils(calibration.finding.verdict)) return calibration;
 
-  const auto& heard = recording.heard[static_cast<std::size_t>(settings.channel)];
+  const auto& captured = recording.captured[index(settings.channel)];
   const auto rate = recording.sample_rate;
   const auto bursts = *find_bursts(recording.played, rate);
   SweepWindows windows{bursts, rate, {}};
   NoiseFloor floor;
-  floor.mean = calibration.heard.dc;
-  floor.variance = std::max(kQuietest, power_from_db(calibration.heard.noise_floor_dbfs));
+  floor.mean = calibration.analysis.dc;
+  floor.variance = std::max(kQuietest, power_from_db(calibration.analysis.noise_floor_dbfs));
   floor.per_frame = {floor.variance, floor.variance};
   windows.set_noise(floor);
   std::vector<TrackedSweep> sweeps;
   for (const auto& burst : bursts.repeated) sweeps.push_back({.burst = burst});
-  const auto window = without_delay(windows, heard, settings.electrical_frames, sweeps);
+  const auto window = without_delay(windows, captured, settings.electrical_frames, sweeps);
   auto& fourier = windows.fourier();
   auto& profile = calibration.profile;
   profile.sample_rate = rate;

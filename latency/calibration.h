@@ -26,8 +26,8 @@ struct Calibration {
   double arrival_frames = 0.0;  ///< when that swing begins, without the card's delay
   std::vector<BandDelay> group_delay;
   std::vector<ResponsePoint> spectrum;
-  Analysis heard;            ///< as if it were a cable
-  double unexplained = 0.0;  ///< share of what is heard that the profile does not explain
+  Analysis analysis;         ///< as if it were a cable
+  double unexplained = 0.0;  ///< share of what is captured that the profile does not explain
 };
 
 struct CalibrationSettings {
@@ -39,9 +39,9 @@ struct CalibrationSettings {
 /// [any] Does a verdict about a recording spoil it for calibration, too? That its path is no cable does not.
 bool spoils(Verdict verdict);
 
-/// [control] The causal response h of `length` that minimises  |heard - h * played|² + λ |h|²  over the mean
-/// of all sweeps, once the card's delay is taken off: Toeplitz normal equations, by conjugate gradients with
-/// a circulant preconditioner. λ is what the noise asks for. Errors as `analyze`.
+/// [control] The causal response h of `length` that minimises  |captured - h * played|² + λ |h|²  over the
+/// mean of all sweeps, once the card's delay is taken off: Toeplitz normal equations, by conjugate gradients
+/// with a circulant preconditioner. λ is what the noise asks for. Errors as `analyze`.
 Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationSettings& settings);
 
 }  // namespace tactus

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -28,17 +30,17 @@ constexpr const char* kAgainstOverload =
 constexpr const char* kAgainstAgc = "switch automatic gain, noise suppression and limiters of the input off";
 constexpr const char* kAgainstNoise = "play louder, raise the input's gain, or find the source of the noise";
 
-int longest_clipped_run(std::span<const double> heard) {
+int longest_clipped_run(std::span<const double> captured) {
   int longest = 0, run = 0;
-  for (std::size_t n = 0; n < heard.size(); ++n) {
-    run = std::abs(heard[n]) >= kFullScale ? run + 1 : 0;
+  for (std::size_t n = 0; n < captured.size(); ++n) {
+    run = std::abs(captured[n]) >= kFullScale ? run + 1 : 0;
     longest = std::max(longest, run);
   }
   return longest;
 }
 
-std::optional<Finding> clipping(const Analysis& analysis, std::span<const double> heard) {
-  if (const int run = longest_clipped_run(heard); run >= kClippedRun)
+std::optional<Finding> clipping(const Analysis& analysis, std::span<const double> captured) {
+  if (const int run = longest_clipped_run(captured); run >= kClippedRun)
     return Finding{Verdict::Clipping,
                    fmt::format("the input is at full scale for up to {} frames in a row", run),
                    kAgainstOverload};
@@ -58,7 +60,7 @@ std::optional<Finding> lost_frames(const Analysis& analysis) {
   const auto seconds = static_cast<double>(first.frame) / analysis.sample_rate.value;
   const auto what =
       first.frames == 0.0
-          ? fmt::format("what was heard at {:.2f} s is not what was played", seconds)
+          ? fmt::format("what was captured at {:.2f} s is not what was played", seconds)
           : fmt::format("at {:.2f} s the delay changes by {:+.2f} frames", seconds, first.frames);
   return Finding{
       Verdict::LostFrames,
@@ -145,14 +147,13 @@ std::optional<Finding> moving_gain(const Analysis& analysis, const Evidence& evi
   if (falls && (analysis.misfit > kUneven || std::abs(by_level) < kGainMoves))
     return Finding{
         Verdict::EchoCancel,
-        fmt::format("the path takes away more and more of what is played: {:.1f} dB less at the end", fall),
+        fmt::format("the gain of the path falls by {:.1f} dB during the recording", fall),
         "switch echo cancellation off: in the driver's or the sound server's settings, or choose the device "
         "itself and not one for calls"};
-  return Finding{
-      Verdict::Agc,
-      fmt::format("what is played softer is amplified by {:.1f} dB more: the gain follows the level",
-                  std::abs(by_level) >= kGainMoves ? by_level : fall),
-      kAgainstAgc};
+  return Finding{Verdict::Agc,
+                 fmt::format("lower levels are amplified by {:.1f} dB more: the gain depends on the level",
+                             std::abs(by_level) >= kGainMoves ? by_level : fall),
+                 kAgainstAgc};
 }
 
 std::optional<Finding> overdriven(const Evidence& evidence) {
@@ -162,10 +163,10 @@ std::optional<Finding> overdriven(const Evidence& evidence) {
                  kAgainstOverload};
 }
 
-Finding heard_twice(std::int64_t frames, double level_db) {
+Finding detected_twice(std::int64_t frames, double level_db) {
   return {
       Verdict::DirectMonitoring,
-      fmt::format("it is heard twice: {:.1f} dB {} the first, {:+d} frames from it", std::abs(level_db),
+      fmt::format("it is detected twice: {:.1f} dB {} the first, {:+d} frames from it", std::abs(level_db),
                   level_db > 0.0 ? "above" : "below", frames),
       "switch direct monitoring off in the card's mixer, and take away connections from its inputs to its "
       "outputs"};
@@ -173,13 +174,13 @@ Finding heard_twice(std::int64_t frames, double level_db) {
 
 std::optional<Finding> far_path(const Evidence& evidence) {
   if (!evidence.second) return std::nullopt;
-  return heard_twice(evidence.second->frames, evidence.second->level_db);
+  return detected_twice(evidence.second->frames, evidence.second->level_db);
 }
 
 std::optional<Finding> near_path(const Evidence& evidence) {
   const auto& echo = evidence.echo;
   if (echo.share < kEchoShare || echo.level_db < kLeastEcho) return std::nullopt;
-  return heard_twice(echo.frames, echo.level_db);
+  return detected_twice(echo.frames, echo.level_db);
 }
 
 std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidence) {
@@ -188,9 +189,10 @@ std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidenc
   if (!evidence.coarse.clear())
     return Finding{
         Verdict::LowSnr,
-        fmt::format("the noise is too strong: with {:.1f} dB of signal above it single sweeps cannot be told "
-                    "apart, so neither lost frames nor drift",
-                    analysis.snr_db),
+        fmt::format(
+            "the noise is too strong: with {:.1f} dB of signal above it single sweeps cannot be separated "
+            "apart, so neither lost frames nor drift",
+            analysis.snr_db),
         kAgainstNoise};
   return Finding{
       Verdict::LowSnr,
@@ -204,13 +206,13 @@ std::optional<Finding> not_flat(const Analysis& analysis, const Evidence& eviden
   if (evidence.with_profile && analysis.misfit_frames > evidence.widest_error_frames)
     return Finding{
         Verdict::NotFlat,
-        fmt::format("{:.2g} % of what is heard does not fit the profile, so the delay may be wrong by "
+        fmt::format("{:.2g} % of what is captured does not fit the profile, so the delay may be wrong by "
                     "{:.1f} frames",
                     100.0 * analysis.misfit, analysis.misfit_frames),
         "the actuator or the sensor is another than when it was calibrated: calibrate again"};
   std::string what;
   if (analysis.misfit > kMisfit)
-    what = fmt::format("{:.1f} % of what is heard does not fit any single delay", 100.0 * analysis.misfit);
+    what = fmt::format("{:.1f} % of what is captured does not fit any single delay", 100.0 * analysis.misfit);
   else if (evidence.gain_range_db > kGainRange)
     what = fmt::format("its gain differs by {:.0f} dB over the band", evidence.gain_range_db);
   else
@@ -228,26 +230,26 @@ Finding not_whole() {
           "record from before the probe begins until after it has ended"};
 }
 
-Finding not_heard(const std::vector<CoarseDelay>& channels, int channel) {
+Finding not_detected(const std::vector<CoarseDelay>& channels, int channel) {
   int loudest = -1;
   double prominence = CoarseDelay::kNothing * 1.5;
   for (int c = 0; c < static_cast<int>(channels.size()); ++c) {
-    const auto& other = channels[static_cast<std::size_t>(c)];
+    const auto& other = channels[index(c)];
     if (c == channel || other.prominence <= prominence) continue;
     loudest = c;
     prominence = other.prominence;
   }
   if (loudest >= 0)
     return {Verdict::WrongChannel,
-            fmt::format("nothing is heard on input {}, but on input {}", channel + 1, loudest + 1),
+            fmt::format("nothing is detected on input {}, but on input {}", channel + 1, loudest + 1),
             fmt::format("choose input {} (--in, of a file --channel), or move the cable to input {}",
                         loudest + 1, channel + 1)};
-  return {Verdict::NoSignal, fmt::format("nothing of what was played is heard on input {}", channel + 1),
+  return {Verdict::NoSignal, fmt::format("the probe is not detected on input {}", channel + 1),
           "join the output to the input by a cable, and look whether one of them is muted or turned down"};
 }
 
-Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> heard) {
-  if (const auto found = clipping(analysis, heard)) return *found;
+Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured) {
+  if (const auto found = clipping(analysis, captured)) return *found;
   // It overlaps the sweeps, so that nothing else can be told from them.
   if (const auto found = far_path(evidence)) return *found;
   if (const auto found = lost_frames(analysis)) return *found;

@@ -28,11 +28,11 @@ struct Evidence {
   std::optional<double> level_probe_gain_db;  ///< highest gain of bursts before the sweeps
 };
 
-/// [control] It was heard, but less than three sweeps from beginning to end.
+/// [control] The probe was captured, but fewer than three complete sweeps.
 Finding not_whole();
-/// [control] Nothing was heard on the own channel: why not, by what is heard on each.
-Finding not_heard(const std::vector<CoarseDelay>& channels, int channel);
-/// [control] What stands against trusting `analysis` of `heard`, the first of it in the order of Verdict.
-Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> heard);
+/// [control] The probe is not detected on its channel: the reason, from the other channels.
+Finding not_detected(const std::vector<CoarseDelay>& channels, int channel);
+/// [control] The first reason, in the order of Verdict, why `analysis` of `captured` is unreliable.
+Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured);
 
 }  // namespace tactus

@@ -48,7 +48,7 @@ std::vector<MeasuredDelay> parse(std::istream& text) {
   return delays;
 }
 
-/// A name beside `file` that nobody has.
+/// An unused name beside `file`.
 fs::path free_name(const fs::path& file, const std::string& ending) {
   std::error_code ignored;
   for (int i = 1;; ++i) {
@@ -64,7 +64,7 @@ Error set_aside(const fs::path& file, const std::string& reason) {
   fs::rename(file, aside, error);
   return {Errc::BadFile, file.string(), "the delays measured here cannot be read (" + reason + ")",
           error ? "move the file away, and measure again"
-                : "it was kept as '" + aside.string() + "'; measure again, or mend it"};
+                : "it was kept as '" + aside.string() + "'; measure again, or fix it"};
 }
 
 Status cannot_write(const fs::path& file) {

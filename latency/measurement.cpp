@@ -12,6 +12,7 @@
 
 #include "backends/find_device.h"
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 #include "latency/probe/probe.h"
 #include "latency/probe/probe_player.h"
 #include "latency/session.h"
@@ -79,7 +80,7 @@ class Session {
     const auto output = device_with_id(*devices, request_.device);
     if (!output) return tl::unexpected(output.error());
     request_.sample_rate = request_.sample_rate.value_or(output->default_rate);
-    request_.in_map.resize(static_cast<std::size_t>(std::clamp(input->in_channels, 1, kMostInputs)));
+    request_.in_map.resize(index(std::clamp(input->in_channels, 1, kMostInputs)));
     std::iota(request_.in_map.begin(), request_.in_map.end(), 0);
     input_ = settings_.input;
     if (input_ >= static_cast<int>(request_.in_map.size())) {
@@ -119,7 +120,8 @@ class Session {
       if (stream.state() == StreamState::Running) last_alive = Clock::now();
       if (player_.done() || Clock::now() - last_alive <= kMeasurementPatience) continue;
       (void)stream.stop();
-      return fail(Errc::Device, stream.granted().device, "the device went away, or brings no more blocks",
+      return fail(Errc::Device, stream.granted().device,
+                  "the device was disconnected, or delivers no more blocks",
                   "plug it in, start its sound server, and measure again");
     }
     return stream.stop();
@@ -157,7 +159,7 @@ class Session {
   /// The next opening begins where this one ended.
   void remember(const Analysis& analysis) {
     if (!known_) known_ = player_.level();
-    if (analysis.heard)
+    if (analysis.detected)
       known_->delay = Seconds{std::max(0.0, analysis.delay_frames) / analysis.sample_rate.value};
   }
 
@@ -167,14 +169,14 @@ class Session {
   }
 
   void tell_where_it_comes_from(Measurement& measurement) {
-    const auto heard_twice = std::find_if(
+    const auto detected_twice = std::find_if(
         measurement.openings.begin(), measurement.openings.end(),
         [](const Opening& opening) { return opening.finding.verdict == Verdict::DirectMonitoring; });
     auto request = request_;
-    request.block_frames = 2 * heard_twice->granted.block_frames;
+    request.block_frames = 2 * detected_twice->granted.block_frames;
     const auto again = open(request);
     if (!again) return;  // the device has no such block
-    const auto where = second_arrival(*heard_twice, *again);
+    const auto where = second_arrival(*detected_twice, *again);
     if (!where.empty()) measurement.finding.what += "; " + where;
   }
 

@@ -18,7 +18,7 @@ struct MeasureSettings {
   int input = 0, output = 0;    ///< channels of the device, from 0 on; all inputs are listened to
   GuardedChannel guard;         ///< what hangs on the output
   double softest_dbfs = -50.0;  ///< where the level begins
-  double loudest_dbfs = -6.0;   ///< and where it may end, however little is heard
+  double loudest_dbfs = -6.0;   ///< and where it may end, however little is captured
   int openings = 5;             ///< of the stream, one after another
   int sweeps = 8;               ///< each time
   std::optional<PathProfile> profile;
@@ -41,7 +41,7 @@ struct Measurement {
   double delay_frames = 0.0;              ///< mean over the openings
   double standard_error_frames = 0.0;     ///< of that mean
   double spread_frames = 0.0;             ///< standard deviation over openings
-  std::optional<double> reported_frames;  ///< what the driver says: input and output together
+  std::optional<double> reported_frames;  ///< by the driver: input and output together
 };
 
 /// Called with the share that is done and what is being done, many times a second. May throw to put an end to

@@ -10,7 +10,7 @@ namespace tactus {
 /// sample that leaves the card to the sample that the card hears, with the card's own delay taken off.
 struct PathProfile {
   Hertz sample_rate = 48_kHz;
-  std::vector<double> taps;  ///< heard[n] = sum of taps[k] played[n - k]
+  std::vector<double> taps;  ///< captured[n] = sum of taps[k] played[n - k]
   Hertz low, high;           ///< between these it is known
 };
 

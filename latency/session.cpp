@@ -23,7 +23,7 @@ void add_outcome(Findings& findings, const ProbePlayer& player) {
   if (player.outcome() == ProbePlayer::Outcome::Feedback)
     findings.push_back({Verdict::Feedback,
                         "the input came near full scale and stayed there although the output had been muted: "
-                        "what is heard is "
+                        "what is captured is "
                         "played again",
                         "switch direct monitoring off, take away connections from inputs to outputs, turn "
                         "the loudspeaker down "
@@ -41,10 +41,9 @@ void add_outcome(Findings& findings, const ProbePlayer& player) {
 void add_event(Findings& findings, const GuardEvent& event, int input, bool drive) {
   switch (event.kind) {
     case GuardEvent::Kind::Feedback:
-      findings.push_back(
-          {Verdict::Feedback,
-           "the drive guard had to hold the output back for more than 100 ms and let it fade out",
-           "measure at a lower level, or give the limits of the actuator that is there"});
+      findings.push_back({Verdict::Feedback,
+                          "the drive guard limited the output for more than 100 ms and faded it out",
+                          "measure at a lower level, or give the limits of the actuator that is there"});
       return;
     case GuardEvent::Kind::SensorRailed:
       if (drive || event.channel == input)
@@ -175,7 +174,7 @@ void conclude(Measurement& measurement) {
   auto usable = good;
   if (usable.empty())
     for (const auto& opening : measurement.openings)
-      if (opening.analysis.heard) usable.push_back(&opening);
+      if (opening.analysis.detected) usable.push_back(&opening);
   if (!usable.empty()) combine(measurement, usable);
 
   std::vector<Finding> findings;

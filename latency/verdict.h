@@ -5,7 +5,7 @@
 
 namespace tactus {
 
-/// Why a delay is not to be trusted. The order is that in which they are told: what comes first explains what
+/// Why a delay is unreliable, in the order in which they are reported: what comes first explains what
 /// comes later.
 enum class Verdict {
   Ok,

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "engine/core/index.h"
+
 namespace tactus::app {
 
 #if defined(__linux__)
@@ -23,7 +25,7 @@ SystemFacts::Text text_of(const fs::path& file) {
   std::string text(kLongest, '\0');
   in.read(text.data(), static_cast<std::streamsize>(kLongest));
   if (in.bad()) return std::nullopt;
-  text.resize(static_cast<std::size_t>(in.gcount()));
+  text.resize(index(in.gcount()));
   return text;
 }
 

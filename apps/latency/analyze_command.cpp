@@ -51,7 +51,7 @@ int run_latency_analyze(AnalyzeOptions options) {
   }
   auto analysis = analyze(capture->recording, settings);
   if (!analysis) return report(analysis.error()), kBadFile;
-  if (analysis->heard && analysis->delay_frames < -0.5)
+  if (analysis->detected && analysis->delay_frames < -0.5)
     fmt::print(stderr, "note: the recording began after the probe did, so this is no delay of a device\n");
   const auto source =
       fmt::format("{}, {:g} kHz", options.files.capture, capture->recording.sample_rate.value / 1e3);
@@ -80,7 +80,7 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
       "  tactus latency analyze raw.wav     # as tactus latency measure --wav raw.wav kept it\n"
       "The delay is counted from the beginning of the probe to where it begins in FILE: it is that of the "
       "device only\nif both were begun in the same frame.\n"
-      "Exit code 1: the recording shows why its delay is not to be trusted.");
+      "Exit code 1: no reliable delay in the recording; the report gives the reason.");
   command->callback([options, &exit_code] { exit_code = run_latency_analyze(*options); });
 }
 

@@ -28,7 +28,7 @@ struct CalibrateOptions {
   bool json = false;
 };
 
-/// The card's own delay [frames]: as the user says, or the rig, or as it was measured here.
+/// The card's own delay [frames]: given by the user or the rig, or measured here.
 Result<double> electrical_frames(const CalibrateOptions& options, const Loop& loop,
                                  const StreamGranted& granted) {
   const auto rate = granted.format.sample_rate;
@@ -46,10 +46,10 @@ Result<double> electrical_frames(const CalibrateOptions& options, const Loop& lo
 Json json_of(const Calibration& calibration, Hertz rate) {
   const auto& profile = calibration.profile;
   // The swing begins somewhere within a frame.
-  const double error = std::hypot(calibration.heard.standard_error_frames, 1.0 / std::sqrt(12.0));
+  const double error = std::hypot(calibration.analysis.standard_error_frames, 1.0 / std::sqrt(12.0));
   auto json =
-      essentials_json({calibration.finding, rate, calibration.arrival_frames, error}, calibration.heard);
-  json["delay_is"] = "from the drive to the first swing of what is heard, without the card's own delay";
+      essentials_json({calibration.finding, rate, calibration.arrival_frames, error}, calibration.analysis);
+  json["delay_is"] = "from the drive to the first swing of what is captured, without the card's own delay";
   if (profile.taps.empty()) return json;
   json["polarity"] = calibration.polarity;
   json.update({{"low_hz", profile.low.value},
@@ -83,8 +83,8 @@ void print(const Calibration& calibration, Hertz rate) {
   if (calibration.resonance)
     fmt::print("resonance       {:.1f} Hz, Q {:.2f}\n", calibration.resonance->frequency_hz,
                calibration.resonance->q);
-  fmt::print("noise           {:.1f} dB below the sweeps\nunexplained     {:.2g} of what is heard\n",
-             calibration.heard.snr_db, calibration.unexplained);
+  fmt::print("noise           {:.1f} dB below the sweeps\nunexplained     {:.2g} of what is captured\n",
+             calibration.analysis.snr_db, calibration.unexplained);
   fmt::print("group delay    ");
   for (const auto& octave : calibration.group_delay) fmt::print(" {:>9.0f} Hz", octave.centre_hz);
   fmt::print("\n               ");
@@ -93,7 +93,7 @@ void print(const Calibration& calibration, Hertz rate) {
   fmt::print("\n");
 }
 
-/// The picture and the recording, where they are wanted.
+/// The picture and the recording, if requested.
 Status write_evidence(const CalibrateOptions& options, const Calibration& calibration,
                       const Opening& opening) {
   if (!options.sound.empty())
@@ -113,7 +113,7 @@ int run_latency_calibrate(const CalibrateOptions& options) {
   const auto rate = opening.granted.format.sample_rate;
   Calibration calibration;
   calibration.finding = opening.finding;
-  calibration.heard = opening.analysis;
+  calibration.analysis = opening.analysis;
   if (!spoils(opening.finding.verdict)) {
     const auto electrical = electrical_frames(options, *loop, opening.granted);
     if (!electrical) return report(electrical.error()), kUsage;
@@ -151,7 +151,7 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
       ->check(writable_file())
       ->required();
   command->add_option("--report", options->picture, "a picture of it, an SVG file")->check(writable_file());
-  command->add_option("--wav", options->sound, "keep what was played and heard, for analyze")
+  command->add_option("--wav", options->sound, "save the recording (played and captured), for analyze")
       ->check(writable_file());
   command->add_flag("--json", options->json, "for machines");
   command->footer(

@@ -18,7 +18,7 @@ void add_latency(CLI::App& app, int& exit_code) {
       "  tactus latency sweep --device jack:system --blocks 64,128,256\n"
       "  tactus latency probe --out probe.wav\n"
       "  tactus latency analyze capture.wav --probe probe.wav\n"
-      "docs/latency.md says what to connect, and what each answer means.");
+      "docs/latency.md describes the connections and the verdicts.");
   command->callback([command] {
     if (command->get_subcommands().empty()) fmt::print("{}", command->help("tactus"));
   });

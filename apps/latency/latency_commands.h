@@ -19,7 +19,7 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code);
 struct ReportFiles {
   std::string folder;   ///< all of them
   std::string picture;  ///< an SVG
-  std::string sound;    ///< what was played and heard
+  std::string sound;    ///< what was played and captured
   bool json = false;    ///< stdout is for machines
 };
 

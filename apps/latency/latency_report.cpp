@@ -11,7 +11,9 @@ const char* const kDelayIs =
     "The delay runs from a voltage at the input to the answer at the output of a program that answers within "
     "the block: converters, driver, blocks and cable are in it.";
 
-bool is_known(const Analysis& analysis) { return analysis.heard || analysis.finding.verdict != Verdict::Ok; }
+bool is_known(const Analysis& analysis) {
+  return analysis.detected || analysis.finding.verdict != Verdict::Ok;
+}
 
 Hertz LatencyReport::sample_rate() const {
   const auto* opening = shown();

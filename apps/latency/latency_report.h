@@ -15,7 +15,7 @@ namespace tactus::app {
 /// The opening that shows best what was found: the first with the verdict of the whole. nullptr: none.
 const Opening* shown_of(const Measurement& measurement);
 
-/// What is told of a measurement. One that somebody else recorded has a single opening, of no stream.
+/// The report of a measurement. One recorded elsewhere has a single opening without a stream.
 struct LatencyReport {
   std::string source;  ///< a device and its setting, or a file
   Measurement measurement;
@@ -34,7 +34,7 @@ bool is_known(const Analysis& analysis);
 /// What the delay is, in a sentence.
 extern const char* const kDelayIs;
 
-/// What every report says of a delay.
+/// Part of every report.
 struct Essentials {
   Finding finding;
   Hertz sample_rate;

@@ -19,7 +19,7 @@ using Refused = std::optional<Refusal>;
 
 Refusal refuse(Error error, int exit = kUsage) { return {{std::move(error)}, exit}; }
 
-/// What the rig says and nothing on the command line may go around.
+/// Options that the rig sets and the command line may not override.
 Refused against_rig(const LoopOptions& options) {
   for (const auto& [given, option] : {std::pair{!options.device.empty(), "--device"},
                                       {!options.input_device.empty(), "--input-device"},
@@ -27,12 +27,12 @@ Refused against_rig(const LoopOptions& options) {
                                       {options.block.has_value(), "--block"},
                                       {options.periods.has_value(), "--periods"}})
     if (given)
-      return refuse({Errc::BadArgument, option, "does not go with --rig, which says it",
+      return refuse({Errc::BadArgument, option, "cannot be combined with --rig, which sets it",
                      "change the rig: its delay belongs to its own setting"});
   return std::nullopt;
 }
 
-/// The folder with the profiles that a rig names: the instruments beside it, or beside whoever calls.
+/// The folder with the profiles that a rig names: the instruments beside it, or beside the current folder.
 fs::path profiles_near(const fs::path& rig_file) {
   std::error_code ignored;
   const auto beside = fs::absolute(rig_file, ignored).parent_path();
@@ -60,7 +60,7 @@ const RigOutput* port_on(const Rig& rig, int channel) {
   return nullptr;
 }
 
-/// What the rig says of the output; else a cable, as loud as was asked for and no louder.
+/// The guard of the output from the rig; else a cable, with the level as its ceiling.
 GuardedChannel guard_of(const Rig* rig, int output, double loudest_dbfs) {
   const auto* port = rig == nullptr ? nullptr : port_on(*rig, output);
   if (port != nullptr) return {DriveGuard::Kind::Drive, port->drive.limits};
@@ -176,12 +176,11 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--input-device", options.input_device, "where the input is on another device");
   command.add_option("--rig", options.rig,
                      "rig file: device, setting, and what hangs on the output; it keeps the measured delay");
-  command.add_option("--in,--input", options.input, "channel that the loop comes back on, from 1")
+  command.add_option("--in,--input", options.input, "input channel of the loop, from 1")
       ->check(CLI::Range(1, 1024));
-  command.add_option("--out,--output", options.output, "channel that the loop goes out on, from 1")
+  command.add_option("--out,--output", options.output, "output channel of the loop, from 1")
       ->check(CLI::Range(1, 1024));
-  command.add_option("--level", options.level,
-                     "the loudest that may be played, such as \"-20 dBFS\"; [-6 dBFS]");
+  command.add_option("--level", options.level, "the highest level to play, such as \"-20 dBFS\"; [-6 dBFS]");
 }
 
 void add_setting_options(CLI::App& command, LoopOptions& options) {

@@ -19,7 +19,7 @@ struct MeasureOptions {
   bool no_keep = false;
 };
 
-/// Errors do not undo a measurement: they are told, and the exit code is theirs.
+/// Errors do not invalidate a measurement: they are reported, and set the exit code.
 int keep(LatencyReport& report, const Loop& loop, const MeasureOptions& options) {
   if (!report.ok() || options.no_keep) return kDone;
   const auto kept = [&](const Status& status, const std::string& words) -> int {
@@ -67,16 +67,17 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
       ->capture_default_str();
   command->add_option("--sweeps", loop.sweeps, "each time")->check(CLI::Range(2, 100))->capture_default_str();
   add_report_options(*command, options->report);
-  command->add_option("--wav", options->report.sound, "keep what was played and heard, for analyze")
+  command->add_option("--wav", options->report.sound, "save the recording (played and captured), for analyze")
       ->check(writable_file());
   command->add_flag("--no-keep", options->no_keep, "write the delay nowhere");
   command->footer(
       "Examples:\n  tactus latency measure --device jack:system\n"
       "  tactus latency measure --device USB --in 2 --out 2 --rate \"96 kHz\" --block 64\n"
       "  tactus latency measure --rig desk.toml --folder delay\n"
-      "Connect the output with the input by a cable, and take the speakers off: what is played begins softly "
-      "and becomes no louder than it must.\n"
-      "Exit code 1: there is no delay to be trusted, and the report says why and what to do.");
+      "Connect the output with the input by a cable, and disconnect the speakers: the probe starts at a low "
+      "level "
+      "and is raised only as far as needed.\n"
+      "Exit code 1: no reliable delay; the report gives the reason and the remedy.");
   command->callback([options, &exit_code] { exit_code = run_latency_measure(*options); });
 }
 

@@ -12,11 +12,12 @@ namespace tactus::app {
 namespace {
 
 Status fit(const Samples& samples, const std::string& path) {
-  if (samples.frames() == 0) return fail(Errc::BadFile, path, "it holds no samples", "record it again");
+  if (samples.frames() == 0) return fail(Errc::BadFile, path, "it contains no samples", "record it again");
   if (!(samples.sample_rate >= 1_kHz && samples.sample_rate.value <= 1e6))
-    return fail(Errc::BadFile, path,
-                fmt::format("its header says {:g} Hz, which no sound card has", samples.sample_rate.value),
-                "say the true rate with --rate");
+    return fail(
+        Errc::BadFile, path,
+        fmt::format("its header has {:g} Hz, which no sound card supports", samples.sample_rate.value),
+        "say the true rate with --rate");
   for (const auto& channel : samples.channels)
     if (!std::all_of(channel.begin(), channel.end(), [](double sample) { return std::isfinite(sample); }))
       return fail(Errc::BadFile, path, "some of its samples are no numbers", "record it again");
@@ -31,8 +32,8 @@ Result<Samples> read(const std::string& path, const std::optional<Hertz>& rate) 
   return samples;
 }
 
-/// Which of the channels that were heard; `first`: the channel of the file that they begin with, from 1.
-Result<int> heard_channel(const CaptureFiles& files, int first, int channels) {
+/// Which of the channels that were captured; `first`: the channel of the file that they begin with, from 1.
+Result<int> captured_channel(const CaptureFiles& files, int first, int channels) {
   const int asked = files.channel.value_or(first);
   if (asked >= first && asked < first + channels) return asked - first;
   return fail(Errc::BadArgument, "--channel",
@@ -42,35 +43,36 @@ Result<int> heard_channel(const CaptureFiles& files, int first, int channels) {
                             : fmt::format("it has {} to {}", first, first + channels - 1));
 }
 
-/// The probe at the rate of what was heard.
-Samples at_rate(Samples probe, const Samples& heard, Capture& capture) {
-  if (probe.sample_rate == heard.sample_rate) return probe;
+/// The probe at the rate of what was captured.
+Samples at_rate(Samples probe, const Samples& captured, Capture& capture) {
+  if (probe.sample_rate == captured.sample_rate) return probe;
   capture.note = fmt::format(
-      "the probe is at {:g} Hz and the capture at {:g} Hz: the probe was resampled; if a file only says so, "
+      "the probe is at {:g} Hz and the capture at {:g} Hz: the probe was resampled; if only a header is "
+      "wrong, "
       "give --rate",
-      probe.sample_rate.value, heard.sample_rate.value);
-  return resample(probe, heard.sample_rate);
+      probe.sample_rate.value, captured.sample_rate.value);
+  return resample(probe, captured.sample_rate);
 }
 
-Result<Capture> joined(const CaptureFiles& files, Samples heard) {
+Result<Capture> joined(const CaptureFiles& files, Samples captured) {
   Capture capture;
   auto probe = read(files.probe, files.rate);
   if (!probe) return tl::unexpected(probe.error());
-  auto played = at_rate(std::move(*probe), heard, capture);
-  const auto channel = heard_channel(files, 1, static_cast<int>(heard.channels.size()));
+  auto played = at_rate(std::move(*probe), captured, capture);
+  const auto channel = captured_channel(files, 1, static_cast<int>(captured.channels.size()));
   if (!channel) return tl::unexpected(channel.error());
   capture.channel = *channel;
   auto& first = played.channels.front();
-  first.resize(static_cast<std::size_t>(std::max(heard.frames(), played.frames())));
-  capture.recording = {heard.sample_rate, std::move(first), std::move(heard.channels)};
+  first.resize(static_cast<std::size_t>(std::max(captured.frames(), played.frames())));
+  capture.recording = {captured.sample_rate, std::move(first), std::move(captured.channels)};
   return capture;
 }
 
 Result<Capture> cut(const CaptureFiles& files, Samples both) {
   if (both.channels.size() < 2)
-    return fail(Errc::BadFile, files.capture, "it has one channel, and nothing says what was played",
+    return fail(Errc::BadFile, files.capture, "it has one channel, and the probe is not given",
                 "give the file that was played as --probe");
-  const auto channel = heard_channel(files, 2, static_cast<int>(both.channels.size()) - 1);
+  const auto channel = captured_channel(files, 2, static_cast<int>(both.channels.size()) - 1);
   if (!channel) return tl::unexpected(channel.error());
   auto played = std::move(both.channels.front());
   both.channels.erase(both.channels.begin());
@@ -87,7 +89,7 @@ Result<Capture> read_capture(const CaptureFiles& files) {
 
 Status write_recording(const std::string& path, const LoopRecording& recording) {
   Samples samples{recording.sample_rate, {recording.played}};
-  samples.channels.insert(samples.channels.end(), recording.heard.begin(), recording.heard.end());
+  samples.channels.insert(samples.channels.end(), recording.captured.begin(), recording.captured.end());
   return write_wav(path, samples);
 }
 

@@ -50,16 +50,16 @@ Json harmonics_json(const Analysis& analysis) {
 
 /// What one recording shows, but for the delay itself.
 void add_evidence(const Analysis& analysis, Json& json) {
-  const bool heard = analysis.heard;
-  json["drift_standard_error_ppm"] = known(heard && analysis.compared, analysis.drift_standard_error_ppm);
-  json["bound_frames"] = known(heard, analysis.bound_frames);
-  json["spread_over_sweeps_frames"] = known(heard, analysis.spread_frames);
+  const bool detected = analysis.detected;
+  json["drift_standard_error_ppm"] = known(detected && analysis.compared, analysis.drift_standard_error_ppm);
+  json["bound_frames"] = known(detected, analysis.bound_frames);
+  json["spread_over_sweeps_frames"] = known(detected, analysis.spread_frames);
   json["noise_floor_dbfs"] = known(is_known(analysis), analysis.noise_floor_dbfs);
   json["dc"] = known(is_known(analysis), analysis.dc);
-  json["low_hz"] = known(heard, analysis.low_hz);
-  json["high_hz"] = known(heard, analysis.high_hz);
-  json["high_pass_hz"] = known(heard, analysis.high_pass_hz);
-  json["misfit"] = known(heard, analysis.misfit);
+  json["low_hz"] = known(detected, analysis.low_hz);
+  json["high_hz"] = known(detected, analysis.high_hz);
+  json["high_pass_hz"] = known(detected, analysis.high_pass_hz);
+  json["misfit"] = known(detected, analysis.misfit);
   json["harmonics_db"] = harmonics_json(analysis);
   json["group_delay"] = json_of(analysis.group_delay);
   json["sweeps"] = json_of(analysis.sweeps, analysis.sample_rate);
@@ -105,17 +105,17 @@ Json opening_json(const Opening& opening, bool live) {
 }  // namespace
 
 Json essentials_json(const Essentials& of, const Analysis& analysis) {
-  const bool ok = of.finding.verdict == Verdict::Ok, heard = analysis.heard;
+  const bool ok = of.finding.verdict == Verdict::Ok, detected = analysis.detected;
   return {{"verdict", code(of.finding.verdict)},
           {"what", of.finding.what},
           {"remedy", of.finding.remedy},
           {"delay_frames", known(ok, of.delay_frames)},
           {"delay_ms", known(ok, 1e3 * of.delay_frames / of.sample_rate.value)},
           {"standard_error_frames", known(ok, of.standard_error_frames)},
-          {"polarity", known(heard, analysis.polarity)},
-          {"gain_db", known(heard, analysis.gain_db)},
-          {"snr_db", known(heard, analysis.snr_db)},
-          {"drift_ppm", known(heard && analysis.compared, analysis.drift_ppm)}};
+          {"polarity", known(detected, analysis.polarity)},
+          {"gain_db", known(detected, analysis.gain_db)},
+          {"snr_db", known(detected, analysis.snr_db)},
+          {"drift_ppm", known(detected && analysis.compared, analysis.drift_ppm)}};
 }
 
 Json json_of(const LatencyReport& report) {

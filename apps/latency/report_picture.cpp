@@ -5,6 +5,7 @@
 
 #include "apps/latency/latency_report.h"
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 
 namespace tactus::app {
 namespace {
@@ -40,7 +41,7 @@ std::vector<double> envelope_db(const std::vector<double>& samples) {
   for (std::ptrdiff_t n = 0; n < count; ++n) {
     double most = 1e-12;
     for (auto m = std::max<std::ptrdiff_t>(0, n - 2); m <= std::min(count - 1, n + 2); ++m)
-      most = std::max(most, std::abs(samples[static_cast<std::size_t>(m)]));
+      most = std::max(most, std::abs(samples[index(m)]));
     envelope.push_back(most);
     highest = std::max(highest, most);
   }
@@ -160,11 +161,11 @@ std::string headline(const LatencyReport& report) {
 std::string describe_analysis(const LatencyReport& report, const Analysis& analysis) {
   auto words = report.source;
   if (!report.ok()) words += ". Seen: " + report.measurement.finding.what;
-  if (!analysis.heard) return words;
+  if (!analysis.detected) return words;
   words += fmt::format(". Gain {} dB, {}; {:.0f} dB above the noise", fixed(analysis.gain_db, 1),
                        analysis.polarity > 0 ? "not inverted" : "inverted", analysis.snr_db);
   if (report.measurement.reported_frames)
-    words += fmt::format("; the driver says {:.0f} frames", *report.measurement.reported_frames);
+    words += fmt::format("; the driver reports {:.0f} frames", *report.measurement.reported_frames);
   return words + ".";
 }
 
@@ -173,9 +174,9 @@ std::string describe_analysis(const LatencyReport& report, const Analysis& analy
 std::vector<Plot> picture_of(const LatencyReport& report) {
   const auto* shown = report.shown();
   const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
-  auto page = analysis.heard ? std::vector{response_plot(analysis, report.ok(), kAfter_s),
-                                           spectrum_plot(analysis), sweeps_plot(report)}
-                             : std::vector{Plot{}};
+  auto page = analysis.detected ? std::vector{response_plot(analysis, report.ok(), kAfter_s),
+                                              spectrum_plot(analysis), sweeps_plot(report)}
+                                : std::vector{Plot{}};
   page.front().title = headline(report);
   page.front().subtitle = describe_analysis(report, analysis);
   return page;
@@ -197,9 +198,9 @@ std::vector<Plot> picture_of(const Calibration& calibration) {
           ? fmt::format(
                 "Resonance {:.1f} Hz, Q {:.2f}; {:.0f} dB above the noise. The card's own delay is taken "
                 "off.",
-                calibration.resonance->frequency_hz, calibration.resonance->q, calibration.heard.snr_db)
+                calibration.resonance->frequency_hz, calibration.resonance->q, calibration.analysis.snr_db)
           : fmt::format("{:.0f} dB above the noise. The card's own delay is taken off.",
-                        calibration.heard.snr_db);
+                        calibration.analysis.snr_db);
   return page;
 }
 

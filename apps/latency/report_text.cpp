@@ -74,27 +74,27 @@ void add_openings(const LatencyReport& report, Lines& lines) {
   if (measurement.openings.size() > 1 && report.ok())
     lines.add("spread", "{:.2g} frames over openings, {:.2g} over {} sweeps", measurement.spread_frames,
               shown.analysis.spread_frames, shown.analysis.sweeps.size());
-  else if (shown.analysis.heard && shown.analysis.sweeps.size() > 1)
+  else if (shown.analysis.detected && shown.analysis.sweeps.size() > 1)
     lines.add("spread", "{:.2g} frames over {} sweeps", shown.analysis.spread_frames,
               shown.analysis.sweeps.size());
 }
 
 void add_driver(const LatencyReport& report, Lines& lines) {
   const auto& measurement = report.measurement;
-  if (!measurement.reported_frames) return lines.add("driver says", "nothing about its delay");
+  if (!measurement.reported_frames) return lines.add("driver", "no latency");
   const double said = *measurement.reported_frames;
   const double beside = said - measurement.delay_frames;
-  lines.add("driver says", "{:.0f} frames{}", said,
+  lines.add("driver", "{:.0f} frames{}", said,
             !report.ok()             ? ""
             : std::abs(beside) < 0.5 ? ", as measured"
                                      : fmt::format(": {:.1f} frames {} than measured", std::abs(beside),
                                                    beside > 0 ? "more" : "less"));
 }
 
-std::string heard_gaps(const Analysis& analysis) {
+std::string detected_gaps(const Analysis& analysis) {
   constexpr std::size_t kMost = 4;
   const auto& steps = analysis.steps;
-  if (steps.empty()) return analysis.compared ? "none heard" : "not known";
+  if (steps.empty()) return analysis.compared ? "none detected" : "not known";
   std::string text;
   for (std::size_t i = 0; i < std::min(kMost, steps.size()); ++i)
     text += fmt::format("{}{} {:.0f} frames at {:.2f} s", i == 0 ? "" : ", ",
@@ -105,7 +105,7 @@ std::string heard_gaps(const Analysis& analysis) {
 
 void add_gaps(const LatencyReport& report, Lines& lines) {
   const auto& analysis = report.shown()->analysis;
-  auto text = analysis.heard ? heard_gaps(analysis) : std::string{};
+  auto text = analysis.detected ? detected_gaps(analysis) : std::string{};
   if (report.live) {
     Health health;
     for (const auto& opening : report.measurement.openings) health = together(health, opening.health);
@@ -122,7 +122,7 @@ std::string noise_text(const Analysis& analysis) {
   if (analysis.noise_floor_dbfs < kNone) return "none: no converter is on the way";
   const auto level = fmt::format("{:.1f} dBFS, ", analysis.noise_floor_dbfs);
   const auto dc = fmt::format("DC {:.2g}", analysis.dc);
-  if (!analysis.heard) return level + dc;
+  if (!analysis.detected) return level + dc;
   return level +
          fmt::format("{:.1f} dB {} the sweeps, ", std::abs(analysis.snr_db),
                      analysis.snr_db < 0 ? "above" : "below") +
@@ -130,7 +130,7 @@ std::string noise_text(const Analysis& analysis) {
 }
 
 void add_path(const Analysis& analysis, Lines& lines) {
-  if (analysis.heard)
+  if (analysis.detected)
     lines.add("path", "{} dB, {}, {} to {} within 3 dB", fixed(analysis.gain_db, 2),
               analysis.polarity > 0 ? "not inverted" : "inverted", frequency(analysis.low_hz),
               frequency(analysis.high_hz));
@@ -140,9 +140,9 @@ void add_path(const Analysis& analysis, Lines& lines) {
     if (const auto& level = analysis.harmonics_db[k])
       harmonics += fmt::format("{}H{} {:.0f} dB", harmonics.empty() ? "" : ", ", k + 2, *level);
   if (!harmonics.empty()) lines.add("distortion", "{}", harmonics);
-  if (analysis.heard && !analysis.compared)
+  if (analysis.detected && !analysis.compared)
     lines.add("clock", "not known, nor whether frames were lost: less than three sweeps can be compared");
-  if (analysis.heard && analysis.compared)
+  if (analysis.detected && analysis.compared)
     lines.add("clock", "drift {} ppm",
               with_error(analysis.drift_ppm, std::max(0.001, analysis.drift_standard_error_ppm)));
 }
@@ -179,9 +179,9 @@ std::string text_of(const LatencyReport& report) {
     const auto& analysis = report.shown()->analysis;
     add_openings(report, lines);
     if (report.live) add_driver(report, lines);
-    if (report.live || analysis.heard) add_gaps(report, lines);
+    if (report.live || analysis.detected) add_gaps(report, lines);
     add_path(analysis, lines);
-    if (analysis.heard) add_group_delay(analysis, lines);
+    if (analysis.detected) add_group_delay(analysis, lines);
   }
   const char* heading = "kept";
   for (const auto& line : report.kept) lines.add(std::exchange(heading, ""), "{}", line);

@@ -55,11 +55,11 @@ void take(const Measurement& measurement, SweepRow& row) {
   setting.delay_frames = measurement.delay_frames;
   setting.standard_error_frames = measurement.standard_error_frames;
   row.reported_frames = measurement.reported_frames;
-  row.heard = shown_of(measurement)->analysis;
+  row.analysis = shown_of(measurement)->analysis;
   for (const auto& opening : measurement.openings) {
     row.xruns += opening.health.xruns;
     row.lost_frames += opening.health.lost_frames;
-    for (const auto& step : opening.analysis.steps) row.heard_lost_frames += std::abs(step.frames);
+    for (const auto& step : opening.analysis.steps) row.detected_lost_frames += std::abs(step.frames);
     setting.gaps += opening.health.xruns + static_cast<std::int64_t>(opening.analysis.steps.size());
     setting.listened_s +=
         static_cast<double>(opening.health.frames) / opening.granted.format.sample_rate.value;
@@ -180,7 +180,7 @@ void add_latency_sweep(CLI::App& latency, int& exit_code) {
       "Examples:\n  tactus latency sweep --device jack:system\n"
       "  tactus latency sweep --device USB --blocks 32,64,128 --periods 2,3 --report blocks.svg\n"
       "Nothing is kept: measure the setting that you choose with tactus latency measure.\n"
-      "Exit code 1: no setting can be trusted.");
+      "Exit code 1: no setting gave a reliable result.");
   command->callback([options, &exit_code] { exit_code = run_latency_sweep(*options); });
 }
 

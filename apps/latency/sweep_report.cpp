@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "apps/latency/latency_report.h"
+#include "engine/core/index.h"
 
 namespace tactus::app {
 namespace {
@@ -80,7 +81,8 @@ std::string law_in_words(const LawOfGroup& group) {
 Json essentials_of(const SweepRow& row) {
   const auto& setting = row.setting;
   return essentials_json(
-      {setting.finding, setting.sample_rate, setting.delay_frames, setting.standard_error_frames}, row.heard);
+      {setting.finding, setting.sample_rate, setting.delay_frames, setting.standard_error_frames},
+      row.analysis);
 }
 
 Json json_of(const SweepRow& row) {
@@ -99,7 +101,7 @@ Json json_of(const SweepRow& row) {
   json.update(essentials_of(row));
   json["xruns"] = row.xruns;
   json["lost_frames_counted"] = row.lost_frames;
-  json["lost_frames_heard"] = row.heard_lost_frames;
+  json["lost_frames_heard"] = row.detected_lost_frames;
   json["reported_frames"] = row.reported_frames ? Json(*row.reported_frames) : Json(nullptr);
   json["good"] = setting.good();
   return json;
@@ -181,7 +183,7 @@ const SweepRow* SweepReport::told() const {
   if (measured.empty()) return nullptr;
   const auto all = settings();
   const auto* shortest = shortest_good(all);
-  return shortest == nullptr ? measured.back() : measured[static_cast<std::size_t>(shortest - all.data())];
+  return shortest == nullptr ? measured.back() : measured[index(shortest - all.data())];
 }
 
 std::vector<LawOfGroup> SweepReport::laws() const {

@@ -12,7 +12,7 @@
 
 namespace tactus::app {
 
-/// A setting that was asked for, and what came of it.
+/// A requested setting and its result.
 struct SweepRow {
   SettingDelay setting;          ///< as it was granted
   std::optional<Error> refused;  ///< by the device: nothing was measured
@@ -20,9 +20,9 @@ struct SweepRow {
   std::optional<int> asked_periods;
   bool again = false;  ///< granted was a setting that another row has
   std::int64_t xruns = 0, lost_frames = 0;
-  double heard_lost_frames = 0.0;  ///< by what came back
+  double detected_lost_frames = 0.0;  ///< by what came back
   std::optional<double> reported_frames;
-  Analysis heard;
+  Analysis analysis;
 };
 
 /// Those of one rate and one number of periods, and the line through them.

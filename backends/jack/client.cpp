@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "backends/silence_library_logs.h"
+#include "engine/core/index.h"
 
 namespace tactus::jack {
 namespace {
@@ -83,12 +84,8 @@ Status Client::add_ports(int inputs, int outputs) {
   return all ? Status{} : cannot("make so many ports", "start the server with a larger --port-max");
 }
 
-std::string Client::input_port(int channel) const {
-  return jack_port_name(inputs_[static_cast<std::size_t>(channel)]);
-}
-std::string Client::output_port(int channel) const {
-  return jack_port_name(outputs_[static_cast<std::size_t>(channel)]);
-}
+std::string Client::input_port(int channel) const { return jack_port_name(inputs_[index(channel)]); }
+std::string Client::output_port(int channel) const { return jack_port_name(outputs_[index(channel)]); }
 
 void Client::play_through(std::unique_ptr<CardCallback> callback, std::vector<Wire> wires) {
   callback_ = std::move(callback);

@@ -8,6 +8,7 @@
 #include "backends/find_device.h"
 #include "backends/jack/client.h"
 #include "backends/jack/jack_cards.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -100,15 +101,14 @@ class JackStream final : public Stream {
 const jack::Card& card_of(const std::vector<jack::Card>& cards, const std::vector<Device>& devices,
                           const Device& device) {
   const auto same = [&](const Device& other) { return other.id == device.id; };
-  return cards[static_cast<std::size_t>(std::find_if(devices.begin(), devices.end(), same) -
-                                        devices.begin())];
+  return cards[index(std::find_if(devices.begin(), devices.end(), same) - devices.begin())];
 }
 
 std::vector<Wire> wires(const Client& client, const StreamRequest& request, const jack::Card& input,
                         const jack::Card& output) {
   const auto port = [](const std::vector<std::string>& ports, const std::vector<int>& map, int channel) {
-    const auto c = static_cast<std::size_t>(channel);
-    return ports[map.empty() ? c : static_cast<std::size_t>(map[c])];
+    const auto c = index(channel);
+    return ports[map.empty() ? c : index(map[c])];
   };
   std::vector<Wire> wires;
   for (int c = 0; c < request.in_channels; ++c)

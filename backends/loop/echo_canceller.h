@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "backends/loop/sinc_line.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 
@@ -21,12 +22,12 @@ class EchoCanceller {
     double made = 0.0, power = 0.0;
     for (int k = 0; k < kTaps; ++k) {
       const double sample = played[newest - k];
-      made += weights_[static_cast<std::size_t>(k)] * sample;
+      made += weights_[index(k)] * sample;
       power += sample * sample;
     }
     const double left = heard - made;
     const double push = kStep * left / (power + kLeastPower);
-    for (int k = 0; k < kTaps; ++k) weights_[static_cast<std::size_t>(k)] += push * played[newest - k];
+    for (int k = 0; k < kTaps; ++k) weights_[index(k)] += push * played[newest - k];
     return left;
   }
 

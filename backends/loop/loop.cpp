@@ -13,6 +13,7 @@
 #include "backends/loop/lateness.h"
 #include "backends/loop/loop_path.h"
 #include "engine/core/channels.h"
+#include "engine/core/index.h"
 #include "engine/core/realtime.h"
 #include "engine/dsp/generators/counter_noise.h"
 
@@ -133,8 +134,7 @@ class LoopStream final : public Stream {
       const double later = lateness_.at(frame_ + n, gaps);
       std::array<double, kChannels> recorded;
       for (std::size_t c = 0; c < kChannels; ++c) recorded[c] = paths_[c].record(frame_ + n, later);
-      for (int c = 0; c < in_.size(); ++c)
-        in_[c][n] = recorded[static_cast<std::size_t>(in_map_[static_cast<std::size_t>(c)])];
+      for (int c = 0; c < in_.size(); ++c) in_[c][n] = recorded[index(in_map_[static_cast<std::size_t>(c)])];
     }
     if (!card_.drops_told) return;
     for (int g = 0; g < gaps.count; ++g) meter_.gap(Gap::Input);
@@ -146,8 +146,7 @@ class LoopStream final : public Stream {
     if (card_.cable == LoopCard::Cable::None) return;
     const int crossed = card_.cable == LoopCard::Cable::Crossed ? 1 : 0;
     for (int c = 0; c < out_.size(); ++c) {
-      auto& path =
-          paths_[static_cast<std::size_t>((out_map_[static_cast<std::size_t>(c)] + crossed) % kChannels)];
+      auto& path = paths_[index((out_map_[static_cast<std::size_t>(c)] + crossed) % kChannels)];
       for (int n = 0; n < frames_a_block_; ++n) path.play(frame_ + n, out_[c][n]);
     }
   }

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 
 /// The past of a signal, read between its frames: a sinc under a Gaussian of 9 frames, cut off where that is
@@ -22,12 +24,10 @@ class SincLine {
   void forget(std::int64_t frame) noexcept { at(frame) = 0.0; }
   /// [realtime] At `frame` + `fraction`, 0 <= fraction < 1.
   double read(std::int64_t frame, double fraction) noexcept;
-  double operator[](std::int64_t frame) const noexcept {
-    return samples_[static_cast<std::size_t>(frame) & mask_];
-  }
+  double operator[](std::int64_t frame) const noexcept { return samples_[index(frame) & mask_]; }
 
  private:
-  double& at(std::int64_t frame) noexcept { return samples_[static_cast<std::size_t>(frame) & mask_]; }
+  double& at(std::int64_t frame) noexcept { return samples_[index(frame) & mask_]; }
 
   std::vector<double> samples_;
   std::size_t mask_;

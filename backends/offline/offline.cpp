@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/core/channels.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -165,7 +166,7 @@ Result<Health> run_offline(Guarded& processor, const OfflineJob& job) {
 
 Result<Samples> render(Guarded& processor, const Samples& input, int out_channels,
                        std::vector<int> block_frames) {
-  Samples output{input.sample_rate, std::vector<std::vector<double>>(static_cast<std::size_t>(out_channels))};
+  Samples output{input.sample_rate, std::vector<std::vector<double>>(index(out_channels))};
   OfflineJob job;
   job.sample_rate = input.sample_rate;
   job.in_channels = static_cast<int>(input.channels.size());

@@ -14,6 +14,7 @@
 #include "backends/realtime_thread.h"
 #include "backends/rtaudio/rtaudio_devices.h"
 #include "backends/silence_library_logs.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -68,7 +69,7 @@ class Line {
 
  private:
   static std::size_t planes(int channels, const std::vector<int>& map) {
-    return static_cast<std::size_t>(map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1);
+    return index(map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1);
   }
   static int bring_block(void* out, void* in, unsigned frames, double, RtAudioStreamStatus status,
                          void* line) noexcept;

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -95,7 +97,7 @@ Status GrowingWav::append(const float* samples, std::int64_t frames) {
 
 Status GrowingWav::append_silence(std::int64_t frames) {
   constexpr std::int64_t kPiece = 4096;
-  const std::vector<float> zeros(static_cast<std::size_t>(kPiece * channels_), 0.0f);
+  const std::vector<float> zeros(index(kPiece * channels_), 0.0f);
   for (; frames > 0; frames -= kPiece)
     if (auto status = append(zeros.data(), std::min(frames, kPiece)); !status) return status;
   return {};

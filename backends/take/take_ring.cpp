@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -13,7 +15,7 @@ TakeRing::TakeRing(int in_channels, int out_channels, std::int64_t frames)
     : in_channels_(in_channels),
       out_channels_(out_channels),
       capacity_(frames),
-      samples_(static_cast<std::size_t>(frames) * static_cast<std::size_t>(channels())) {}
+      samples_(index(frames) * index(channels())) {}
 
 void TakeRing::applied(const JournalEntry& entry) noexcept {
   // Frames only ever grow, until somebody prepares the stream anew.
@@ -51,22 +53,21 @@ bool TakeRing::close_gap() noexcept {
 }
 
 void TakeRing::copy(const BlockIo& io, std::int64_t at) noexcept {
-  const auto width = static_cast<std::size_t>(channels());
+  const auto width = index(channels());
   std::int64_t rounded = 0;
   for (int done = 0; done < io.frames;) {
     const auto slot = (at + done) % capacity_;
     const int frames = static_cast<int>(std::min<std::int64_t>(io.frames - done, capacity_ - slot));
-    float* to = samples_.data() + static_cast<std::size_t>(slot) * width;
+    float* to = samples_.data() + index(slot) * width;
     for (int c = 0; c < in_channels_; ++c, ++to)
       for (int n = 0; n < frames; ++n) {
         const double sensor = io.in[c][done + n];
         const auto kept = static_cast<float>(sensor);
         rounded += static_cast<double>(kept) == sensor ? 0 : 1;
-        to[static_cast<std::size_t>(n) * width] = kept;
+        to[index(n) * width] = kept;
       }
     for (int c = 0; c < out_channels_; ++c, ++to)
-      for (int n = 0; n < frames; ++n)
-        to[static_cast<std::size_t>(n) * width] = as_recorded(io.out[c][done + n]);
+      for (int n = 0; n < frames; ++n) to[index(n) * width] = as_recorded(io.out[c][done + n]);
     done += frames;
   }
   if (rounded > 0) rounded_.fetch_add(rounded, kRelaxed);
@@ -75,8 +76,7 @@ void TakeRing::copy(const BlockIo& io, std::int64_t at) noexcept {
 TakeRing::Piece TakeRing::front(std::int64_t written) const noexcept {
   const auto read = read_.load(kRelaxed);
   const auto slot = read % capacity_;
-  return {samples_.data() + static_cast<std::size_t>(slot) * static_cast<std::size_t>(channels()),
-          std::min(written - read, capacity_ - slot)};
+  return {samples_.data() + index(slot) * index(channels()), std::min(written - read, capacity_ - slot)};
 }
 
 }  // namespace tactus

@@ -23,7 +23,7 @@ struct BlockIo {
   int frames = 0;
 };
 
-/// The one seam between what runs on samples (engine, latency probe) and what brings them (backends).
+/// The interface between processors of samples (engine, latency probe) and backends.
 class BlockProcessor {
  public:
   virtual ~BlockProcessor() = default;

@@ -19,7 +19,7 @@ struct Dimension {
   Dimension pow(double exponent) const;
 };
 
-/// How people write it: "N/m", "m/s", "kg m^2"; "" for a plain number.
+/// As text: "N/m", "m/s", "kg m^2"; "" for a plain number.
 std::string to_string(const Dimension& dimension);
 
 /// A unit as written in a file: SI value = factor * number, or 10^(number / 20) when `decibel`.

@@ -21,7 +21,7 @@ enum class Errc {
   Device,
 };
 
-/// Something the control side was asked to do and could not: where, what is wrong, what to do about it.
+/// Why the control side could not do something: where, what is wrong, what to do.
 struct Error {
   Errc code;
   std::string where;   ///< "file:line:column", or empty
@@ -38,7 +38,7 @@ template <class T>
 using Result = tl::expected<T, Error>;
 using Status = Result<void>;
 
-/// For files: every mistake in one go, in file order.
+/// For files: all errors at once, in file order.
 template <class T>
 using Checked = tl::expected<T, std::vector<Error>>;
 

@@ -6,28 +6,28 @@
 
 namespace tactus {
 
-/// One thing besides samples that entered `process`. Samples and journal together decide the output: a take
-/// that keeps both replays bit for bit, whatever the block size.
+/// An input of `process` that is no sample. Samples and journal together determine the output: a take that
+/// keeps both replays bit for bit, whatever the block size.
 struct JournalEntry {
   enum class Kind : std::uint8_t {
     ControlChange,  ///< `index`: control; `value`: its new target, SI
     Arm,            ///< `index`: output channel or kAllChannels; `value`: 1 lets the drive move, 0 does not
     Mute,           ///< `index`: output channel or kAllChannels; `value`: 1 silences, 0 releases
-    SystemDelay,    ///< `value`: sensor voltage to actuator voltage [frames]; negative: no longer known, and
+    SystemDelay,    ///< `value`: sensor voltage to actuator voltage [frames]; negative: unknown from now on,
                     ///< the last one is kept
     LostFrames,     ///< `value`: frames that went missing just before `frame`
-    CoilHeat,       ///< `index`: output channel; `value`: its coil is at least so warm (ThermalState)
-    BodyHeat,       ///< the same of what is around the coil
+    CoilHeat,       ///< `index`: output channel; `value`: lower bound of the coil's heat (ThermalState)
+    BodyHeat,       ///< the same for the actuator's body
     Replacement,    ///< another version of the graph took over; `index`: how many there were so far
     Halt,           ///< the stream was stopped just before `frame`, with zeros, and went on without `prepare`
     Fade,           ///< `index`: kAllChannels; `value`: 1 fades every output out, 0 lets it come back
   };
 
   static constexpr int kAllChannels = -1;
-  /// For an entry that is to hold as soon as it arrives. What was applied carries the true frame.
+  /// For an entry that applies as soon as it arrives. Applied entries carry the true frame.
   static constexpr std::int64_t kNow = -1;
 
-  std::int64_t frame = kNow;  ///< first frame that it holds for, counted since `prepare`
+  std::int64_t frame = kNow;  ///< first frame that it applies to, counted since `prepare`
   Kind kind = Kind::ControlChange;
   int index = 0;
   double value = 0.0;

@@ -8,7 +8,7 @@
 
 namespace tactus {
 
-/// [control] The upper one of two in the middle; 0 of none.
+/// [control] Of an even number the upper of the two middle values; 0 if empty.
 inline double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -16,7 +16,7 @@ inline double median(std::vector<double> values) {
   return *middle;
 }
 
-/// [control] The standard deviation of what is mostly normal around 0, whatever sticks out of it.
+/// [control] The standard deviation of mostly normal values around 0, insensitive to outliers.
 inline double robust_deviation(std::vector<double> values) {
   for (auto& value : values) value = std::abs(value);
   return median(std::move(values)) / 0.6745;

@@ -8,8 +8,8 @@
 #include <xmmintrin.h>
 #endif
 
-/// Marks a function that runs on the audio thread: clang's RealtimeSanitizer then refuses every call in it
-/// that may wait. Goes after `noexcept`.
+/// Marks a function that runs on the audio thread: clang's RealtimeSanitizer then reports every call in it
+/// that may block. Written after `noexcept`.
 #if defined(__clang__) && __clang_major__ >= 20
 #define TACTUS_NONBLOCKING [[clang::nonblocking]]
 #else
@@ -18,9 +18,8 @@
 
 namespace tactus {
 
-/// Numbers below 1e-308 become zero while this object lives, on this thread, and the former mode comes back
-/// after: a decaying filter would otherwise run up to a hundred times slower when it fades out. One inside
-/// another costs next to nothing.
+/// Flushes denormals (below 1e-308) to zero on this thread while it exists, then restores the former mode: a
+/// decaying filter would otherwise run up to a hundred times slower. Nesting costs almost nothing.
 class NoDenormals {
  public:
 #if defined(__SSE2__)
@@ -52,8 +51,8 @@ class NoDenormals {
 #endif
 };
 
-/// a * b + c, rounded once where the machine has the instruction. Written out, because the compiler may not
-/// choose for itself (-ffp-contract=off): one binary gives one answer whatever the block size.
+/// a * b + c, rounded once where the machine has the instruction. Explicit, because the compiler may not
+/// choose by itself (-ffp-contract=off): the result must not depend on the block size.
 inline double fused_multiply_add(double a, double b, double c) noexcept {
 #if defined(__FMA__) || defined(__aarch64__)
   return __builtin_fma(a, b, c);

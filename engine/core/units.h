@@ -8,8 +8,8 @@ namespace tactus {
 
 inline constexpr double kPi = std::numbers::pi;
 
-/// A number that knows what it measures, so that `OnePole{48_kHz, 80_Hz}` and friends cannot be mixed up with
-/// bare numbers. Explicit in both directions; `value` is in the SI unit.
+/// A number with its unit as a type, so that `OnePole{48_kHz, 80_Hz}` does not compile with arguments
+/// exchanged or with bare numbers. Conversions are explicit; `value` is in the SI unit.
 template <class Tag>
 struct Quantity {
   double value = 0.0;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -73,7 +75,7 @@ void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) 
     } else {
       std::array<double, kGuardGroup> wanted;
       for (int n = 0; n < piece; ++n)
-        samples[n] = shape(samples[n], wanted[static_cast<std::size_t>(n)], first_frame + n, position + n);
+        samples[n] = shape(samples[n], wanted[index(n)], first_frame + n, position + n);
       dc_.observe(wanted.data(), piece, position);
       if (excursion_) excursion_->observe(samples, piece, position, sum_of_absolutes(samples, piece));
     }

@@ -25,7 +25,7 @@ namespace tactus {
 /// Excursion is worked out behind the others, because what it lets through depends on what they leave;
 /// whatever it gives lies within ceiling and slew again. Slew stays below the ceiling since it lies between
 /// two values that do. Within its limits, and with the ramps at 1, the output is the input bit for bit; there
-/// is no delay. How frames are cut into pieces does not matter.
+/// is no delay. The block size does not matter.
 ///
 /// A drive that is held back by the ceiling, the slew limit, the excursion limit or for not being finite
 /// through more than half of 200 ms (feedback_detector.h) fades out and stays silent until it is opened
@@ -46,11 +46,11 @@ class DriveGuard {
   /// nothing.
   void set_open(bool open, std::int64_t frame) noexcept;
   bool is_open() const noexcept { return gain_.to > 0.0; }
-  /// [realtime] As if it had been asked to open long ago.
+  /// [realtime] As if it had been opened long ago.
   void skip_soft_start() noexcept {
     if (is_open()) gain_ = Ramp::constant(1.0);
   }
-  /// [realtime] The last sample was followed by zeros outside of `process`: closed, at once.
+  /// [realtime] Zeros were output outside of `process`: closed at once.
   void stop() noexcept;
 
   /// [realtime] In place. `first_frame`: number of samples[0] since the start; frames come one after another.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -63,7 +65,7 @@ double ExcursionLimiter::allow(double wanted, double previous, int position) noe
 }
 
 void ExcursionLimiter::catch_up(int position) noexcept {
-  for (; known_ < position; ++known_) now_ = after(observed_[static_cast<std::size_t>(known_)]);
+  for (; known_ < position; ++known_) now_ = after(observed_[index(known_)]);
 }
 
 void ExcursionLimiter::observe(const double* samples, int frames, int position,

@@ -8,9 +8,9 @@
 
 namespace tactus {
 
-/// Hears a loop that runs away: it does not stop at the limits by itself, so the guard holds it there, turn
-/// by turn. A frame counts as limited for a while after, because a loop may touch the limit only at its
-/// crests. When more than half of the last 200 ms count, it is a howl.
+/// Detects an unstable loop through a drive: it does not stop at the limits by itself, so the guard limits
+/// every period. A frame counts as limited for a while after, because a loop may touch the limit only at its
+/// peaks. More than half of the last 200 ms limited is feedback.
 class FeedbackDetector {
  public:
   static constexpr Seconds kWindow{0.2};
@@ -19,11 +19,11 @@ class FeedbackDetector {
   explicit FeedbackDetector(Hertz sample_rate)
       : window_(static_cast<std::size_t>(frames_in(kWindow, sample_rate) / kGuardGroup) + 1) {}
 
-  /// [realtime] Something was held back at `frame`, and counts for `hold` frames.
+  /// [realtime] The drive was limited at `frame`, which counts for `hold` frames.
   void limited(std::int64_t frame, std::int64_t hold) noexcept {
     if (frame + hold > until_) until_ = frame + hold;
   }
-  /// [realtime] The group before `frame` is over. True: it howls.
+  /// [realtime] The group before `frame` is over. True: feedback.
   bool end_group(std::int64_t frame) noexcept {
     const bool busy = until_ > frame - kGuardGroup;
     if (!busy && count_ == 0) return false;
@@ -42,7 +42,7 @@ class FeedbackDetector {
   }
 
  private:
-  std::vector<unsigned char> window_;  ///< of each group: did it count
+  std::vector<unsigned char> window_;  ///< of each group: was it limited
   std::size_t next_ = 0, count_ = 0;
   std::int64_t until_ = 0;
 };

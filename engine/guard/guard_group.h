@@ -4,23 +4,24 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/core/index.h"
 #include "engine/core/ramp.h"
 
 namespace tactus {
 
-/// The guard's models move on in groups of this many frames, which lie on the absolute frame grid: however
-/// the frames are cut into blocks, a model sees the same sums at the same frames.
+/// The guard's models advance in groups of this many frames on the absolute frame grid: whatever the block
+/// size, a model gets the same sums at the same frames.
 inline constexpr int kGuardGroup = 64;
 
 inline int guard_position(std::int64_t frame) noexcept { return static_cast<int>(frame & (kGuardGroup - 1)); }
 
-/// A sum over the frames of a group in eight lanes, each frame in the lane of its place: vectorised, and
-/// still with the same additions in the same order for any cutting.
+/// A sum over the frames of a group in eight partial sums, chosen by the frame's position: vectorised, and
+/// with the same additions in the same order for every block size.
 struct GroupSum {
   static constexpr int kLanes = 8;
   std::array<double, kLanes> lanes{};
 
-  /// [realtime] Adds term(n) for the frames of a piece that begins at `position` of its group.
+  /// [realtime] Adds term(n) for frames that begin at `position` of their group.
   template <class Term>
   void add(int position, int frames, Term term) noexcept {
     int n = 0;
@@ -28,7 +29,7 @@ struct GroupSum {
       for (; ((position + n) & (kLanes - 1)) != 0; ++n) at(position + n) += term(n);
       auto sums = lanes;
       for (; n + kLanes <= frames; n += kLanes)
-        for (int k = 0; k < kLanes; ++k) sums[static_cast<std::size_t>(k)] += term(n + k);
+        for (int k = 0; k < kLanes; ++k) sums[index(k)] += term(n + k);
       lanes = sums;
     }
     for (; n < frames; ++n) at(position + n) += term(n);
@@ -42,7 +43,7 @@ struct GroupSum {
   }
 
  private:
-  double& at(int place) noexcept { return lanes[static_cast<std::size_t>(place & (kLanes - 1))]; }
+  double& at(int place) noexcept { return lanes[index(place & (kLanes - 1))]; }
 };
 
 /// A gain that is set once per group and moves to its new value on a ramp through the next group.

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -51,7 +53,7 @@ Guarded::Guarded(BlockProcessor& inner, std::vector<GuardedChannel> channels, bo
 Guarded::~Guarded() = default;
 
 Status Guarded::prepare(const StreamFormat& format) {
-  const auto outputs = static_cast<std::size_t>(format.out_channels);
+  const auto outputs = index(format.out_channels);
   if (config_.size() > outputs)
     return fail(Errc::BadArgument, "",
                 std::to_string(config_.size()) + " guarded channels, but the stream has " +
@@ -63,7 +65,7 @@ Status Guarded::prepare(const StreamFormat& format) {
 
   frame_ = 0;
   stopped_ = false;
-  sensors_.assign(static_cast<std::size_t>(format.in_channels), SensorWatch{format.sample_rate});
+  sensors_.assign(index(format.in_channels), SensorWatch{format.sample_rate});
   inbox_.drop_posted();
   std::vector<Channel> before;
   before.swap(channels_);
@@ -222,7 +224,7 @@ std::vector<JournalEntry> Guarded::state() const {
   std::vector<JournalEntry> entries;
   if (faded_) entries.push_back({0, Kind::Fade, JournalEntry::kAllChannels, 1.0});
   for (int c = 0; c < static_cast<int>(channels_.size()); ++c) {
-    const auto& channel = channels_[static_cast<std::size_t>(c)];
+    const auto& channel = channels_[index(c)];
     const auto heat = channel.guard.thermal_state();
     if (channel.armed != armed_at_start_) entries.push_back({0, Kind::Arm, c, channel.armed ? 1.0 : 0.0});
     if (channel.muted) entries.push_back({0, Kind::Mute, c, 1.0});
@@ -240,7 +242,7 @@ bool Guarded::post(const JournalEntry& entry) noexcept {
 }
 
 GuardCounts Guarded::counts(int channel) const noexcept {
-  const auto& published = *channels_[static_cast<std::size_t>(channel)].published;
+  const auto& published = *channels_[index(channel)].published;
   GuardCounts counts;
   for (std::size_t s = 0; s < kGuardStages; ++s)
     counts.stages[s] = {published.stages[s].frames.load(kRelaxed), published.stages[s].most.load(kRelaxed)};
@@ -248,7 +250,7 @@ GuardCounts Guarded::counts(int channel) const noexcept {
 }
 
 ThermalState Guarded::thermal_state(int channel) const noexcept {
-  const auto& published = *channels_[static_cast<std::size_t>(channel)].published;
+  const auto& published = *channels_[index(channel)].published;
   return {published.coil.load(kRelaxed), published.body.load(kRelaxed)};
 }
 

@@ -8,12 +8,12 @@
 
 namespace tactus {
 
-/// Looks after one sensor while it runs:
-///   railed   at the same end of full scale (99.9 %) for 40 ms: a cable off, a supply gone
+/// Detects faults of one sensor:
+///   railed   at the same end of full scale (99.9 %) for 40 ms: a loose cable or a missing supply
 ///   stuck    the same value bit for bit for 40 ms, after noise was observed: a converter or a driver hangs
-/// Noise is what no resting signal of a calculation has: in one window of 512 frames the signal turns back in
+/// A resting computed signal has no noise: in one window of 512 frames the signal turns back in
 /// more than a third of them (white noise: two thirds; a tone at a tenth of the sample rate: a fifth). A
-/// sensor that was never noisy, such as one of a simulated world, may rest as long as it likes.
+/// sensor that was never noisy, such as a simulated one, may rest for any time.
 class SensorWatch {
  public:
   enum class Fault { Railed, Stuck };
@@ -27,10 +27,10 @@ class SensorWatch {
     int frame;  ///< of the piece
     Fault fault;
   };
-  /// [realtime] The first fault, once until `rearm`. Frames come one after another; how they are cut into
-  /// pieces does not matter.
+  /// [realtime] The first fault, once until `rearm`. Frames come one after another; the block size does not
+  /// matter.
   std::optional<Found> observe(const double* samples, int frames) noexcept;
-  /// [realtime] The user takes it on: the 40 ms begin anew. What was learnt about noise stays.
+  /// [realtime] The user armed again: the 40 ms start anew. The noise state is kept.
   void rearm() noexcept {
     same_ = railed_ = 0;
     told_ = false;

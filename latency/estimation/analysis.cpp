@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 #include "latency/estimation/loop_estimator.h"
 #include "latency/findings.h"
 #include "latency/path/response.h"
@@ -26,14 +27,14 @@ std::optional<double> level_probe_gain_db(std::span<const double> all_played, co
   for (const auto& burst : loop.probe.bursts.others) {
     if (burst.at > loop.probe.bursts.repeated.front().at) continue;
     const auto played = stretch(all_played, burst.at, burst.end());
-    const auto heard = stretch(loop.clock.samples, burst.at + loop.path.at, burst.end() + loop.path.at);
-    if (heard.size() < played.size()) continue;
+    const auto captured = stretch(loop.clock.samples, burst.at + loop.path.at, burst.end() + loop.path.at);
+    if (captured.size() < played.size()) continue;
     double common = 0.0, loudness = 0.0;
     for (std::size_t n = 0; n < played.size(); ++n) {
-      common += played[n] * (heard[n] - loop.probe.floor.mean);
+      common += played[n] * (captured[n] - loop.probe.floor.mean);
       loudness += played[n] * played[n];
     }
-    // Only what stands 20 dB out of the noise tells its gain within a decibel.
+    // Only 20 dB above the noise the gain is known within a decibel.
     if (common * common < 100.0 * loudness * loop.probe.floor.variance) continue;
     const double gain = power_to_db(common * common / (loudness * loudness));
     highest = std::max(highest.value_or(gain), gain);
@@ -56,14 +57,14 @@ double gain_range_db(const LoopEstimate& loop, Hertz rate) {
   return power_to_db(highest / lowest);
 }
 
-/// How strong signal and noise are, and what nobody could do better with them.
+/// Levels of signal and noise, and the bound on the error that follows.
 void report_level(const LoopEstimate& loop, Analysis& analysis) {
   const auto response = loop.path.fit.model.spectrum(loop.path.mean.size, loop.path.mean.profile);
-  double heard_energy = 0.0, energy = 0.0, slope_energy = 0.0;  // of a burst of gain 1
+  double captured_energy = 0.0, energy = 0.0, slope_energy = 0.0;  // of a burst of gain 1
   double played = 0.0, played_here = 0.0;
   const double per_bin = 2.0 / static_cast<double>(loop.path.mean.size);
   for (std::size_t b = 1; b < response.size(); ++b) {
-    heard_energy += per_bin * (std::norm(loop.path.mean.heard[b]) - loop.path.mean.noise[b]);
+    captured_energy += per_bin * (std::norm(loop.path.mean.captured[b]) - loop.path.mean.noise[b]);
     played += std::norm(loop.path.mean.played[b]);
     if (b < loop.path.mean.lowest_bin) continue;
     const double w = angular_frequency(b, loop.path.mean.size);
@@ -77,16 +78,16 @@ void report_level(const LoopEstimate& loop, Analysis& analysis) {
   // Power that the model leaves over is phase that is wrong somewhere.
   if (loop.path.fit.misfit > kAnalysisRounding)
     analysis.misfit_frames = std::sqrt(0.5 * loop.path.fit.misfit * energy / slope_energy);
-  analysis.snr_db =
-      power_to_db(std::max(energy, heard_energy) / static_cast<double>(loop.probe.bursts.waveform.size())) -
-      power_to_db(loop.path.noise);
+  analysis.snr_db = power_to_db(std::max(energy, captured_energy) /
+                                static_cast<double>(loop.probe.bursts.waveform.size())) -
+                    power_to_db(loop.path.noise);
   analysis.gain_db = 20.0 / std::numbers::ln10 * loop.path.fit.model.log_gain;
 }
 
 void report_delay(const LoopEstimate& loop, Analysis& analysis) {
   const double first = static_cast<double>(loop.probe.bursts.repeated.front().at);
   const double last = static_cast<double>(loop.probe.bursts.repeated.back().end());
-  analysis.delay_frames = loop.as_heard(loop.constant(), 0.5 * (first + last));
+  analysis.delay_frames = loop.captured_delay(loop.constant(), 0.5 * (first + last));
   analysis.spread_frames = loop.compared.trend.scatter;
   const double by_scatter =
       loop.compared.trend.scatter /
@@ -108,13 +109,13 @@ void report_sweeps(const LoopEstimate& loop, Analysis& analysis) {
   for (const auto& sweep : loop.compared.sweeps)
     analysis.sweeps.push_back(
         {sweep.burst.at,
-         loop.as_heard(loop.constant() + sweep.delay_frames, static_cast<double>(sweep.burst.at)),
+         loop.captured_delay(loop.constant() + sweep.delay_frames, static_cast<double>(sweep.burst.at)),
          20.0 / std::numbers::ln10 * (loop.path.fit.model.log_gain + sweep.log_gain),
          sweep.burst.gain * loop.probe.bursts.peak});
 }
 
 /// Of the sweeps at full level alone: distortion depends on the level.
-HeardWindow loud_mean(const LoopEstimate& loop, SweepWindows& windows) {
+CapturedWindow loud_mean(const LoopEstimate& loop, SweepWindows& windows) {
   std::vector<TrackedSweep> loud;
   for (const auto& sweep : loop.clock.steady)
     if (sweep.burst.gain > 0.75) loud.push_back(sweep);
@@ -123,7 +124,7 @@ HeardWindow loud_mean(const LoopEstimate& loop, SweepWindows& windows) {
 
 void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Response& response,
                     Analysis& analysis) {
-  const double shift = loop.as_heard(static_cast<double>(loop.path.at), 0.0);
+  const double shift = loop.captured_delay(static_cast<double>(loop.path.at), 0.0);
   analysis.spectrum = response.spectrum();
   analysis.group_delay = response.group_delay(shift);
   int first = 0;
@@ -143,7 +144,7 @@ void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Re
                                             estimator.rate().value / (2 * std::numbers::pi));
 }
 
-/// All of it, and what stands against trusting it.
+/// The whole report, and its verdict.
 void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analysis) {
   Evidence evidence;
   evidence.coarse = loop.clock.coarse;
@@ -164,7 +165,7 @@ void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analys
   report_level(loop, analysis);
   report_delay(loop, analysis);
   if (estimator.settings().details) report_details(estimator, loop, response, analysis);
-  analysis.finding = judge(analysis, evidence, estimator.heard());
+  analysis.finding = judge(analysis, evidence, estimator.captured());
 }
 
 bool all_finite(const std::vector<double>& samples) {
@@ -172,15 +173,16 @@ bool all_finite(const std::vector<double>& samples) {
 }
 
 Status check(const LoopRecording& recording, const AnalysisSettings& settings) {
-  if (settings.channel < 0 || settings.channel >= static_cast<int>(recording.heard.size()))
+  if (settings.channel < 0 || settings.channel >= static_cast<int>(recording.captured.size()))
     return fail(Errc::BadArgument, "", "there is no input " + std::to_string(settings.channel + 1),
-                "choose one from 1 to " + std::to_string(recording.heard.size()));
-  const auto& heard = recording.heard[static_cast<std::size_t>(settings.channel)];
-  if (heard.empty()) return fail(Errc::BadArgument, "", "nothing was recorded", "record at least one sweep");
+                "choose one from 1 to " + std::to_string(recording.captured.size()));
+  const auto& captured = recording.captured[index(settings.channel)];
+  if (captured.empty())
+    return fail(Errc::BadArgument, "", "nothing was recorded", "record at least one sweep");
   if (settings.profile && settings.profile->sample_rate != recording.sample_rate)
     return fail(Errc::BadArgument, "", "the profile was measured at another sample rate than this recording",
                 "calibrate again at this rate");
-  if (!all_finite(recording.played) || !all_finite(heard))
+  if (!all_finite(recording.played) || !all_finite(captured))
     return fail(Errc::BadArgument, "", "a sample is no number", "record it again");
   return {};
 }
@@ -195,14 +197,14 @@ Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings&
   const auto loop = estimator.estimate();
   Analysis analysis;
   analysis.sample_rate = recording.sample_rate;
-  analysis.heard = loop.found;
+  analysis.detected = loop.found;
   analysis.dc = loop.probe.floor.mean;
   analysis.noise_floor_dbfs = power_to_db(loop.probe.floor.variance);
   if (loop.found)
     report(estimator, loop, analysis);
   else
     analysis.finding =
-        loop.probe.cut_short ? not_whole() : not_heard(estimator.every_channel(), settings.channel);
+        loop.probe.cut_short ? not_whole() : not_detected(estimator.every_channel(), settings.channel);
   return analysis;
 }
 

@@ -31,8 +31,8 @@ struct BandDelay {
 /// From `frame` of the recording on, the delay is another.
 struct DelayStep {
   std::int64_t frame = 0;
-  /// Positive: longer (frames were added on the way), negative: frames were lost, 0: something else was heard
-  /// in their place.
+  /// Positive: longer (frames were added on the way), negative: frames were lost, 0: something else was
+  /// captured in their place.
   double frames = 0.0;
 };
 
@@ -53,14 +53,14 @@ struct SweepDelay {
 struct Analysis {
   Hertz sample_rate = 48_kHz;
   Finding finding;            ///< is the delay to be trusted?
-  bool heard = false;         ///< false: nothing below is known but noise floor and DC
+  bool detected = false;      ///< false: nothing below is known but noise floor and DC
   double delay_frames = 0.0;  ///< in the middle of the sweeps, where it moves
   double standard_error_frames = 0.0;
-  double bound_frames = 0.0;   ///< Cramér–Rao, for what was played and the noise that was heard
+  double bound_frames = 0.0;   ///< Cramér–Rao, for what was played and the noise that was captured
   double spread_frames = 0.0;  ///< standard deviation over sweeps
   int polarity = 1;
   double gain_db = 0.0;  ///< of the path, middle of its band
-  double snr_db = 0.0;   ///< per sample, while a sweep at full level is heard
+  double snr_db = 0.0;   ///< per sample, while a sweep at full level is captured
   double noise_floor_dbfs = 0.0;
   double dc = 0.0;         ///< full scale
   bool compared = true;    ///< at least three sweeps, so that drift and lost frames show
@@ -69,7 +69,7 @@ struct Analysis {
   double low_hz = 0.0, high_hz = 0.0;  ///< where the gain is within 3 dB of its middle
   double high_pass_hz = 0.0;           ///< sum of the corners of coupling capacitors
   double misfit_frames = 0.0;          ///< what that may do to the delay
-  double misfit = 0.0;                 ///< share of the heard power that the model does not explain
+  double misfit = 0.0;                 ///< share of the captured power that the model does not explain
   std::array<std::optional<double>, 4> harmonics_db;  ///< H2 … H5, relative to the fundamental
   std::optional<int> echo_frames;                     ///< from the first arrival to a second one
   std::vector<BandDelay> group_delay;
@@ -81,7 +81,7 @@ struct Analysis {
 };
 
 struct AnalysisSettings {
-  int channel = 0;                     ///< of `heard`
+  int channel = 0;                     ///< of `captured`
   std::optional<PathProfile> profile;  ///< of the path, when it is no cable
   bool details = true;                 ///< false: no spectrum, response, group delay and harmonics
 };

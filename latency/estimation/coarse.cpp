@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
 
 namespace tactus {
@@ -56,17 +57,18 @@ double CoarseSearch::share_within(std::int64_t delay) const {
   const auto length = static_cast<std::int64_t>(energy_.size()) - 1;
   const auto from = std::clamp<std::int64_t>(-delay, 0, length),
              to = std::clamp<std::int64_t>(frames_ - delay, from, length);
-  return (energy_[static_cast<std::size_t>(to)] - energy_[static_cast<std::size_t>(from)]) / energy_.back();
+  return (energy_[index(to)] - energy_[index(from)]) / energy_.back();
 }
 
-std::vector<double> CoarseSearch::correlation(std::span<const double> heard) {
-  // Its mean, and its edges, would be heard everywhere.
-  const double mean = std::accumulate(heard.begin(), heard.end(), 0.0) / static_cast<double>(heard.size());
-  std::vector<double> centred(heard.begin(), heard.end());
+std::vector<double> CoarseSearch::correlation(std::span<const double> captured) {
+  // Its mean, and its edges, would be captured everywhere.
+  const double mean =
+      std::accumulate(captured.begin(), captured.end(), 0.0) / static_cast<double>(captured.size());
+  std::vector<double> centred(captured.begin(), captured.end());
   double farthest = 0.0;
-  for (const double sample : heard) farthest = std::max(farthest, std::abs(sample - mean));
+  for (const double sample : captured) farthest = std::max(farthest, std::abs(sample - mean));
   if (farthest <= kCoarseRounding * std::abs(mean)) return std::vector<double>(fourier_.size(), 0.0);
-  const auto edge = std::min(heard.size() / 2, static_cast<std::size_t>(frames_in(kEdge, sample_rate_)));
+  const auto edge = std::min(captured.size() / 2, static_cast<std::size_t>(frames_in(kEdge, sample_rate_)));
   for (std::size_t n = 0; n < centred.size(); ++n) {
     const double inside =
         static_cast<double>(std::min({n, centred.size() - 1 - n, edge})) / static_cast<double>(edge + 1);
@@ -84,15 +86,15 @@ std::vector<double> CoarseSearch::correlation(std::span<const double> heard) {
   return fourier_.inverse(cross);
 }
 
-CoarseDelay CoarseSearch::find(std::span<const double> heard) {
-  const auto correlated = correlation(heard);
+CoarseDelay CoarseSearch::find(std::span<const double> captured) {
+  const auto correlated = correlation(captured);
   const auto size = static_cast<std::int64_t>(correlated.size());
   std::vector<double> values, evened;
   std::vector<std::int64_t> delays;
   for (std::int64_t delay = frames_ - size; delay < frames_; ++delay) {
     const double share = share_within(delay);
     if (share < kLeastShare) continue;
-    values.push_back(correlated[static_cast<std::size_t>((delay + size) % size)]);
+    values.push_back(correlated[index((delay + size) % size)]);
     evened.push_back(values.back() / std::sqrt(share));  // noise correlates with what there is of the probe
     delays.push_back(delay);
   }
@@ -110,9 +112,9 @@ CoarseDelay CoarseSearch::find(std::span<const double> heard) {
 std::vector<double> CoarseSearch::behind(const PathModel& model) {
   auto spectrum = model.spectrum(fourier_.size(), {});
   for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= played_[b];
-  auto heard = fourier_.inverse(spectrum);
-  heard.resize(static_cast<std::size_t>(frames_));
-  return heard;
+  auto captured = fourier_.inverse(spectrum);
+  captured.resize(index(frames_));
+  return captured;
 }
 
 }  // namespace tactus

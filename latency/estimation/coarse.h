@@ -11,7 +11,7 @@
 
 namespace tactus {
 
-/// Where what was played is heard, to the frame.
+/// Where what was played is captured, to the frame.
 struct CoarseDelay {
   std::int64_t frames = 0;  ///< negative: the recording began after the probe
   double sign = 1.0;
@@ -20,7 +20,7 @@ struct CoarseDelay {
   double prominence = 0.0;
 
   static constexpr double kClear = 24.0;
-  static constexpr double kNothing = 8.0;  ///< below it nothing was heard: chance exceeds it once in 10^9
+  static constexpr double kNothing = 8.0;  ///< below it nothing was captured: chance exceeds it once in 10^9
   bool found() const { return prominence >= kNothing; }
   /// Strong enough that every sweep can be found by itself.
   bool clear() const { return prominence >= kClear; }
@@ -36,13 +36,13 @@ class CoarseSearch {
   /// [control] For recordings of up to `frames`.
   CoarseSearch(std::span<const double> played, std::size_t frames, Hertz sample_rate);
   /// [control]
-  CoarseDelay find(std::span<const double> heard);
+  CoarseDelay find(std::span<const double> captured);
   /// [control] What a path of that model makes of what was played.
   std::vector<double> behind(const PathModel& model);
 
  private:
   /// At delays from 0 on, those below 0 from the end backwards.
-  std::vector<double> correlation(std::span<const double> heard);
+  std::vector<double> correlation(std::span<const double> captured);
   /// Of the probe's energy, what a recording holds of it that comes so late.
   double share_within(std::int64_t delay) const;
 

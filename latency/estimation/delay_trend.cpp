@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "engine/dsp/delays/resample.h"
 
@@ -114,8 +115,7 @@ std::vector<double> at_speed(std::span<const double> samples, double speed) {
     const double share = row - std::floor(row);
     const auto from = std::max<std::int64_t>(0, -first), to = std::min<std::int64_t>(2 * kHalf, size - first);
     double sum = 0.0;
-    for (auto k = from; k < to; ++k)
-      sum += std::lerp(low[k], high[k], share) * samples[static_cast<std::size_t>(first + k)];
+    for (auto k = from; k < to; ++k) sum += std::lerp(low[k], high[k], share) * samples[index(first + k)];
     out[n] = sum;
   }
   return out;

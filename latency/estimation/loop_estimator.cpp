@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "latency/estimation/pilot_track.h"
 
@@ -11,22 +12,21 @@ namespace tactus {
 namespace {
 
 constexpr Seconds kLoopEstimatorQuiet{0.5};  // as much silence as is listened to
-constexpr Seconds kAir{0.005};               // before the first burst is heard
+constexpr Seconds kAir{0.005};               // before the first burst is captured
 constexpr Seconds kRinging{0.1};             // after the last one
 constexpr Seconds kLoopEstimatorShortestQuiet{0.1};
 constexpr double kFarLouder = 4.0;       // power
 constexpr std::size_t kLeastSweeps = 3;  // their spacing tells which of them they are
 constexpr std::int64_t kLoopEstimatorSearch = 8192;
-constexpr double kLeastStep = 0.75;            // frames
-constexpr double kLoopEstimatorCertain = 6.0;  // standard deviations
-constexpr double kLoopEstimatorSilence =
-    1e-10;                           // of the heard power: noise below -100 dB is no help to anybody
-constexpr double kFaintest = -14.0;  // log gain: -122 dB, where no converter hears anything
+constexpr double kLeastStep = 0.75;              // frames
+constexpr double kLoopEstimatorCertain = 6.0;    // standard deviations
+constexpr double kLoopEstimatorSilence = 1e-10;  // of the captured power: noise below -100 dB does not matter
+constexpr double kFaintest = -14.0;              // log gain: -122 dB, below the resolution of any converter
 // A hum or a click, which the model can follow only with a gain that nothing has, and leaves most of.
 constexpr double kStrongest = 14.0, kHum = 0.5;
 constexpr double kNothing = 1e-18;        // -180 dBFS, below what a float sample of full scale can hold
 constexpr double kDamaged = 0.05;         // of a sweep's power, more than other sweeps leave unexplained
-constexpr double kTouched = 1e-3;         // the same, for a sweep that is told of but still used
+constexpr double kTouched = 1e-3;         // the same, for a sweep that is reported but still used
 constexpr double kNoisier = 1.5;          // than other sweeps is one that something happened to
 constexpr std::int64_t kSamePlace = 128;  // frames
 constexpr double kFitsWell = 1e-3;        // misfit of a cable
@@ -62,7 +62,7 @@ std::vector<TrackedSweep> whole_ones(const std::vector<TrackedSweep>& sweeps) {
   return whole;
 }
 
-/// What can be told from noise; but half a frame of noise is not a lost frame.
+/// What can be separated from noise; but half a frame of noise is not a lost frame.
 double least_step(const std::vector<TrackedSweep>& sweeps) {
   double widest = 0.0;
   for (const auto& sweep : sweeps) widest = std::max(widest, sweep.deviation_frames);
@@ -82,9 +82,9 @@ std::vector<double> through(const std::vector<double>& played, std::span<const d
   auto spectrum = fourier.forward(played);
   const auto path = fourier.forward(taps);
   for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= path[b];
-  auto heard = fourier.inverse(spectrum);
-  heard.resize(played.size());
-  return heard;
+  auto captured = fourier.inverse(spectrum);
+  captured.resize(played.size());
+  return captured;
 }
 
 double middle_delay(const std::vector<TrackedSweep>& sweeps) {
@@ -100,9 +100,9 @@ LoopEstimator::LoopEstimator(const LoopRecording& recording, const AnalysisSetti
     : recording_(recording),
       settings_(settings),
       bursts_(bursts),
-      heard_(recording.heard[static_cast<std::size_t>(settings.channel)]),
+      captured_(recording.captured[index(settings.channel)]),
       windows_(bursts, recording.sample_rate, profile_taps()),
-      search_(through(recording.played, profile_taps()), heard_.size(), recording.sample_rate) {}
+      search_(through(recording.played, profile_taps()), captured_.size(), recording.sample_rate) {}
 
 std::span<const double> LoopEstimator::profile_taps() const {
   return settings_.profile ? std::span<const double>{settings_.profile->taps} : std::span<const double>{};
@@ -110,7 +110,7 @@ std::span<const double> LoopEstimator::profile_taps() const {
 
 std::vector<CoarseDelay> LoopEstimator::every_channel() {
   std::vector<CoarseDelay> all;
-  for (const auto& channel : recording_.heard) all.push_back(search_.find(channel));
+  for (const auto& channel : recording_.captured) all.push_back(search_.find(channel));
   return all;
 }
 
@@ -130,11 +130,11 @@ LoopEstimate LoopEstimator::estimate() {
 }
 
 LocatedProbe LoopEstimator::locate() {
-  LocatedProbe probe{search_.find(heard_), bursts_, {}};
+  LocatedProbe probe{search_.find(captured_), bursts_, {}};
   probe.floor = noise_floor(probe.coarse);
   windows_.set_noise(probe.floor);
   if (!probe.coarse.found()) return probe;
-  const auto recorded = static_cast<std::int64_t>(heard_.size());
+  const auto recorded = static_cast<std::int64_t>(captured_.size());
   auto& repeated = probe.bursts.repeated;
   const auto needed = std::min(repeated.size(), kLeastSweeps);
   std::erase_if(repeated, [&](const Burst& burst) {
@@ -149,10 +149,10 @@ LocatedProbe LoopEstimator::locate() {
 NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
   const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, rate())); };
   const auto copy = [&](std::int64_t from, std::int64_t to) {
-    const auto piece = stretch(heard_, from, to);
+    const auto piece = stretch(captured_, from, to);
     return std::vector<double>{piece.begin(), piece.end()};
   };
-  if (!coarse.found()) return NoiseFloor::of(heard_);
+  if (!coarse.found()) return NoiseFloor::of(captured_);
   auto all = bursts_.repeated;
   all.insert(all.end(), bursts_.others.begin(), bursts_.others.end());
   std::sort(all.begin(), all.end(), [](const Burst& a, const Burst& b) { return a.at < b.at; });
@@ -168,7 +168,7 @@ NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
   std::optional<NoiseFloor> best;
   for (const auto& piece : {copy(begin - frames(kLoopEstimatorQuiet), begin),
                             copy(end, end + frames(kLoopEstimatorQuiet)), between}) {
-    if (piece.size() < static_cast<std::size_t>(frames(kLoopEstimatorShortestQuiet))) continue;
+    if (piece.size() < index(frames(kLoopEstimatorShortestQuiet))) continue;
     auto found = NoiseFloor::of(piece);
     if (!best || best->variance > kFarLouder * found.variance) best = std::move(found);
   }
@@ -177,11 +177,12 @@ NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
 
 NoiseFloor LoopEstimator::noise_floor(const CoarseDelay& coarse) const {
   auto floor = quiet(coarse);
-  const double rounding = rounding_variance(heard_);  // in digital silence there is none, but beside a sweep
+  const double rounding =
+      rounding_variance(captured_);  // in digital silence there is none, but beside a sweep
   floor.variance = std::max(floor.variance, rounding);
   for (auto& each : floor.per_frame) each = std::max(each, rounding);
   const auto from = bursts_.repeated.front().at + coarse.frames;
-  const double signal = power(stretch(heard_, from, from + bursts_.repeated.front().frames), floor.mean);
+  const double signal = power(stretch(captured_, from, from + bursts_.repeated.front().frames), floor.mean);
   for (auto& each : floor.per_frame) each = std::max(each, kLoopEstimatorSilence * signal + kNothing);
   return floor;
 }
@@ -190,7 +191,7 @@ NoiseFloor LoopEstimator::noise_floor(const CoarseDelay& coarse) const {
 /// fits, so that it does not matter what the path makes of a sweep.
 AlignedClock LoopEstimator::align(const LocatedProbe& probe) {
   AlignedClock clock;
-  clock.samples.assign(heard_.begin(), heard_.end());
+  clock.samples.assign(captured_.begin(), captured_.end());
   clock.coarse = probe.coarse;
   clock.at = probe.coarse.frames;
   for (const auto& burst : probe.bursts.repeated) clock.steady.push_back({.burst = burst});
@@ -206,7 +207,7 @@ AlignedClock LoopEstimator::align(const LocatedProbe& probe) {
         std::abs(line.slope) < 3.0 * line.slope_deviation)
       break;
     clock.speed *= 1.0 + line.slope;
-    clock.samples = at_speed(heard_, clock.speed);
+    clock.samples = at_speed(captured_, clock.speed);
   }
   clock.at += std::llround(middle_delay(clock.steady));
   // Smeared over many frames, neither its place nor its sign was certain.
@@ -225,14 +226,14 @@ Spectrum LoopEstimator::loudest_sweep(const LocatedProbe& probe, const AlignedCl
   return expected(window, fit_of(window, probe.coarse));
 }
 
-PathFit LoopEstimator::fit_of(const HeardWindow& window, const CoarseDelay& coarse) {
+PathFit LoopEstimator::fit_of(const CapturedWindow& window, const CoarseDelay& coarse) {
   // What a profile knows is not to be guessed again.
   return fit_path(window, windows_.start_of(window, coarse.sign, reach(coarse)),
                   settings_.profile ? PathShape::Kept : PathShape::Free);
 }
 
 /// The model where it fits: it has no noise.
-Spectrum LoopEstimator::expected(const HeardWindow& window, const PathFit& fit) const {
+Spectrum LoopEstimator::expected(const CapturedWindow& window, const PathFit& fit) const {
   return fit.misfit < kFits ? windows_.expected(fit.model) : SweepWindows::cleaned(window);
 }
 
@@ -286,7 +287,7 @@ void LoopEstimator::add_pilot_steps(const LoopEstimate& estimate, const Burst& p
 }
 
 /// In a sweep that leaves more unexplained than the others, or has something else in it for a moment. What
-/// stands at the same place of two sweeps is no damage: loud and soft ones differ there.
+/// lies at the same place of two sweeps is no damage: loud and soft ones differ there.
 void LoopEstimator::find_damage(const LoopEstimate& estimate, ComparedSweeps& compared) {
   const auto& sweeps = compared.sweeps;
   const double misfit = usual(&TrackedSweep::misfit, sweeps) + kTouched;

@@ -39,7 +39,7 @@ struct AlignedClock {
 /// The model of the path behind `at`, fitted to the mean of the steady sweeps.
 struct FittedPath {
   std::int64_t at = 0;
-  HeardWindow mean;
+  CapturedWindow mean;
   PathFit fit;
   double noise = 0.0;  ///< variance of a frame
   /// False: a tone or a click may correlate with a sweep, but no path makes one from the other.
@@ -66,7 +66,9 @@ struct LoopEstimate {
   /// The delay at constant clock speed.
   double constant() const { return static_cast<double>(path.at) + path.fit.model.delay_frames; }
   /// The delay of what was played at `frame`, where it is `constant` at constant clock speed.
-  double as_heard(double constant, double frame) const { return (frame + constant) * clock.speed - frame; }
+  double captured_delay(double constant, double frame) const {
+    return (frame + constant) * clock.speed - frame;
+  }
 };
 
 /// Estimates the path in a recording. Each step takes the results of those before it and changes nothing but
@@ -87,7 +89,7 @@ class LoopEstimator {
   SweepWindows& windows() { return windows_; }
   const LoopRecording& recording() const { return recording_; }
   const AnalysisSettings& settings() const { return settings_; }
-  std::span<const double> heard() const { return heard_; }
+  std::span<const double> captured() const { return captured_; }
   Hertz rate() const { return recording_.sample_rate; }
 
  private:
@@ -99,8 +101,8 @@ class LoopEstimator {
   NoiseFloor quiet(const CoarseDelay& coarse) const;
   NoiseFloor noise_floor(const CoarseDelay& coarse) const;
   Spectrum loudest_sweep(const LocatedProbe& probe, const AlignedClock& clock);
-  PathFit fit_of(const HeardWindow& window, const CoarseDelay& coarse);
-  Spectrum expected(const HeardWindow& window, const PathFit& fit) const;
+  PathFit fit_of(const CapturedWindow& window, const CoarseDelay& coarse);
+  Spectrum expected(const CapturedWindow& window, const PathFit& fit) const;
   void add_pilot_steps(const LoopEstimate& estimate, const Burst& pilot,
                        const std::vector<TrackedSweep>& whole, std::vector<DelayStep>& steps) const;
   void find_damage(const LoopEstimate& estimate, ComparedSweeps& compared);
@@ -109,7 +111,7 @@ class LoopEstimator {
   const LoopRecording& recording_;
   const AnalysisSettings& settings_;
   const PlayedBursts& bursts_;
-  std::span<const double> heard_;
+  std::span<const double> captured_;
   SweepWindows windows_;
   CoarseSearch search_;
 };

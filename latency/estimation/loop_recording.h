@@ -6,16 +6,17 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/index.h"
 #include "engine/core/units.h"
 
 namespace tactus {
 
-/// What one stream played and heard: frame n of `played` went out in the same block as frame n of `heard`
-/// came in. So a loop of delay D frames brings played[n] at heard[.][n + D].
+/// What one stream played and captured: frame n of `played` went out in the same block as frame n of
+/// `captured` came in. So a loop of delay D frames brings played[n] at captured[.][n + D].
 struct LoopRecording {
   Hertz sample_rate = 48_kHz;
-  std::vector<double> played;              ///< behind the drive guard, full scale = 1
-  std::vector<std::vector<double>> heard;  ///< every input channel
+  std::vector<double> played;                 ///< behind the drive guard, full scale = 1
+  std::vector<std::vector<double>> captured;  ///< every input channel
 };
 
 /// [any] The frames [from, to) of `all`, as far as there are any.
@@ -23,7 +24,7 @@ inline std::span<const double> stretch(std::span<const double> all, std::int64_t
   const auto size = static_cast<std::int64_t>(all.size());
   from = std::clamp<std::int64_t>(from, 0, size);
   to = std::clamp<std::int64_t>(to, from, size);
-  return all.subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from));
+  return all.subspan(index(from), index(to - from));
 }
 
 /// [any] Sum of a[n] b[n], as far as there are both.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "latency/estimation/fourier.h"
 #include "latency/probe/short_runs.h"
@@ -31,10 +32,9 @@ std::vector<double> expected(std::span<const double> pilot, const PathModel& mod
 }
 
 std::vector<double> cut(std::span<const double> all, std::int64_t from, std::int64_t frames) {
-  std::vector<double> piece(static_cast<std::size_t>(frames), 0.0);
+  std::vector<double> piece(index(frames), 0.0);
   const auto end = std::min(from + frames, static_cast<std::int64_t>(all.size()));
-  for (auto n = std::max<std::int64_t>(0, from); n < end; ++n)
-    piece[static_cast<std::size_t>(n - from)] = all[static_cast<std::size_t>(n)];
+  for (auto n = std::max<std::int64_t>(0, from); n < end; ++n) piece[index(n - from)] = all[index(n)];
   return piece;
 }
 
@@ -51,8 +51,8 @@ double least_step_of(const Spectrum& piece, std::size_t size, double variance) {
   return std::max(6.0 * std::sqrt(variance / slope_energy), 0.3 * std::sqrt(energy / slope_energy));
 }
 
-/// Frames of `heard` from which on, for less than 50 ms, it is not what is expected from `begin` on.
-std::vector<std::int64_t> damage(const std::vector<double>& whole, std::span<const double> heard,
+/// Frames of `captured` from which on, for less than 50 ms, it is not what is expected from `begin` on.
+std::vector<std::int64_t> damage(const std::vector<double>& whole, std::span<const double> captured,
                                  std::int64_t begin, double variance) {
   constexpr std::int64_t kBlock = 64;
   constexpr std::int64_t kLongest = 40;  // blocks; what lasts longer is a gain that changes
@@ -61,11 +61,11 @@ std::vector<std::int64_t> damage(const std::vector<double>& whole, std::span<con
   for (const double sample : whole) usual += sample * sample * kBlock / static_cast<double>(whole.size());
   const auto broken = [&](std::int64_t block) {
     const auto from = block * kBlock, there = begin + from;
-    if (there < 0 || there + kBlock > static_cast<std::int64_t>(heard.size())) return false;
+    if (there < 0 || there + kBlock > static_cast<std::int64_t>(captured.size())) return false;
     double explained = 0.0, unexplained = 0.0;
     for (std::int64_t k = 0; k < kBlock; ++k) {
-      const double expects = whole[static_cast<std::size_t>(from + k)];
-      const double rest = heard[static_cast<std::size_t>(there + k)] - expects;
+      const double expects = whole[index(from + k)];
+      const double rest = captured[index(there + k)] - expects;
       explained += expects * expects;
       unexplained += rest * rest;
     }
@@ -88,30 +88,28 @@ std::vector<DelayPoint> without_outliers(const std::vector<DelayPoint>& points) 
 
 }  // namespace
 
-PilotTrack track_pilot(std::span<const double> played, std::span<const double> heard, const Burst& pilot,
+PilotTrack track_pilot(std::span<const double> played, std::span<const double> captured, const Burst& pilot,
                        std::int64_t at, const PathModel& model, std::span<const double> profile,
                        double variance) {
-  const auto whole =
-      expected(played.subspan(static_cast<std::size_t>(pilot.at), static_cast<std::size_t>(pilot.frames)),
-               model, profile);
-  Fourier fourier{static_cast<std::size_t>(kPiece + 2 * kPilotTrackReach)};
+  const auto whole = expected(played.subspan(index(pilot.at), index(pilot.frames)), model, profile);
+  Fourier fourier{index(kPiece + 2 * kPilotTrackReach)};
   PilotTrack track;
   for (std::int64_t from = 0; from + kPiece <= pilot.frames; from += kPiece / 2) {
     const auto begin = pilot.at + at + from - kPilotTrackLead;
-    if (begin < 0 || begin + kPiece > static_cast<std::int64_t>(heard.size())) continue;
+    if (begin < 0 || begin + kPiece > static_cast<std::int64_t>(captured.size())) continue;
     const auto piece = fourier.forward(cut(whole, from, kPiece));
     if (track.least_step == 0.0) track.least_step = least_step_of(piece, fourier.size(), variance);
-    auto cross = fourier.forward(cut(heard, begin - kPilotTrackReach, kPiece + 2 * kPilotTrackReach));
+    auto cross = fourier.forward(cut(captured, begin - kPilotTrackReach, kPiece + 2 * kPilotTrackReach));
     for (std::size_t b = 0; b < cross.size(); ++b) cross[b] *= std::conj(piece[b]);
     auto correlation = fourier.inverse(cross);
-    correlation.resize(static_cast<std::size_t>(2 * kPilotTrackReach));
+    correlation.resize(index(2 * kPilotTrackReach));
     const auto highest = std::max_element(correlation.begin(), correlation.end());
     if (!(*highest > kProminent * robust_deviation(correlation))) continue;
     const auto off = highest - correlation.begin() - kPilotTrackReach;
     track.points.push_back({pilot.at + from, static_cast<double>(at + off) + model.delay_frames});
   }
   track.points = without_outliers(track.points);
-  track.damage = damage(whole, heard, pilot.at + at - kPilotTrackLead, variance);
+  track.damage = damage(whole, captured, pilot.at + at - kPilotTrackLead, variance);
   for (auto& frame : track.damage) frame -= at;
   return track;
 }

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "latency/probe/short_runs.h"
 
@@ -17,8 +18,8 @@ constexpr std::int64_t kSweepWindowsLead =
 constexpr Seconds kMostPause{0.12};  // after it; a longer one would add only noise
 constexpr Seconds kLongestDamage{0.02};
 constexpr std::int64_t kSweepWindowsReach = 8192;  // frames that may be lost at once and still be found
-constexpr double kLowestOfProfile = 30.0;          // where an actuator's resonance may be all that is heard
-constexpr double kLowestHz = 150.0;                // above the corners of coupling capacitors and above hum
+constexpr double kLowestOfProfile = 30.0;  // where an actuator's resonance may be all that is captured
+constexpr double kLowestHz = 150.0;        // above the corners of coupling capacitors and above hum
 
 /// Around each burst there are a quarter of a pause for the window's edge, and before it another for what
 /// comes early.
@@ -33,12 +34,12 @@ std::vector<double> block_power(const std::vector<double>& samples, std::size_t 
   return power;
 }
 
-/// The least gain with which `played` explains `heard`, both as they stand.
-double log_gain(const HeardWindow& window, double sign) {
+/// The least gain with which `played` explains `captured`, both as they stand.
+double log_gain(const CapturedWindow& window, double sign) {
   double common = 0.0, power = 0.0;
-  for (auto b = window.lowest_bin; b + 1 < window.heard.size(); ++b) {
+  for (auto b = window.lowest_bin; b + 1 < window.captured.size(); ++b) {
     const auto expected = window.profile.empty() ? window.played[b] : window.played[b] * window.profile[b];
-    common += sign * (window.heard[b] * std::conj(expected)).real() / window.noise[b];
+    common += sign * (window.captured[b] * std::conj(expected)).real() / window.noise[b];
     power += std::norm(expected) / window.noise[b];
   }
   return std::log(std::max(common / power, 1e-9));
@@ -57,20 +58,20 @@ SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::s
       lead_(kSweepWindowsLead + quarter_pause(bursts, sample_rate)),
       frames_(lead_ + static_cast<std::int64_t>(bursts.waveform.size()) +
               2 * quarter_pause(bursts, sample_rate)),
-      fade_(static_cast<std::size_t>(frames_), 1.0),
-      fourier_(static_cast<std::size_t>(frames_ + kSweepWindowsReach)),
+      fade_(index(frames_), 1.0),
+      fourier_(index(frames_ + kSweepWindowsReach)),
       lowest_bin_(
           static_cast<std::size_t>(std::ceil((profile.empty() ? kLowestHz : kLowestOfProfile) /
                                              sample_rate.value * static_cast<double>(fourier_.size())))) {
   // A window with hard edges would spread hum over all frequencies.
-  const auto edge = static_cast<std::size_t>(quarter_pause(bursts, sample_rate));
+  const auto edge = index(quarter_pause(bursts, sample_rate));
   for (std::size_t n = 0; n < edge; ++n) {
     const double raised =
         0.5 - 0.5 * std::cos(std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(edge));
     fade_[n] = fade_[fade_.size() - 1 - n] = raised;
   }
   fade_power_ = std::inner_product(fade_.begin(), fade_.end(), fade_.begin(), 0.0);
-  std::vector<double> placed(static_cast<std::size_t>(lead_), 0.0);
+  std::vector<double> placed(index(lead_), 0.0);
   placed.insert(placed.end(), bursts.waveform.begin(), bursts.waveform.end());
   played_ = fourier_.forward(placed);
   if (!profile.empty()) profile_ = fourier_.forward(profile);
@@ -81,48 +82,49 @@ void SweepWindows::set_noise(const NoiseFloor& floor) {
   noise_ = floor.in_bins(fourier_.size(), fade_power_);
 }
 
-Spectrum SweepWindows::cut(std::span<const double> heard, std::int64_t from) {
-  std::vector<double> samples(static_cast<std::size_t>(frames_), 0.0);
+Spectrum SweepWindows::cut(std::span<const double> captured, std::int64_t from) {
+  std::vector<double> samples(index(frames_), 0.0);
   const auto begin = from - lead_;
-  const auto end = std::min(frames_, static_cast<std::int64_t>(heard.size()) - begin);
+  const auto end = std::min(frames_, static_cast<std::int64_t>(captured.size()) - begin);
   for (auto n = std::max<std::int64_t>(-begin, 0); n < end; ++n) {
-    const auto at = static_cast<std::size_t>(n);
-    samples[at] = fade_[at] * (heard[static_cast<std::size_t>(begin + n)] - mean_);
+    const auto at = index(n);
+    samples[at] = fade_[at] * (captured[index(begin + n)] - mean_);
   }
   return fourier_.forward(samples);
 }
 
-HeardWindow SweepWindows::window_of(Spectrum heard, double gain) const {
-  HeardWindow window{fourier_.size(), played_, std::move(heard), noise_, profile_, lowest_bin_};
-  for (auto& bin : window.heard) bin /= gain;
+CapturedWindow SweepWindows::window_of(Spectrum captured, double gain) const {
+  CapturedWindow window{fourier_.size(), played_, std::move(captured), noise_, profile_, lowest_bin_};
+  for (auto& bin : window.captured) bin /= gain;
   for (auto& bin : window.noise) bin /= gain * gain;
   return window;
 }
 
-std::int64_t SweepWindows::nearest(const HeardWindow& window, const Spectrum& expected, std::int64_t search) {
-  Spectrum cross(window.heard.size());
+std::int64_t SweepWindows::nearest(const CapturedWindow& window, const Spectrum& expected,
+                                   std::int64_t search) {
+  Spectrum cross(window.captured.size());
   for (auto b = window.lowest_bin; b + 1 < cross.size(); ++b)
-    cross[b] = window.heard[b] * std::conj(expected[b]) / window.noise[b];
+    cross[b] = window.captured[b] * std::conj(expected[b]) / window.noise[b];
   const auto correlation = fourier_.inverse(cross);
   const auto size = static_cast<std::int64_t>(correlation.size());
   std::int64_t best = 0;
   double highest = 0.0;
   for (auto lag = -search; lag <= search; ++lag)
-    if (const double value = correlation[static_cast<std::size_t>((lag + size) % size)]; value > highest) {
+    if (const double value = correlation[index((lag + size) % size)]; value > highest) {
       highest = value;
       best = lag;
     }
   return best;
 }
 
-std::vector<TrackedSweep> SweepWindows::track(std::span<const Burst> bursts, std::span<const double> heard,
+std::vector<TrackedSweep> SweepWindows::track(std::span<const Burst> bursts, std::span<const double> captured,
                                               std::int64_t near, std::int64_t search,
                                               const Spectrum& expected) {
   std::vector<TrackedSweep> tracked;
   for (const auto& burst : bursts) {
-    auto window = window_of(cut(heard, burst.at + near), burst.gain);
+    auto window = window_of(cut(captured, burst.at + near), burst.gain);
     const auto later = nearest(window, expected, std::min(search, kSweepWindowsReach));
-    if (later != 0) window = window_of(cut(heard, burst.at + near + later), burst.gain);
+    if (later != 0) window = window_of(cut(captured, burst.at + near + later), burst.gain);
     window.played = expected;
     window.profile.clear();
     PathModel start;
@@ -141,15 +143,15 @@ Spectrum SweepWindows::expected(const PathModel& model) const {
   return all;
 }
 
-Spectrum SweepWindows::cleaned(const HeardWindow& window) {
-  auto all = window.heard;
+Spectrum SweepWindows::cleaned(const CapturedWindow& window) {
+  auto all = window.captured;
   const auto power = smoothed_power(all);
   for (std::size_t b = 0; b < all.size(); ++b)
     all[b] *= std::max(0.0, 1.0 - window.noise[b] / std::max(power[b], window.noise[b]));
   return all;
 }
 
-PathModel SweepWindows::start_of(const HeardWindow& window, double sign, std::int64_t search) {
+PathModel SweepWindows::start_of(const CapturedWindow& window, double sign, std::int64_t search) {
   PathModel start;
   start.sign = sign;
   start.delay_frames = static_cast<double>(nearest(window, expected(start), search));
@@ -160,11 +162,11 @@ PathModel SweepWindows::start_of(const HeardWindow& window, double sign, std::in
   return start;
 }
 
-HeardWindow SweepWindows::mean(std::span<const double> heard, std::int64_t frames,
-                               std::span<const TrackedSweep> which) {
+CapturedWindow SweepWindows::mean(std::span<const double> captured, std::int64_t frames,
+                                  std::span<const TrackedSweep> which) {
   Spectrum sum(fourier_.bins());
   for (const auto& sweep : which) {
-    const auto one = cut(heard, sweep.burst.at + frames);
+    const auto one = cut(captured, sweep.burst.at + frames);
     for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += sweep.burst.gain * one[b];
   }
   const double weight = total_power(which);
@@ -172,32 +174,32 @@ HeardWindow SweepWindows::mean(std::span<const double> heard, std::int64_t frame
   return window_of(std::move(sum), std::sqrt(weight));
 }
 
-double SweepWindows::scatter(std::span<const double> heard, std::int64_t frames,
-                             std::span<const TrackedSweep> which, const HeardWindow& mean) {
+double SweepWindows::scatter(std::span<const double> captured, std::int64_t frames,
+                             std::span<const TrackedSweep> which, const CapturedWindow& mean) {
   const double weight = total_power(which);
   const double share = 1.0 - 2.0 * static_cast<double>(lowest_bin_) / static_cast<double>(fourier_.size());
   std::vector<double> variances;
   for (const auto& sweep : which) {
     const double gain = sweep.burst.gain;
-    const auto one = cut(heard, sweep.burst.at + frames);
+    const auto one = cut(captured, sweep.burst.at + frames);
     double power = 0.0;
     for (auto b = lowest_bin_; b + 1 < one.size(); ++b)
-      power += 2.0 * std::norm(one[b] - gain * mean.heard[b]);
+      power += 2.0 * std::norm(one[b] - gain * mean.captured[b]);
     variances.push_back(power / (1.0 - gain * gain / weight) / static_cast<double>(fourier_.size()) /
                         fade_power_ / share);
   }
   return median(std::move(variances));
 }
 
-std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, std::int64_t frames,
-                                               const TrackedSweep& sweep, const HeardWindow& mean,
+std::vector<std::int64_t> SweepWindows::damage(std::span<const double> captured, std::int64_t frames,
+                                               const TrackedSweep& sweep, const CapturedWindow& mean,
                                                double variance) {
   constexpr std::int64_t kBlock = 64;
-  auto rest = cut(heard, sweep.burst.at + frames);
+  auto rest = cut(captured, sweep.burst.at + frames);
   const double gain = sweep.burst.gain * std::exp(sweep.log_gain);
   Spectrum expected(rest.size());
   for (std::size_t b = 0; b < rest.size(); ++b) {
-    expected[b] = b < lowest_bin_ ? 0.0 : gain * mean.heard[b];
+    expected[b] = b < lowest_bin_ ? 0.0 : gain * mean.captured[b];
     rest[b] = b < lowest_bin_ ? 0.0 : rest[b] - expected[b];
   }
   const auto unexplained = block_power(fourier_.inverse(rest), kBlock),
@@ -206,7 +208,7 @@ std::vector<std::int64_t> SweepWindows::damage(std::span<const double> heard, st
   const auto longest = static_cast<std::int64_t>(frames_in(kLongestDamage, sample_rate_)) / kBlock;
   // What lasts longer is a gain that changes, or a path that no model fits.
   auto places = short_runs(static_cast<std::int64_t>(explained.size()), longest, [&](std::int64_t block) {
-    const auto n = static_cast<std::size_t>(block);
+    const auto n = index(block);
     return explained[n] > 1e-4 * loudest && unexplained[n] > 0.25 * explained[n] &&
            unexplained[n] > 36.0 * kBlock * variance;
   });

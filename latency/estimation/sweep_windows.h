@@ -13,7 +13,7 @@
 
 namespace tactus {
 
-/// One repeated burst as it was heard, beside what was expected.
+/// One repeated burst as it was captured, beside what was expected.
 struct TrackedSweep {
   Burst burst;
   double delay_frames = 0.0;
@@ -26,7 +26,7 @@ struct TrackedSweep {
 /// [any] Of all of them together, where one at full level has 1.
 double total_power(std::span<const TrackedSweep> sweeps);
 
-/// Cuts what was heard of the repeated bursts out of a recording, and fits the path to it.
+/// Cuts what was captured of the repeated bursts out of a recording, and fits the path to it.
 class SweepWindows {
  public:
   /// [control] `profile`: taps of the path, or empty.
@@ -38,39 +38,40 @@ class SweepWindows {
   /// [control] Each burst by itself, cut out at the delay `near` and compared with `expected`, what a burst
   /// of gain 1 should look like there: how much later it is (first to the frame within `search`, then
   /// exactly) and how much stronger.
-  std::vector<TrackedSweep> track(std::span<const Burst> bursts, std::span<const double> heard,
+  std::vector<TrackedSweep> track(std::span<const Burst> bursts, std::span<const double> captured,
                                   std::int64_t near, std::int64_t search, const Spectrum& expected);
   /// [control] What a burst looks like behind a path of that model.
   Spectrum expected(const PathModel& model) const;
   /// [control] What it looked like, each frequency as far as it stands out of the noise (Wiener's filter).
-  static Spectrum cleaned(const HeardWindow& window);
+  static Spectrum cleaned(const CapturedWindow& window);
   /// [control] Whole frames and gain from which a fit of `window` may start.
-  PathModel start_of(const HeardWindow& window, double sign, std::int64_t search);
+  PathModel start_of(const CapturedWindow& window, double sign, std::int64_t search);
   /// [control] The mean of the bursts `which`, all cut out at the delay `frames`, for a burst of gain 1.
-  HeardWindow mean(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which);
+  CapturedWindow mean(std::span<const double> captured, std::int64_t frames,
+                      std::span<const TrackedSweep> which);
   /// [control] The variance of a frame that differs between bursts that were equal, of at least two: in the
   /// middle one of them, so that one with a click does not count.
-  double scatter(std::span<const double> heard, std::int64_t frames, std::span<const TrackedSweep> which,
-                 const HeardWindow& mean);
+  double scatter(std::span<const double> captured, std::int64_t frames, std::span<const TrackedSweep> which,
+                 const CapturedWindow& mean);
 
-  /// [control] Where in a sweep less than 20 ms of what is heard at the delay `frames` is something else than
-  /// in the others, and no noise of that `variance`: the driver put silence or old sound in its place. Frames
-  /// of the recording that played.
-  std::vector<std::int64_t> damage(std::span<const double> heard, std::int64_t frames,
-                                   const TrackedSweep& sweep, const HeardWindow& mean, double variance);
+  /// [control] Where in a sweep less than 20 ms of what is captured at the delay `frames` is something else
+  /// than in the others, and no noise of that `variance`: the driver put silence or old sound in its place.
+  /// Frames of the recording that played.
+  std::vector<std::int64_t> damage(std::span<const double> captured, std::int64_t frames,
+                                   const TrackedSweep& sweep, const CapturedWindow& mean, double variance);
 
   Fourier& fourier() { return fourier_; }
 
  private:
-  Spectrum cut(std::span<const double> heard, std::int64_t from);
-  HeardWindow window_of(Spectrum heard, double gain) const;
-  std::int64_t nearest(const HeardWindow& window, const Spectrum& expected, std::int64_t search);
+  Spectrum cut(std::span<const double> captured, std::int64_t from);
+  CapturedWindow window_of(Spectrum captured, double gain) const;
+  std::int64_t nearest(const CapturedWindow& window, const Spectrum& expected, std::int64_t search);
 
   Hertz sample_rate_;
   std::int64_t lead_, frames_;
   std::vector<double> fade_;  ///< over the window: 0 at its ends, 1 wherever the burst may be
   double fade_power_ = 0.0;   ///< sum of its squares
-  double mean_ = 0.0;         ///< of what is heard while nothing is played
+  double mean_ = 0.0;         ///< of what is captured while nothing is played
   Fourier fourier_;
   Spectrum played_, profile_;
   std::vector<double> noise_;

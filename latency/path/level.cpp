@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr int windows_in(Seconds time) {
 
 constexpr double kStep = 2.0;            // from one level probe to the next
 constexpr double kEnough = 1000.0;       // power over that of the noise: 30 dB
-constexpr double kStandsOut = 10.0;      // the same for being heard at all
+constexpr double kStandsOut = 10.0;      // the same for being captured at all
 constexpr double kLeastNoise = 1e-10;    // power; a converter of 16 bits has no less in motion
 constexpr Seconds kLevelPatience{0.15};  // for a level probe to come back
 constexpr Seconds kGone{0.25};           // longer than the pause between two level probes
@@ -50,14 +52,14 @@ LevelSearch::LevelSearch(const Settings& settings)
     : settings_(settings),
       most_windows_(quiet_windows(settings) + probes_in(settings) * kPeriod + 2 * windows_in(kLongestDelay) +
                     windows_in(kGone)) {
-  windows_.reserve(static_cast<std::size_t>(most_windows_));
-  sorted_.reserve(static_cast<std::size_t>(quiet_windows(settings)));
+  windows_.reserve(index(most_windows_));
+  sorted_.reserve(index(quiet_windows(settings)));
 }
 
 LevelSearch::Step LevelSearch::observe(const LevelWindow& window) noexcept {
   if (now() == most_windows_) return judge();
   windows_.push_back(window);
-  if (window.power > kStandsOut * found_.noise_power) last_heard_ = now();
+  if (window.power > kStandsOut * found_.noise_power) last_above_noise_ = now();
   switch (stage_) {
     case Stage::Quiet:
       return after_quiet();
@@ -115,12 +117,12 @@ LevelSearch::Step LevelSearch::after_probe() noexcept {
 LevelSearch::Step LevelSearch::after_echoes() noexcept {
   const int first = probes_[0].window, last = probes_[probe_count_ - 1].window;
   const int since = now() - last - kLevelProbeWindows;
-  const bool heard = last_heard_ > first;
-  const bool gone = heard && now() - last_heard_ >= windows_in(kGone) && since >= windows_in(kGone);
+  const bool captured = last_above_noise_ > first;
+  const bool gone = captured && now() - last_above_noise_ >= windows_in(kGone) && since >= windows_in(kGone);
   return gone || since >= windows_in(kLongestDelay) ? judge() : Step::Listen;
 }
 
-/// Which of the level probes is loud enough to be heard, and soft enough for the input?
+/// Which of the level probes is loud enough to be captured, and soft enough for the input?
 LevelSearch::Step LevelSearch::judge() noexcept {
   if (probe_count_ == 0) return Step::TooLoud;
   const int lag = best_lag();
@@ -142,7 +144,7 @@ LevelSearch::Step LevelSearch::judge() noexcept {
   return Step::Ready;
 }
 
-/// Where what was heard is most like what was played.
+/// Where what was captured is most like what was played.
 int LevelSearch::best_lag() const noexcept {
   const int most = now() - probes_[probe_count_ - 1].window - kLevelProbeWindows;
   int best = 0;
@@ -161,21 +163,20 @@ int LevelSearch::best_lag() const noexcept {
 /// Mean over as many windows as a level probe lasts.
 double LevelSearch::power_at(int window) const noexcept {
   double sum = 0.0;
-  for (int w = window; w < std::min(window + kLevelProbeWindows, now()); ++w)
-    sum += windows_[static_cast<std::size_t>(w)].power;
+  for (int w = window; w < std::min(window + kLevelProbeWindows, now()); ++w) sum += windows_[index(w)].power;
   return sum / kLevelProbeWindows;
 }
 
 double LevelSearch::peak_at(int window) const noexcept {
   double peak = 0.0;
   for (int w = std::max(0, window - 1); w < std::min(window + kLevelProbeWindows + 1, now()); ++w)
-    peak = std::max(peak, windows_[static_cast<std::size_t>(w)].peak);
+    peak = std::max(peak, windows_[index(w)].peak);
   return peak;
 }
 
 /// The median: a click in the silence is no noise.
 double LevelSearch::noise() noexcept {
-  const auto from = static_cast<std::size_t>(std::min(windows_in(kSettling), now() - 1));
+  const auto from = index(std::min(windows_in(kSettling), now() - 1));
   sorted_.clear();
   for (std::size_t w = from; w < windows_.size(); ++w) sorted_.push_back(windows_[w].power);
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);

@@ -19,7 +19,7 @@ struct LevelWindow {
 /// What has been found out about a path before it is measured.
 struct PathLevel {
   double level = 0.0;            ///< to play at; full scale = 1
-  std::optional<Seconds> delay;  ///< within two windows; nothing: it was not heard
+  std::optional<Seconds> delay;  ///< within two windows; nothing: it was not captured
   double noise_power = 0.0;      ///< per sample
 };
 
@@ -38,12 +38,12 @@ class RingOutMonitor {
   int windows_ = 0, loud_ = 0, quiet_ = 0;
 };
 
-/// Finds the level at which a path is measured: the noise is heard first, then short sweeps ("level probes")
-/// that become louder by 6 dB each, until one is heard 30 dB above the noise, or near the input's end, or as
-/// loud as allowed. How long a level probe takes to come back is not known, and may be seconds, so it goes on
-/// when none is heard after 150 ms; once everything has come back, each is found by the pattern of their
-/// loudness, and the softest that does is taken. It decides by what it heard, window by window, and never by
-/// a clock.
+/// Finds the level at which a path is measured: the noise is captured first, then short sweeps ("level
+/// probes") that become louder by 6 dB each, until one is captured 30 dB above the noise, or near the input's
+/// end, or as loud as allowed. How long a level probe takes to come back is not known, and may be seconds, so
+/// it goes on when none is captured after 150 ms; once everything has come back, each is found by the pattern
+/// of their loudness, and the softest that does is taken. It decides by what it captured, window by window,
+/// and never by a clock.
 class LevelSearch {
  public:
   static constexpr Seconds kWindow{0.01};
@@ -105,7 +105,7 @@ class LevelSearch {
   std::vector<double> sorted_;
   std::array<Probe, kMaxLevelProbes> probes_{};
   std::size_t probe_count_ = 0;
-  int last_heard_ = 0;  ///< window that stood out of the noise
+  int last_above_noise_ = 0;  ///< window that stood out of the noise
   RingOutMonitor ring_out_;
   PathLevel found_;
 };

@@ -8,7 +8,7 @@
 
 namespace tactus {
 
-/// What is heard while nothing is played.
+/// What is captured while nothing is played.
 struct NoiseFloor {
   double mean = 0.0;              ///< DC
   double variance = 0.0;          ///< without DC

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -17,7 +19,7 @@ using Step = Eigen::Matrix<double, kFree, 1>;
 constexpr int kPathModelRounds = 30;
 constexpr double kPathModelSettled = 1e-6;  // frames; each step squares what is left
 // What coupling capacitors and filters of sound cards do stays well within one: without such a belief, noise
-// alone could bend the shape as it likes at frequencies where nothing is heard.
+// alone could bend the shape as it likes at frequencies where nothing is detected.
 constexpr double kShapeDeviation = 1.0;
 
 /// The derivatives of ln H: those of delay and odd powers of u are imaginary, the others are real.
@@ -31,8 +33,8 @@ std::array<double, kFree> derivatives(double w) {
 PathModel moved(PathModel model, const Step& step) {
   model.delay_frames += step[0];
   model.log_gain += step[1];
-  for (int k = 0; k < 3; ++k) model.high_pass[static_cast<std::size_t>(k)] += step[2 + k];
-  for (int k = 0; k < 2; ++k) model.droop[static_cast<std::size_t>(k)] += step[5 + k];
+  for (int k = 0; k < 3; ++k) model.high_pass[index(k)] += step[2 + k];
+  for (int k = 0; k < 2; ++k) model.droop[index(k)] += step[5 + k];
   return model;
 }
 
@@ -48,7 +50,7 @@ struct Equations {
   Step gradient = Step::Zero();
   double cost = 0.0;      ///< with the belief about the shape
   double error = 0.0;     ///< without
-  double power = 0.0;     ///< of what was heard
+  double power = 0.0;     ///< of what was captured
   double expected = 0.0;  ///< power of the model
   std::size_t bins = 0;
 };
@@ -56,14 +58,14 @@ struct Equations {
 /// What one bin adds.
 class Bins {
  public:
-  Bins(const HeardWindow& window, PathShape shape)
+  Bins(const CapturedWindow& window, PathShape shape)
       : window_(window), free_(shape == PathShape::Free ? kFree : 2) {}
 
   int free() const { return free_; }
 
   Equations equations(const PathModel& model) const {
     Equations sum;
-    for (auto b = window_.lowest_bin; b + 1 < window_.heard.size(); ++b) add(b, model, sum);
+    for (auto b = window_.lowest_bin; b + 1 < window_.captured.size(); ++b) add(b, model, sum);
     const auto belief = shape_of(model);
     sum.cost = sum.error + belief.squaredNorm() / (kShapeDeviation * kShapeDeviation);
     for (int k = 2; k < free_; ++k) {
@@ -79,15 +81,15 @@ class Bins {
     const double weight = 2.0 / window_.noise[b];  // a complex bin is two measurements
     const Complex profile = window_.profile.empty() ? Complex{1.0} : window_.profile[b];
     const Complex expected = model.at(w) * profile * window_.played[b];
-    const Complex rest = window_.heard[b] - expected;
+    const Complex rest = window_.captured[b] - expected;
     sum.error += weight * std::norm(rest);
-    sum.power += weight * std::norm(window_.heard[b]);
+    sum.power += weight * std::norm(window_.captured[b]);
     sum.expected += weight * std::norm(expected);
     ++sum.bins;
     const auto slope = derivatives(w);
     const double strength = weight * std::norm(expected);
     const Complex pull = weight * std::conj(expected) * rest;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(free_); ++i) {
+    for (std::size_t i = 0; i < index(free_); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       sum.gradient[row] += slope[i] * (kImaginary[i] ? pull.imag() : pull.real());
       for (std::size_t j = 0; j <= i; ++j)
@@ -96,7 +98,7 @@ class Bins {
     }
   }
 
-  const HeardWindow& window_;
+  const CapturedWindow& window_;
   int free_;
 };
 
@@ -128,7 +130,7 @@ Spectrum PathModel::spectrum(std::size_t size, const Spectrum& profile) const {
   return all;
 }
 
-PathFit fit_path(const HeardWindow& window, const PathModel& start, PathShape shape) {
+PathFit fit_path(const CapturedWindow& window, const PathModel& start, PathShape shape) {
   const Bins bins{window, shape};
   PathModel model = start;
   auto equations = bins.equations(model);

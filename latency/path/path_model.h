@@ -32,12 +32,12 @@ struct PathModel {
   Spectrum spectrum(std::size_t size, const Spectrum& profile) const;
 };
 
-/// What was played and what was heard of it, in the same window.
-struct HeardWindow {
+/// What was played and what was captured of it, in the same window.
+struct CapturedWindow {
   std::size_t size = 0;  ///< of the transforms
   Spectrum played;       ///< the waveform, at the window's beginning
-  Spectrum heard;
-  std::vector<double> noise;  ///< power of what is only noise in `heard`, bin by bin
+  Spectrum captured;
+  std::vector<double> noise;  ///< power of what is only noise in `captured`, bin by bin
   Spectrum profile;           ///< P; empty: 1
   std::size_t lowest_bin = 1;
 };
@@ -48,7 +48,7 @@ struct PathFit {
   double delay_deviation = 0.0;  ///< [frames] as the noise makes it
   double chi_squared = 0.0;      ///< per bin: 1 when the model explains all but the noise
   double strength = 0.0;         ///< of the path, in standard deviations of what the model leaves over
-  double misfit = 0.0;           ///< share of the heard power, weighted as the fit, that it does not explain
+  double misfit = 0.0;  ///< share of the captured power, weighted as the fit, that it does not explain
 };
 
 /// Which of the model's numbers are free besides delay and gain.
@@ -57,6 +57,6 @@ enum class PathShape { Kept, Free };
 /// [control] Least squares over all bins from the lowest, each weighted by 1 / noise: Levenberg–Marquardt
 /// from `start`, whose delay must be right to a frame. For normal noise and a path that has the model's
 /// shape, this is the maximum-likelihood estimate.
-PathFit fit_path(const HeardWindow& window, const PathModel& start, PathShape shape);
+PathFit fit_path(const CapturedWindow& window, const PathModel& start, PathShape shape);
 
 }  // namespace tactus

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -27,8 +28,8 @@ double loudest(const Spectrum& spectrum) {
   return highest;
 }
 
-/// heard / played where something was played, faded out towards the ends of that band.
-Spectrum divided(const HeardWindow& window, const Spectrum& heard) {
+/// captured / played where something was played, faded out towards the ends of that band.
+Spectrum divided(const CapturedWindow& window, const Spectrum& captured) {
   const double least = kPlayed * loudest(window.played);
   std::size_t low = window.played.size(), high = 0;
   for (std::size_t b = 1; b < window.played.size(); ++b) {
@@ -36,13 +37,14 @@ Spectrum divided(const HeardWindow& window, const Spectrum& heard) {
     low = std::min(low, b);
     high = b;
   }
-  Spectrum ratio(heard.size());
+  Spectrum ratio(captured.size());
   for (auto b = low; b <= high; ++b) {
     const double to_low = static_cast<double>(b - low) / static_cast<double>(low + 1);
     const double to_high = static_cast<double>(high - b) / (0.2 * static_cast<double>(high));
     const double fade = (0.5 - 0.5 * std::cos(pi * std::min(1.0, to_low))) *
                         (0.5 - 0.5 * std::cos(pi * std::min(1.0, to_high)));
-    ratio[b] = fade * heard[b] * std::conj(window.played[b]) / std::max(std::norm(window.played[b]), least);
+    ratio[b] =
+        fade * captured[b] * std::conj(window.played[b]) / std::max(std::norm(window.played[b]), least);
   }
   return ratio;
 }
@@ -97,8 +99,8 @@ std::size_t highest_power(const std::vector<double>& power) {
 
 }  // namespace
 
-std::vector<double> Response::deconvolved(const Spectrum& heard) const {
-  return fourier_.inverse(divided(window_, heard));
+std::vector<double> Response::deconvolved(const Spectrum& captured) const {
+  return fourier_.inverse(divided(window_, captured));
 }
 
 std::vector<ResponsePoint> Response::spectrum() const {
@@ -115,7 +117,7 @@ std::vector<ResponsePoint> Response::spectrum() const {
       const double played_power = std::norm(window_.played[b]);
       if (!(played_power > least)) continue;
       const double w = angular_frequency(b, window_.size);
-      const auto ratio = window_.heard[b] / window_.played[b];
+      const auto ratio = window_.captured[b] / window_.played[b];
       answer += ratio * std::polar(1.0, w * model_.delay_frames);
       power += std::norm(ratio);
       noise += window_.noise[b] / played_power;
@@ -141,11 +143,12 @@ std::vector<BandDelay> Response::group_delay(double at) const {
         continue;
       const double w = angular_frequency(b, window_.size);
       band.w.push_back(w);
-      band.answer.push_back(window_.heard[b] / window_.played[b] * std::polar(1.0, w * model_.delay_frames));
+      band.answer.push_back(window_.captured[b] / window_.played[b] *
+                            std::polar(1.0, w * model_.delay_frames));
       band.weight.push_back(played_power / window_.noise[b]);
       alone[b] = band.weight.back() * band.answer.back();
       noise += window_.noise[b];
-      power += std::norm(window_.heard[b]);
+      power += std::norm(window_.captured[b]);
     }
     if (band.w.size() < 8 || power < 4.0 * noise) continue;
     double delay = highest_place(fourier_.inverse(alone)), certainty = 0.0;
@@ -160,15 +163,14 @@ std::vector<BandDelay> Response::group_delay(double at) const {
 }
 
 std::vector<double> Response::impulse(int& first) const {
-  const auto answer = deconvolved(window_.heard);
+  const auto answer = deconvolved(window_.captured);
   const auto size = static_cast<int>(answer.size());
   const auto centre = static_cast<int>(std::lround(model_.delay_frames));
   const auto before = static_cast<int>(0.005 * sample_rate_.value),
              after = static_cast<int>(0.025 * sample_rate_.value);
   first = centre - before;
   std::vector<double> impulse;
-  for (int n = first; n < centre + after; ++n)
-    impulse.push_back(answer[static_cast<std::size_t>((n + size) % size)]);
+  for (int n = first; n < centre + after; ++n) impulse.push_back(answer[index((n + size) % size)]);
   return impulse;
 }
 
@@ -177,7 +179,7 @@ Response::Echo Response::echo() const {
   Spectrum direct(path.size()), rest(path.size());
   for (auto b = window_.lowest_bin; b < path.size(); ++b) {
     direct[b] = path[b] * window_.played[b];
-    rest[b] = window_.heard[b] - direct[b];
+    rest[b] = window_.captured[b] - direct[b];
   }
   const auto power_of = [&](const Spectrum& spectrum) {
     auto answer = deconvolved(spectrum);
@@ -190,7 +192,7 @@ Response::Echo Response::echo() const {
   const auto size = static_cast<std::int64_t>(left.size());
   // What stands at the path itself is its shape.
   const auto at = static_cast<std::int64_t>(highest_power(main));
-  for (auto n = at - kAtPath; n <= at + kAtPath; ++n) left[static_cast<std::size_t>((n + size) % size)] = 0.0;
+  for (auto n = at - kAtPath; n <= at + kAtPath; ++n) left[index((n + size) % size)] = 0.0;
   Echo echo;
   for (int k = 0; k < 3; ++k) {
     const auto place = static_cast<std::int64_t>(highest_power(left));
@@ -198,11 +200,10 @@ Response::Echo Response::echo() const {
       const auto from_main = place - at;
       echo.frames =
           static_cast<int>(std::remainder(static_cast<double>(from_main), static_cast<double>(size)));
-      echo.level_db =
-          power_to_db(left[static_cast<std::size_t>(place)] / *std::max_element(main.begin(), main.end()));
+      echo.level_db = power_to_db(left[index(place)] / *std::max_element(main.begin(), main.end()));
     }
     for (auto n = place - 8; n <= place + 8; ++n) {
-      auto& value = left[static_cast<std::size_t>((n + size) % size)];
+      auto& value = left[index((n + size) % size)];
       echo.share += value / all;
       value = 0.0;
     }
@@ -210,13 +211,13 @@ Response::Echo Response::echo() const {
   return echo;
 }
 
-std::array<std::optional<double>, 4> harmonics(const HeardWindow& window, const PathModel& model,
+std::array<std::optional<double>, 4> harmonics(const CapturedWindow& window, const PathModel& model,
                                                const ExponentialSweep& sweep, Hertz sample_rate,
                                                Fourier& fourier) {
   constexpr double kHalf = 0.004;          // seconds around each response
   constexpr double kNowhere = 12.5;        // no whole order: what stands there is noise
   constexpr double kFundamental = 1000.0;  // Hz
-  const auto answer = fourier.inverse(divided(window, window.heard));
+  const auto answer = fourier.inverse(divided(window, window.captured));
   const auto size = static_cast<std::int64_t>(answer.size());
   const auto half = static_cast<std::int64_t>(kHalf * sample_rate.value);
   const double growth = frames_in(sweep.growth(), sample_rate);
@@ -227,7 +228,7 @@ std::array<std::optional<double>, 4> harmonics(const HeardWindow& window, const 
     for (auto n = centre - half; n < centre + half; ++n) {
       const double fade =
           0.5 + 0.5 * std::cos(pi * static_cast<double>(n - centre) / static_cast<double>(half));
-      piece.push_back(std::sqrt(fade) * answer[static_cast<std::size_t>((n % size + size) % size)]);
+      piece.push_back(std::sqrt(fade) * answer[index((n % size + size) % size)]);
     }
     const auto spectrum = fourier.forward(piece);
     const double bins_per_hertz = static_cast<double>(fourier.size()) / sample_rate.value;

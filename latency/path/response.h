@@ -17,7 +17,7 @@ namespace tactus {
 /// and the fit's delay counts from there.
 class Response {
  public:
-  Response(const HeardWindow& window, const PathModel& model, Hertz sample_rate, Fourier& fourier)
+  Response(const CapturedWindow& window, const PathModel& model, Hertz sample_rate, Fourier& fourier)
       : window_(window), model_(model), sample_rate_(sample_rate), fourier_(fourier) {}
 
   /// [control] Twelve points an octave, where something was played.
@@ -39,18 +39,18 @@ class Response {
   double hertz(std::size_t bin) const {
     return static_cast<double>(bin) * sample_rate_.value / static_cast<double>(window_.size);
   }
-  std::vector<double> deconvolved(const Spectrum& heard) const;
+  std::vector<double> deconvolved(const Spectrum& captured) const;
 
-  const HeardWindow& window_;
+  const CapturedWindow& window_;
   const PathModel& model_;
   Hertz sample_rate_;
   Fourier& fourier_;
 };
 
 /// [control] H2 … H5 in dB below the fundamental, for fundamentals around 1 kHz: the responses that stand
-/// before the linear one in what was heard of an exponential sweep. Nothing where noise is
+/// before the linear one in what was captured of an exponential sweep. Nothing where noise is
 /// stronger, or below -90 dB.
-std::array<std::optional<double>, 4> harmonics(const HeardWindow& window, const PathModel& model,
+std::array<std::optional<double>, 4> harmonics(const CapturedWindow& window, const PathModel& model,
                                                const ExponentialSweep& sweep, Hertz sample_rate,
                                                Fourier& fourier);
 

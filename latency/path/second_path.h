@@ -14,8 +14,8 @@ struct SecondPath {
   double level_db = 0.0;                       ///< beside the path
 };
 
-/// [control] Searches what is left of the recording once the path is taken away. It has to be heard of most
-/// sweeps: where frames are lost, some are heard at one delay and the others at another.
+/// [control] Searches what is left of the recording once the path is taken away. It has to be captured of
+/// most sweeps: where frames are lost, some are captured at one delay and the others at another.
 std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearch& search);
 
 }  // namespace tactus

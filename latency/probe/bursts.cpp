@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "engine/core/index.h"
 #include "latency/estimation/loop_recording.h"
 
 namespace tactus {
@@ -44,7 +45,7 @@ std::optional<Burst> as_repetition(std::span<const double> played, const Burst& 
   for (std::int64_t k = 0; k <= 2 * kBurstsSearch && highest < kSame; ++k) {
     const auto at = burst.at + (k % 2 == 0 ? -k / 2 : (k + 1) / 2);
     if (at < 0 || at + length > static_cast<std::int64_t>(played.size())) continue;
-    const auto here = played.subspan(static_cast<std::size_t>(at), waveform.size());
+    const auto here = played.subspan(index(at), waveform.size());
     const double common = product(here, waveform);
     const double alike = common * common / (product(here, here) * product(waveform, waveform));
     if (!(alike > highest)) continue;
@@ -66,7 +67,7 @@ struct Group {
 
 std::vector<Group> grouped(std::span<const double> played, std::vector<Burst> bursts) {
   const auto loudness = [&](const Burst& burst) {
-    return peak(played.subspan(static_cast<std::size_t>(burst.at), static_cast<std::size_t>(burst.frames)));
+    return peak(played.subspan(index(burst.at), index(burst.frames)));
   };
   std::stable_sort(bursts.begin(), bursts.end(),
                    [&](const Burst& a, const Burst& b) { return loudness(a) > loudness(b); });
@@ -79,8 +80,7 @@ std::vector<Group> grouped(std::span<const double> played, std::vector<Burst> bu
       if (repetition) break;
     }
     if (repetition) continue;
-    const auto waveform =
-        played.subspan(static_cast<std::size_t>(burst.at), static_cast<std::size_t>(burst.frames));
+    const auto waveform = played.subspan(index(burst.at), index(burst.frames));
     groups.push_back({{waveform.begin(), waveform.end()}, {burst}});
   }
   return groups;
@@ -104,7 +104,7 @@ std::optional<Burst> PlayedBursts::pilot(Hertz sample_rate) const {
 
 bool repeats(std::span<const double> samples, std::span<const double> waveform) {
   // With room before and behind, for what is missing at the soft beginning.
-  std::vector<double> roomy(static_cast<std::size_t>(kBurstsSearch), 0.0);
+  std::vector<double> roomy(index(kBurstsSearch), 0.0);
   roomy.insert(roomy.end(), samples.begin(), samples.end());
   roomy.resize(roomy.size() + 2 * kBurstsSearch, 0.0);
   return as_repetition(roomy, {kBurstsSearch, static_cast<std::int64_t>(samples.size()), 1.0}, waveform)

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -72,9 +74,7 @@ std::vector<double> pilot(Hertz sample_rate) {
   return samples;
 }
 
-Seconds SweepTrain::pause_after(int sweep) {
-  return Seconds{kPauses[static_cast<std::size_t>(sweep) % kPauses.size()]};
-}
+Seconds SweepTrain::pause_after(int sweep) { return Seconds{kPauses[index(sweep) % kPauses.size()]}; }
 
 double SweepTrain::gain(int sweep) { return sweep % 4 == 1 ? kSoftGain : 1.0; }
 

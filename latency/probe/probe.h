@@ -10,7 +10,7 @@ namespace tactus {
 /// A sine whose frequency f(t) = start * exp(t / growth) rises from `start` to `stop`, with amplitude 1
 /// between two raised-cosine edges:  s(t) = sin(2π start growth (exp(t / growth) - 1)),  growth = duration /
 /// ln(stop / start). A distortion of order k answers at time t with k f(t); in the deconvolved response it
-/// stands growth * ln k before the linear one. Source: A. Farina, "Simultaneous measurement of impulse
+/// lies growth * ln k before the linear one. Source: A. Farina, "Simultaneous measurement of impulse
 /// response and distortion with a swept-sine technique", AES 108, 2000.
 struct ExponentialSweep {
   Hertz start, stop;
@@ -25,7 +25,7 @@ struct ExponentialSweep {
 ExponentialSweep measuring_sweep(Hertz sample_rate);
 /// A shorter one, for finding the level.
 ExponentialSweep level_probe(Hertz sample_rate);
-/// Noise between -1 and 1 for half a second, the same on every machine: whatever part of it is heard
+/// Noise between -1 and 1 for half a second, the same on every machine: whatever part of it is captured
 /// tells where in it that part stands.
 std::vector<double> pilot(Hertz sample_rate);
 

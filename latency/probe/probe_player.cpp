@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/core/index.h"
 #include "latency/probe/probe.h"
 
 namespace tactus {
@@ -56,7 +57,7 @@ Status ProbePlayer::prepare(const StreamFormat& format) {
                                                          LevelSearch::kLongestDelay + kAfter * 2,
                                                      rate);
   played_.assign(capacity, 0.0);
-  heard_.assign(static_cast<std::size_t>(format.in_channels), played_);
+  captured_.assign(index(format.in_channels), played_);
   recorded_ = 0;
   end_frame_ = kNever;
   outcome_ = Outcome::Played;
@@ -148,7 +149,7 @@ void ProbePlayer::begin_sweeps() noexcept {
   before_ = health();
 }
 
-/// The search goes on with what was heard so far; sweeps that are cut short are of no use.
+/// The search goes on with what was captured so far; sweeps that are cut short are of no use.
 void ProbePlayer::mute() noexcept {
   if (stage_ == Stage::Level) {
     sounding_ = nullptr;
@@ -173,9 +174,9 @@ void ProbePlayer::observe(const BlockIo& io, std::int64_t first_frame) noexcept 
   const auto end = std::min<std::int64_t>(end_frame_, static_cast<std::int64_t>(played_.size()));
   const auto frames = std::clamp<std::int64_t>(end - first_frame, 0, io.frames);
   std::copy_n(io.out[0], frames, played_.begin() + static_cast<std::ptrdiff_t>(recorded_));
-  for (std::size_t c = 0; c < heard_.size(); ++c)
-    std::copy_n(io.in[c], frames, heard_[c].begin() + static_cast<std::ptrdiff_t>(recorded_));
-  recorded_ += static_cast<std::size_t>(frames);
+  for (std::size_t c = 0; c < captured_.size(); ++c)
+    std::copy_n(io.in[c], frames, captured_[c].begin() + static_cast<std::ptrdiff_t>(recorded_));
+  recorded_ += index(frames);
   if (stage_ == Stage::Done) done_.store(true, std::memory_order_release);
 }
 
@@ -191,7 +192,7 @@ LoopRecording ProbePlayer::take_recording() {
     return taken;
   };
   LoopRecording recording{format_.sample_rate, take(played_), {}};
-  for (auto& channel : heard_) recording.heard.push_back(take(channel));
+  for (auto& channel : captured_) recording.captured.push_back(take(channel));
   return recording;
 }
 

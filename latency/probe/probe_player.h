@@ -14,12 +14,12 @@
 namespace tactus {
 
 /// Plays one opening of a stream from beginning to end, and records it: finds the level (level.h), plays the
-/// sweeps and the pilot, listens until they are back, and is silent from then on. Stands inside a Guarded and
+/// sweeps and the pilot, waits until they are back, and is silent from then on. Runs inside a Guarded and
 /// is its tap too, because what went out behind the guard is what counts.
 ///
-/// It steers itself by frames: nobody on the control side has to be in time, and neither blocks nor clocks
+/// It steers itself by frames: the control side has no deadline, and neither blocks nor clocks
 /// change what is played. Within the frame in which the input comes to its end it falls silent, and then
-/// listens whether that helped.
+/// checks whether that helped.
 class ProbePlayer final : public BlockProcessor, public BlockTap {
  public:
   struct Script {
@@ -92,7 +92,7 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
   RingOutMonitor ring_out_;
 
   std::vector<double> played_;
-  std::vector<std::vector<double>> heard_;
+  std::vector<std::vector<double>> captured_;
   std::size_t recorded_ = 0;
   std::int64_t end_frame_ = 0;  ///< of the recording
 

@@ -26,9 +26,9 @@ double rms(const std::vector<double>& samples) {
   return std::sqrt(sum / static_cast<double>(samples.size()));
 }
 
-/// Noise of 20 dB less than what is heard.
+/// Noise of 20 dB less than what is captured.
 double noise_of(const test::Plant& plant) {
-  return 0.1 * rms(test::through_plant(plant, probe(), 0, 0.0, 1).heard[0]);
+  return 0.1 * rms(test::through_plant(plant, probe(), 0, 0.0, 1).captured[0]);
 }
 
 Calibration calibration_of(const test::Plant& plant, double noise) {
@@ -89,19 +89,19 @@ TEST_CASE("calibrate: the profile makes of a drive what the plant makes of it", 
     drive[n] = 0.2 * std::sin(2 * std::numbers::pi * (100.0 + 9500.0 * t) * t) *
                std::sin(std::numbers::pi * static_cast<double>(n) / 4800.0);
   }
-  const auto heard = test::through_plant(plant, drive, 0, 0.0, 1).heard[0];
+  const auto captured = test::through_plant(plant, drive, 0, 0.0, 1).captured[0];
   std::vector<double> error(9600);
   for (std::size_t n = 0; n < error.size(); ++n) {
     double sum = 0.0;
     for (std::size_t k = 0; k <= std::min(n, taps.size() - 1); ++k) sum += taps[k] * drive[n - k];
-    error[n] = sum - heard[n];
+    error[n] = sum - captured[n];
   }
-  CHECK(rms(error) < 0.01 * rms({heard.begin(), heard.begin() + 9600}));
+  CHECK(rms(error) < 0.01 * rms({captured.begin(), captured.begin() + 9600}));
 }
 
 TEST_CASE("calibrate: a sensor the other way round has the other polarity", "[latency]") {
   auto recording = test::through_plant(plant_named("woofer"), probe(), kElectrical, 1e-6, 1);
-  for (auto& sample : recording.heard[0]) sample = -sample;
+  for (auto& sample : recording.captured[0]) sample = -sample;
   CalibrationSettings settings;
   settings.electrical_frames = kElectrical;
   CHECK(calibrate(recording, settings)->polarity == -1);
@@ -110,14 +110,14 @@ TEST_CASE("calibrate: a sensor the other way round has the other polarity", "[la
 TEST_CASE("calibrate: what is no measurement is refused", "[latency]") {
   CalibrationSettings settings;
   auto recording = test::through_plant(plant_named("woofer"), probe(), 0, 1e-6, 1);
-  SECTION("nothing heard") {
-    for (auto& sample : recording.heard[0]) sample = 0.0;
+  SECTION("nothing captured") {
+    for (auto& sample : recording.captured[0]) sample = 0.0;
     CHECK(calibrate(recording, settings)->finding.verdict == Verdict::NoSignal);
   }
   SECTION("too much noise") {
     recording =
         test::through_plant(plant_named("woofer"), probe(), 0, 3.0 * noise_of(plant_named("woofer")), 1);
-    for (auto& sample : recording.heard[0]) sample *= 0.01;  // so that nothing clips
+    for (auto& sample : recording.captured[0]) sample *= 0.01;  // so that nothing clips
     CHECK(calibrate(recording, settings)->finding.verdict == Verdict::LowSnr);
   }
   SECTION("a delay below zero") {

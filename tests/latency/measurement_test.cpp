@@ -55,7 +55,7 @@ TEST_CASE("measurement: a path of four seconds is waited for", "[latency][measur
   CHECK(measurement.delay_frames == Approx(200000.0).epsilon(0).margin(1e-3));
   const auto& recording = measurement.openings.front().recording;
   const auto sweeps = static_cast<std::ptrdiff_t>(recording.played.size()) - 410000;
-  CHECK(loudest({recording.heard[0].begin() + sweeps, recording.heard[0].end()}) < kTooLoud);
+  CHECK(loudest({recording.captured[0].begin() + sweeps, recording.captured[0].end()}) < kTooLoud);
 }
 
 TEST_CASE("measurement: in a howl the output is silent from the frame on in which the input is at its end",
@@ -68,14 +68,15 @@ TEST_CASE("measurement: in a howl the output is silent from the frame on in whic
   expect(measurement, Verdict::Feedback);
   REQUIRE(measurement.openings.size() == 1);
   const auto& recording = measurement.openings.front().recording;
-  const auto& heard = recording.heard[0];
-  const auto loud = std::find_if(heard.begin(), heard.end(), [](double x) { return std::abs(x) > kTooLoud; });
-  REQUIRE(loud != heard.end());
-  const auto at = loud - heard.begin();
+  const auto& captured = recording.captured[0];
+  const auto loud =
+      std::find_if(captured.begin(), captured.end(), [](double x) { return std::abs(x) > kTooLoud; });
+  REQUIRE(loud != captured.end());
+  const auto at = loud - captured.begin();
   REQUIRE(loudest({recording.played.begin() + at - 10, recording.played.begin() + at}) >
           1e-4);  // it was playing
   CHECK(loudest({recording.played.begin() + at, recording.played.end()}) == 0.0);
-  CHECK(heard.size() - static_cast<std::size_t>(at) > 14000);  // 0.3 s in which it went on
+  CHECK(captured.size() - static_cast<std::size_t>(at) > 14000);  // 0.3 s in which it went on
 }
 
 TEST_CASE("measurement: nothing is ever louder than allowed, by the settings or by the guard",
@@ -117,7 +118,7 @@ TEST_CASE("measurement: five openings last less than 30 s, whatever the delay up
   CHECK(seconds < 30.0);
 }
 
-TEST_CASE("measurement: neither blocks nor the time that passes change what is played and heard",
+TEST_CASE("measurement: neither blocks nor the time that passes change what is played and captured",
           "[latency][measurement]") {
   const auto once = [&](int block) {
     auto settings = on_a_wire();
@@ -127,7 +128,7 @@ TEST_CASE("measurement: neither blocks nor the time that passes change what is p
   const auto first = once(64), again = once(64), longer = once(512), odd = once(17);
   for (const auto* other : {&again, &longer, &odd}) {
     CHECK(other->openings[0].recording.played == first.openings[0].recording.played);
-    CHECK(other->openings[0].recording.heard == first.openings[0].recording.heard);
+    CHECK(other->openings[0].recording.captured == first.openings[0].recording.captured);
   }
 }
 
@@ -194,5 +195,5 @@ TEST_CASE("probe_player: nothing is allocated while it plays", "[latency][measur
   CHECK(player.done());
   CHECK(player.outcome() == ProbePlayer::Outcome::Played);
   CHECK(blocks > 5000);
-  CHECK(player.take_recording().heard[0].size() > 240000);
+  CHECK(player.take_recording().captured[0].size() > 240000);
 }

@@ -63,7 +63,7 @@ inline LoopRecording through_plant(const Plant& plant, const std::vector<double>
   std::mt19937_64 random{seed};
   std::normal_distribution<double> normal;
   for (auto& sample : out) sample += noise * normal(random);
-  recording.heard.push_back(std::move(out));
+  recording.captured.push_back(std::move(out));
   return recording;
 }
 

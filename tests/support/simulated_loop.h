@@ -36,15 +36,15 @@ struct SimulatedLoop {
       const std::complex<double> s{0.0, w * sample_rate.value / (2 * std::numbers::pi)};
       for (const double corner : high_pass_hz) spectrum[b] *= s / (s + corner);
     }
-    auto heard = fourier.inverse(spectrum);
-    heard.resize(frames);
+    auto captured = fourier.inverse(spectrum);
+    captured.resize(frames);
     std::mt19937_64 random{seed};
     std::normal_distribution<double> normal;
-    for (auto& sample : heard) {
+    for (auto& sample : captured) {
       if (noise > 0.0) sample += noise * normal(random);
       if (bits > 0) sample = quantised(sample);
     }
-    LoopRecording recording{sample_rate, played, {std::move(heard)}};
+    LoopRecording recording{sample_rate, played, {std::move(captured)}};
     recording.played.resize(frames, 0.0);
     return recording;
   }

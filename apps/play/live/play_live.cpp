@@ -14,6 +14,7 @@
 #include "apps/play/live/session_report.h"
 #include "apps/play/save_rig.h"
 #include "backends/realtime_thread.h"
+#include "engine/core/index.h"
 
 namespace tactus::app {
 namespace {
@@ -103,7 +104,7 @@ class LivePlay {
   }
   void choose(int step) {
     const auto count = static_cast<int>(session_.controls().all().size());
-    if (count > 0) chosen_ = static_cast<std::size_t>((static_cast<int>(chosen_) + step + count) % count);
+    if (count > 0) chosen_ = index((static_cast<int>(chosen_) + step + count) % count);
   }
   void turn(double share) {
     if (chosen_ >= session_.controls().all().size()) return;

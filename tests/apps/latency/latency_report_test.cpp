@@ -17,7 +17,7 @@ constexpr double kDelay = 960.25;
 /// A cable with a coupling capacitor: a delayed pulse, noise 90 dB below, eight sweeps.
 Analysis cable() {
   Analysis analysis;
-  analysis.heard = true;
+  analysis.detected = true;
   analysis.delay_frames = kDelay;
   analysis.standard_error_frames = 0.0004;
   analysis.bound_frames = 0.0003;
@@ -91,8 +91,8 @@ TEST_CASE("latency report: the delay comes first, in frames and ms, with as many
           "[latency]") {
   const auto text = text_of(five_openings());
   CHECK(text.starts_with("delay          960.2500 ± 0.0004 frames, 20.005208 ± 0.000008 ms\n"));
-  contains(text, "driver says    1024 frames: 63.8 frames more than measured\n");
-  contains(text, "gaps           none heard; 2 counted by the driver, 0 frames\n");
+  contains(text, "driver         1024 frames: 63.8 frames more than measured\n");
+  contains(text, "gaps           none detected; 2 counted by the driver, 0 frames\n");
   contains(text, "path           -6.02 dB, inverted, 12 Hz to 20.1 kHz within 3 dB\n");
   contains(text, "distortion     H2 -80 dB, H3 -91 dB\n");
   contains(text, "clock          drift 0.01 ± 0.02 ppm\n");

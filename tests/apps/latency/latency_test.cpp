@@ -61,14 +61,14 @@ class Desk {
 /// As a cable of so many frames brings it, and silence behind.
 Samples later(const Samples& probe, int frames, double gain) {
   const CounterNoise noise{3, 0};
-  Samples heard{probe.sample_rate, {{}}};
-  auto& channel = heard.channels.front();
+  Samples captured{probe.sample_rate, {{}}};
+  auto& channel = captured.channels.front();
   channel.assign(static_cast<std::size_t>(frames), 0.0);
   for (const double sample : probe.channels.front()) channel.push_back(gain * sample);
   channel.resize(channel.size() + 24000, 0.0);
   for (std::size_t n = 0; n < channel.size(); ++n)
     channel[n] += 1e-4 * noise.gaussian(static_cast<std::int64_t>(n));
-  return heard;
+  return captured;
 }
 
 void says(const Ran& ran, int exit, const std::string& words) {
@@ -172,13 +172,13 @@ TEST_CASE("latency analyze: files that cannot be are told one by one, with exit 
   const auto analyze = [&](const std::string& arguments) { return desk.run("latency analyze " + arguments); };
   says(analyze("nowhere.wav --probe probe.wav"), 3, "nowhere.wav: there is no such file");
   says(analyze("capture.wav --probe nowhere.wav"), 3, "nowhere.wav: there is no such file");
-  says(analyze("empty.wav --probe probe.wav"), 3, "empty.wav: it holds no samples");
-  says(analyze("capture.wav --probe empty.wav"), 3, "empty.wav: it holds no samples");
+  says(analyze("empty.wav --probe probe.wav"), 3, "empty.wav: it contains no samples");
+  says(analyze("capture.wav --probe empty.wav"), 3, "empty.wav: it contains no samples");
   says(analyze("short.wav --probe probe.wav"), 1, "NO_SIGNAL");
-  says(analyze("slow.wav --probe probe.wav"), 3, "its header says 10 Hz");
+  says(analyze("slow.wav --probe probe.wav"), 3, "its header has 10 Hz");
   says(analyze("nan.wav --probe probe.wav"), 3, "some of its samples are no numbers");
   says(analyze("text.wav --probe probe.wav"), 3, "cannot be read as a WAV file");
-  says(analyze("capture.wav"), 3, "it has one channel, and nothing says what was played");
+  says(analyze("capture.wav"), 3, "it has one channel, and the probe is not given");
   CHECK(analyze("capture.wav --probe noise.wav").exit == 3);
 }
 
@@ -199,7 +199,7 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   says(desk.run("latency measure --backend none"), 2, "no backend 'none'");
   says(desk.run("latency measure --out 0"), 2, "--out");
   says(desk.run("latency measure --rig nowhere.toml"), 3, "nowhere.toml");
-  says(desk.run("latency measure --rig nowhere.toml --block 64"), 2, "--block: does not go with --rig");
+  says(desk.run("latency measure --rig nowhere.toml --block 64"), 2, "--block: cannot be combined with --rig");
   says(desk.run("latency measure --device loop:20ms --input 3"), 2, "'loop:20ms' has no input 3");
   says(desk.run("latency measure --device loop:20ms --output 3"), 2, "'loop:20ms' has no output 3");
   says(desk.run("latency measure --device loop:nothing"), 4, "nothing");

@@ -97,8 +97,8 @@ TEST_CASE("analysis: coupling capacitors change the delay by no more than the no
 
 TEST_CASE("analysis: DC and hum are told from what was played", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = 0.1, .noise = 1e-5}.record(probe(), 48_kHz);
-  for (std::size_t n = 0; n < recording.heard[0].size(); ++n)
-    recording.heard[0][n] +=
+  for (std::size_t n = 0; n < recording.captured[0].size(); ++n)
+    recording.captured[0][n] +=
         0.05 + 0.1 * std::sin(2 * std::numbers::pi * 50.0 / 48000.0 * static_cast<double>(n));
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "ok");
@@ -111,11 +111,11 @@ TEST_CASE("analysis: 50 ppm of drift are found within 1 ppm, and the delay in th
           "[latency]") {
   const double ppm = GENERATE(50.0, -50.0, 3.0, 400.0);
   auto recording = SimulatedLoop{.delay_frames = 960.25}.record(probe(), 48_kHz);
-  recording.heard[0] = at_speed(recording.heard[0], 1.0 / (1.0 + 1e-6 * ppm));
+  recording.captured[0] = at_speed(recording.captured[0], 1.0 / (1.0 + 1e-6 * ppm));
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "CLOCKS_DIFFER");
   CHECK(analysis.drift_ppm == Approx(ppm).epsilon(0).margin(0.01));
-  // What was played at t is heard at (t + 960.25)(1 + ppm).
+  // What was played at t is captured at (t + 960.25)(1 + ppm).
   const double middle =
       0.5 * static_cast<double>(analysis.sweeps.front().played_at + analysis.sweeps.back().played_at + 16800);
   // Where a sweep begins is known within 100 frames: its first ones are too soft.
@@ -125,7 +125,7 @@ TEST_CASE("analysis: 50 ppm of drift are found within 1 ppm, and the delay in th
 
 TEST_CASE("analysis: harmonics are those of the polynomial that makes them", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25}.record(probe(), 48_kHz);
-  for (auto& x : recording.heard[0]) x += 0.1 * x * x + 0.2 * x * x * x;
+  for (auto& x : recording.captured[0]) x += 0.1 * x * x + 0.2 * x * x * x;
   const auto analysis = analysis_of(recording);
   // a sine of 0.25: x² gives 0.1 * 0.25 / 2 of it at 2 f; x³ gives 0.2 * 0.25² / 4 at 3 f and 3 times that at
   // f
@@ -152,27 +152,29 @@ TEST_CASE("analysis: group delay by octave is that of the high pass", "[latency]
   CHECK(analysis.group_delay.size() >= 9);
 }
 
-TEST_CASE("analysis: nothing is heard where there is nothing", "[latency]") {
+TEST_CASE("analysis: nothing is detected where there is nothing", "[latency]") {
   auto recording = SimulatedLoop{.gain = 0.0, .noise = 1e-3, .bits = 16}.record(probe(), 48_kHz);
   const auto what = GENERATE(as<std::string>{}, "noise", "silence", "tone", "click", "DC");
-  auto& heard = recording.heard[0];
-  if (what == "click") heard[100000] = 0.5;
-  if (what != "noise" && what != "click") std::fill(heard.begin(), heard.end(), what == "DC" ? 0.3 : 0.0);
+  auto& captured = recording.captured[0];
+  if (what == "click") captured[100000] = 0.5;
+  if (what != "noise" && what != "click")
+    std::fill(captured.begin(), captured.end(), what == "DC" ? 0.3 : 0.0);
   if (what == "tone")
-    for (std::size_t n = 0; n < heard.size(); ++n) heard[n] = 0.01 * std::sin(0.1 * static_cast<double>(n));
+    for (std::size_t n = 0; n < captured.size(); ++n)
+      captured[n] = 0.01 * std::sin(0.1 * static_cast<double>(n));
   CAPTURE(what);
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "NO_SIGNAL");
-  CHECK_FALSE(analysis.heard);
+  CHECK_FALSE(analysis.detected);
   CHECK(analysis.finding.remedy.find("cable") != std::string::npos);
 }
 
 TEST_CASE("analysis: a signal on another input is found there", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 500.0, .noise = 1e-4}.record(probe(), 48_kHz);
-  recording.heard.insert(
-      recording.heard.begin(),
-      SimulatedLoop{.gain = 0.0, .noise = 1e-4, .seed = 5}.record(probe(), 48_kHz).heard[0]);
-  recording.heard[0].resize(recording.heard[1].size());
+  recording.captured.insert(
+      recording.captured.begin(),
+      SimulatedLoop{.gain = 0.0, .noise = 1e-4, .seed = 5}.record(probe(), 48_kHz).captured[0]);
+  recording.captured[0].resize(recording.captured[1].size());
   const auto analysis = analysis_of(recording, 0);
   CHECK(verdict(analysis) == "WRONG_CHANNEL");
   CHECK(analysis.finding.what.find("on input 2") != std::string::npos);
@@ -181,11 +183,11 @@ TEST_CASE("analysis: a signal on another input is found there", "[latency]") {
 
 TEST_CASE("analysis: lost, repeated and silenced frames are found where they are", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = 0.5, .noise = 1e-4}.record(probe(), 48_kHz);
-  auto& heard = recording.heard[0];
-  const auto at = [&](int frame) { return heard.begin() + frame; };
+  auto& captured = recording.captured[0];
+  const auto at = [&](int frame) { return captured.begin() + frame; };
   SECTION("lost between sweeps") {
-    heard.erase(at(88000), at(88064));
-    heard.resize(recording.played.size());
+    captured.erase(at(88000), at(88064));
+    captured.resize(recording.played.size());
     const auto analysis = analysis_of(recording);
     CHECK(verdict(analysis) == "LOST_FRAMES");
     REQUIRE(analysis.steps.size() == 1);
@@ -193,8 +195,8 @@ TEST_CASE("analysis: lost, repeated and silenced frames are found where they are
   }
   SECTION("repeated in the pilot") {
     const std::vector<double> again(at(215000), at(215128));
-    heard.insert(at(215128), again.begin(), again.end());
-    heard.resize(recording.played.size());
+    captured.insert(at(215128), again.begin(), again.end());
+    captured.resize(recording.played.size());
     const auto analysis = analysis_of(recording);
     CHECK(verdict(analysis) == "LOST_FRAMES");
     REQUIRE(analysis.steps.size() == 1);
@@ -213,11 +215,11 @@ TEST_CASE("analysis: lost, repeated and silenced frames are found where they are
 
 TEST_CASE("analysis: frames lost within the first sweep are told, too", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 1234.37, .noise = 1e-3}.record(probe(), 48_kHz);
-  auto& heard = recording.heard[0];
+  auto& captured = recording.captured[0];
   const int at = GENERATE(38000, 41000);  // 0.27 and 0.33 s into it
   const int frames = GENERATE(1, 2, 16);
-  heard.erase(heard.begin() + at, heard.begin() + at + frames);
-  heard.resize(recording.played.size());
+  captured.erase(captured.begin() + at, captured.begin() + at + frames);
+  captured.resize(recording.played.size());
   CHECK(verdict(analysis_of(recording)) == "LOST_FRAMES");
 }
 
@@ -255,32 +257,32 @@ TEST_CASE("analysis: of one burst nobody knows whether clocks differ", "[latency
 TEST_CASE("analysis: peaks that are cut a little are clipping, not lost frames", "[latency]") {
   const double top = GENERATE(0.24, 0.23, 0.21, 0.2);
   auto recording = SimulatedLoop{.delay_frames = 1234.37, .noise = 1e-4}.record(probe(), 48_kHz);
-  for (auto& x : recording.heard[0]) x = std::clamp(x, -top, top);
+  for (auto& x : recording.captured[0]) x = std::clamp(x, -top, top);
   CHECK(verdict(analysis_of(recording)) != "LOST_FRAMES");
 }
 
 TEST_CASE("analysis: an input at full scale is told", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = 4.2}.record(probe(), 48_kHz);
-  for (auto& x : recording.heard[0]) x = std::clamp(x, -1.0, 1.0);
+  for (auto& x : recording.captured[0]) x = std::clamp(x, -1.0, 1.0);
   CHECK(verdict(analysis_of(recording)) == "CLIPPING");
 }
 
 TEST_CASE("analysis: an amplifier that is overdriven below full scale is told", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25}.record(probe(), 48_kHz);
-  for (auto& x : recording.heard[0]) x = std::clamp(x, -0.1, 0.1);
+  for (auto& x : recording.captured[0]) x = std::clamp(x, -0.1, 0.1);
   CHECK(verdict(analysis_of(recording)) == "CLIPPING");
 }
 
-TEST_CASE("analysis: a second path is heard as one", "[latency]") {
+TEST_CASE("analysis: a second path is captured as one", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = 0.5, .noise = 1e-4}.record(probe(), 48_kHz);
-  const auto direct = recording.heard[0];
-  for (std::size_t n = 300; n < direct.size(); ++n) recording.heard[0][n] += 0.2 * direct[n - 300];
+  const auto direct = recording.captured[0];
+  for (std::size_t n = 300; n < direct.size(); ++n) recording.captured[0][n] += 0.2 * direct[n - 300];
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "DIRECT_MONITORING");
   CHECK(analysis.finding.what.find("+300 frames") != std::string::npos);
 }
 
-TEST_CASE("analysis: a second path is heard as one at any distance, before the first one or behind it",
+TEST_CASE("analysis: a second path is captured as one at any distance, before the first one or behind it",
           "[latency]") {
   const auto distance = GENERATE(-25000, -9000, 2500, 5000, 8500, 20000, 60000);
   const auto level = GENERATE(0.5, 0.3, 0.1, 0.02);
@@ -289,9 +291,9 @@ TEST_CASE("analysis: a second path is heard as one at any distance, before the f
       SimulatedLoop{.delay_frames = 30960.25, .gain = 0.5, .noise = 1e-5}.record(probe(), 48_kHz, 70000);
   const auto second =
       SimulatedLoop{.delay_frames = 30960.25 + distance, .gain = 0.5 * level}.record(probe(), 48_kHz, 0);
-  auto& heard = recording.heard[0];
-  for (std::size_t n = 0; n < std::min(heard.size(), second.heard[0].size()); ++n)
-    heard[n] += second.heard[0][n];
+  auto& captured = recording.captured[0];
+  for (std::size_t n = 0; n < std::min(captured.size(), second.captured[0].size()); ++n)
+    captured[n] += second.captured[0][n];
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "DIRECT_MONITORING");
   REQUIRE(analysis.echo_frames);
@@ -304,19 +306,19 @@ TEST_CASE("analysis: a second path is heard as one at any distance, before the f
 TEST_CASE("analysis: more frames lost than a sweep is searched for are no second path", "[latency]") {
   const auto at = GENERATE(0.3, 0.5, 0.7, 0.9);
   auto recording = SimulatedLoop{.delay_frames = 30960.25, .noise = 1e-4}.record(probe(), 48_kHz);
-  auto& heard = recording.heard[0];
-  const auto from = heard.begin() + static_cast<std::ptrdiff_t>(at * static_cast<double>(probe().size()));
-  heard.erase(from, from + 12000);
+  auto& captured = recording.captured[0];
+  const auto from = captured.begin() + static_cast<std::ptrdiff_t>(at * static_cast<double>(probe().size()));
+  captured.erase(from, from + 12000);
   CHECK(verdict(analysis_of(recording)) == "LOST_FRAMES");
 }
 
 TEST_CASE("analysis: of a recording that begins late or ends early, the whole sweeps count", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 960.25, .noise = 1e-4}.record(probe(), 48_kHz);
-  auto& heard = recording.heard[0];
+  auto& captured = recording.captured[0];
   const auto sweeps = find_bursts(probe(), 48_kHz)->repeated;
   REQUIRE(sweeps.size() == 8);
   SECTION("it ends within the fifth sweep") {
-    heard.resize(static_cast<std::size_t>(sweeps[4].end()));
+    captured.resize(static_cast<std::size_t>(sweeps[4].end()));
     const auto analysis = analysis_of(recording);
     CHECK(verdict(analysis) == "ok");
     CHECK(analysis.sweeps.size() == 4);
@@ -324,14 +326,14 @@ TEST_CASE("analysis: of a recording that begins late or ends early, the whole sw
   }
   SECTION("it begins within the second sweep") {
     const auto late = sweeps[1].at + 2000;
-    heard.erase(heard.begin(), heard.begin() + static_cast<std::ptrdiff_t>(late));
+    captured.erase(captured.begin(), captured.begin() + static_cast<std::ptrdiff_t>(late));
     const auto analysis = analysis_of(recording);
     CHECK(verdict(analysis) == "ok");
     CHECK(analysis.sweeps.size() == 6);
     CHECK(analysis.delay_frames == Approx(960.25 - static_cast<double>(late)).epsilon(0).margin(0.001));
   }
   SECTION("it has two from beginning to end") {
-    heard.resize(static_cast<std::size_t>(sweeps[2].end()));
+    captured.resize(static_cast<std::size_t>(sweeps[2].end()));
     const auto analysis = analysis_of(recording);
     CHECK(verdict(analysis) == "NO_SIGNAL");
     CHECK(analysis.finding.what == "less than three sweeps were recorded from beginning to end");
@@ -341,12 +343,12 @@ TEST_CASE("analysis: of a recording that begins late or ends early, the whole sw
 TEST_CASE("analysis: what comes before the first whole sweep is no noise", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 500.25, .gain = 0.1, .noise = 1e-4}.record(probe(), 48_kHz);
   const double noise_floor = analysis_of(recording).noise_floor_dbfs;
-  auto& heard = recording.heard[0];
-  SECTION("it begins within a sweep") { heard.erase(heard.begin(), heard.begin() + 30000); }
-  SECTION("it ends within the pilot") { heard.resize(208000); }
+  auto& captured = recording.captured[0];
+  SECTION("it begins within a sweep") { captured.erase(captured.begin(), captured.begin() + 30000); }
+  SECTION("it ends within the pilot") { captured.resize(208000); }
   SECTION("both") {
-    heard.resize(208000);
-    heard.erase(heard.begin(), heard.begin() + 30000);
+    captured.resize(208000);
+    captured.erase(captured.begin(), captured.begin() + 30000);
   }
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "ok");
@@ -357,33 +359,33 @@ TEST_CASE("analysis: what comes before the first whole sweep is no noise", "[lat
 TEST_CASE("analysis: silence within the first sweep is no cable's delay", "[latency]") {
   const auto frames = GENERATE(9000, 20000);
   auto recording = SimulatedLoop{.delay_frames = 500.25, .noise = 1e-4}.record(probe(), 48_kHz);
-  auto& heard = recording.heard[0];
-  heard.insert(heard.begin() + 30000, static_cast<std::size_t>(frames), 0.0);
+  auto& captured = recording.captured[0];
+  captured.insert(captured.begin() + 30000, static_cast<std::size_t>(frames), 0.0);
   CHECK(verdict(analysis_of(recording)) == "LOST_FRAMES");
 }
 
-TEST_CASE("analysis: a gap in the pilot is heard", "[latency]") {
+TEST_CASE("analysis: a gap in the pilot is captured", "[latency]") {
   const auto from = GENERATE(204000, 212000), frames = GENERATE(64, 500);
   auto recording = SimulatedLoop{.delay_frames = 500.25, .noise = 1e-4}.record(probe(), 48_kHz);
-  std::fill_n(recording.heard[0].begin() + from, frames, 0.0);
+  std::fill_n(recording.captured[0].begin() + from, frames, 0.0);
   CHECK(verdict(analysis_of(recording)) == "LOST_FRAMES");
 }
 
 TEST_CASE("analysis: hum is no signal", "[latency]") {
   auto recording = SimulatedLoop{.gain = 0.0, .noise = 1e-3}.record(probe(), 48_kHz);
   const double level = GENERATE(0.3, 0.1);
-  for (std::size_t n = 0; n < recording.heard[0].size(); ++n)
+  for (std::size_t n = 0; n < recording.captured[0].size(); ++n)
     for (int k = 1; k < 8; ++k)
-      recording.heard[0][n] +=
+      recording.captured[0][n] +=
           level / k * std::sin(2 * std::numbers::pi * 50.0 * k / 48000.0 * static_cast<double>(n));
   CHECK(verdict(analysis_of(recording)) == "NO_SIGNAL");
 }
 
 TEST_CASE("analysis: a gain that rises is told", "[latency]") {
   auto recording = SimulatedLoop{.delay_frames = 500.25, .noise = 1e-4}.record(probe(), 48_kHz);
-  auto& heard = recording.heard[0];
-  for (std::size_t n = 0; n < heard.size(); ++n)
-    heard[n] *= std::pow(2.0, static_cast<double>(n) / static_cast<double>(heard.size()));
+  auto& captured = recording.captured[0];
+  for (std::size_t n = 0; n < captured.size(); ++n)
+    captured[n] *= std::pow(2.0, static_cast<double>(n) / static_cast<double>(captured.size()));
   CHECK(verdict(analysis_of(recording)) == "AGC");
 }
 
@@ -401,14 +403,14 @@ TEST_CASE("analysis: a path that is no cable is refused, and measured with its p
   profile.low = 20_Hz;
   profile.high = 20_kHz;
   auto recording = SimulatedLoop{.delay_frames = 960.25, .gain = 0.1}.record(probe(), 48_kHz);
-  const auto direct = recording.heard[0];
+  const auto direct = recording.captured[0];
   Fourier fourier{direct.size() + profile.taps.size()};
   auto spectrum = fourier.forward(direct);
   const auto path = fourier.forward(profile.taps);
   for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= path[b];
-  recording.heard[0] = fourier.inverse(spectrum);
-  recording.heard[0].resize(direct.size());
-  for (auto& sample : recording.heard[0]) sample *= 0.02;  // the resonance amplifies by 40 dB
+  recording.captured[0] = fourier.inverse(spectrum);
+  recording.captured[0].resize(direct.size());
+  for (auto& sample : recording.captured[0]) sample *= 0.02;  // the resonance amplifies by 40 dB
   CHECK(verdict(analysis_of(recording)) == "NOT_FLAT");
 
   AnalysisSettings settings;
@@ -425,6 +427,6 @@ TEST_CASE("analysis: what cannot be analysed says why", "[latency]") {
   AnalysisSettings settings;
   settings.channel = 1;
   CHECK(analyze(recording, settings).error().what == "there is no input 2");
-  recording.heard[0].clear();
+  recording.captured[0].clear();
   CHECK(analyze(recording).error().what == "nothing was recorded");
 }

@@ -16,7 +16,7 @@ struct Path {
   int delay = 1;
   double noise_power = 1e-9;
 
-  LevelWindow heard(const std::vector<double>& played, int window) const {
+  LevelWindow captured(const std::vector<double>& played, int window) const {
     const int at = window - delay;
     const double level =
         at >= 0 && at < static_cast<int>(played.size()) ? played[static_cast<std::size_t>(at)] : 0.0;
@@ -37,12 +37,12 @@ Search search(const Path& path, LevelSearch::Settings settings = {0.003, 0.5, Se
   Search result;
   std::vector<double> played;
   for (; result.windows < level.most_windows(); ++result.windows) {
-    const auto heard = path.heard(played, result.windows);
-    if (heard.peak > LevelSearch::kTooLoud) {
+    const auto captured = path.captured(played, result.windows);
+    if (captured.peak > LevelSearch::kTooLoud) {
       played.resize(std::min(played.size(), static_cast<std::size_t>(result.windows)));
       level.overload();
     }
-    result.last = level.observe(heard);
+    result.last = level.observe(captured);
     if (result.last == Step::Probe) {
       result.levels.push_back(level.level());
       played.resize(static_cast<std::size_t>(result.windows) + 1);
@@ -86,7 +86,7 @@ TEST_CASE("level: it stays below the end of the input, even if that takes it bac
   CHECK(late.found.level == 0.048);
 }
 
-TEST_CASE("level: nothing heard is the loudest that is allowed, after five seconds of listening",
+TEST_CASE("level: nothing captured is the loudest that is allowed, after five seconds of listening",
           "[latency][level]") {
   const auto result = search({0.0, 1, 1e-9});
   CHECK(result.last == Step::Ready);

@@ -157,7 +157,7 @@ void accuracy(int count) {
                  trial.coupling_hz, trial.error);
 }
 
-/// Everything that is heard without a cable.
+/// Everything that is captured without a cable.
 std::vector<double> nothing(int number, std::size_t frames) {
   Draw draw{number};
   std::normal_distribution<double> normal;
@@ -166,15 +166,16 @@ std::vector<double> nothing(int number, std::size_t frames) {
   const double memory = number % 3 == 2 ? draw.between(0.5, 0.9999) : 0.0;
   const double step = draw.coin() ? std::exp2(-15) : std::exp2(-23);
   const double turn = 2 * pi * (draw.coin() ? 50.0 : 60.0) / kRate.value;
-  std::vector<double> heard(frames);
+  std::vector<double> captured(frames);
   double coloured = 0.0;
   for (std::size_t n = 0; n < frames; ++n) {
     coloured = memory * coloured + std::sqrt(1.0 - memory * memory) * normal(draw.random);
     const double at = turn * static_cast<double>(n);
-    heard[n] = loudness * coloured + hum * (std::sin(at) + 0.3 * std::sin(3 * at) + 0.1 * std::sin(5 * at));
-    heard[n] = std::clamp(std::round(heard[n] / step) * step, -1.0, 1.0);
+    captured[n] =
+        loudness * coloured + hum * (std::sin(at) + 0.3 * std::sin(3 * at) + 0.1 * std::sin(5 * at));
+    captured[n] = std::clamp(std::round(captured[n] / step) * step, -1.0, 1.0);
   }
-  return heard;
+  return captured;
 }
 
 void nothing(int count) {
@@ -204,9 +205,10 @@ void drift(int count) {
     loop.delay_frames = draw.between(0.0, 20000.0);
     const double ppm = n % 2 == 0 ? 50.0 : -50.0;
     auto recording = loop.record(stimulus.samples, kRate, 48000);
-    recording.heard[0] = at_speed(recording.heard[0], 1.0 / (1.0 + 1e-6 * ppm));
+    recording.captured[0] = at_speed(recording.captured[0], 1.0 / (1.0 + 1e-6 * ppm));
     std::normal_distribution<double> normal;
-    for (auto& sample : recording.heard[0]) sample += std::sqrt(stimulus.power * 1e-3) * normal(draw.random);
+    for (auto& sample : recording.captured[0])
+      sample += std::sqrt(stimulus.power * 1e-3) * normal(draw.random);
     const auto analysis = analyze(recording).value();
     told += analysis.finding.verdict == Verdict::ClocksDiffer;
     const double first = static_cast<double>(analysis.sweeps.front().played_at);
@@ -234,13 +236,14 @@ void paths(int count) {
   const Stimulus stimulus;
   constexpr int kElectrical = 960;
   fmt::print(
-      "| path | heard above the noise | loops | refused without its profile | refused with it | rms error | "
+      "| path | captured above the noise | loops | refused without its profile | refused with it | rms error "
+      "| "
       "worst error |\n");
   fmt::print("|---|---|---|---|---|---|---|\n");
   for (const auto& plant : test::plants())
     for (const double snr_db : {40.0, 20.0, 10.0}) {
       double power = 0.0;
-      const auto quiet = test::through_plant(plant, stimulus.samples, 0, 0.0, 1).heard[0];
+      const auto quiet = test::through_plant(plant, stimulus.samples, 0, 0.0, 1).captured[0];
       for (const double sample : quiet) power += sample * sample / static_cast<double>(quiet.size());
       const double noise = std::sqrt(power * std::pow(10.0, -snr_db / 10.0));
       CalibrationSettings calibrated;
@@ -278,7 +281,7 @@ void paths(int count) {
     }
 }
 
-/// One way to measure: what it plays, and what it makes of what is heard.
+/// One way to measure: what it plays, and what it makes of what is captured.
 struct Method {
   std::string name;
   std::vector<double> played;
@@ -295,10 +298,10 @@ std::vector<Method> methods(const Stimulus& stimulus) {
            }},
           {"cross-correlation, parabola", stimulus.samples,
            [](const LoopRecording& recording) {
-             return correlate_with_parabola(recording.played, recording.heard[0]);
+             return correlate_with_parabola(recording.played, recording.captured[0]);
            }},
           {"phases of five tones", five_tones(4 * 65536 + 65536, kLevel), [](const LoopRecording& recording) {
-             return phase_delay_of_tones(std::span{recording.heard[0]}.first(5 * 65536), 65536);
+             return phase_delay_of_tones(std::span{recording.captured[0]}.first(5 * 65536), 65536);
            }}};
 }
 

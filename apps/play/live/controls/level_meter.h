@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/core/index.h"
 #include "engine/guard/guarded.h"
 
 namespace tactus::app {
@@ -14,8 +15,7 @@ namespace tactus::app {
 /// The highest sample of each channel since the last look, and another tap behind it.
 class LevelMeter final : public BlockTap {
  public:
-  LevelMeter(int inputs, int outputs)
-      : inputs_(static_cast<std::size_t>(inputs)), outputs_(static_cast<std::size_t>(outputs)) {}
+  LevelMeter(int inputs, int outputs) : inputs_(index(inputs)), outputs_(index(outputs)) {}
 
   /// [control & stopped] It observes everything too, and outlives this or is removed with nullptr.
   void set_next(BlockTap* next) { next_ = next; }
