@@ -13,9 +13,8 @@ namespace {
 
 /// Points that can move; their slots come before those of all others.
 std::size_t moving_points(const NetworkElements& elements) {
-  return static_cast<std::size_t>(
-      std::count_if(elements.points.begin(), elements.points.end(),
-                    [](const Point& p) { return p.kind != Point::Kind::Ground; }));
+  return index(std::count_if(elements.points.begin(), elements.points.end(),
+                             [](const Point& p) { return p.kind != Point::Kind::Ground; }));
 }
 
 /// Every number that a step reads of the state before it, one after the other: the one place that lists them.
@@ -85,7 +84,7 @@ std::vector<NetworkState> unit_states(const Network& network, const NetworkEleme
   const auto moving = moving_points(elements);
   auto zero = still(network, moving);
   const auto count = numbers_of(zero, moving).size();
-  std::vector<NetworkState> states(static_cast<std::size_t>(count), zero);
+  std::vector<NetworkState> states(index(count), zero);
   for (std::size_t i = 0; i < states.size(); ++i) {
     std::size_t at = 0;
     each_number(states[i], moving, [&](double& number) { number = at++ == i ? size : 0.0; });

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
@@ -45,7 +47,7 @@ void NetworkBuilder::name_parts(NetworkRecipe& recipe) const {
   recipe.springs.resize(elements.springs.size());
   recipe.contacts.resize(elements.contacts.size());
   const auto name = [](std::vector<std::string>& names, int part, const std::string& element) {
-    if (part >= 0) names[static_cast<std::size_t>(part)] = element;
+    if (part >= 0) names[index(part)] = element;
   };
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const auto& element = layout_.elements[i];
@@ -63,13 +65,13 @@ void NetworkBuilder::name_parts(NetworkRecipe& recipe) const {
 int NetworkBuilder::port(const NetworkElement& element, std::string_view field) const {
   const auto& fields = element.type->fields;
   const auto at = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == field; });
-  return element.ports[static_cast<std::size_t>(at - fields.begin())];
+  return element.ports[index(at - fields.begin())];
 }
 
 double NetworkBuilder::number(const NetworkElement& element, std::string_view field) const {
   const int at = port(element, field);
   if (at < 0) return 0.0;
-  const auto i = static_cast<std::size_t>(at);
+  const auto i = index(at);
   const auto& port = setup_.type->inputs[i];
   const double value = setup_.inputs[i].constant.value_or(port.fallback.value_or(0.0));
   return std::clamp(value, port.low, port.high);
@@ -82,7 +84,7 @@ NetworkInput NetworkBuilder::signal(const NetworkElement& element, std::string_v
 
 int NetworkBuilder::end(const NetworkElement& element, std::size_t which) const {
   const int of = element.ends[which];
-  return of < 0 ? -1 : parts_[static_cast<std::size_t>(of)].point + element.within[which];
+  return of < 0 ? -1 : parts_[index(of)].point + element.within[which];
 }
 
 int NetworkBuilder::add_ground(double at) {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/index.h"
 #include "engine/graph/node_type.h"
 #include "engine/nodes/networks/network_layout.h"
 #include "engine/nodes/networks/network_node.h"
@@ -33,7 +34,7 @@ class NetworkBuilder {
   int end(const NetworkElement& element, std::size_t which) const;
   int add_ground(double at);
   /// What another element has become.
-  const ElementParts& parts(int element) const { return parts_[static_cast<std::size_t>(element)]; }
+  const ElementParts& parts(int element) const { return parts_[index(element)]; }
   /// The index of the new part in its list.
   template <class Part>
   static int append(std::vector<Part>& list, Part part) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 
 // Of each file, in the order of the reference.
@@ -31,7 +33,7 @@ const ElementType* find_element(std::string_view name) {
 int NetworkElement::rows() const { return type->dimensions > 1 ? static_cast<int>(settings[0].number) : 1; }
 
 int NetworkElement::columns() const {
-  const auto last = static_cast<std::size_t>(std::max(0, type->dimensions - 1));
+  const auto last = index(std::max(0, type->dimensions - 1));
   return type->dimensions > 0 ? static_cast<int>(settings[last].number) : 1;
 }
 

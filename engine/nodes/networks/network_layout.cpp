@@ -7,6 +7,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "engine/core/index.h"
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/semantics/bind.h"
@@ -57,7 +58,7 @@ class LayoutReader {
     for (const auto candidate : kSolvers) known.emplace_back(name_of(candidate));
     const auto found = std::find(known.begin(), known.end(), solver);
     if (found != known.end())
-      layout_.solver = kSolvers[static_cast<std::size_t>(found - known.begin())];
+      layout_.solver = kSolvers[index(found - known.begin())];
     else if (!solver.empty())
       mistakes_.add(Errc::UnknownName, find(spec_.options, "solver")->at, "unknown solver '" + solver + "'",
                     did_you_mean(solver, known));
@@ -124,7 +125,7 @@ class LayoutReader {
     const auto& text = *value->text();
     const auto found = index_.find(text.substr(0, text.find('.')));
     if (found == index_.end()) return;
-    const auto* link = layout_.elements[static_cast<std::size_t>(found->second)].type;
+    const auto* link = layout_.elements[index(found->second)].type;
     if (text.ends_with(".force") && link != nullptr && link->gives_force) {
       read.pressed_by = found->second;
       return;
@@ -193,7 +194,7 @@ class LayoutReader {
     }
     const auto found = index_.find(name->substr(0, name->find('.')));
     if (found == index_.end()) return unknown_end(*name, value), kNone;
-    const auto& other = layout_.elements[static_cast<std::size_t>(found->second)];
+    const auto& other = layout_.elements[index(found->second)];
     const auto* end = other.type;
     if (end == nullptr) return kNone;  // reported already
     if (end->ends != Ends::None) {
@@ -231,7 +232,7 @@ class LayoutReader {
       places.push_back(number);
       dot = next;
     }
-    const auto wanted = static_cast<std::size_t>(of.type->dimensions);
+    const auto wanted = index(of.type->dimensions);
     const bool grid = wanted > 1;
     const std::string example = of.name + (grid ? ".1.1" : wanted == 1 ? ".1" : "");
     if (!numbers || places.size() != wanted) {

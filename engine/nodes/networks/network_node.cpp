@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/core/index.h"
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/solver_names.h"
 
@@ -22,7 +23,7 @@ class NetworkNode final : public Node, public NetworkView {
         now_(signal_ports_.size()),
         read_(readings_.size()),
         late_(type.inputs.size()) {
-    for (const int port : signal_ports_) late_[static_cast<std::size_t>(port)] = true;
+    for (const int port : signal_ports_) late_[index(port)] = true;
   }
 
   void process(const NodeBlock& block) noexcept override {
@@ -47,14 +48,14 @@ class NetworkNode final : public Node, public NetworkView {
   }
 
   DelayRange delay(int input, int) const override {
-    return late_[static_cast<std::size_t>(input)] ? DelayRange{1, 1} : DelayRange{};
+    return late_[index(input)] ? DelayRange{1, 1} : DelayRange{};
   }
 
   const NetworkRecipe& recipe() const override { return recipe_; }
   double energy() const override { return network_.energy(state_); }
   double position(int point) const override { return network_.position(state_, point); }
   double shown(const Network& network, const NetworkState& state, int output) const override {
-    const auto& reading = readings_[static_cast<std::size_t>(output)];
+    const auto& reading = readings_[index(output)];
     return reading.read(network, state, reading.parts);
   }
 
@@ -94,7 +95,7 @@ class NetworkNode final : public Node, public NetworkView {
 
 Result<std::unique_ptr<Node>> make_network_node(const NetworkLayout& layout, const NodeSetup& setup) {
   std::size_t points = 0;
-  for (const auto& element : layout.elements) points += static_cast<std::size_t>(element.points());
+  for (const auto& element : layout.elements) points += index(element.points());
   // A point, its springs and what a solver keeps for them; before they are made.
   if (const auto fits = setup.take_memory(64 * points); !fits) return tl::unexpected(fits.error());
   NetworkBuilder builder(layout, setup);

@@ -275,7 +275,7 @@ void ReferenceIntegrator::make_transition() {
   double fastest = 1.0;
   for (const auto& s : elements_.springs)
     for (const int end : {s.lower, s.upper})
-      fastest = std::fmax(fastest, std::sqrt(s.stiffness * inverse_mass_[static_cast<std::size_t>(end)]));
+      fastest = std::fmax(fastest, std::sqrt(s.stiffness * inverse_mass_[index(end)]));
   Eigen::VectorXd unit = Eigen::VectorXd::Ones(row_of(all));
   unit.segment(row_of(points()), row_of(points())).setConstant(fastest);
 

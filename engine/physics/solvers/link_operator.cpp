@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "engine/core/index.h"
 #include "engine/physics/solvers/vectorised.h"
 
 namespace tactus {
@@ -45,15 +46,15 @@ void LinkOperator::split() {
                            by_offset.rbegin()->first == 1 && entries_.size() == 3 * masses - 2;
   for (const auto& [offset, list] : by_offset) {
     const int first = list.front().row;
-    const auto span = static_cast<std::size_t>(list.back().row - first + 1);
+    const auto span = index(list.back().row - first + 1);
     if (!short_chain && (list.size() < kShortestDiagonal || 2 * list.size() < span)) {
       scattered.insert(scattered.end(), list.begin(), list.end());
       continue;
     }
     Diagonal diagonal{offset, first, static_cast<int>(span), Numbers(span), Numbers(span)};
     for (const auto& entry : list) {
-      diagonal.k[static_cast<std::size_t>(entry.row - first)] = entry.k;
-      diagonal.b[static_cast<std::size_t>(entry.row - first)] = entry.b;
+      diagonal.k[index(entry.row - first)] = entry.k;
+      diagonal.b[index(entry.row - first)] = entry.b;
     }
     diagonals_.push_back(std::move(diagonal));
   }
@@ -92,7 +93,7 @@ void LinkOperator::apply_scattered(const double* q, const double* u, double* y) 
   for (std::size_t r = 0; r + 1 < rows_.size(); ++r) {
     double sum = y[rows_[r].row];  // in a register: through memory each term would wait for the one before
     for (int i = rows_[r].first; i < rows_[r + 1].first; ++i) {
-      const auto& e = scattered_[static_cast<std::size_t>(i)];
+      const auto& e = scattered_[index(i)];
       sum -= e.k * q[e.column] + e.b * u[e.column];
     }
     y[rows_[r].row] = sum;

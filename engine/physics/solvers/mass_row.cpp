@@ -59,7 +59,7 @@ MassRow::MassRow(std::span<const LinkOperator::Entry> links, std::span<const dou
       own_b_(scale.size()),
       scale_(scale.begin(), scale.end()) {
   for (const auto& e : links) {
-    const auto row = static_cast<std::size_t>(e.row);
+    const auto row = index(e.row);
     if (std::abs(e.column - e.row) > 1 || e.column >= masses()) {
       left.push_back(e);
       continue;

@@ -3,14 +3,14 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
+#include "engine/core/index.h"
+
 namespace tactus {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 using InOrder = Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 using Reordered = Eigen::SimplicialLDLT<Matrix>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool is_diagonal(const Matrix& matrix) {
   for (int column = 0; column < matrix.outerSize(); ++column)
@@ -51,7 +51,7 @@ void SparseSolver::take(const Factor& factor) {
   }
 }
 
-SparseSolver::SparseSolver(const Matrix& matrix) : inverse_(at(static_cast<int>(matrix.rows()))) {
+SparseSolver::SparseSolver(const Matrix& matrix) : inverse_(index(static_cast<int>(matrix.rows()))) {
   if (is_diagonal(matrix)) {
     const Eigen::VectorXd diagonal = matrix.diagonal();
     for (std::size_t i = 0; i < inverse_.size(); ++i) {
@@ -71,7 +71,7 @@ SparseSolver::SparseSolver(const Matrix& matrix) : inverse_(at(static_cast<int>(
   const auto& order = factor.permutationP().indices();  // row i of A is at order[i]
   place_.resize(inverse_.size());
   for (std::size_t i = 0; i < place_.size(); ++i)
-    place_[at(order[static_cast<Eigen::Index>(i)])] = static_cast<int>(i);
+    place_[index(order[static_cast<Eigen::Index>(i)])] = static_cast<int>(i);
 }
 
 /// The last result stays in a register.
@@ -93,20 +93,22 @@ void SparseSolver::solve(std::span<double> b, std::span<double> work) const noex
   if (in_order_)
     std::copy(b.begin(), b.end(), work.begin());
   else
-    for (std::size_t i = 0; i < n; ++i) work[i] = b[at(place_[i])];
+    for (std::size_t i = 0; i < n; ++i) work[i] = b[index(place_[i])];
   for (std::size_t j = 0; j < n; ++j) {
     const double x = work[j];
-    for (std::size_t e = at(starts_[j]); e < at(starts_[j + 1]); ++e) work[at(rows_[e])] -= values_[e] * x;
+    for (std::size_t e = index(starts_[j]); e < index(starts_[j + 1]); ++e)
+      work[index(rows_[e])] -= values_[e] * x;
   }
   for (std::size_t j = n; j-- > 0;) {
     double x = work[j] * inverse_[j];
-    for (std::size_t e = at(starts_[j]); e < at(starts_[j + 1]); ++e) x -= values_[e] * work[at(rows_[e])];
+    for (std::size_t e = index(starts_[j]); e < index(starts_[j + 1]); ++e)
+      x -= values_[e] * work[index(rows_[e])];
     work[j] = x;
   }
   if (in_order_)
     std::copy_n(work.begin(), n, b.begin());
   else
-    for (std::size_t i = 0; i < n; ++i) b[at(place_[i])] = work[i];
+    for (std::size_t i = 0; i < n; ++i) b[index(place_[i])] = work[i];
 }
 
 }  // namespace tactus
