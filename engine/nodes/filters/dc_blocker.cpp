@@ -1,4 +1,3 @@
-#include "engine/dsp/filters/one_pole_design.h"
 #include "engine/nodes/filters/filter_node.h"
 #include "engine/nodes/filters/filter_ports.h"
 #include "engine/nodes/filters/filters.h"
@@ -9,7 +8,7 @@ namespace {
 using DcBlockerNode = FilterNode<1, 1>;
 
 FilterCoefficients<1> design(const DcBlockerNode::Parameters& p, Hertz sample_rate) {
-  return dc_blocker(clamped_radians(p[0], sample_rate));
+  return FilterCoefficients<1>{tactus_dc_blocker(tactus_filter_radians(p[0], sample_rate.value))};
 }
 
 }  // namespace

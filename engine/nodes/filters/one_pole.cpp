@@ -1,4 +1,3 @@
-#include "engine/dsp/filters/one_pole_design.h"
 #include "engine/nodes/filters/filter_node.h"
 #include "engine/nodes/filters/filter_ports.h"
 #include "engine/nodes/filters/filters.h"
@@ -9,11 +8,11 @@ namespace {
 using OnePoleNode = FilterNode<1, 1>;
 
 FilterCoefficients<1> bilinear(const OnePoleNode::Parameters& p, Hertz sample_rate) {
-  return one_pole_low_pass(clamped_radians(p[0], sample_rate));
+  return FilterCoefficients<1>{tactus_one_pole(tactus_filter_radians(p[0], sample_rate.value))};
 }
 
 FilterCoefficients<1> matched(const OnePoleNode::Parameters& p, Hertz sample_rate) {
-  return matched_one_pole(clamped_radians(p[0], sample_rate));
+  return FilterCoefficients<1>{tactus_matched_one_pole(tactus_filter_radians(p[0], sample_rate.value))};
 }
 
 }  // namespace
