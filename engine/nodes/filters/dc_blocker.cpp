@@ -3,16 +3,6 @@
 #include "engine/nodes/filters/filters.h"
 
 namespace tactus {
-namespace {
-
-using DcBlockerNode = FilterNode<1, 1>;
-
-FilterCoefficients<1> design(const DcBlockerNode::Parameters& p, Hertz sample_rate) {
-  return FilterCoefficients<1>{tactus_dc_blocker(tactus_filter_radians(p[0], sample_rate.value))};
-}
-
-}  // namespace
-
 const NodeType& dc_blocker_type() {
   static const NodeType type{
       .name = "dc_blocker",
@@ -23,7 +13,7 @@ const NodeType& dc_blocker_type() {
       .example = "{ type = \"dc_blocker\", in = \"piezo\" }",
       .inputs = {filtered_input(), cutoff_input("-3 dB here while it is far below the sample rate", 10)},
       .outputs = {filtered_output("out", "without its mean")},
-      .make = DcBlockerNode::maker(design)};
+      .make = FilterNode<1, 1>::maker(of_cutoff<tactus_dc_blocker>)};
   return type;
 }
 

@@ -3,20 +3,6 @@
 #include "engine/nodes/filters/filters.h"
 
 namespace tactus {
-namespace {
-
-using OnePoleNode = FilterNode<1, 1>;
-
-FilterCoefficients<1> bilinear(const OnePoleNode::Parameters& p, Hertz sample_rate) {
-  return FilterCoefficients<1>{tactus_one_pole(tactus_filter_radians(p[0], sample_rate.value))};
-}
-
-FilterCoefficients<1> matched(const OnePoleNode::Parameters& p, Hertz sample_rate) {
-  return FilterCoefficients<1>{tactus_matched_one_pole(tactus_filter_radians(p[0], sample_rate.value))};
-}
-
-}  // namespace
-
 const NodeType& one_pole_type() {
   static const NodeType type{
       .name = "one_pole",
@@ -38,7 +24,9 @@ const NodeType& one_pole_type() {
                     .choices = {"bilinear", "matched"},
                     .fallback = "bilinear"}},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
-        return OnePoleNode::maker(setup.setting("form").text == "matched" ? matched : bilinear)(setup);
+        const bool matched = setup.setting("form").text == "matched";
+        return FilterNode<1, 1>::maker(matched ? of_cutoff<tactus_matched_one_pole>
+                                               : of_cutoff<tactus_one_pole>)(setup);
       },
       .skips_unread = true};
   return type;
