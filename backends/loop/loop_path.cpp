@@ -5,7 +5,6 @@
 
 #include "engine/dsp/curves/quantise_kernel.h"
 #include "engine/dsp/envelopes/time_constant_kernel.h"
-#include "engine/dsp/filters/one_pole_design.h"
 
 namespace tactus {
 namespace {
@@ -16,7 +15,7 @@ constexpr Seconds kFurthest{2.0};  // that the delay may grow
 
 /// 1 - H of the low-pass.
 FilterCoefficients<1> high_pass(double radians) {
-  auto filter = one_pole_low_pass(radians);
+  FilterCoefficients<1> filter{tactus_one_pole(radians)};
   filter.b = {1.0 - filter.b[0], -filter.a[0] - filter.b[1]};
   return filter;
 }
@@ -40,7 +39,8 @@ LoopPath::LoopPath(const LoopCard& card, const LoopTiming& timing, int lane)
       monitor_frames_(std::max(1, card.monitor.frames) +
                       (card.monitor.in_software ? timing.buffer_frames : 0)) {
   if (card.high_pass.value > 0.0)
-    high_pass_.emplace().design(high_pass(clamped_radians(card.high_pass.value, timing.sample_rate)));
+    high_pass_.emplace().design(
+        high_pass(tactus_filter_radians(card.high_pass.value, timing.sample_rate.value)));
   if (card.echo_cancel) canceller_.emplace();
 }
 

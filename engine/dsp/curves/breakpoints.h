@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,29 +12,36 @@ namespace tactus {
 /// monotone cubic. Two points at one x are a jump: there the later one counts.
 class Breakpoints {
  public:
-  enum class Shape { Linear, Step, Exponential, Smooth };
+  enum class Shape {
+    Linear = TACTUS_CURVE_LINEAR,
+    Step = TACTUS_CURVE_STEP,
+    Exponential = TACTUS_CURVE_EXPONENTIAL,
+    Smooth = TACTUS_CURVE_CUBIC
+  };
   using Points = std::vector<std::pair<double, double>>;
 
   /// [control] What keeps `points` from being such a function, in words; nullptr: nothing does.
   static const char* mistake(const Points& points, Shape shape);
   /// [control] `points` has no mistake.
-  Breakpoints(Points points, Shape shape);
+  Breakpoints(const Points& points, Shape shape);
 
   /// [realtime]
-  double value(double x) const;
+  double value(double x) const {
+    const auto curve = curve_.view();
+    return tactus_curve_value(&curve, static_cast<tactus_curve_shape>(shape_), x);
+  }
   /// [realtime] d value / d x; at a point, that of the interval to its right.
-  double slope(double x) const;
+  double slope(double x) const {
+    const auto curve = curve_.view();
+    return tactus_curve_slope(&curve, static_cast<tactus_curve_shape>(shape_), x);
+  }
 
   double least() const { return least_; }
   double most() const { return most_; }
 
  private:
-  bool outside(double x) const { return !(x >= points_.front().first && x < points_.back().first); }
-  std::size_t interval(double x) const;  ///< number of its left point
-
-  Points points_;
   Shape shape_;
-  std::optional<CubicCurve> smooth_;
+  CubicCurve curve_;
   double least_, most_;
 };
 

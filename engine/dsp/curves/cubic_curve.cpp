@@ -1,6 +1,5 @@
 #include "engine/dsp/curves/cubic_curve.h"
 
-#include <algorithm>
 #include <cstddef>
 
 namespace tactus {
@@ -44,38 +43,6 @@ CubicCurve CubicCurve::spline(const Points& points) {
   }
   for (std::size_t i = count - 2; i > 0; --i) curve.slope_[i] -= factor[i] * curve.slope_[i + 1];
   return curve;
-}
-
-CubicCurve::Interval CubicCurve::interval(double x) const {
-  const auto next = std::upper_bound(x_.begin(), x_.end(), x);
-  const auto right = std::clamp<std::ptrdiff_t>(next - x_.begin(), 1, std::ssize(x_) - 1);
-  const auto i = static_cast<std::size_t>(right - 1);
-  const double width = x_[i + 1] - x_[i];
-  return {width, (x - x_[i]) / width, value_[i], value_[i + 1], slope_[i], slope_[i + 1]};
-}
-
-double CubicCurve::value(double x) const {
-  if (outside(x)) return x > x_.front() ? value_.back() : value_.front();
-  const auto [h, t, y0, y1, m0, m1] = interval(x);
-  const double cubic = h * (m0 + m1) - 2 * (y1 - y0);
-  const double square = (y1 - y0) - h * m0 - cubic;
-  return ((cubic * t + square) * t + h * m0) * t + y0;
-}
-
-double CubicCurve::slope(double x) const {
-  if (outside(x)) return 0;
-  const auto [h, t, y0, y1, m0, m1] = interval(x);
-  const double cubic = m0 + m1 - 2 * (y1 - y0) / h;
-  const double square = (y1 - y0) / h - m0 - cubic;
-  return (3 * cubic * t + 2 * square) * t + m0;
-}
-
-double CubicCurve::curvature(double x) const {
-  if (outside(x)) return 0;
-  const auto [h, t, y0, y1, m0, m1] = interval(x);
-  const double cubic = m0 + m1 - 2 * (y1 - y0) / h;
-  const double square = (y1 - y0) / h - m0 - cubic;
-  return (6 * cubic * t + 2 * square) / h;
 }
 
 }  // namespace tactus

@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/dsp/curves/curve_kernel.h"
+
 namespace tactus {
 
 /// A smooth curve through points (x ascending): a cubic in each interval, given by the values and slopes at
@@ -18,20 +20,18 @@ class CubicCurve {
   /// de Boor, "A practical guide to splines", 1978, chapter IV.
   static CubicCurve spline(const Points& points);
 
+  /// [control] All slopes are 0.
+  explicit CubicCurve(const Points& points);
+
   /// [realtime] Value, slope and second derivative at x.
-  double value(double x) const;
-  double slope(double x) const;
-  double curvature(double x) const;
+  tactus_cubic_point at(double x) const {
+    const auto curve = view();
+    return tactus_cubic_at(&curve, x);
+  }
+  /// [realtime] Valid as long as this object.
+  tactus_curve view() const { return {static_cast<int>(x_.size()), x_.data(), value_.data(), slope_.data()}; }
 
  private:
-  struct Interval {
-    double width, at;  ///< `at` in [0, 1]
-    double left, right, left_slope, right_slope;
-  };
-  explicit CubicCurve(const Points& points);
-  bool outside(double x) const { return !(x > x_.front() && x < x_.back()); }
-  Interval interval(double x) const;
-
   std::vector<double> x_, value_, slope_;
 };
 

@@ -6,14 +6,20 @@
 #include <array>
 #include <complex>
 
-#include "engine/core/units.h"
+#include "engine/dsp/filters/filter_kernel.h"
 #include "engine/dsp/filters/recurrence.h"
 
 namespace tactus {
 
-/// y[n] = b0 x[n] + b1 x[n-1] (+ b2 x[n-2]) + a1 y[n-1] (+ a2 y[n-2]).   Mind the sign of a.
+/// A design of filter_kernel.h, of an order that the compiler knows.
 template <int Order>
 struct FilterCoefficients {
+  FilterCoefficients() = default;
+  explicit FilterCoefficients(const tactus_filter_design& design) {
+    std::copy_n(design.b, Order + 1, b.begin());
+    std::copy_n(design.a, Order, a.begin());
+  }
+
   std::array<double, Order + 1> b{1.0};
   std::array<double, Order> a{};
 
@@ -27,13 +33,6 @@ struct FilterCoefficients {
     return above / (1.0 - below);
   }
 };
-
-/// A cutoff that any filter can be designed for: (0, 0.49] of the rate, NaN included. As radians per frame.
-inline double clamped_radians(double hertz, Hertz sample_rate) {
-  constexpr double kLowest = 1e-6, kHighest = 0.49, kTurn = 6.283185307179586;
-  const double turns = hertz / sample_rate.value;
-  return kTurn * (turns > kLowest ? std::min(turns, kHighest) : kLowest);
-}
 
 /// A filter of order 1 or 2 in direct form I, vectorised in time. The state is the last inputs and outputs,
 /// so that a change of coefficients never jumps.

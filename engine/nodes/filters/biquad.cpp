@@ -1,4 +1,3 @@
-#include "engine/dsp/filters/biquad_design.h"
 #include "engine/nodes/filters/filter_node.h"
 #include "engine/nodes/filters/filter_ports.h"
 #include "engine/nodes/filters/filters.h"
@@ -9,7 +8,7 @@ namespace {
 using BiquadNode = FilterNode<2, 2>;
 
 /// A node whose coefficients are those of one of the cookbook's designs.
-template <FilterCoefficients<2> (BiquadDesign::*Shape)() const>
+template <tactus_filter_design (*Shape)(double radians, double q)>
 NodeType biquad(const char* name, const char* summary, const char* transfer, const char* example,
                 InputPort corner, InputPort q) {
   return {.name = name,
@@ -21,7 +20,8 @@ NodeType biquad(const char* name, const char* summary, const char* transfer, con
           .inputs = {filtered_input(), std::move(corner), std::move(q)},
           .outputs = {filtered_output("out", "filtered")},
           .make = BiquadNode::maker([](const BiquadNode::Parameters& p, Hertz sample_rate) {
-            return (BiquadDesign{clamped_radians(p[0], sample_rate), clamped_q(p[1])}.*Shape)();
+            return FilterCoefficients<2>{
+                Shape(tactus_filter_radians(p[0], sample_rate.value), tactus_filter_q(p[1]))};
           })};
 }
 
@@ -35,7 +35,7 @@ InputPort resonance() {
 }  // namespace
 
 const NodeType& low_pass_type() {
-  static const NodeType type = biquad<&BiquadDesign::low_pass>(
+  static const NodeType type = biquad<tactus_low_pass>(
       "low_pass", "A resonant low-pass, 12 dB an octave.",
       "H(s) = 1 / (s^2 + s/q + 1), bilinear, s = j at the cutoff",
       "{ type = \"low_pass\", in = \"string\", cutoff = \"3 kHz\" }", resonant_cutoff(), resonance());
@@ -43,7 +43,7 @@ const NodeType& low_pass_type() {
 }
 
 const NodeType& high_pass_type() {
-  static const NodeType type = biquad<&BiquadDesign::high_pass>(
+  static const NodeType type = biquad<tactus_high_pass>(
       "high_pass", "A resonant high-pass, 12 dB an octave.",
       "H(s) = s^2 / (s^2 + s/q + 1), bilinear, s = j at the cutoff",
       "{ type = \"high_pass\", in = \"string\", cutoff = \"3 kHz\" }", resonant_cutoff(), resonance());
@@ -51,7 +51,7 @@ const NodeType& high_pass_type() {
 }
 
 const NodeType& band_pass_type() {
-  static const NodeType type = biquad<&BiquadDesign::band_pass>(
+  static const NodeType type = biquad<tactus_band_pass>(
       "band_pass", "A band-pass with gain 1 at its centre, 6 dB an octave to both sides.",
       "H(s) = (s/q) / (s^2 + s/q + 1), bilinear, s = j at the frequency",
       "{ type = \"band_pass\", in = \"piezo\", frequency = \"3 kHz\", q = 10 }",

@@ -1,19 +1,8 @@
-#include "engine/dsp/filters/one_pole_design.h"
 #include "engine/nodes/filters/filter_node.h"
 #include "engine/nodes/filters/filter_ports.h"
 #include "engine/nodes/filters/filters.h"
 
 namespace tactus {
-namespace {
-
-using DcBlockerNode = FilterNode<1, 1>;
-
-FilterCoefficients<1> design(const DcBlockerNode::Parameters& p, Hertz sample_rate) {
-  return dc_blocker(clamped_radians(p[0], sample_rate));
-}
-
-}  // namespace
-
 const NodeType& dc_blocker_type() {
   static const NodeType type{
       .name = "dc_blocker",
@@ -24,7 +13,7 @@ const NodeType& dc_blocker_type() {
       .example = "{ type = \"dc_blocker\", in = \"piezo\" }",
       .inputs = {filtered_input(), cutoff_input("-3 dB here while it is far below the sample rate", 10)},
       .outputs = {filtered_output("out", "without its mean")},
-      .make = DcBlockerNode::maker(design)};
+      .make = FilterNode<1, 1>::maker(of_cutoff<tactus_dc_blocker>)};
   return type;
 }
 

@@ -96,4 +96,10 @@ class FilterNode : public Node {
   LinearFilter<Order> filter_;
 };
 
+/// A design that depends on a cutoff alone, the first parameter.
+template <tactus_filter_design (*Shape)(double radians)>
+FilterCoefficients<1> of_cutoff(const std::array<double, 1>& parameters, Hertz sample_rate) {
+  return FilterCoefficients<1>{Shape(tactus_filter_radians(parameters[0], sample_rate.value))};
+}
+
 }  // namespace tactus

@@ -1,23 +1,8 @@
-#include "engine/dsp/filters/one_pole_design.h"
 #include "engine/nodes/filters/filter_node.h"
 #include "engine/nodes/filters/filter_ports.h"
 #include "engine/nodes/filters/filters.h"
 
 namespace tactus {
-namespace {
-
-using OnePoleNode = FilterNode<1, 1>;
-
-FilterCoefficients<1> bilinear(const OnePoleNode::Parameters& p, Hertz sample_rate) {
-  return one_pole_low_pass(clamped_radians(p[0], sample_rate));
-}
-
-FilterCoefficients<1> matched(const OnePoleNode::Parameters& p, Hertz sample_rate) {
-  return matched_one_pole(clamped_radians(p[0], sample_rate));
-}
-
-}  // namespace
-
 const NodeType& one_pole_type() {
   static const NodeType type{
       .name = "one_pole",
@@ -39,7 +24,9 @@ const NodeType& one_pole_type() {
                     .choices = {"bilinear", "matched"},
                     .fallback = "bilinear"}},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
-        return OnePoleNode::maker(setup.setting("form").text == "matched" ? matched : bilinear)(setup);
+        const bool matched = setup.setting("form").text == "matched";
+        return FilterNode<1, 1>::maker(matched ? of_cutoff<tactus_matched_one_pole>
+                                               : of_cutoff<tactus_one_pole>)(setup);
       },
       .skips_unread = true};
   return type;

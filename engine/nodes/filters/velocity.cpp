@@ -1,4 +1,3 @@
-#include "engine/dsp/filters/one_pole_design.h"
 #include "engine/nodes/filters/filter_node.h"
 #include "engine/nodes/filters/filter_ports.h"
 #include "engine/nodes/filters/filters.h"
@@ -9,7 +8,8 @@ namespace {
 using VelocityNode = FilterNode<1, 1>;
 
 FilterCoefficients<1> design(const VelocityNode::Parameters& p, Hertz sample_rate) {
-  return filtered_velocity(clamped_radians(p[0], sample_rate), sample_rate);
+  const double rate = sample_rate.value;
+  return FilterCoefficients<1>{tactus_filtered_velocity(tactus_filter_radians(p[0], rate), rate)};
 }
 
 }  // namespace

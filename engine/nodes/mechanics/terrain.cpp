@@ -23,7 +23,10 @@ struct Sine {
 };
 struct Drawn {
   CubicCurve curve;
-  Shape at(double x, double, double) const { return {curve.value(x), curve.slope(x), curve.curvature(x)}; }
+  Shape at(double x, double, double) const {
+    const auto view = curve.view();
+    return tactus_terrain_points(&view, x);
+  }
 };
 
 template <class Profile>

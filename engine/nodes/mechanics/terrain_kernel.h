@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/dsp/kernel.h"
+#include "engine/dsp/curves/curve_kernel.h"
 
 /// [realtime] Height z of a profile at a place, and its first two derivatives.
 typedef struct tactus_terrain_shape {
@@ -28,6 +28,16 @@ static inline tactus_terrain_shape tactus_terrain_sine(tactus_real x, tactus_rea
   shape.height = height * cos(k * x);
   shape.slope = -height * k * sin(k * x);
   shape.curvature = -k * k * shape.height;
+  return shape;
+}
+
+/// A cubic through points, level outside.
+static inline tactus_terrain_shape tactus_terrain_points(const tactus_curve* curve, tactus_real x) {
+  const tactus_cubic_point point = tactus_cubic_at(curve, x);
+  tactus_terrain_shape shape;
+  shape.height = point.value;
+  shape.slope = point.slope;
+  shape.curvature = point.curvature;
   return shape;
 }
 

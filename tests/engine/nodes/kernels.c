@@ -12,6 +12,18 @@
     return 1;             \
   } while (0)
 
+/* A filter, the cutoff of which is input 1. */
+#define EACH_FILTERED(shape)                                                       \
+  do {                                                                             \
+    tactus_filter state = {{1, {1, 0, 0}, {0, 0}}, {0}, {0}, {0, 0}, {0, 0}};      \
+    for (int n = 0; n < frames; ++n) {                                             \
+      const double radians = tactus_filter_radians(in[1][n], rate);                \
+      if (n % 8 == 0) tactus_filter_set(&state, (shape));                          \
+      out[n] = tactus_filter_step(&state, in[0][n], n % 8);                        \
+    }                                                                              \
+    return 1;                                                                      \
+  } while (0)
+
 int tactus_run_kernel(const char* node, const double* const* in, int frames, double rate, double* out) {
   if (strcmp(node, "clip") == 0) EACH_FRAME(tactus_clip(in[0][n], in[1][n], in[2][n]));
   if (strcmp(node, "quantiser") == 0) EACH_FRAME(tactus_quantise_nearest(in[0][n], in[1][n]));
@@ -52,6 +64,12 @@ int tactus_run_kernel(const char* node, const double* const* in, int frames, dou
     tactus_difference state = {0};
     EACH_FRAME(tactus_difference_step(&state, in[0][n], rate));
   }
+  if (strcmp(node, "one_pole") == 0) EACH_FILTERED(tactus_one_pole(radians));
+  if (strcmp(node, "dc_blocker") == 0) EACH_FILTERED(tactus_dc_blocker(radians));
+  if (strcmp(node, "velocity") == 0) EACH_FILTERED(tactus_filtered_velocity(radians, rate));
+  if (strcmp(node, "low_pass") == 0) EACH_FILTERED(tactus_low_pass(radians, tactus_filter_q(in[2][n])));
+  if (strcmp(node, "high_pass") == 0) EACH_FILTERED(tactus_high_pass(radians, tactus_filter_q(in[2][n])));
+  if (strcmp(node, "band_pass") == 0) EACH_FILTERED(tactus_band_pass(radians, tactus_filter_q(in[2][n])));
   if (strcmp(node, "noise") == 0) {
     const tactus_noise_bits key = tactus_noise_key(1, 0);
     EACH_FRAME(in[0][n] * tactus_noise_uniform(key, (tactus_noise_bits)n));
