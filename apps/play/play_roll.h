@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include "apps/play/play_report.h"
 
 namespace tactus::app {

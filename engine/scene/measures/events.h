@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <vector>
 
 #include "engine/core/units.h"
