@@ -154,8 +154,8 @@ void print_networks(const StabilityVerdict& verdict) {
 void print_controls(const StabilityVerdict& verdict) {
   fmt::print("\n  {:24} {:>14} {:>14} {:>14}\n", "control", "at its lowest", "at its highest", "border");
   for (const auto& control : verdict.controls)
-    fmt::print("  {:24} {:>14} {:>14} {:>14}\n", control.control.name, control.stable_low ? "stable" : "unstable",
-               control.stable_high ? "stable" : "unstable",
+    fmt::print("  {:24} {:>14} {:>14} {:>14}\n", control.control.name,
+               control.stable_low ? "stable" : "unstable", control.stable_high ? "stable" : "unstable",
                control.border ? in_unit(*control.border, control.control.unit) : "");
 }
 
@@ -207,7 +207,7 @@ bool holds(const StabilityVerdict& verdict, const std::vector<ExtremeRun>& runs)
 
 void print(const CheckedSubject& subject, const StabilityVerdict& verdict,
            const std::vector<ExtremeRun>& runs, bool verbose) {
-  fmt::print("{}\n\n", !holds(verdict, runs)    ? "unstable"
+  fmt::print("{}\n\n", !holds(verdict, runs)   ? "unstable"
                        : verdict.outside_known ? "stable"
                                                : "stable by itself; the loop over the outside is not known");
   const auto words = describe(verdict);

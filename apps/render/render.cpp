@@ -125,9 +125,12 @@ Result<InstrumentRun> run_engine(const InstrumentJob& job, Player& engine, int b
   const auto& plan = engine.plan();
   Guarded guarded{engine, guarded_channels(plan, job.drives)};
   EventRecorder recorder{engine, job.compile.taps};
-  InstrumentRun run{.name = job.loaded.spec->name, .outputs = output_names(plan),
-                    .sounds = sound_names(plan), .frames = job.input.frames(),
-                    .channels = static_cast<int>(job.input.channels.size()), .inputs = engine.in_channels()};
+  InstrumentRun run{.name = job.loaded.spec->name,
+                    .outputs = output_names(plan),
+                    .sounds = sound_names(plan),
+                    .frames = job.input.frames(),
+                    .channels = static_cast<int>(job.input.channels.size()),
+                    .inputs = engine.in_channels()};
   run.output.sample_rate = job.input.sample_rate;
   run.output.channels.resize(run.outputs.size());
   auto keep = sink_into(run.output);
@@ -140,13 +143,13 @@ Result<InstrumentRun> run_engine(const InstrumentJob& job, Player& engine, int b
   offline.frames = run.frames;
   offline.block_frames = {block};
   offline.source = source_of(job.input);
-  offline.sink = {offline.out_channels, [&](const double* const* channels, int count) {
-                    recorder.take(count);
-                    done += count;
-                    progress(static_cast<double>(done) /
-                             static_cast<double>(std::max<std::int64_t>(1, run.frames)));
-                    return keep.write(channels, count);
-                  }};
+  offline.sink = {
+      offline.out_channels, [&](const double* const* channels, int count) {
+        recorder.take(count);
+        done += count;
+        progress(static_cast<double>(done) / static_cast<double>(std::max<std::int64_t>(1, run.frames)));
+        return keep.write(channels, count);
+      }};
   if (const auto health = run_offline(guarded, offline); !health) return tl::unexpected(health.error());
   run.events = recorder.events(job.input.sample_rate);
   run.bad_inputs = engine.bad_input_samples();
@@ -177,8 +180,7 @@ void print(const InstrumentRun& run, const RenderOptions& options) {
     fmt::print("the file has {} channels and the instrument {} inputs: {}\n", run.channels, run.inputs,
                run.channels > run.inputs ? "the first ones were used" : "the others were silent");
   if (!options.files.out.empty()) fmt::print("{}: {}\n", options.files.out, fmt::join(run.outputs, ", "));
-  if (!options.files.sound.empty())
-    fmt::print("{}: {}\n", options.files.sound, fmt::join(run.sounds, ", "));
+  if (!options.files.sound.empty()) fmt::print("{}: {}\n", options.files.sound, fmt::join(run.sounds, ", "));
   if (!options.events.empty()) fmt::print("{}: the events\n", options.events);
   if (run.bad_inputs > 0) fmt::print("{} non-finite input samples replaced by zero\n", run.bad_inputs);
   for (const auto& fault : run.faults)
@@ -225,8 +227,8 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   if (!played) return report(played.error());
   const auto& recording = played->recording;
   const auto events = events_of(*played);
-  if (const auto status = write(options, outputs_of(*played, recording.outputs), recording.outputs,
-                                recording.sounds, events);
+  if (const auto status =
+          write(options, outputs_of(*played, recording.outputs), recording.outputs, recording.sounds, events);
       !status)
     return report(status.error());
   if (options.json)
@@ -271,7 +273,8 @@ int run(const RenderOptions& options) {
     return render_error({scene_file, options.rate, options.delay, options.duration, options.json});
   if (scene) return render_scene(options, scene_file);
   if (!folder && table && find(*table, "parts") != nullptr)
-    return report(Error{Errc::BadArgument, "--in", options.target + " is a scene, which makes its own sensor signals",
+    return report(Error{Errc::BadArgument, "--in",
+                        options.target + " is a scene, which makes its own sensor signals",
                         "leave --in out, or name the instrument"});
   return render_instrument(options, resolve_target(options.target, "instrument.toml"));
 }
@@ -284,16 +287,13 @@ void add_render(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RenderOptions>();
   command->add_option("FILE", options->target,
                       "instrument or scene; a folder means its scene.toml, with --in its instrument.toml");
-  command->add_option(
-      "--replay", options->replay,
-      "take.wav of --record: replays it and reports whether the drives are the same bit for "
-      "bit; with FILE, plays its sensors on that instrument");
+  command->add_option("--replay", options->replay,
+                      "take.wav of --record: replays it and reports whether the drives are the same bit for "
+                      "bit; with FILE, plays its sensors on that instrument");
   command->add_option("--in", options->in, "WAV file: channel k goes to the k-th input");
   command->add_option("--out", options->files.out, "WAV file for all outputs, in the order of the file")
       ->check(writable_file());
-  command
-      ->add_option("--sound", options->files.sound,
-                   "WAV file for the monitor output, without the drives")
+  command->add_option("--sound", options->files.sound, "WAV file for the monitor output, without the drives")
       ->check(writable_file());
   command
       ->add_option(

@@ -8,8 +8,6 @@
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/scene/file/scene_checks.h"
-#include "engine/scene/file/scene_drives.h"
-#include "engine/scene/file/scene_ports.h"
 #include "engine/scene/file/world_entries.h"
 #include "engine/scene/guard_report.h"
 #include "engine/scene/moved_controls.h"

@@ -1,5 +1,3 @@
-#include "engine/scene/file/accuracy_section.h"
-
 #include <algorithm>
 #include <tuple>
 
@@ -7,6 +5,7 @@
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_sections.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {

@@ -1,12 +1,12 @@
-#include "engine/scene/file/scene_drives.h"
-
 #include <algorithm>
 #include <vector>
 
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/drive_entry.h"
+#include "engine/scene/file/scene_checks.h"
 #include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_sections.h"
 
 namespace tactus {
 

@@ -1,5 +1,3 @@
-#include "engine/scene/file/scene_ports.h"
-
 #include <optional>
 #include <string>
 #include <vector>
