@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const WantedNote& wanted) {
+Json json_of(const ExpectedNote& wanted) {
   Json json{{"from_s", wanted.from_s},
             {"to_s", wanted.to_s},
             {"name", pitch_in_words(wanted.hertz)},
@@ -21,9 +21,9 @@ Json json_of(const WantedNote& wanted) {
 void add_notes(Json& json, const Melody& melody) {
   json["notes"] = Json::array();
   for (const auto& note : melody.notes) {
-    auto entry = json_of(note.wanted);
+    auto entry = json_of(note.expected);
     entry.update(Json{{"right", note.right()},
-                      {"heard_hz", note.heard_hz},
+                      {"heard_hz", note.detected_hz},
                       {"partial", note.partial},
                       {"cents", note.cents},
                       {"swing_cents", note.swing_cents},
@@ -31,7 +31,7 @@ void add_notes(Json& json, const Melody& melody) {
                       {"on_stray_pitches_s", note.strays_s},
                       {"without_pitch_s", note.silent_s},
                       {"words", in_words(note)}});
-    if (note.swings_hz) entry["vibrato_hz"] = *note.swings_hz;
+    if (note.vibrato_hz) entry["vibrato_hz"] = *note.vibrato_hz;
     if (note.speaks_after_s) entry["speaks_after_s"] = *note.speaks_after_s;
     json["notes"].push_back(std::move(entry));
   }

@@ -13,7 +13,7 @@
 
 namespace tactus {
 
-/// Where the profiles of a file stand.
+/// The folders of the profiles of a file.
 struct ProfilePlaces {
   std::filesystem::path folder;  ///< of the file: paths ("my_woofer.toml") start here
   std::filesystem::path within;  ///< and may not leave this

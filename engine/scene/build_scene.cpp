@@ -182,7 +182,7 @@ class SceneBuilder {
     if (compiled == nullptr) return;
     for (const auto& channel : compiled->channels)
       if (channel.use == OutputUse::Tap) built_.plant_taps.push_back({channel.name, channel.dimension});
-    check_wanted_pitch(scene_, built_.plant_taps, mistakes_);
+    check_expected_pitch(scene_, built_.plant_taps, mistakes_);
     built_.plant = std::move(compiled);
   }
 

@@ -126,7 +126,7 @@ void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
   for (const auto& role : scene.roles)
     if (role.written) check_recorded(role.signal, role.at, scene, recorded, mistakes);
   for (const auto& expectation : scene.expect) {
-    if (expectation.measure.empty()) continue;  // told when the scene was read
+    if (expectation.measure.empty()) continue;  // reported when the scene was read
     const auto* type = find_measure(expectation.measure);
     if (type == nullptr || type->value == nullptr) {
       complain_unknown(expectation, mistakes);
@@ -163,7 +163,7 @@ void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
   for (const auto& accuracy : scene.accuracy) {
     const auto* type = find_measure(accuracy.measure);
     if (type == nullptr || type->error == nullptr || accuracy.of.empty())
-      continue;  // told when the scene was read
+      continue;  // reported when the scene was read
     check_recorded(accuracy.of, accuracy.of_at, scene, recorded, mistakes);
     const auto check_unit = [&](const std::optional<QuantityValue>& number, const std::string& unit) {
       if (!number || number->bare || unit == Measure::kUnitOfSubject) return;
@@ -196,7 +196,7 @@ void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes&
       check_recorded(signal->name, signal->at, scene, recorded, mistakes);
 }
 
-void check_wanted_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes) {
+void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes) {
   if (!scene.playability) return;
   const auto& pitch = scene.playability->pitch;
   static const auto kHertz = parse_unit("Hz")->dimension;

@@ -25,7 +25,7 @@ void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
 /// [playability]: will what it listens to be recorded?
 void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes);
 /// Is the pitch that it wants one? `taps`: what the world gives out.
-void check_wanted_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes);
+void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes);
 
 /// [drives]: does the instrument have them?
 void check_drives(const SceneSpec& scene, Mistakes& mistakes);
