@@ -74,8 +74,10 @@ TEST_CASE("learn: hits that do not stand out, clip or differ are refused in word
         "the hits differ by 14 dB, more than 12; hit five times alike");
   CHECK(refusal(hits({-30, -30, -30})) ==
         "3 of 5 hits were detected; hit once more, a little harder, or turn the sensor's gain up");
-  CHECK(refusal(hits({})) == "none of 5 hits were detected; is this the sensor's channel, and is its gain up?");
-  CHECK(refusal(hits({-200, -200, -200, -200, -200}, -60)).find("of 5 hits were detected") != std::string::npos);
+  CHECK(refusal(hits({})) ==
+        "none of 5 hits were detected; is this the sensor's channel, and is its gain up?");
+  CHECK(refusal(hits({-200, -200, -200, -200, -200}, -60)).find("of 5 hits were detected") !=
+        std::string::npos);
 }
 
 TEST_CASE("learn: the simulated drum, struck softly, is then heard at -20 dB", "[rig]") {
