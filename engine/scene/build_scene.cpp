@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/nearest.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/scene/file/scene_checks.h"
@@ -145,9 +144,8 @@ class SceneBuilder {
     std::vector<std::string> names;
     for (const auto& entry : instrument_->graph->inputs) names.push_back(entry.name);
     for (const auto& entry : instrument_->graph->controls) names.push_back(entry.name);
-    const auto near = nearest_name(field.key, names);
     mistakes_.add(Errc::UnknownName, field.at, "the instrument has no input or control '" + field.key + "'",
-                  near.empty() ? "see its [inputs] and [controls]" : "did you mean '" + near + "'?");
+                  suggest(field.key, names, "see its [inputs] and [controls]"));
   }
 
   void wire_control(const EntrySpec& control, const Field& field) {

@@ -4,8 +4,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "engine/graph/file/nearest.h"
-
 namespace tactus {
 namespace {
 
@@ -144,9 +142,8 @@ std::optional<int> FieldReader::choice(std::string_view key) {
   const auto& choices = section_[key].choices;
   const auto place = std::find(choices.begin(), choices.end(), word);
   if (place != choices.end()) return static_cast<int>(place - choices.begin());
-  const auto near = nearest_name(word, choices);
   mistakes_.add(Errc::UnknownName, found->at, "'" + std::string{key} + "' cannot be '" + word + "'",
-                near.empty() ? "there are " + listed(choices) : "did you mean '" + near + "'?");
+                suggest(word, choices));
   return std::nullopt;
 }
 

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "engine/graph/file/entry_fields.h"
-#include "engine/graph/file/nearest.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/roles.h"
 #include "engine/scene/measures/measure.h"
@@ -54,9 +53,8 @@ bool may_have_more(const SceneSpec& scene, const std::string& name) {
 
 void complain_unknown(const Expectation& expectation, Mistakes& mistakes) {
   const auto names = value_names();
-  const auto near = nearest_name(expectation.measure, names);
   mistakes.add(Errc::UnknownName, expectation.measure_at, "there is no measure '" + expectation.measure + "'",
-               near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?");
+               suggest(expectation.measure, names));
 }
 
 void check_limits(const Expectation& expectation, const Measure& type, Mistakes& mistakes) {
@@ -76,12 +74,11 @@ void check_subject(const Expectation& expectation, const std::string& of, const 
   auto names = recorded;  // with "instrument.hit" for its first output
   for (const auto& name : recorded)
     if (name.find('.') != name.rfind('.')) names.push_back(name.substr(0, name.rfind('.')));
-  const auto near = nearest_name(of, names);
   mistakes.add(Errc::UnknownName, expectation.of_at,
                of == expectation.of
                    ? "nothing called '" + of + "' is recorded"
                    : "'" + expectation.measure + "' needs '" + of + "', and nothing of that name is recorded",
-               near.empty() ? "recorded are " + listed(recorded) : "did you mean '" + near + "'?");
+               suggest(of, names, "recorded are " + listed(recorded)));
 }
 
 void check_recorded(const std::string& of, const Source& at, const SceneSpec& scene,
@@ -106,11 +103,9 @@ void check_port(const Expectation& expectation, const SceneSpec& scene, Mistakes
   if (scene.port(expectation.of) != nullptr) return;
   std::vector<std::string> names;
   for (const auto& port : scene.ports) names.push_back(port.name);
-  const auto near = nearest_name(expectation.of, names);
   mistakes.add(Errc::UnknownName, expectation.of_at, "there is no port '" + expectation.of + "'",
-               !near.empty()   ? "did you mean '" + near + "'?"
-               : names.empty() ? "declare it under [ports]"
-                               : "there are " + listed(names));
+               suggest(expectation.of, names,
+                       names.empty() ? "declare it under [ports]" : "there are " + listed(names)));
 }
 
 }  // namespace
@@ -231,9 +226,8 @@ void check_comparison(const SceneSpec& scene, Mistakes& mistakes) {
         complain_range(read.control, value, at, mistakes);
     }
     if (std::find(known.begin(), known.end(), port) != known.end()) continue;
-    const auto near = nearest_name(port, known);
     mistakes.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",
-                 near.empty() ? "there are " + listed(known) : "did you mean '" + near + "'?");
+                 suggest(port, known));
   }
 }
 
