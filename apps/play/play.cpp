@@ -102,9 +102,8 @@ int play_on_card(const PlayOptions& options) {
 int run(const PlayOptions& options) {
   if (options.live.live()) return play_on_card(options);
   if (const auto stray = options.live.stray(); !stray.empty())
-    return report(Error{Errc::BadArgument, stray, "is for sound cards",
-                        "give --device, --backend or --rig too"}),
-           kUsage;
+    return report(
+        Error{Errc::BadArgument, stray, "is for sound cards", "give --device, --backend or --rig too"});
   auto scene_run = options.run;
   scene_run.block = options.block.value_or(scene_run.block);
   scene_run.file = resolve_target(options.target, "scene.toml");

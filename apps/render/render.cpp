@@ -72,9 +72,12 @@ Result<Samples> read_input(const RenderOptions& options) {
 /// A recording must not be lost to its own rendering.
 Status check_files(const RenderOptions& options) {
   std::error_code none;
-  for (const auto& written : {options.files.out, options.files.sound, options.events})
-    if (!written.empty() && !options.in.empty() && std::filesystem::equivalent(written, options.in, none))
-      return fail(Errc::BadArgument, written, "would overwrite what it is made from", "choose another name");
+  for (const auto& [option, written] : {std::pair{"--out ", &options.files.out},
+                                        {"--sound ", &options.files.sound},
+                                        {"--events ", &options.events}})
+    if (!written->empty() && !options.in.empty() && std::filesystem::equivalent(*written, options.in, none))
+      return fail(Errc::BadArgument, option + *written, "would overwrite what it is made from",
+                  "choose another name");
   return {};
 }
 
@@ -196,7 +199,7 @@ Status write(const RenderOptions& options, const Samples& output, const std::vec
 }
 
 int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
-  if (const auto status = check_files(options); !status) return report(status.error()), kUsage;
+  if (const auto status = check_files(options); !status) return report(status.error());
   auto job = prepare(options, file);
   if (!job) return report(job.error());
   auto schedule = compile(job->loaded, standard_nodes(), job->compile);

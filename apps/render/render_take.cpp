@@ -152,8 +152,8 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
 int render_take(const ReplayOptions& options) {
   std::error_code none;
   if (!options.out.empty() && std::filesystem::equivalent(options.out, options.take, none))
-    return report(Error{Errc::BadArgument, options.out, "would overwrite the take", "choose another name"}),
-           kUsage;
+    return report(
+        Error{Errc::BadArgument, "--out " + options.out, "would overwrite the take", "choose another name"});
   if (options.target.empty() && (!options.set.empty() || !options.delay.empty()))
     return report(Error{Errc::BadArgument, "--replay",
                         "a take is played with the settings that it was recorded with",
