@@ -96,10 +96,11 @@ FieldReader::FieldReader(const Value::Table& table, const SectionType& section, 
   const auto* kind = find(table, "kind");
   const auto* chosen = kind != nullptr ? kind->text() : nullptr;
   std::vector<std::string> known;
-  bool chosen_well = false;
-  for (const auto& field : section.fields) chosen_well = chosen_well || (chosen && field.only == *chosen);
+  const bool decides =
+      chosen != nullptr && std::any_of(section.fields.begin(), section.fields.end(),
+                                       [&](auto& f) { return !f.only.empty() && f.only == *chosen; });
   for (const auto& field : section.fields)
-    if (!chosen_well || field.only.empty() || field.only == *chosen) known.push_back(field.key);
+    if (!decides || field.only.empty() || field.only == *chosen) known.push_back(field.key);
   mistakes.unknown_keys(table, known);
   if (has("about")) mistakes.text(table, "about");
 }
