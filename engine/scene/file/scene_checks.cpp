@@ -139,8 +139,9 @@ void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
     if (of.empty() && !type->of.empty())
       report_role(expectation.measure, expectation.at, type->of, scene, mistakes);
     else if (of.empty())
-      mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
-                   "say of what, as in of = \"" + (recorded.empty() ? "plant.x" : recorded.back()) + "\"");
+      mistakes.add(
+          Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
+          "say of what, as in of = \"" + (recorded.empty() ? "part.output" : recorded.back()) + "\"");
     else if (type->subject == Measure::Subject::Port)
       check_port(expectation, scene, mistakes);
     else
