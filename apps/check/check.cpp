@@ -19,7 +19,7 @@ struct CheckOptions {
   std::string hand_damping = "2 N s/m", hand_mass = "6 g", push = "10 N";
   std::string device_mass = "50 g", device_damping = "0.1 N s/m";
   std::vector<std::string> set;
-  bool quick = false, json = false;
+  bool quick = false, json = false, verbose = false;
 };
 
 /// What was asked for, with everything loaded.
@@ -129,8 +129,8 @@ std::optional<Refusal> read(const CheckOptions& options, CheckJob& job) {
   return choose_delay(options, delay, job);
 }
 
-/// Whether it is to hold where the run takes it, and what it does there.
-Checked<ExtremeRun> foresee_and_run(const CheckJob& job, ExtremePlan plan) {
+/// Predicts whether it is stable where the run takes it, and measures it there.
+Checked<ExtremeRun> predict_and_run(const CheckJob& job, ExtremePlan plan) {
   if (!plan.linear) plan.expected = is_stable_with(job.subject(), plan.world, job.options.push);
   return run_extreme(job.subject(), plan);
 }
@@ -153,7 +153,7 @@ Checked<std::vector<ExtremeRun>> run_all(const CheckJob& job, const StabilityVer
   const auto work = [&](bool tells) {
     for (std::size_t i = next++; i < made.size(); i = next++) {
       if (tells) progress(static_cast<double>(i) / static_cast<double>(made.size()), (*plans)[i].what);
-      made[i] = foresee_and_run(job, (*plans)[i]);
+      made[i] = predict_and_run(job, (*plans)[i]);
     }
   };
   std::vector<std::future<void>> others;
@@ -175,7 +175,7 @@ int run_check(const CheckOptions& options) {
   if (const auto refusal = read(options, job)) return report(refusal->errors), refusal->exit;
   std::vector<ExtremeRun> runs;
   auto verdict = [&] {
-    Progress progress{"looking at the loops"};
+    Progress progress{"analysing the loops"};
     return judge_stability(job.subject(), job.options, [&](double share) { progress(share); });
   }();
   if (!verdict) return report(verdict.error());
@@ -187,7 +187,7 @@ int run_check(const CheckOptions& options) {
   if (options.json)
     fmt::print("{}\n", to_json(job.names, *verdict, runs).dump(2));
   else
-    print(job.names, *verdict, runs);
+    print(job.names, *verdict, runs, options.verbose);
   return holds(*verdict, runs) ? kDone : kNo;
 }
 
@@ -219,12 +219,13 @@ void add_check(CLI::App& app, int& exit_code) {
   command->add_option("--rig", options->rig, "rig file: its measured delay");
   command->add_option("--set", options->set, "NAME=VALUE of a control");
   add_device_options(*command, *options);
-  command->add_flag("--quick", options->quick, "only what follows from the graph, without the runs");
+  command->add_flag("--quick", options->quick, "only the analysis of the graph, without the runs");
+  command->add_flag("--verbose", options->verbose, "every loop, network, control and run as a table");
   command->add_flag("--json", options->json, "every number, for machines");
   command->footer(
       "Examples:\n  tactus check instruments/haptic_drum\n  tactus check my_wall.toml --delay \"1 ms\" "
-      "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: it does not "
-      "hold.");
+      "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: it is "
+      "unstable.");
   command->callback([options, &exit_code] { exit_code = run_check(*options); });
 }
 

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "engine/core/decibels.h"
 #include "engine/graph/file/entry_fields.h"
 #include "engine/nodes/networks/solver_names.h"
 
@@ -105,7 +107,7 @@ Json list_of(const List& list, Convert convert) {
 }
 
 std::string decibels(double factor) {
-  return std::isfinite(factor) && factor > 0 ? fmt::format("{:.1f} dB", 20 * std::log10(factor)) : "any";
+  return std::isfinite(factor) && factor > 0 ? fmt::format("{:.1f} dB", amplitude_to_db(factor)) : "any";
 }
 
 void print_loops(const StabilityVerdict& verdict) {
@@ -152,19 +154,19 @@ void print_networks(const StabilityVerdict& verdict) {
 void print_controls(const StabilityVerdict& verdict) {
   fmt::print("\n  {:24} {:>14} {:>14} {:>14}\n", "control", "at its lowest", "at its highest", "border");
   for (const auto& control : verdict.controls)
-    fmt::print("  {:24} {:>14} {:>14} {:>14}\n", control.control.name, control.stable_low ? "holds" : "grows",
-               control.stable_high ? "holds" : "grows",
+    fmt::print("  {:24} {:>14} {:>14} {:>14}\n", control.control.name,
+               control.stable_low ? "stable" : "unstable", control.stable_high ? "stable" : "unstable",
                control.border ? in_unit(*control.border, control.control.unit) : "");
 }
 
 void print_runs(const std::vector<ExtremeRun>& runs) {
   fmt::print("\n  {:34} {:>9} {:>10} {:>8} {:>10} {:>10} {:>10}  {:8}  {}\n", "run", "rate Hz", "delay ms",
-             "seconds", "peak", "before", "after", "foreseen", "came out");
+             "seconds", "peak", "before", "after", "predicted", "measured");
   for (const auto& run : runs) {
     const char* how = !run.finite ? "not finite" : run.faults > 0 ? "faults" : run.grew ? "grew" : "bounded";
     fmt::print("  {:34} {:9g} {:10.4g} {:8.3g} {:10.3g} {:10.3g} {:10.3g}  {:8}  {}{}\n", run.what,
                run.rate.value, 1e3 * run.delay_s, run.seconds, run.peak, run.energy_before, run.energy_after,
-               run.expected ? "holds" : "grows", how, run.as_expected() ? "" : "  (not as foreseen)");
+               run.expected ? "stable" : "unstable", how, run.as_expected() ? "" : "  (not as predicted)");
   }
 }
 
@@ -204,21 +206,25 @@ bool holds(const StabilityVerdict& verdict, const std::vector<ExtremeRun>& runs)
 }
 
 void print(const CheckedSubject& subject, const StabilityVerdict& verdict,
-           const std::vector<ExtremeRun>& runs) {
+           const std::vector<ExtremeRun>& runs, bool verbose) {
+  fmt::print("{}\n\n", !holds(verdict, runs)   ? "unstable"
+                       : verdict.outside_known ? "stable"
+                                               : "stable by itself; the loop over the outside is not known");
   const auto words = describe(verdict);
   fmt::print("{}: {} ({})\n", subject.name, words.front(), subject.delay_from);
   for (std::size_t i = 1; i < words.size(); ++i) fmt::print("  {}\n", words[i]);
-  std::size_t loops = 0, stiff = 0;
-  for (const auto& regime : verdict.regimes) loops += regime.loops.size(), stiff += regime.stiff.size();
-  if (loops > 0) print_loops(verdict);
-  if (stiff > 0) print_stiff(verdict);
+  for (const auto& run : runs)
+    if (!run.as_expected()) fmt::print("  not as predicted: {}\n", run.what);
+  if (!verbose) return;
+  const auto any = [&](auto list) {
+    return std::any_of(verdict.regimes.begin(), verdict.regimes.end(),
+                       [&](const RegimeVerdict& regime) { return !(regime.*list).empty(); });
+  };
+  if (any(&RegimeVerdict::loops)) print_loops(verdict);
+  if (any(&RegimeVerdict::stiff)) print_stiff(verdict);
   if (!verdict.networks.empty()) print_networks(verdict);
   if (!verdict.controls.empty()) print_controls(verdict);
   if (!runs.empty()) print_runs(runs);
-  fmt::print("\n{}\n", !holds(verdict, runs) ? "It does not hold."
-                       : verdict.outside_known
-                           ? "It holds."
-                           : "It holds by itself; the loop over the outside is not judged.");
 }
 
 }  // namespace tactus::app

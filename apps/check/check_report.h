@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -14,13 +16,13 @@ struct CheckedSubject {
   std::string delay_from;  ///< where the delay comes from, in words
 };
 
-/// The verdict, and every run as it was foreseen.
+/// The verdict, and every run as predicted.
 bool holds(const StabilityVerdict& verdict, const std::vector<ExtremeRun>& runs);
 /// Every number of it.
 nlohmann::ordered_json to_json(const CheckedSubject& subject, const StabilityVerdict& verdict,
                                const std::vector<ExtremeRun>& runs);
-/// Words first, then tables.
+/// The verdict, what fails, and with `verbose` every table.
 void print(const CheckedSubject& subject, const StabilityVerdict& verdict,
-           const std::vector<ExtremeRun>& runs);
+           const std::vector<ExtremeRun>& runs, bool verbose);
 
 }  // namespace tactus::app

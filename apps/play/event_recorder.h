@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>

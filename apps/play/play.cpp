@@ -7,11 +7,9 @@
 #include "apps/cli/console.h"
 #include "apps/cli/writable.h"
 #include "apps/play/live/live_options.h"
-#include "apps/play/play_ball.h"
 #include "apps/play/play_files.h"
-#include "apps/play/play_notes.h"
 #include "apps/play/play_report.h"
-#include "apps/play/play_roll.h"
+#include "apps/play/report_sections.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus::app {
@@ -28,63 +26,63 @@ struct PlayOptions {
   bool json = false;
 };
 
-/// What a signal with this role is reported by.
-struct RoleReport {
-  const char* role;
-  void (*report)(Json&, const PlayedScene&, const PlayedScene* compared);
-  void (*print)(const Json&);
+/// What is reported of a played scene, for machines and for people.
+struct Report {
+  const PlayedScene& played;
+  std::vector<std::unique_ptr<ReportSection>> sections;
+  std::vector<Outcome> outcomes;
+
+  bool holds() const {
+    return played.recording.faults.empty() &&
+           std::all_of(outcomes.begin(), outcomes.end(),
+                       [](const Outcome& outcome) { return outcome.holds; });
+  }
+  double delay_ms() const { return 1e3 * played.recording.delay_frames / played.recording.sample_rate.value; }
+  double times_real_time() const { return played.recording.seconds() / played.recording.run_seconds; }
 };
-constexpr RoleReport kReports[] = {{"ball", report_ball, print_ball},
-                                   {"contact", report_roll, print_roll},
-                                   {"monitor", report_notes, print_notes}};
 
-/// Those that [roles] asks for, in its order; without the section, those of the roles that ports play.
-std::vector<RoleReport> reports_of(const SceneSpec& scene) {
-  const bool asks =
-      std::any_of(scene.roles.begin(), scene.roles.end(), [](auto& role) { return role.written; });
-  std::vector<RoleReport> reports;
-  for (const auto& role : scene.roles)
-    for (const auto& report : kReports)
-      if (role.name == report.role && role.written == asks) reports.push_back(report);
-  return reports;
-}
-
-Json report_of(const PlayedScene& played, const PlayedScene* compared) {
-  const auto& recording = played.recording;
-  Json json{{"scene", played.scene.name},
-            {"sample_rate_hz", recording.sample_rate.value},
-            {"delay_ms", 1e3 * recording.delay_frames / recording.sample_rate.value},
-            {"duration_s", recording.seconds()},
-            {"run_s", recording.run_seconds},
-            {"real_time_factor", recording.seconds() / recording.run_seconds}};
-  for (const auto& [role, report, print] : reports_of(played.scene)) report(json, played, compared);
+Json json_of(const Report& report) {
+  const auto& recording = report.played.recording;
+  Json json{{"scene", report.played.scene.name}, {"sample_rate_hz", recording.sample_rate.value},
+            {"delay_ms", report.delay_ms()},     {"duration_s", recording.seconds()},
+            {"run_s", recording.run_seconds},    {"real_time_factor", report.times_real_time()}};
+  for (const auto& section : report.sections) section->add_to(json);
   json["faults"] = Json::array();
   for (const auto& fault : recording.faults)
     json["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
   json["bad_input_samples"] = recording.bad_inputs;
   json["guard"] = guard_json(recording.guard, recording.sample_rate);
   json["ports"] = ports_json(recording.ports);
+  json["expected"] = Json::array();
+  for (const auto& outcome : report.outcomes)
+    json["expected"].push_back({{"name", outcome.name},
+                                {"value", outcome.value},
+                                {"unit", outcome.unit},
+                                {"wanted", outcome.wanted},
+                                {"holds", outcome.holds}});
   return json;
 }
 
-void print(const Json& json, const PlayedScene& played) {
-  const auto& scene = played.scene;
+void print(const Report& report) {
+  const auto& [scene, recording] = report.played;
   fmt::print("{}\n{}\n\n", scene.name, scene.about);
   fmt::print(
       "  played              {:g} s at {:g} Hz with {:g} ms of delay, in {:.2f} s: {:.0f} times real time\n",
-      json["duration_s"].get<double>(), json["sample_rate_hz"].get<double>(), json["delay_ms"].get<double>(),
-      json["run_s"].get<double>(), json["real_time_factor"].get<double>());
-  for (const auto& report : reports_of(scene)) report.print(json);
-  print_guard(played.recording.guard, played.recording.sample_rate);
-  print_ports(played.recording.ports);
+      recording.seconds(), recording.sample_rate.value, report.delay_ms(), recording.run_seconds,
+      report.times_real_time());
+  for (const auto& section : report.sections) fmt::print("{}", section->text());
+  print_guard(recording.guard, recording.sample_rate);
+  print_ports(recording.ports);
   fmt::print("  faults              {}\n",
-             json["faults"].empty() && json["bad_input_samples"] == 0 ? "none" : "");
-  for (const auto& fault : json["faults"])
-    fmt::print("                      {} gave something that is not a number, {} times\n",
-               fault["node"].get<std::string>(), fault["count"].get<std::int64_t>());
-  if (json["bad_input_samples"] != 0)
-    fmt::print("                      {} samples from the sensors were no numbers\n",
-               json["bad_input_samples"].get<std::int64_t>());
+             recording.faults.empty() && recording.bad_inputs == 0 ? "none" : "");
+  for (const auto& fault : recording.faults)
+    fmt::print("                      {} gave non-finite values {} times\n", fault.path, fault.count);
+  if (recording.bad_inputs != 0)
+    fmt::print("                      {} non-finite sensor samples replaced by zero\n", recording.bad_inputs);
+  if (!report.outcomes.empty()) fmt::print("\n  expected of this scene\n");
+  for (const auto& outcome : report.outcomes)
+    fmt::print("    {}  {:16} {:.4g}{}, {}\n", outcome.holds ? "ok  " : "FAIL", outcome.name, outcome.value,
+               outcome.unit.empty() ? "" : " " + outcome.unit, outcome.wanted);
 }
 
 /// On a sound card the options that both ways have mean the same.
@@ -104,9 +102,8 @@ int play_on_card(const PlayOptions& options) {
 int run_play(const PlayOptions& options) {
   if (options.live.live()) return play_on_card(options);
   if (const auto stray = options.live.stray(); !stray.empty())
-    return report(Error{Errc::BadArgument, stray, "is for sound cards",
-                        "give --device, --backend or --rig too"}),
-           kUsage;
+    return report(
+        Error{Errc::BadArgument, stray, "is for sound cards", "give --device, --backend or --rig too"});
   auto scene_run = options.run;
   scene_run.block = options.block.value_or(scene_run.block);
   scene_run.file = resolve_target(options.target, "scene.toml");
@@ -122,17 +119,8 @@ int run_play(const PlayOptions& options) {
     if (!other) return report(other.error());
     compared = std::move(*other);
   }
-  auto json = report_of(*played, compared ? &*compared : nullptr);
-  bool holds = json["faults"].empty();
-  json["expected"] = Json::array();
-  for (const auto& outcome : *outcomes) {
-    holds = holds && outcome.holds;
-    json["expected"].push_back({{"name", outcome.name},
-                                {"value", outcome.value},
-                                {"unit", outcome.unit},
-                                {"wanted", outcome.wanted},
-                                {"holds", outcome.holds}});
-  }
+  const Report finished{*played, sections_of(*played, compared ? &*compared : nullptr), *outcomes};
+  auto json = json_of(finished);
   auto written = write_files(options.files, *played);
   if (!written) return report(written.error());
   const auto kept = base_of(options.files, *played) + ".json";
@@ -141,16 +129,12 @@ int run_play(const PlayOptions& options) {
   if (options.json) {
     json["written"] = *written;
     fmt::print("{}\n", json.dump(2));
-    return holds ? kDone : kNo;
+  } else {
+    print(finished);
+    fmt::print("\n  written\n");
+    for (const auto& line : *written) fmt::print("    {}\n", line);
   }
-  print(json, *played);
-  if (!outcomes->empty()) fmt::print("\n  expected of this scene\n");
-  for (const auto& outcome : *outcomes)
-    fmt::print("    {}  {:16} {:.4g}{}, {}\n", outcome.holds ? "ok  " : "FAIL", outcome.name, outcome.value,
-               outcome.unit.empty() ? "" : " " + outcome.unit, outcome.wanted);
-  fmt::print("\n  written\n");
-  for (const auto& line : *written) fmt::print("    {}\n", line);
-  return holds ? kDone : kNo;
+  return finished.holds() ? kDone : kNo;
 }
 
 }  // namespace

@@ -72,6 +72,50 @@ std::string about(const EntrySpec& port) {
 
 Dimension volt() { return parse_unit("V")->dimension; }
 
+std::optional<RigQuestion> asked_if(bool needed, const RigQuestion& question) {
+  return needed ? std::optional{question} : std::nullopt;
+}
+
+RigQuestion full_scale_question(const std::string& per) {
+  return {
+      "How many volts at that input are full scale? Such as 1 V; unknown: a sample of 1 counts as 1" + per,
+      "unknown"};
+}
+
+RigQuestion sensitivity_question(const Dimension& dimension, const std::string& unit, double volts) {
+  return {dimension.plain() ? "How many volts of the sensor count as full scale? Such as 50 mV (or find out "
+                              "with --learn)"
+                            : "How sensitive is the sensor? In " + unit + ", such as 2 " + unit,
+          fmt::format("{} {}", volts, unit)};
+}
+
+RigQuestion profile_question(const std::string& name) {
+  return {
+      "What does '" + name +
+          "' move? woofer, bass_shaker, tactor_lra, …, or a file; unknown: the guard's limits are cautious",
+      "unknown"};
+}
+
+/// Volts from `least` to 1 kV.
+Status take_volts(const std::string& text, double least, const char* least_text, const char* example,
+                  std::optional<double>& to) {
+  const auto volts = quantity_in(text, volt(), example);
+  if (!volts) return tl::unexpected(volts.error());
+  if (!(volts->si >= least && volts->si <= 1000))
+    return nonsense(fmt::format("it is between {} and 1 kV", least_text),
+                    fmt::format("write for instance {}", example));
+  to = volts->si;
+  return {};
+}
+
+Status take_full_scale(const std::string& text, const Dimension& dimension, RigInput& input) {
+  if (text != "unknown") return take_volts(text, 1e-6, "1 uV", "1 V", input.volts);
+  if (dimension.plain()) return {};
+  input.volts = 1.0;
+  input.sensitivity = QuantityValue{1.0, Unit{volt() / dimension}, false};
+  return {};
+}
+
 }  // namespace
 
 RigInterview::RigInterview(const GraphSpec& instrument, Rig::Device device, int device_inputs,
@@ -108,121 +152,80 @@ void RigInterview::skip_needless() {
   while (next_ < steps_.size() && !steps_[next_].ask()) ++next_;
 }
 
+void RigInterview::add(std::function<std::optional<RigQuestion>()> ask,
+                       std::function<Status(const std::string&)> take) {
+  steps_.push_back({std::move(ask), std::move(take)});
+}
+
 void RigInterview::ask_input(const EntrySpec& port, std::size_t index) {
+  auto* input = &rig_.inputs[index];  // the rig keeps its ports from here on
   const auto dimension = dimension_of(port);
-  const auto input = [this, index]() -> RigInput& { return rig_.inputs[index]; };
-  const auto free = std::to_string(index + 1);
-  const bool there = static_cast<int>(index) < device_inputs_;
-  steps_.push_back(
-      {[=, this] {
-         return std::optional{RigQuestion{fmt::format("Which input of the card is '{}'{}? 1 to {}, or none",
-                                                      port.name, about(port), device_inputs_),
-                                          there ? free : kNone}};
-       },
-       [=, this](const std::string& text) { return take_channels(text, input(), device_inputs_, true); }});
-  const auto per = dimension.plain() ? "" : to_string(dimension);
-  steps_.push_back({[=]() -> std::optional<RigQuestion> {
-                      if (input().channels.empty()) return std::nullopt;
-                      return RigQuestion{
-                          "How many volts at that input are full scale? Such as 1 V; unknown: a sample of 1 "
-                          "counts as 1" +
-                              (per.empty() ? "" : " " + per),
-                          "unknown"};
-                    },
-                    [=](const std::string& text) -> Status {
-                      if (text == "unknown") {
-                        if (!dimension.plain()) {
-                          input().volts = 1.0;
-                          input().sensitivity = QuantityValue{1.0, Unit{volt() / dimension}, false};
-                        }
-                        return {};
-                      }
-                      const auto volts = quantity_in(text, volt(), "1 V");
-                      if (!volts) return tl::unexpected(volts.error());
-                      if (!(volts->si >= 1e-6 && volts->si <= 1000))
-                        return nonsense("full scale is between 1 uV and 1 kV", "write for instance 1 V");
-                      input().volts = volts->si;
-                      return {};
-                    }});
+  const auto per = dimension.plain() ? "" : " " + to_string(dimension);
   const auto unit = dimension.plain() ? std::string{"V"} : volts_per(volt() / dimension);
-  steps_.push_back(
-      {[=]() -> std::optional<RigQuestion> {
-         if (!input().volts || input().sensitivity) return std::nullopt;
-         return RigQuestion{
-             dimension.plain()
-                 ? "How many volts of the sensor count as full scale? Such as 50 mV (or find out "
-                   "with --learn)"
-                 : "How sensitive is the sensor? In " + unit + ", such as 2 " + unit,
-             fmt::format("{} {}", *input().volts, unit)};
-       },
-       [=](const std::string& text) -> Status {
-         const auto found = quantity_in(text, volt() / dimension, "2 " + unit);
-         if (!found) return tl::unexpected(found.error());
-         input().sensitivity = *found;
-         return {};
-       }});
+  add(
+      [=, text = port.name + "'" + about(port), this] {
+        const bool there = static_cast<int>(index) < device_inputs_;
+        return RigQuestion{
+            fmt::format("Which input of the card is '{}? 1 to {}, or none", text, device_inputs_),
+            there ? std::to_string(index + 1) : kNone};
+      },
+      [=, this](const std::string& text) { return take_channels(text, *input, device_inputs_, true); });
+  add([=] { return asked_if(!input->channels.empty(), full_scale_question(per)); },
+      [=](const std::string& text) { return take_full_scale(text, dimension, *input); });
+  add(
+      [=] {
+        const bool needed = input->volts && !input->sensitivity;
+        return asked_if(needed, sensitivity_question(dimension, unit, input->volts.value_or(0)));
+      },
+      [=](const std::string& text) -> Status {
+        const auto found = quantity_in(text, volt() / dimension, "2 " + unit);
+        if (!found) return tl::unexpected(found.error());
+        input->sensitivity = *found;
+        return {};
+      });
 }
 
 void RigInterview::ask_output(const EntrySpec& port, std::size_t index) {
-  const auto output = [this, index]() -> RigOutput& { return rig_.outputs[index]; };
+  auto* output = &rig_.outputs[index];
   const auto* kind = find(port.fields, "kind");
   const bool audio = kind != nullptr && kind->text() != nullptr && *kind->text() == "audio";
-  steps_.push_back(
-      {[=, this] {
-         int free = 1;
-         while (used_by_output(free)) ++free;
-         return std::optional{RigQuestion{
-             fmt::format("Which output of the card is '{}'{}? {}; 1 to {}, or none", port.name, about(port),
-                         audio ? "It is sound" : "It drives an actuator", device_outputs_),
-             free <= device_outputs_ ? std::to_string(free) : kNone}};
-       },
-       [=, this](const std::string& text) { return take_channels(text, output(), device_outputs_, false); }});
+  add(
+      [=, text = port.name + "'" + about(port), this] {
+        int free = 1;
+        while (used_by_output(free)) ++free;
+        return RigQuestion{
+            fmt::format("Which output of the card is '{}? {}; 1 to {}, or none", text,
+                        audio ? "It is a monitor output" : "It drives an actuator", device_outputs_),
+            free <= device_outputs_ ? std::to_string(free) : kNone};
+      },
+      [=, this](const std::string& text) { return take_channels(text, *output, device_outputs_, false); });
   if (audio) return;
-  steps_.push_back({[=]() -> std::optional<RigQuestion> {
-                      if (output().channels.empty()) return std::nullopt;
-                      return RigQuestion{
-                          "What does '" + port.name +
-                              "' move? woofer, bass_shaker, tactor_lra, …, or a file; unknown: the guard's "
-                              "limits are cautious",
-                          "unknown"};
-                    },
-                    [=, this](const std::string& text) { return take_profile(text, output()); }});
+  add([=, name = port.name] { return asked_if(!output->channels.empty(), profile_question(name)); },
+      [=, this](const std::string& text) { return take_profile(text, *output); });
   // There is no cautious guess: too few volts would allow too much.
-  steps_.push_back({[=]() -> std::optional<RigQuestion> {
-                      if (!output().has_actuator()) return std::nullopt;
-                      return RigQuestion{
-                          "How many volts does a sample of 1 put on it, behind the amplifier? Such as 10 V",
+  const RigQuestion volts{"How many volts does a sample of 1 put on it, behind the amplifier? Such as 10 V",
                           ""};
-                    },
-                    [=](const std::string& text) -> Status {
-                      const auto volts = quantity_in(text, volt(), "10 V");
-                      if (!volts) return tl::unexpected(volts.error());
-                      if (!(volts->si >= 1e-3 && volts->si <= 1000))
-                        return nonsense("it is between 1 mV and 1 kV", "write for instance 10 V");
-                      output().drive.volts = volts->si;
-                      return {};
-                    }});
+  add([=] { return asked_if(output->has_actuator(), volts); },
+      [=](const std::string& text) { return take_volts(text, 1e-3, "1 mV", "10 V", output->drive.volts); });
 }
 
 void RigInterview::ask_actuators() {
-  steps_.push_back(
-      {[this]() -> std::optional<RigQuestion> {
-         if (device_outputs_ <= static_cast<int>(rig_.outputs.size())) return std::nullopt;
-         return RigQuestion{
-             "Do actuators hang on other outputs, which sound must never reach? Their numbers, or "
-             "none",
-             kNone};
-       },
-       [this](const std::string& text) -> Status {
-         RigPort others;
-         if (auto status = take_channels(text, others, device_outputs_, false); !status) return status;
-         for (const int channel : others.channels) {
-           auto& actuator = rig_.actuators.emplace_back();
-           actuator.name = fmt::format("on_{}", channel);
-           actuator.channels = {channel};
-         }
-         return {};
-       }});
+  const RigQuestion question{
+      "Are actuators connected to other outputs, which must never carry sound? Their numbers, or none",
+      kNone};
+  add([=, this] { return asked_if(device_outputs_ > static_cast<int>(rig_.outputs.size()), question); },
+      [this](const std::string& text) { return take_actuators(text); });
+}
+
+Status RigInterview::take_actuators(const std::string& text) {
+  RigPort others;
+  if (auto status = take_channels(text, others, device_outputs_, false); !status) return status;
+  for (const int channel : others.channels) {
+    auto& actuator = rig_.actuators.emplace_back();
+    actuator.name = fmt::format("on_{}", channel);
+    actuator.channels = {channel};
+  }
+  return {};
 }
 
 bool RigInterview::used_by_output(int channel) const {

@@ -44,11 +44,13 @@ class RigInterview {
     std::function<Status(const std::string&)> take;
   };
 
+  void add(std::function<std::optional<RigQuestion>()> ask, std::function<Status(const std::string&)> take);
   void ask_input(const EntrySpec& port, std::size_t index);
   void ask_output(const EntrySpec& port, std::size_t index);
   void ask_actuators();
   void skip_needless();
   Status take_channels(const std::string& text, RigPort& port, int there, bool shared);
+  Status take_actuators(const std::string& text);
   Status take_profile(const std::string& text, RigOutput& output);
   bool used_by_output(int channel) const;
 

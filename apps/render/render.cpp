@@ -72,100 +72,148 @@ Result<Samples> read_input(const RenderOptions& options) {
 /// A recording must not be lost to its own rendering.
 Status check_files(const RenderOptions& options) {
   std::error_code none;
-  for (const auto& written : {options.files.out, options.files.sound, options.events})
-    if (!written.empty() && !options.in.empty() && std::filesystem::equivalent(written, options.in, none))
-      return fail(Errc::BadArgument, written, "would overwrite what it is made from", "choose another name");
+  for (const auto& [option, written] : {std::pair{"--out ", &options.files.out},
+                                        {"--sound ", &options.files.sound},
+                                        {"--events ", &options.events}})
+    if (!written->empty() && !options.in.empty() && std::filesystem::equivalent(*written, options.in, none))
+      return fail(Errc::BadArgument, option + *written, "would overwrite what it is made from",
+                  "choose another name");
   return {};
 }
 
-int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
-  if (const auto status = check_files(options); !status) return report(status.error()), kUsage;
-  const auto loaded = load_graph_leniently(file, root_of(file));
-  if (loaded.spec == nullptr) return report(loaded.mistakes);
+/// An instrument and what it is run on.
+struct InstrumentJob {
+  LoadedGraph loaded;
+  Samples input;
+  CompileOptions compile;
+  DriveBook drives;
+};
+
+Checked<InstrumentJob> prepare(const RenderOptions& options, const std::filesystem::path& file) {
+  const auto failed = [](const Error& error) { return tl::unexpected(std::vector{error}); };
+  InstrumentJob job{load_graph_leniently(file, root_of(file)), {}, {}, {}};
+  if (job.loaded.spec == nullptr) return tl::unexpected(job.loaded.mistakes);
   auto input = read_input(options);
-  if (!input) return report(input.error());
+  if (!input) return failed(input.error());
+  job.input = std::move(*input);
   const auto settings = parse_settings(options.set);
-  if (!settings) return report(settings.error()), kUsage;
+  if (!settings) return failed(settings.error());
   const auto delay = options.delay.empty() ? Result<double>{0.0} : parse_option(options.delay, "s", "delay");
-  if (!delay) return report(delay.error()), kUsage;
+  if (!delay) return failed(delay.error());
   if (*delay < 0 || *delay > 10)
-    return report(Error{Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", ""});
+    return failed({Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", ""});
+  job.compile.sample_rate = job.input.sample_rate;
+  job.compile.controls = *settings;
+  job.compile.system_delay = Seconds{*delay};
+  job.compile.taps = event_taps(*job.loaded.spec, standard_nodes());
+  auto drives = apply(options.guard, {}, root_of(file));
+  if (!drives) return tl::unexpected(drives.error());
+  job.drives = std::move(*drives);
+  return job;
+}
 
-  CompileOptions compile_options;
-  compile_options.sample_rate = input->sample_rate;
-  compile_options.controls = *settings;
-  compile_options.system_delay = Seconds{*delay};
-  compile_options.taps = event_taps(*loaded.spec, standard_nodes());
-  auto schedule = compile(loaded, standard_nodes(), compile_options);
-  if (!schedule) return report(schedule.error());
-  if (!options.delay.empty()) announce_delay(*loaded.spec, *delay);
-  Player engine{std::move(*schedule)};
-  const auto drives = apply(options.guard, {}, root_of(file));
-  if (!drives) return report(drives.error());
-  Guarded guarded{engine, guarded_channels(engine.plan(), *drives)};
-  EventRecorder recorder{engine, compile_options.taps};
+/// A finished run of an instrument.
+struct InstrumentRun {
+  std::string name;
+  Samples output{};
+  std::vector<std::string> outputs, sounds;  ///< names; see sound_names
+  std::int64_t frames = 0, bad_inputs = 0;
+  int channels = 0, inputs = 0;  ///< of the file and of the instrument
+  Json events{};
+  std::vector<FaultCount> faults{};
+  GuardReport guard{};
+};
 
-  const auto frames = input->frames();
-  const auto outputs = output_names(engine.plan()), sounds = sound_names(engine.plan());
-  Samples output;
-  output.sample_rate = input->sample_rate;
-  output.channels.resize(outputs.size());
-  auto keep = sink_into(output);
+Result<InstrumentRun> run_engine(const InstrumentJob& job, Player& engine, int block) {
+  const auto& plan = engine.plan();
+  Guarded guarded{engine, guarded_channels(plan, job.drives)};
+  EventRecorder recorder{engine, job.compile.taps};
+  InstrumentRun run{.name = job.loaded.spec->name,
+                    .outputs = output_names(plan),
+                    .sounds = sound_names(plan),
+                    .frames = job.input.frames(),
+                    .channels = static_cast<int>(job.input.channels.size()),
+                    .inputs = engine.in_channels()};
+  run.output.sample_rate = job.input.sample_rate;
+  run.output.channels.resize(run.outputs.size());
+  auto keep = sink_into(run.output);
   Progress progress{"rendering"};
   std::int64_t done = 0;
-  OfflineJob job;
-  job.sample_rate = input->sample_rate;
-  job.in_channels = static_cast<int>(input->channels.size());
-  job.out_channels = static_cast<int>(outputs.size());
-  job.frames = frames;
-  job.block_frames = {options.block};
-  job.source = source_of(*input);
-  job.sink = {job.out_channels, [&](const double* const* channels, int count) {
-                recorder.take(count);
-                done += count;
-                progress(static_cast<double>(done) / static_cast<double>(std::max<std::int64_t>(1, frames)));
-                return keep.write(channels, count);
-              }};
-  const auto health = run_offline(guarded, job);
-  if (!health) return report(health.error());
+  OfflineJob offline;
+  offline.sample_rate = job.input.sample_rate;
+  offline.in_channels = run.channels;
+  offline.out_channels = static_cast<int>(run.outputs.size());
+  offline.frames = run.frames;
+  offline.block_frames = {block};
+  offline.source = source_of(job.input);
+  offline.sink = {
+      offline.out_channels, [&](const double* const* channels, int count) {
+        recorder.take(count);
+        done += count;
+        progress(static_cast<double>(done) / static_cast<double>(std::max<std::int64_t>(1, run.frames)));
+        return keep.write(channels, count);
+      }};
+  if (const auto health = run_offline(guarded, offline); !health) return tl::unexpected(health.error());
+  run.events = recorder.events(job.input.sample_rate);
+  run.bad_inputs = engine.bad_input_samples();
+  run.faults = engine.faults();
+  run.guard = report_of(guarded, plan, job.drives);
+  return run;
+}
 
-  const auto events = recorder.events(input->sample_rate);
-  if (auto status = write_outputs(options.files, output, outputs, sounds); !status)
-    return report(status.error());
-  if (!options.events.empty())
-    if (auto status = write_json(options.events, events); !status) return report(status.error());
+Json json_of(const InstrumentRun& run) {
+  Json json{{"instrument", run.name},
+            {"sample_rate_hz", run.output.sample_rate.value},
+            {"frames", run.frames},
+            {"outputs", run.outputs},
+            {"events", run.events["events"].size()},
+            {"bad_input_samples", run.bad_inputs},
+            {"faults", Json::array()}};
+  for (const auto& fault : run.faults)
+    json["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
+  json["guard"] = guard_json(run.guard, run.output.sample_rate);
+  return json;
+}
 
-  Json summary{{"instrument", loaded.spec->name},
-               {"sample_rate_hz", input->sample_rate.value},
-               {"frames", frames},
-               {"outputs", outputs},
-               {"events", events["events"].size()},
-               {"bad_input_samples", engine.bad_input_samples()},
-               {"faults", Json::array()}};
-  for (const auto& fault : engine.faults())
-    summary["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
-  const auto guard = report_of(guarded, engine.plan(), *drives);
-  summary["guard"] = guard_json(guard, input->sample_rate);
-  if (options.json) {
-    fmt::print("{}\n", summary.dump(2));
-    return kDone;
-  }
-  fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", loaded.spec->name,
-             static_cast<double>(frames) / input->sample_rate.value, input->sample_rate.value,
-             events["events"].size());
-  if (static_cast<int>(input->channels.size()) != engine.in_channels() && !options.in.empty())
-    fmt::print("the file has {} channels and the instrument {} inputs: {}\n", input->channels.size(),
-               engine.in_channels(),
-               static_cast<int>(input->channels.size()) > engine.in_channels() ? "the first ones were used"
-                                                                               : "the others heard silence");
-  if (!options.files.out.empty()) fmt::print("{}: {}\n", options.files.out, fmt::join(outputs, ", "));
-  if (!options.files.sound.empty()) fmt::print("{}: {}\n", options.files.sound, fmt::join(sounds, ", "));
+void print(const InstrumentRun& run, const RenderOptions& options) {
+  const auto rate = run.output.sample_rate;
+  fmt::print("{}: {:.3f} s at {:g} Hz, {} events\n", run.name, static_cast<double>(run.frames) / rate.value,
+             rate.value, run.events["events"].size());
+  if (run.channels != run.inputs && !options.in.empty())
+    fmt::print("the file has {} channels and the instrument {} inputs: {}\n", run.channels, run.inputs,
+               run.channels > run.inputs ? "the first ones were used" : "the others were silent");
+  if (!options.files.out.empty()) fmt::print("{}: {}\n", options.files.out, fmt::join(run.outputs, ", "));
+  if (!options.files.sound.empty()) fmt::print("{}: {}\n", options.files.sound, fmt::join(run.sounds, ", "));
   if (!options.events.empty()) fmt::print("{}: the events\n", options.events);
-  if (engine.bad_input_samples() > 0)
-    fmt::print("{} samples of the input were no numbers and count as silence\n", engine.bad_input_samples());
-  for (const auto& fault : engine.faults())
-    fmt::print("fault: {} gave something that is not a number, {} times\n", fault.path, fault.count);
-  if (!guard.idle()) print_guard(guard, input->sample_rate);
+  if (run.bad_inputs > 0) fmt::print("{} non-finite input samples replaced by zero\n", run.bad_inputs);
+  for (const auto& fault : run.faults)
+    fmt::print("fault: {} gave non-finite values {} times\n", fault.path, fault.count);
+  if (!run.guard.idle()) print_guard(run.guard, rate);
+}
+
+/// WAV files and events of a run.
+Status write(const RenderOptions& options, const Samples& output, const std::vector<std::string>& outputs,
+             const std::vector<std::string>& sounds, const Json& events) {
+  auto status = write_outputs(options.files, output, outputs, sounds);
+  return status && !options.events.empty() ? write_json(options.events, events) : status;
+}
+
+int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
+  if (const auto status = check_files(options); !status) return report(status.error());
+  auto job = prepare(options, file);
+  if (!job) return report(job.error());
+  auto schedule = compile(job->loaded, standard_nodes(), job->compile);
+  if (!schedule) return report(schedule.error());
+  if (!options.delay.empty()) announce_delay(*job->loaded.spec, job->compile.system_delay.value);
+  Player engine{std::move(*schedule)};
+  const auto run = run_engine(*job, engine, options.block);
+  if (!run) return report(run.error());
+  if (const auto status = write(options, run->output, run->outputs, run->sounds, run->events); !status)
+    return report(status.error());
+  if (options.json)
+    fmt::print("{}\n", json_of(*run).dump(2));
+  else
+    print(*run, options);
   return kDone;
 }
 
@@ -181,13 +229,11 @@ int render_scene(const RenderOptions& options, const std::filesystem::path& file
   const auto played = play_file(run);
   if (!played) return report(played.error());
   const auto& recording = played->recording;
-  if (auto status = write_outputs(options.files, outputs_of(*played, recording.outputs), recording.outputs,
-                                  recording.sounds);
+  const auto events = events_of(*played);
+  if (const auto status =
+          write(options, outputs_of(*played, recording.outputs), recording.outputs, recording.sounds, events);
       !status)
     return report(status.error());
-  const auto events = events_of(*played);
-  if (!options.events.empty())
-    if (auto status = write_json(options.events, events); !status) return report(status.error());
   if (options.json)
     fmt::print("{}\n", Json{{"scene", played->scene.name},
                             {"events", events["events"].size()},
@@ -212,8 +258,7 @@ int replay(const RenderOptions& options) {
                                    {&options.rate, "--rate"},
                                    {&options.duration, "--duration"}})
     if (!text->empty())
-      return report(Error{Errc::BadArgument, name, "does not go with --replay", "leave one of them out"}),
-             kUsage;
+      return report(Error{Errc::BadArgument, name, "does not go with --replay", "leave one of them out"});
   return render_take({options.replay, options.target, options.files.out, options.files.format, options.block,
                       options.set, options.delay, options.guard, options.json});
 }
@@ -221,9 +266,8 @@ int replay(const RenderOptions& options) {
 int run_render(const RenderOptions& options) {
   if (!options.replay.empty()) return replay(options);
   if (options.target.empty())
-    return report(Error{Errc::Missing, "", "there is nothing to render",
-                        "name an instrument, a scene or a take"}),
-           kUsage;
+    return report(
+        Error{Errc::Missing, "", "there is nothing to render", "name an instrument, a scene or a take"});
   const auto folder = std::filesystem::is_directory(options.target);
   const auto scene_file = resolve_target(options.target, "scene.toml");
   const auto table = load_toml(scene_file);
@@ -232,9 +276,9 @@ int run_render(const RenderOptions& options) {
     return render_error({scene_file, options.rate, options.delay, options.duration, options.json});
   if (scene) return render_scene(options, scene_file);
   if (!folder && table && find(*table, "parts") != nullptr)
-    return report(Error{Errc::BadArgument, options.target, "is a scene, which makes its own sensor signals",
-                        "leave --in out, or name the instrument"}),
-           kUsage;
+    return report(Error{Errc::BadArgument, "--in",
+                        options.target + " is a scene, which makes its own sensor signals",
+                        "leave --in out, or name the instrument"});
   return render_instrument(options, resolve_target(options.target, "instrument.toml"));
 }
 
@@ -246,21 +290,18 @@ void add_render(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RenderOptions>();
   command->add_option("FILE", options->target,
                       "instrument or scene; a folder means its scene.toml, with --in its instrument.toml");
-  command->add_option(
-      "--replay", options->replay,
-      "take.wav of --record: plays it again and tells whether the drives are the same bit for "
-      "bit; with FILE, plays its sensors on that instrument");
+  command->add_option("--replay", options->replay,
+                      "take.wav of --record: replays it and reports whether the drives are the same bit for "
+                      "bit; with FILE, plays its sensors on that instrument");
   command->add_option("--in", options->in, "WAV file: channel k goes to the k-th input");
   command->add_option("--out", options->files.out, "WAV file for all outputs, in the order of the file")
       ->check(writable_file());
-  command
-      ->add_option("--sound", options->files.sound,
-                   "WAV file for what is to be listened to, without the drives")
+  command->add_option("--sound", options->files.sound, "WAV file for the monitor output, without the drives")
       ->check(writable_file());
   command
       ->add_option(
           "--events", options->events,
-          "JSON file for what was heard: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}")
+          "JSON file for detected events: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}")
       ->check(writable_file());
   command->add_option("--rate", options->rate, "sample rate; a WAV file is resampled to it");
   command->add_option("--block", options->block, "frames a block (the result does not depend on it)")
@@ -276,7 +317,7 @@ void add_render(CLI::App& app, int& exit_code) {
   add_guard_options(*command, options->guard);
   command
       ->add_flag("--error", options->error,
-                 "of a scene with [accuracy]: tells how wrong it is, and what a frame costs")
+                 "of a scene with [accuracy]: reports its errors and the time of a frame")
       ->excludes("--in", "--out", "--sound", "--events", "--replay", "--set");
   command->add_flag("--json", options->json, "for machines");
   command->footer(

@@ -48,7 +48,7 @@ std::string text_of_run(const WorkPrecision& judged) {
 int render_error(const RenderError& run) {
   auto scene = load_scene(run.scene, root_of(run.scene));
   if (!scene) return report(scene.error());
-  if (const auto status = change(*scene, run); !status) return report(status.error()), kUsage;
+  if (const auto status = change(*scene, run); !status) return report(status.error());
   const auto judged = judge_as_written(*scene, standard_nodes());
   if (!judged) return report(judged.error());
   if (run.json)

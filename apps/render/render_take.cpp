@@ -111,10 +111,10 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
   const auto loaded = load_graph_leniently(file, root_of(file));
   if (loaded.spec == nullptr) return report(loaded.mistakes);
   const auto settings = parse_settings(options.set);
-  if (!settings) return report(settings.error()), kUsage;
+  if (!settings) return report(settings.error());
   const auto delay = options.delay.empty() ? Result<double>{header.system_delay.value}
                                            : parse_option(options.delay, "s", "delay");
-  if (!delay) return report(delay.error()), kUsage;
+  if (!delay) return report(delay.error());
   CompileOptions compile_options;
   compile_options.sample_rate = header.sample_rate;
   compile_options.system_delay = Seconds{*delay};
@@ -152,13 +152,12 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
 int render_take(const ReplayOptions& options) {
   std::error_code none;
   if (!options.out.empty() && std::filesystem::equivalent(options.out, options.take, none))
-    return report(Error{Errc::BadArgument, options.out, "would overwrite the take", "choose another name"}),
-           kUsage;
+    return report(
+        Error{Errc::BadArgument, "--out " + options.out, "would overwrite the take", "choose another name"});
   if (options.target.empty() && (!options.set.empty() || !options.delay.empty()))
     return report(Error{Errc::BadArgument, "--replay",
                         "a take is played with the settings that it was recorded with",
-                        "name an instrument to play its sensors with other settings"}),
-           kUsage;
+                        "name an instrument to play its sensors with other settings"});
   auto opened = open(options.take);
   if (!opened) return report(opened.error());
   return options.target.empty() ? render_recorded(options, *opened) : render_other(options, *opened);

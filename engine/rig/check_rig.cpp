@@ -6,7 +6,6 @@
 
 #include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/nearest.h"
 #include "engine/rig/rig_text.h"
 
 namespace tactus {
@@ -78,11 +77,8 @@ class RigCheck {
   void complain(const char* what, const std::string& name, const Source& at, const Items& there) {
     if (instrument_.incomplete) return;
     const auto names = names_of(there);
-    const auto nearest = nearest_name(name, names);
     mistakes_.add(Errc::UnknownName, at, std::string{"the instrument has no "} + what + " '" + name + "'",
-                  !nearest.empty() ? "did you mean '" + nearest + "'?"
-                  : names.empty()  ? "it has none"
-                                   : "it has " + listed(names));
+                  suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
   }
 
   template <class Ours, class Theirs>

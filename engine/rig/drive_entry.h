@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,7 +13,7 @@
 
 namespace tactus {
 
-/// Where the profiles of a file stand.
+/// The folders of the profiles of a file.
 struct ProfilePlaces {
   std::filesystem::path folder;  ///< of the file: paths ("my_woofer.toml") start here
   std::filesystem::path within;  ///< and may not leave this

@@ -81,10 +81,11 @@ void SensorLearner::close_group() {
 
 Result<LearntSensor> SensorLearner::result() const {
   if (!done())
-    return fail(Errc::Missing, "",
-                fmt::format("{} of {} hits were heard", hits() == 0 ? "none" : std::to_string(hits()), kHits),
-                hits() == 0 ? "is this the sensor's channel, and is its gain up?"
-                            : "hit once more, a little harder, or turn the sensor's gain up");
+    return fail(
+        Errc::Missing, "",
+        fmt::format("{} of {} hits were detected", hits() == 0 ? "none" : std::to_string(hits()), kHits),
+        hits() == 0 ? "is this the sensor's channel, and is its gain up?"
+                    : "hit once more, a little harder, or turn the sensor's gain up");
   if (highest_ >= kClips)
     return fail(Errc::OutOfRange, "", "the hits clip at the card's input",
                 "turn the sensor's gain down, and hit again");
@@ -111,7 +112,7 @@ Status use_learnt(Rig& rig, const std::string& name, const LearntSensor& learnt,
     return fail(Errc::UnknownName, "", "the rig has no input '" + name + "'", "name one of its [inputs]");
   if (!unit.plain())
     return fail(Errc::UnitMismatch, "",
-                "'" + name + "' is in " + to_string(unit) + ", which hits cannot tell",
+                "'" + name + "' is in " + to_string(unit) + ", which hits cannot measure",
                 "take the sensitivity from the sensor's data sheet");
   if (!input->volts) input->volts = 1.0;
   const auto volt = *parse_unit("V");

@@ -13,13 +13,13 @@ namespace tactus {
 /// What five soft hits say about a sensor. In samples of the card, whose full scale is 1.
 struct LearntSensor {
   double soft = 0;        ///< the middle one of the hits' peaks
-  double noise = 0;       ///< what is heard between them: highest envelope of 10 ms, lower quartile
+  double noise = 0;       ///< level between them: highest envelope of 10 ms, lower quartile
   double full_scale = 0;  ///< what counts as full scale, so that a soft hit is at -20 dB: soft * 10
 };
 
 /// "Hit softly five times": finds the hits in what a sensor gives and how sensitive it is.
 ///
-/// The first 0.2 s are taken for noise. A hit begins where the onset detector hears one (onset.h) 6 dB or
+/// The first 0.2 s are taken for noise. A hit begins where the onset detector finds one (onset.h) 6 dB or
 /// more above the noise so far, at least 0.2 s after the last, so that neither ringing nor a second bounce
 /// counts. Its peak is the highest envelope, above 30 Hz, of the next 30 ms. The median of five peaks does
 /// not mind that one was different.
@@ -32,11 +32,11 @@ class SensorLearner {
 
   /// [control]
   explicit SensorLearner(Hertz sample_rate);
-  /// [control] The next samples, in blocks of any size. After the fifth hit it hears nothing more.
+  /// [control] The next samples, in blocks of any size. After the fifth hit it ignores them.
   void hear(std::span<const double> samples);
-  /// [control] Hits heard so far.
+  /// [control] Hits detected so far.
   int hits() const { return static_cast<int>(peaks_.size()); }
-  /// [control] Five hits were heard, and the last one to its peak.
+  /// [control] Five hits were detected, and the last one to its peak.
   bool done() const { return hits() == kHits && peak_frames_left_ == 0; }
   /// [control] Errors: Missing for fewer than five hits; OutOfRange for hits that clip, that do not stand
   /// out, or that are too unequal, with what to do.

@@ -9,7 +9,6 @@
 #include "engine/graph/file/field.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/nearest.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 
@@ -174,9 +173,7 @@ Result<std::filesystem::path> find_profile(const std::string& name, const std::f
   if (names.empty())
     return fail(Errc::BadFile, where, "there is no folder of profiles in '" + folder.string() + "'",
                 "name the profile's file, as in \"my_woofer.toml\"");
-  const auto nearest = nearest_name(name, names);
-  return fail(Errc::UnknownName, where, "there is no profile '" + name + "'",
-              nearest.empty() ? "there are " + listed(names) : "did you mean '" + nearest + "'?");
+  return fail(Errc::UnknownName, where, "there is no profile '" + name + "'", suggest(name, names));
 }
 
 DriveLimits limits_for(const ActuatorProfile& profile, double volts) {

@@ -12,8 +12,8 @@
 
 namespace tactus {
 
-/// What an actuator stands at its terminals, as in a file of instruments/profiles. How its figures become the
-/// limits of a drive: docs/drive_guard.md.
+/// The limits of an actuator at its terminals, as in a file of instruments/profiles. How its figures become
+/// the limits of a drive: docs/drive_guard.md.
 struct ActuatorProfile {
   struct Heat {
     double watts = 0;  ///< steady power at which the coil reaches its limit in the end

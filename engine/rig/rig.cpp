@@ -137,7 +137,7 @@ class RigReader {
   void read_actuator(const EntrySpec& entry) {
     auto actuator = read_output(entry);
     if (actuator.channels.empty() && find(entry.fields, "channel") != nullptr && !rig_.incomplete)
-      mistakes_.add(Errc::Missing, entry.at, "actuator '" + entry.name + "' hangs on no channel",
+      mistakes_.add(Errc::Missing, entry.at, "actuator '" + entry.name + "' has no channel",
                     "give its channel, or remove it");
     rig_.actuators.push_back(std::move(actuator));
   }

@@ -78,13 +78,13 @@ struct Rig {
   std::vector<RigInput> inputs;
   std::vector<RigOutput> outputs;
   std::vector<RigOutput> actuators;  ///< on channels that this instrument need not use
-  std::vector<Control> controls;     ///< where the knobs stood
+  std::vector<Control> controls;     ///< initial values
   std::vector<RigMidi> midi;
   std::optional<Seconds> measured_delay;  ///< from the sensor's volts to the actuator's
   std::optional<Seconds> pad_delay;       ///< hold the whole at this
   bool incomplete = false;                ///< a section could not be read
 
-  /// The actuator that is said to hang on a channel, or nullptr.
+  /// The actuator on a channel, or nullptr.
   const RigOutput* actuator_on(int channel) const;
 };
 

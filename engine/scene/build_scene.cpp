@@ -4,12 +4,9 @@
 #include <cmath>
 
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/nearest.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/scene/file/scene_checks.h"
-#include "engine/scene/file/scene_drives.h"
-#include "engine/scene/file/scene_ports.h"
 #include "engine/scene/file/world_entries.h"
 #include "engine/scene/guard_report.h"
 #include "engine/scene/moved_controls.h"
@@ -147,9 +144,8 @@ class SceneBuilder {
     std::vector<std::string> names;
     for (const auto& entry : instrument_->graph->inputs) names.push_back(entry.name);
     for (const auto& entry : instrument_->graph->controls) names.push_back(entry.name);
-    const auto near = nearest_name(field.key, names);
     mistakes_.add(Errc::UnknownName, field.at, "the instrument has no input or control '" + field.key + "'",
-                  near.empty() ? "see its [inputs] and [controls]" : "did you mean '" + near + "'?");
+                  suggest(field.key, names, "see its [inputs] and [controls]"));
   }
 
   void wire_control(const EntrySpec& control, const Field& field) {
@@ -184,7 +180,7 @@ class SceneBuilder {
     if (compiled == nullptr) return;
     for (const auto& channel : compiled->channels)
       if (channel.use == OutputUse::Tap) built_.plant_taps.push_back({channel.name, channel.dimension});
-    check_wanted_pitch(scene_, built_.plant_taps, mistakes_);
+    check_expected_pitch(scene_, built_.plant_taps, mistakes_);
     built_.plant = std::move(compiled);
   }
 

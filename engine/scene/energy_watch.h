@@ -46,7 +46,7 @@ class EnergyWatch {
 /// One watch for each port of a scene that plays.
 class PortWatches {
  public:
-  /// [control] `scene` passed check_ports. Keeps where its signals stand among the taps of the plant.
+  /// [control] `scene` passed check_ports. Keeps the places of its signals among the taps of the plant.
   PortWatches(const SceneSpec& scene, const std::vector<SceneTap>& plant_taps);
 
   /// [realtime] After each piece.

@@ -12,7 +12,7 @@ struct StageWords {
   const char* words;
 };
 constexpr std::array<StageWords, kGuardStages> kWords = {{
-    {"nonfinite", "it was no number"},
+    {"nonfinite", "it was non-finite"},
     {"heat", "it was too warm, and held back"},
     {"direct", "direct current had lasted too long, and it was held back"},
     {"travel", "the travel limit held it back"},

@@ -42,7 +42,7 @@ struct SceneRecording {
 /// [any] The outputs of the instrument that are not `sounds`.
 std::vector<std::string> drive_names(const SceneRecording& recording);
 
-/// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` hears the share
+/// [control] Plays a built scene from start to end in blocks of `block` frames. `progress` receives the share
 /// done.
 Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int block,
                                   const std::function<void(double)>& progress = {});

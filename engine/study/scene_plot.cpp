@@ -9,7 +9,7 @@
 
 #include "engine/scene/measures/events.h"
 #include "engine/scene/measures/notes/format_note.h"
-#include "engine/scene/measures/notes/standing_tone.h"
+#include "engine/scene/measures/notes/steady_tone.h"
 
 namespace tactus {
 namespace {
@@ -51,9 +51,9 @@ class ScenePlotter {
     Subplot subplot;
     subplot.y = {.label = "pitch", .unit = "Hz", .log = true, .notes = true};
     subplot.height = 1.6;
-    subplot.series.push_back(trace("expected", *melody->wanted));
+    subplot.series.push_back(trace("expected", *melody->expected));
     PlotSeries detected{.label = "detected", .color = PlotColor::Vermillion};
-    for (const auto& point : melody->heard) {
+    for (const auto& point : melody->detected) {
       if (point.time_s < from_ || point.time_s > to_) continue;
       // A gap where there was no pitch, and where another note begins.
       if (!detected.x.empty() && (point.time_s > detected.x.back() + 1.5 * kPitchHop_s ||

@@ -34,7 +34,7 @@ double peak(const SceneRecording& recording, const char* signal) {
 }
 
 /// What sounds on the open string while the bow is on it.
-NoteHeard bowed_note(const SceneOptions& options) {
+DetectedNote bowed_note(const SceneOptions& options) {
   const auto played = play("cellomobo/open_string.toml", options, 2.5_s);
   const auto melody = melody_of(played.recording);
   return melody.value().notes.at(0);
@@ -237,7 +237,7 @@ TEST_CASE("cellomobo: without alignment the bow's direction decides what sounds"
   std::vector<double> heard;
   for (const double polarity : {1.0, -1.0}) {
     options.set["polarity"] = polarity;
-    heard.push_back(bowed_note(options).heard_hz);
+    heard.push_back(bowed_note(options).detected_hz);
   }
   CHECK(std::abs(cents(heard[0], heard[1])) > 20);
 }

@@ -4,8 +4,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "engine/graph/file/nearest.h"
-
 namespace tactus {
 namespace {
 
@@ -98,10 +96,11 @@ FieldReader::FieldReader(const Value::Table& table, const SectionType& section, 
   const auto* kind = find(table, "kind");
   const auto* chosen = kind != nullptr ? kind->text() : nullptr;
   std::vector<std::string> known;
-  bool chosen_well = false;
-  for (const auto& field : section.fields) chosen_well = chosen_well || (chosen && field.only == *chosen);
+  const bool decides =
+      chosen != nullptr && std::any_of(section.fields.begin(), section.fields.end(),
+                                       [&](auto& f) { return !f.only.empty() && f.only == *chosen; });
   for (const auto& field : section.fields)
-    if (!chosen_well || field.only.empty() || field.only == *chosen) known.push_back(field.key);
+    if (!decides || field.only.empty() || field.only == *chosen) known.push_back(field.key);
   mistakes.unknown_keys(table, known);
   if (has("about")) mistakes.text(table, "about");
 }
@@ -144,9 +143,8 @@ std::optional<int> FieldReader::choice(std::string_view key) {
   const auto& choices = section_[key].choices;
   const auto place = std::find(choices.begin(), choices.end(), word);
   if (place != choices.end()) return static_cast<int>(place - choices.begin());
-  const auto near = nearest_name(word, choices);
   mistakes_.add(Errc::UnknownName, found->at, "'" + std::string{key} + "' cannot be '" + word + "'",
-                near.empty() ? "there are " + listed(choices) : "did you mean '" + near + "'?");
+                suggest(word, choices));
   return std::nullopt;
 }
 

@@ -57,6 +57,13 @@ std::string listed(std::span<const std::string> names) {
   return text;
 }
 
+std::string suggest(std::string_view wrong, std::span<const std::string> known,
+                    const std::string& otherwise) {
+  const auto near = nearest_name(wrong, known);
+  if (!near.empty()) return "did you mean '" + near + "'?";
+  return otherwise.empty() ? "there are " + listed(known) : otherwise;
+}
+
 void Mistakes::add(Errc code, const Source& at, std::string what, std::string remedy) {
   list_.push_back({code, at.text(), std::move(what), std::move(remedy)});
 }
@@ -68,9 +75,7 @@ void Mistakes::add(std::vector<Error> errors) {
 void Mistakes::unknown_keys(const Value::Table& table, std::span<const std::string> known) {
   for (const auto& field : table) {
     if (std::find(known.begin(), known.end(), field.key) != known.end()) continue;
-    const auto nearest = nearest_name(field.key, known);
-    add(Errc::UnknownName, field.at, "unknown key '" + field.key + "'",
-        nearest.empty() ? "there are " + listed(known) : "did you mean '" + nearest + "'?");
+    add(Errc::UnknownName, field.at, "unknown key '" + field.key + "'", suggest(field.key, known));
   }
 }
 

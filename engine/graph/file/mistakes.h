@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,6 +18,10 @@ void sort_by_place(std::vector<Error>& errors, std::string_view first = {});
 
 /// "'a', 'b' and 'c'"
 std::string listed(std::span<const std::string> names);
+
+/// "did you mean 'x'?", else `otherwise`, else the list of all `known`.
+std::string suggest(std::string_view wrong, std::span<const std::string> known,
+                    const std::string& otherwise = {});
 
 /// Gathers the mistakes of a file, so that all of them come back in one go.
 class Mistakes {

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <span>
 #include <string>
 #include <string_view>

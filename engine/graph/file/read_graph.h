@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include "engine/graph/file/field.h"
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/spec.h"

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <memory>
 #include <string>
 

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <cstddef>
 #include <string_view>
 

@@ -1,12 +1,10 @@
-#include "engine/scene/file/accuracy_section.h"
-
 #include <algorithm>
 #include <tuple>
 
-#include "engine/graph/file/nearest.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_sections.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {
@@ -26,9 +24,8 @@ void read_measure(const EntrySpec& entry, Accuracy& accuracy, Mistakes& mistakes
   accuracy.measure_at = measure->at;
   if (accuracy.measure.empty() || type_of(accuracy) != nullptr) return;
   const auto names = error_names();
-  const auto near = nearest_name(accuracy.measure, names);
   mistakes.add(Errc::UnknownName, measure->at, "nothing called '" + accuracy.measure + "' can be compared",
-               near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?");
+               suggest(accuracy.measure, names));
 }
 
 void check_exact(const Accuracy& accuracy, const Value::Table& fields, Mistakes& mistakes) {

@@ -111,7 +111,7 @@ source = {}
 drive = {{ unit = "full scale", about = "what is played" }}
 
 [outputs]
-sensor = {{ from = "path", unit = "full scale", about = "what the sensor hears of it" }}
+sensor = {{ from = "path", unit = "full scale", about = "the sensor signal" }}
 
 [nodes.path]
 type = "fir"

@@ -1,8 +1,7 @@
-#include "engine/scene/file/playability_section.h"
-
 #include "engine/graph/file/read_graph.h"
 #include "engine/scene/file/roles.h"
 #include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_sections.h"
 
 namespace tactus {
 namespace {

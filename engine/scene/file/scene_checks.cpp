@@ -4,7 +4,6 @@
 #include <string>
 
 #include "engine/graph/file/entry_fields.h"
-#include "engine/graph/file/nearest.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/roles.h"
 #include "engine/scene/measures/measure.h"
@@ -54,9 +53,8 @@ bool may_have_more(const SceneSpec& scene, const std::string& name) {
 
 void complain_unknown(const Expectation& expectation, Mistakes& mistakes) {
   const auto names = value_names();
-  const auto near = nearest_name(expectation.measure, names);
   mistakes.add(Errc::UnknownName, expectation.measure_at, "there is no measure '" + expectation.measure + "'",
-               near.empty() ? "there are " + listed(names) : "did you mean '" + near + "'?");
+               suggest(expectation.measure, names));
 }
 
 void check_limits(const Expectation& expectation, const Measure& type, Mistakes& mistakes) {
@@ -76,12 +74,11 @@ void check_subject(const Expectation& expectation, const std::string& of, const 
   auto names = recorded;  // with "instrument.hit" for its first output
   for (const auto& name : recorded)
     if (name.find('.') != name.rfind('.')) names.push_back(name.substr(0, name.rfind('.')));
-  const auto near = nearest_name(of, names);
   mistakes.add(Errc::UnknownName, expectation.of_at,
                of == expectation.of
                    ? "nothing called '" + of + "' is recorded"
                    : "'" + expectation.measure + "' needs '" + of + "', and nothing of that name is recorded",
-               near.empty() ? "recorded are " + listed(recorded) : "did you mean '" + near + "'?");
+               suggest(of, names, "recorded are " + listed(recorded)));
 }
 
 void check_recorded(const std::string& of, const Source& at, const SceneSpec& scene,
@@ -106,11 +103,9 @@ void check_port(const Expectation& expectation, const SceneSpec& scene, Mistakes
   if (scene.port(expectation.of) != nullptr) return;
   std::vector<std::string> names;
   for (const auto& port : scene.ports) names.push_back(port.name);
-  const auto near = nearest_name(expectation.of, names);
   mistakes.add(Errc::UnknownName, expectation.of_at, "there is no port '" + expectation.of + "'",
-               !near.empty()   ? "did you mean '" + near + "'?"
-               : names.empty() ? "declare it under [ports]"
-                               : "there are " + listed(names));
+               suggest(expectation.of, names,
+                       names.empty() ? "declare it under [ports]" : "there are " + listed(names)));
 }
 
 }  // namespace
@@ -126,7 +121,7 @@ void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
   for (const auto& role : scene.roles)
     if (role.written) check_recorded(role.signal, role.at, scene, recorded, mistakes);
   for (const auto& expectation : scene.expect) {
-    if (expectation.measure.empty()) continue;  // told when the scene was read
+    if (expectation.measure.empty()) continue;  // reported when the scene was read
     const auto* type = find_measure(expectation.measure);
     if (type == nullptr || type->value == nullptr) {
       complain_unknown(expectation, mistakes);
@@ -144,8 +139,9 @@ void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
     if (of.empty() && !type->of.empty())
       report_role(expectation.measure, expectation.at, type->of, scene, mistakes);
     else if (of.empty())
-      mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
-                   "say of what, as in of = \"" + (recorded.empty() ? "plant.x" : recorded.back()) + "\"");
+      mistakes.add(
+          Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
+          "say of what, as in of = \"" + (recorded.empty() ? "part.output" : recorded.back()) + "\"");
     else if (type->subject == Measure::Subject::Port)
       check_port(expectation, scene, mistakes);
     else
@@ -163,7 +159,7 @@ void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
   for (const auto& accuracy : scene.accuracy) {
     const auto* type = find_measure(accuracy.measure);
     if (type == nullptr || type->error == nullptr || accuracy.of.empty())
-      continue;  // told when the scene was read
+      continue;  // reported when the scene was read
     check_recorded(accuracy.of, accuracy.of_at, scene, recorded, mistakes);
     const auto check_unit = [&](const std::optional<QuantityValue>& number, const std::string& unit) {
       if (!number || number->bare || unit == Measure::kUnitOfSubject) return;
@@ -196,7 +192,7 @@ void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes&
       check_recorded(signal->name, signal->at, scene, recorded, mistakes);
 }
 
-void check_wanted_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes) {
+void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes) {
   if (!scene.playability) return;
   const auto& pitch = scene.playability->pitch;
   static const auto kHertz = parse_unit("Hz")->dimension;
@@ -231,9 +227,8 @@ void check_comparison(const SceneSpec& scene, Mistakes& mistakes) {
         complain_range(read.control, value, at, mistakes);
     }
     if (std::find(known.begin(), known.end(), port) != known.end()) continue;
-    const auto near = nearest_name(port, known);
     mistakes.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",
-                 near.empty() ? "there are " + listed(known) : "did you mean '" + near + "'?");
+                 suggest(port, known));
   }
 }
 

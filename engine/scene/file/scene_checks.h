@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <string_view>
 #include <vector>
 
@@ -23,7 +25,13 @@ void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
 /// [playability]: will what it listens to be recorded?
 void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes);
 /// Is the pitch that it wants one? `taps`: what the world gives out.
-void check_wanted_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes);
+void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes);
+
+/// [drives]: does the instrument have them?
+void check_drives(const SceneSpec& scene, Mistakes& mistakes);
+
+/// [ports]: are its signals outputs of parts other than the instrument, and is force times way an energy?
+void check_ports(const SceneSpec& scene, Mistakes& mistakes);
 
 /// [compare]: is there what it sets?
 void check_comparison(const SceneSpec& scene, Mistakes& mistakes);

@@ -1,12 +1,11 @@
-#include "engine/scene/file/scene_drives.h"
-
 #include <algorithm>
 #include <vector>
 
-#include "engine/graph/file/nearest.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/drive_entry.h"
+#include "engine/scene/file/scene_checks.h"
 #include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_sections.h"
 
 namespace tactus {
 
@@ -31,11 +30,8 @@ void check_drives(const SceneSpec& scene, Mistakes& mistakes) {
   }
   for (const auto& [name, at] : scene.drive_places) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    const auto nearest = nearest_name(name, names);
     mistakes.add(Errc::UnknownName, at, "the instrument has no drive '" + name + "'",
-                 !nearest.empty() ? "did you mean '" + nearest + "'?"
-                 : names.empty()  ? "it has none"
-                                  : "it has " + listed(names));
+                 suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
   }
 }
 

@@ -1,10 +1,7 @@
-#include "engine/scene/file/scene_ports.h"
-
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "engine/graph/file/nearest.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/scene_checks.h"
@@ -61,9 +58,8 @@ std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string&
   const auto* output = around ? find_entry(part->graph->outputs, signal.substr(dot + 1)) : nullptr;
   if (output == nullptr) {
     const auto known = outputs_around(scene);
-    const auto near = nearest_name(signal, known);
     mistakes.add(Errc::UnknownName, at, "no part around the instrument has an output '" + signal + "'",
-                 near.empty() ? "there are " + listed(known) : "did you mean '" + near + "'?");
+                 suggest(signal, known));
     return std::nullopt;
   }
   const auto* unit = find(output->fields, "unit");

@@ -9,12 +9,8 @@
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/part_path.h"
 #include "engine/graph/semantics/scope.h"
-#include "engine/scene/file/accuracy_section.h"
-#include "engine/scene/file/playability_section.h"
 #include "engine/scene/file/roles.h"
-#include "engine/scene/file/scene_drives.h"
 #include "engine/scene/file/scene_fields.h"
-#include "engine/scene/file/scene_ports.h"
 #include "engine/scene/file/scene_sections.h"
 
 namespace tactus {

@@ -80,7 +80,7 @@ struct Expectation {
   std::optional<QuantityValue> min, max;  ///< at least one of them
 };
 
-/// What of a scene must come out right, whatever it is played with: which error a study of solvers tells.
+/// What of a scene must come out right, with every solver: the error that a study of solvers reports.
 struct Accuracy {
   std::string name;
   Source at;
@@ -113,8 +113,8 @@ struct Playability {
   Signal contact{};     ///< the contact force of the strikes
   double fewest = 10;   ///< strikes in its worst second
   Signal sound{};       ///< of a tone
-  double pitch_hz = 0;  ///< the note wanted; 0: that of `pitch`
-  Signal pitch{};       ///< the notes wanted, one after the other; "": the one of `pitch_hz`
+  double pitch_hz = 0;  ///< the expected note; 0: that of `pitch`
+  Signal pitch{};       ///< the expected notes, one after the other; "": the one of `pitch_hz`
   double begin_s = 0;   ///< when the bow is on the string
   double quiet = 1e-3;  ///< softer than this it is silent: root mean square
 };
@@ -124,7 +124,7 @@ struct Comparison {
   std::string name;  ///< "without the pulse"
   Source at;
   std::map<std::string, double> set;     ///< SI, named as `--set` names them
-  std::map<std::string, Source> places;  ///< where each of them stands
+  std::map<std::string, Source> places;  ///< the place of each in the file
 };
 
 /// A scene file, read once into plain data: an instrument, the world it plays in, and the gestures that play
@@ -164,7 +164,7 @@ struct LoadedScene {
 /// [control] Reads a scene and the files of its parts; a folder means its scene.toml. `root` is the folder
 /// that no path may leave (empty: the scene's own).
 LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::filesystem::path& root = {});
-/// [control] The same from text; `file_name` stands in messages, and relative paths start at its folder.
+/// [control] The same from text; `file_name` is for messages, and relative paths start at its folder.
 LoadedScene parse_scene_leniently(std::string_view text, const std::string& file_name,
                                   const std::filesystem::path& root = {});
 

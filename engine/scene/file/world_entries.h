@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <string>
 
 #include "engine/graph/plan/compile.h"

@@ -104,24 +104,24 @@ double restitution(const std::vector<double>& position, Hertz sample_rate,
 Detection match(const std::vector<Strike>& touches, const std::vector<double>& triggers_s,
                 const DetectionRules& rules) {
   Detection detection;
-  std::vector<bool> heard(touches.size(), false);
+  std::vector<bool> detected(touches.size(), false);
   for (const double time : triggers_s) {
     const auto after = std::upper_bound(touches.begin(), touches.end(), time,
                                         [](double t, const Strike& s) { return t < s.start_s; });
     const auto touch = after - touches.begin() - 1;
     if (touch < 0 || time - touches[static_cast<std::size_t>(touch)].start_s > rules.late.value ||
-        heard[static_cast<std::size_t>(touch)]) {
+        detected[static_cast<std::size_t>(touch)]) {
       ++detection.doubled;
       continue;
     }
-    heard[static_cast<std::size_t>(touch)] = true;
+    detected[static_cast<std::size_t>(touch)] = true;
     ++detection.found;
     detection.found_s.push_back(time);
     detection.latest_s =
         std::max(detection.latest_s, time - touches[static_cast<std::size_t>(touch)].start_s);
   }
   for (std::size_t i = 0; i < touches.size(); ++i) {
-    if (heard[i] || touches[i].peak < rules.strike) continue;
+    if (detected[i] || touches[i].peak < rules.strike) continue;
     const double start = touches[i].start_s;
     const auto next = std::upper_bound(triggers_s.begin(), triggers_s.end(), start);
     if (next == triggers_s.begin() || start - *(next - 1) >= rules.apart.value) ++detection.missed;

@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <vector>
 
 #include "engine/core/units.h"
@@ -39,7 +41,7 @@ double restitution(const std::vector<double>& position, Hertz sample_rate,
 
 /// How well a detector did. A trigger belongs to the touch that began last before it, if that is at most
 /// `late` ago and has none yet; otherwise it is doubled. A strike is missed if it is none's, unless another
-/// one was heard less than `apart` before it: then the two count as one.
+/// one was detected less than `apart` before it: then the two count as one.
 struct Detection {
   int found = 0, missed = 0, doubled = 0;
   double latest_s = 0;               ///< longest time from the start of a touch to its trigger
@@ -48,7 +50,7 @@ struct Detection {
 struct DetectionRules {
   Seconds late = 6_ms;
   Seconds apart = 15_ms;
-  double strike = 5.0;  ///< a touch with at least this peak is a strike that must be heard
+  double strike = 5.0;  ///< a touch with at least this peak is a strike that must be detected
 };
 /// `touches` in order, as find_strikes gives them with a small gap and least force.
 Detection match(const std::vector<Strike>& touches, const std::vector<double>& triggers_s,

@@ -24,7 +24,7 @@ double split_of(const std::vector<double>& speeds, int apart);
 
 /// Landings that differ by no more are alike, over the mean of their speeds.
 inline constexpr double kAlikeLandings = 0.01;
-/// A longer orbit is not told from one that never closes.
+/// A longer orbit is taken for one that never closes.
 inline constexpr int kLongestOrbit = 8;
 /// [any] Landings until a ball does the same again: the least p <= kLongestOrbit with
 /// split_of(speeds, p) <= kAlikeLandings * mean. 0: there is none, or there are no more than 2 p landings.

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/nearest.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/scene/file/roles.h"
 
@@ -34,11 +33,10 @@ std::string subject_of(const SceneRecording& recording, const Expectation& expec
 tl::unexpected<Error> unknown_signal(const SceneRecording& recording, const Expectation& expectation) {
   std::vector<std::string> names;
   for (const auto& signal : recording.signals) names.push_back(signal.name);
-  const auto near = nearest_name(expectation.of, names);
   return fail(Errc::UnknownName, (expectation.of.empty() ? expectation.at : expectation.of_at).text(),
               expectation.of.empty() ? "'" + expectation.measure + "' needs an 'of'"
                                      : "nothing called '" + expectation.of + "' was recorded",
-              near.empty() ? "recorded were " + listed(names) : "did you mean '" + near + "'?");
+              suggest(expectation.of, names, "recorded were " + listed(names)));
 }
 
 /// Finds what the measure is taken of.

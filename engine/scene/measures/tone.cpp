@@ -7,7 +7,7 @@
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
 #include "engine/scene/measures/notes/pitch_track.h"
-#include "engine/scene/measures/notes/standing_tone.h"
+#include "engine/scene/measures/notes/steady_tone.h"
 #include "engine/scene/measures/roll.h"
 
 namespace tactus {
@@ -16,10 +16,10 @@ namespace {
 constexpr double kRightShare = 0.9;      // of a right note
 constexpr double kShortestTone_s = 0.2;  // of a note that can be judged
 
-/// A note that is wanted, and what is known of it.
-struct Wanted {
+/// An expected note.
+struct Expected {
   double from_s, to_s;                  ///< begins, ends
-  double steady_s;                      ///< from here on it should stand
+  double steady_s;                      ///< from here on it should be steady
   double until_s;                       ///< and up to here no window reaches into the next
   double hertz;                         ///< median
   std::span<const double> moving = {};  ///< pitch of each frame of the scene; empty: it does not move
@@ -48,16 +48,16 @@ struct Moments {
   double strays() const { return frames - right - partials; }
 };
 
-Moments moments_of(const std::vector<PitchPoint>& track, const Wanted& note) {
+Moments moments_of(const std::vector<PitchPoint>& track, const Expected& note) {
   Moments moments;
   moments.frames = std::max(1.0, std::floor((note.until_s - note.steady_s) / kPitchHop_s));
   for (const auto& point : track) {
     if (point.time_s < note.steady_s || point.time_s >= note.until_s) continue;
-    const double wanted = note.hertz_at(point.time_s);
+    const double expected = note.hertz_at(point.time_s);
     moments.hertz.push_back(point.hertz);
-    moments.off_cents.push_back(cents(point.hertz, wanted));
+    moments.off_cents.push_back(cents(point.hertz, expected));
     moments.level.push_back(point.rms);
-    const int partial = partial_of(point.hertz, wanted);
+    const int partial = partial_of(point.hertz, expected);
     if (partial == 1 && std::abs(moments.off_cents.back()) <= kInTune_cents) ++moments.right;
     if (partial > 1) ++moments.partials;
   }
@@ -85,14 +85,14 @@ double spread_of(const std::vector<double>& values) {
   return std::sqrt(squares / count) / mean;
 }
 
-/// The first moment of the note from which on it stands; its end if there is none.
-double stands_in(const std::vector<PitchPoint>& track, const Moments& moments, const Wanted& note) {
+/// The first moment of the note from which on it is steady; its end if there is none.
+double steady_in(const std::vector<PitchPoint>& track, const Moments& moments, const Expected& note) {
   if (moments.hertz.empty()) return note.to_s;
   std::vector<ToneMoment> all;
   for (const auto& point : track)
     if (point.time_s >= note.from_s && point.time_s < note.to_s)
       all.push_back({point.time_s, cents(point.hertz, note.hertz_at(point.time_s)), point.rms});
-  return stands_at(all, median(moments.off_cents), median(moments.level)).value_or(note.to_s);
+  return steady_from(all, median(moments.off_cents), median(moments.level)).value_or(note.to_s);
 }
 
 const char* kind_of(double level, double quiet, const Moments& moments) {
@@ -102,12 +102,12 @@ const char* kind_of(double level, double quiet, const Moments& moments) {
 }
 
 JudgedTone judge_note(std::span<const double> steady, const std::vector<PitchPoint>& track,
-                      const Wanted& note, double quiet) {
+                      const Expected& note, double quiet) {
   JudgedTone judged;
   auto& [run, values] = judged;
   const auto moments = moments_of(track, note);
   const double pitch = median(moments.hertz);
-  values.start_s = stands_in(track, moments, note) - note.from_s;
+  values.start_s = steady_in(track, moments, note) - note.from_s;
   values.partial = pitch > 0 ? partial_of(pitch, note.hertz) : 0;
   values.cents = pitch > 0 ? cents(pitch, std::max(1, values.partial) * note.hertz) : 0;
   values.right = moments.right_share();
@@ -125,25 +125,26 @@ JudgedTone judge_note(std::span<const double> steady, const std::vector<PitchPoi
 /// Half of what the tracker looks at around a moment: three periods of the lowest pitch.
 double reach_s(double lowest_hz) { return 1.5 / lowest_tracked(Hertz{lowest_hz}).value; }
 
-Wanted held_note(const SceneRecording& recording, const Playability& judged) {
+Expected held_note(const SceneRecording& recording, const Playability& judged) {
   const double end = judged.to_s.value_or(recording.seconds());
   return {judged.begin_s, end, judged.from_s, std::min(end, recording.seconds() - 10 / judged.pitch_hz),
           judged.pitch_hz};
 }
 
 /// Those that sound between `begin` and `to`. Each has as long to settle as the first, at most half its time.
-std::vector<Wanted> notes_of(const SceneRecording& recording, const Playability& judged) {
+std::vector<Expected> notes_of(const SceneRecording& recording, const Playability& judged) {
   if (judged.pitch.name.empty()) return {held_note(recording, judged)};
-  const auto* wanted = recording.find(judged.pitch.name);
-  if (wanted == nullptr) return {};
+  const auto* expected = recording.find(judged.pitch.name);
+  if (expected == nullptr) return {};
   const double end = judged.to_s.value_or(recording.seconds());
-  std::vector<Wanted> notes;
+  std::vector<Expected> notes;
   double lowest = kUnlimited;
-  for (const auto& note : wanted_notes(wanted->samples, recording.sample_rate)) {
+  for (const auto& note : expected_notes(expected->samples, recording.sample_rate)) {
     const double from = std::max(judged.begin_s, note.from_s), to = std::min(end, note.to_s);
     if (to - from < kShortestTone_s) continue;
     const double settles = std::min(judged.from_s - judged.begin_s, 0.5 * (to - from));
-    notes.push_back({from, to, from + settles, to, note.hertz, wanted->samples, recording.sample_rate.value});
+    notes.push_back(
+        {from, to, from + settles, to, note.hertz, expected->samples, recording.sample_rate.value});
     lowest = std::min(lowest, note.hertz);
   }
   // No moment counts whose window reaches into the next note, or beyond the end.
@@ -190,7 +191,7 @@ JudgedTone tone_of(const SceneRecording& recording, const Playability& judged) {
   JudgedTone tone{{"silent", 0, false, {}}, {}};
   if (sound != nullptr && !notes.empty()) {
     const auto [low, high] = std::minmax_element(
-        notes.begin(), notes.end(), [](const Wanted& a, const Wanted& b) { return a.hertz < b.hertz; });
+        notes.begin(), notes.end(), [](const Expected& a, const Expected& b) { return a.hertz < b.hertz; });
     const auto rate = recording.sample_rate;
     // The tracker leaves out both ends of what it is given.
     auto track = track_notes(between(*sound, rate, judged.begin_s, recording.seconds()), rate,

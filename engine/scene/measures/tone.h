@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/scene/measures/judged_run.h"
-#include "engine/scene/measures/notes/standing_tone.h"
+#include "engine/scene/measures/notes/steady_tone.h"
 
 namespace tactus {
 
@@ -17,15 +17,15 @@ struct ToneValues {
 
 /// It speaks at once.
 inline constexpr double kPrompt_s = 0.25;
-/// Its level stands: standard deviation over mean, 2 dB.
+/// Its level is steady: standard deviation over mean, 2 dB.
 inline constexpr double kSteadySpread = 0.25;
 
 const std::vector<RunKind>& tone_kinds();
 
 /// [control] A tone, looked at every 10 ms:
 ///     score = right * prompt * steady
-/// right: the share of the moments that sound at the pitch wanted, within kInTune_cents;
-/// prompt: kPrompt_s over the time from `begin_s` until it stands (see stands_at), at most 1; steady:
+/// right: the share of the moments that sound at the expected pitch, within kInTune_cents;
+/// prompt: kPrompt_s over the time from `begin_s` until it is steady (see steady_from), at most 1; steady:
 /// kSteadySpread over the spread of its level around the straight line through it, at most 1. Playable: the
 /// right note in 9 of 10 moments, and the score at least kLeastScore.
 ///

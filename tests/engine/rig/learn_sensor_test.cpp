@@ -73,9 +73,11 @@ TEST_CASE("learn: hits that do not stand out, clip or differ are refused in word
   CHECK(refusal(hits({-30, -30, -44, -30, -30})) ==
         "the hits differ by 14 dB, more than 12; hit five times alike");
   CHECK(refusal(hits({-30, -30, -30})) ==
-        "3 of 5 hits were heard; hit once more, a little harder, or turn the sensor's gain up");
-  CHECK(refusal(hits({})) == "none of 5 hits were heard; is this the sensor's channel, and is its gain up?");
-  CHECK(refusal(hits({-200, -200, -200, -200, -200}, -60)).find("of 5 hits were heard") != std::string::npos);
+        "3 of 5 hits were detected; hit once more, a little harder, or turn the sensor's gain up");
+  CHECK(refusal(hits({})) ==
+        "none of 5 hits were detected; is this the sensor's channel, and is its gain up?");
+  CHECK(refusal(hits({-200, -200, -200, -200, -200}, -60)).find("of 5 hits were detected") !=
+        std::string::npos);
 }
 
 TEST_CASE("learn: the simulated drum, struck softly, is then heard at -20 dB", "[rig]") {
@@ -115,5 +117,5 @@ TEST_CASE("learn: what was learnt becomes the sensitivity of a plain port", "[ri
   REQUIRE(use_learnt(rig, "microphone", {0.01, 0.0001, 0.1}, {}));
   CHECK(rig.inputs[0].sensitivity->si == Approx(0.4));
   CHECK(to_string(use_learnt(rig, "microphone", {}, parse_unit("N")->dimension).error()) ==
-        "'microphone' is in N, which hits cannot tell; take the sensitivity from the sensor's data sheet");
+        "'microphone' is in N, which hits cannot measure; take the sensitivity from the sensor's data sheet");
 }

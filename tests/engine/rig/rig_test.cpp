@@ -162,7 +162,7 @@ a = { channel = 2, profile = "woofer", volts_per_full_scale = "10 V" }
 cone = { channel = 2 }
 )") == "rig.toml:5:1: the actuator of 'a' is also 'cone' in [actuators]; say it once");
   CHECK(mistakes("[actuators]\ncone = { channel = \"none\" }\n") ==
-        "rig.toml:5:1: actuator 'cone' hangs on no channel; give its channel, or remove it");
+        "rig.toml:5:1: actuator 'cone' has no channel; give its channel, or remove it");
 }
 
 TEST_CASE("rig: a file may lower the ceiling of an actuator and never raise it", "[rig]") {

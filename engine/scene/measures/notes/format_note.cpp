@@ -6,39 +6,41 @@
 #include <cmath>
 
 #include "engine/core/notes.h"
-#include "engine/scene/measures/notes/standing_tone.h"
+#include "engine/scene/measures/notes/steady_tone.h"
 
 namespace tactus {
 namespace {
 
-constexpr double kTold_cents = 5;  // what an ear just tells
-constexpr double kFormatNoteTold_s = kStands_s;
+constexpr double kAudible_cents = 5;  // just noticeable
+constexpr double kFormatNoteTold_s = kSteady_s;
 
-std::string head_of(const WantedNote& wanted) {
-  if (wanted.glides)
-    return fmt::format("from {} to {} in {:.2f} s, {:.1f} to {:.1f} Hz: ", pitch_in_words(wanted.begins_hz),
-                       pitch_in_words(wanted.ends_hz), wanted.seconds(), wanted.begins_hz, wanted.ends_hz);
-  return fmt::format("{}, {:.1f} Hz: ", pitch_in_words(wanted.hertz), wanted.hertz);
+std::string head_of(const ExpectedNote& expected) {
+  if (expected.glides)
+    return fmt::format("from {} to {} in {:.2f} s, {:.1f} to {:.1f} Hz: ", pitch_in_words(expected.begins_hz),
+                       pitch_in_words(expected.ends_hz), expected.seconds(), expected.begins_hz,
+                       expected.ends_hz);
+  return fmt::format("{}, {:.1f} Hz: ", pitch_in_words(expected.hertz), expected.hertz);
 }
 
 /// What sounds, where that is not the note.
-std::string other_pitch_of(const NoteHeard& note) {
+std::string other_pitch_of(const DetectedNote& note) {
   if (note.partial == 1 && std::abs(note.cents) <= kNearPartial_cents) return {};
-  auto text = fmt::format("{:.1f} Hz sounds, ", note.heard_hz);
+  auto text = fmt::format("{:.1f} Hz sounds, ", note.detected_hz);
   if (note.partial > 1 && std::abs(note.cents) <= kNearPartial_cents)
     return text + fmt::format("partial {}, ", note.partial);
-  return text + pitch_in_words(note.heard_hz) + ", ";
+  return text + pitch_in_words(note.detected_hz) + ", ";
 }
 
-std::string describe_swing(const NoteHeard& note) {
-  if (note.wanted.glides || note.swing_cents <= kTold_cents) return {};
-  if (!note.swings_hz) return fmt::format(", swings by {:.0f}", note.swing_cents);
-  auto text = fmt::format(", vibrato of {:.0f} cents, {:.1f} a second", note.swing_cents, *note.swings_hz);
-  if (note.wanted_swing_cents > kTold_cents) text += fmt::format(" ({:.0f} wanted)", note.wanted_swing_cents);
+std::string describe_swing(const DetectedNote& note) {
+  if (note.expected.glides || note.swing_cents <= kAudible_cents) return {};
+  if (!note.vibrato_hz) return fmt::format(", swings by {:.0f}", note.swing_cents);
+  auto text = fmt::format(", vibrato of {:.0f} cents, {:.1f} a second", note.swing_cents, *note.vibrato_hz);
+  if (note.expected_swing_cents > kAudible_cents)
+    text += fmt::format(" ({:.0f} expected)", note.expected_swing_cents);
   return text;
 }
 
-std::string elsewhere_of(const NoteHeard& note) {
+std::string elsewhere_of(const DetectedNote& note) {
   std::string text;
   if (note.partials_s >= kFormatNoteTold_s)
     text += fmt::format(", on partial {} for {:.2f} s", note.other_partial, note.partials_s);
@@ -53,29 +55,29 @@ std::string elsewhere_of(const NoteHeard& note) {
 
 std::string pitch_in_words(double hertz) {
   const double over = cents(hertz, pitch_of_note(nearest_note(hertz)));
-  return note_name(hertz) + (std::abs(over) < kTold_cents ? "" : fmt::format(" {:+.0f} cents", over));
+  return note_name(hertz) + (std::abs(over) < kAudible_cents ? "" : fmt::format(" {:+.0f} cents", over));
 }
 
-std::string in_words(const NoteHeard& note) {
-  auto text = head_of(note.wanted);
-  if (note.heard_hz <= 0) return text + "nothing with a pitch";
+std::string in_words(const DetectedNote& note) {
+  auto text = head_of(note.expected);
+  if (note.detected_hz <= 0) return text + "nothing with a pitch";
   if (!note.right()) text += "not right: ";
   text += other_pitch_of(note) + fmt::format("{:+.1f} cents", note.cents) + describe_swing(note);
-  if (note.speaks_after_s && !note.wanted.glides)
+  if (note.speaks_after_s && !note.expected.glides)
     text += fmt::format(", speaks after {:.2f} s", *note.speaks_after_s);
   return text + elsewhere_of(note);
 }
 
-std::string in_words(const std::vector<NoteHeard>& notes) {
+std::string in_words(const std::vector<DetectedNote>& notes) {
   int right[2] = {0, 0}, all[2] = {0, 0};  // notes, glides
   double off = 0, slowest = 0;
   for (const auto& note : notes) {
-    const int kind = note.wanted.glides ? 1 : 0;
+    const int kind = note.expected.glides ? 1 : 0;
     ++all[kind];
     if (!note.right()) continue;
     ++right[kind];
     off = std::max(off, std::abs(note.cents));
-    if (!note.wanted.glides) slowest = std::max(slowest, note.speaks_after_s.value_or(0));
+    if (!note.expected.glides) slowest = std::max(slowest, note.speaks_after_s.value_or(0));
   }
   auto text = fmt::format("{} of {} notes right", right[0], all[0]);
   if (all[1] > 0) text += fmt::format(" and {} of {} glides", right[1], all[1]);

@@ -12,8 +12,8 @@ std::string pitch_in_words(double hertz);
 
 /// [any] "A2, 110.0 Hz: +0.3 cents, speaks after 0.12 s",
 /// "from A2 to E3 in 0.80 s, 110.0 to 164.8 Hz: -4.0 cents".
-std::string in_words(const NoteHeard& note);
+std::string in_words(const DetectedNote& note);
 /// [any] "9 of 10 notes right and 1 of 1 glides, at most 0.4 cents off, each speaks within 0.21 s"
-std::string in_words(const std::vector<NoteHeard>& notes);
+std::string in_words(const std::vector<DetectedNote>& notes);
 
 }  // namespace tactus

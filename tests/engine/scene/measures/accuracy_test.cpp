@@ -2,7 +2,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
-#include "engine/scene/file/accuracy_section.h"
+#include "engine/scene/file/scene_sections.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;

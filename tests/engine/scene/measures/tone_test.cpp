@@ -35,7 +35,7 @@ JudgedRun judged(double hertz, double level = 0.1) {
 
 /// Notes of a second each from 0 s on; what sounds of each is `factor` times as high and begins `late`.
 struct Note {
-  double wanted_hz, factor = 1, late_s = 0;
+  double expected_hz, factor = 1, late_s = 0;
 };
 JudgedRun judged_notes(const std::vector<Note>& notes, double rocking_cents = 0) {
   SceneRecording recording;
@@ -45,7 +45,7 @@ JudgedRun judged_notes(const std::vector<Note>& notes, double rocking_cents = 0)
   for (std::size_t i = 0; i < notes.size(); ++i)
     for (int n = 0; n < static_cast<int>(kRate); ++n) {
       const double time = n / kRate, rocks = rocking_cents * std::sin(2 * std::numbers::pi * 5 * time);
-      const double hertz = notes[i].wanted_hz * std::exp2(rocks / 1200);
+      const double hertz = notes[i].expected_hz * std::exp2(rocks / 1200);
       turn += 2 * std::numbers::pi * hertz * notes[i].factor / kRate;
       recording.signals[0].samples.push_back(time < notes[i].late_s ? 0 : 0.1 * std::sin(turn));
       recording.signals[1].samples.push_back(hertz);

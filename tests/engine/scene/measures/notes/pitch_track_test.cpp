@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/scene/measures/notes/format_note.h"
-#include "engine/scene/measures/notes/standing_tone.h"
+#include "engine/scene/measures/notes/steady_tone.h"
 #include "engine/scene/measures/tone.h"
 
 using namespace tactus;
@@ -49,18 +49,19 @@ std::vector<double> vibrato(double hertz, double depth_cents, double seconds) {
   return all;
 }
 
-std::vector<NoteHeard> heard_of(const std::vector<double>& samples, const std::vector<double>& wanted) {
-  return notes_heard(track_pitch(samples, kRate, 50_Hz, 1500_Hz), wanted, kRate);
+std::vector<DetectedNote> detected_of(const std::vector<double>& samples,
+                                      const std::vector<double>& expected) {
+  return detect_notes(track_pitch(samples, kRate, 50_Hz, 1500_Hz), expected, kRate);
 }
-std::vector<NoteHeard> heard(const std::vector<double>& played, const std::vector<double>& wanted) {
-  return heard_of(sung(played), wanted);
+std::vector<DetectedNote> detected(const std::vector<double>& played, const std::vector<double>& expected) {
+  return detected_of(sung(played), expected);
 }
 
 }  // namespace
 
 TEST_CASE("notes_heard: each wanted note with its cents and partial", "[analysis]") {
   const double up = std::exp2(7.0 / 1200);
-  const auto notes = heard(steps({110, 220 * up, 3 * 165, 0}, 0.5), steps({110, 220, 165, 330}, 0.5));
+  const auto notes = detected(steps({110, 220 * up, 3 * 165, 0}, 0.5), steps({110, 220, 165, 330}, 0.5));
   REQUIRE(notes.size() == 4);
   CHECK(notes[0].partial == 1);
   CHECK(notes[0].cents == Approx(0).margin(0.1));
@@ -69,8 +70,8 @@ TEST_CASE("notes_heard: each wanted note with its cents and partial", "[analysis
   CHECK(notes[2].partial == 3);
   CHECK(notes[2].cents == Approx(0).margin(0.1));
   CHECK(in_words(notes[2]).starts_with("E3, 165.0 Hz: not right: 495.0 Hz sounds, partial 3, "));
-  CHECK(notes[3].heard_hz == 0);
-  CHECK(notes[3].wanted.from_s == Approx(1.5));
+  CHECK(notes[3].detected_hz == 0);
+  CHECK(notes[3].expected.from_s == Approx(1.5));
   CHECK(in_words(notes[3]) == "E4, 330.0 Hz: nothing with a pitch");
   CHECK(in_words(notes) == "2 of 4 notes right, at most 7.0 cents off, each speaks within 0.03 s");
 }
@@ -80,7 +81,7 @@ TEST_CASE("notes_heard: a note that takes long to leave another partial is told 
   for (const double wrong_s : {0.2, 0.3}) {
     auto played = steps({220}, 1.0);
     for (std::size_t n = 0; n < static_cast<std::size_t>(wrong_s * kRate.value); ++n) played[n] = 440;
-    const auto notes = heard(played, steps({220}, 1.0));
+    const auto notes = detected(played, steps({220}, 1.0));
     REQUIRE(notes.size() == 1);
     REQUIRE(notes[0].speaks_after_s);
     // The tracker sees six periods at once, 27 ms.
@@ -96,7 +97,7 @@ TEST_CASE("notes_heard: a note speaks when the study of playability says that it
   auto samples = sung(steps({110}, 3.0));
   // 26 dB below what it ends as until 0.4 s: in tune, and not there yet.
   for (std::size_t n = 0; n < 19200; ++n) samples[n] *= 0.05;
-  const auto notes = heard_of(samples, steps({110}, 3.0));
+  const auto notes = detected_of(samples, steps({110}, 3.0));
   REQUIRE(notes.size() == 1);
   REQUIRE(notes[0].speaks_after_s);
   CHECK(*notes[0].speaks_after_s == Approx(0.4).epsilon(0).margin(0.03));
@@ -112,35 +113,35 @@ TEST_CASE("notes_heard: a note speaks when the study of playability says that it
 }
 
 TEST_CASE("notes_heard: a vibrato is one note, and told as one", "[analysis]") {
-  const auto wanted = vibrato(220, 20, 2.0);
-  const auto notes = heard(wanted, wanted);
+  const auto expected = vibrato(220, 20, 2.0);
+  const auto notes = detected(expected, expected);
   REQUIRE(notes.size() == 1);
-  CHECK_FALSE(notes[0].wanted.glides);
+  CHECK_FALSE(notes[0].expected.glides);
   // From crest to crest, of which one in twenty moments is one; what is heard is a little smoothed by the
   // windows.
-  CHECK(notes[0].wanted_swing_cents == Approx(40).epsilon(0).margin(0.1));
+  CHECK(notes[0].expected_swing_cents == Approx(40).epsilon(0).margin(0.1));
   CHECK(notes[0].swing_cents == Approx(38).epsilon(0).margin(2.5));
-  REQUIRE(notes[0].swings_hz);
-  CHECK(*notes[0].swings_hz == Approx(5).epsilon(0).margin(0.15));
+  REQUIRE(notes[0].vibrato_hz);
+  CHECK(*notes[0].vibrato_hz == Approx(5).epsilon(0).margin(0.15));
   CHECK(in_words(notes[0]).find(" a second (40 wanted)") != std::string::npos);
 }
 
 TEST_CASE("notes_heard: a slide is a glide between two notes", "[analysis]") {
   const double fifth = 110 * std::exp2(7.0 / 12);
-  const auto wanted = slide(110, fifth, 0.8);
-  const auto notes = heard(wanted, wanted);
+  const auto expected = slide(110, fifth, 0.8);
+  const auto notes = detected(expected, expected);
   REQUIRE(notes.size() == 3);
-  CHECK_FALSE(notes[0].wanted.glides);
-  REQUIRE(notes[1].wanted.glides);
-  CHECK_FALSE(notes[2].wanted.glides);
-  CHECK(notes[1].wanted.from_s == Approx(0.5).epsilon(0).margin(kPitchHop_s));
-  CHECK(notes[1].wanted.seconds() == Approx(0.8).epsilon(0).margin(2 * kPitchHop_s));
+  CHECK_FALSE(notes[0].expected.glides);
+  REQUIRE(notes[1].expected.glides);
+  CHECK_FALSE(notes[2].expected.glides);
+  CHECK(notes[1].expected.from_s == Approx(0.5).epsilon(0).margin(kPitchHop_s));
+  CHECK(notes[1].expected.seconds() == Approx(0.8).epsilon(0).margin(2 * kPitchHop_s));
   CHECK(notes[1].right());
   CHECK(notes[1].cents == Approx(0).margin(1));
   CHECK(in_words(notes[1]).starts_with("from A2 to E3 in 0.8"));
   CHECK(in_words(notes).starts_with("2 of 2 notes right and 1 of 1 glides, "));
   // Whoever stays where he was has not played it.
-  const auto lazy = heard(steps({110}, 1.8), wanted);
+  const auto lazy = detected(steps({110}, 1.8), expected);
   CHECK_FALSE(lazy[1].right());
   CHECK(lazy[2].partial == 1);
   CHECK(lazy[2].cents == Approx(-700).margin(0.1));
@@ -150,13 +151,13 @@ TEST_CASE("notes_heard: a slide is a glide between two notes", "[analysis]") {
 TEST_CASE("notes_heard: steps off the scale are notes of their own, and judged by what was wanted",
           "[analysis]") {
   const double off = 220 * std::exp2(40.0 / 1200);
-  const auto wanted = steps({220, off, 220}, 0.3);
-  const auto notes = heard(wanted, wanted);
+  const auto expected = steps({220, off, 220}, 0.3);
+  const auto notes = detected(expected, expected);
   REQUIRE(notes.size() == 3);
   CHECK(notes[1].right());
   CHECK(notes[1].cents == Approx(0).margin(0.1));
   CHECK(in_words(notes[1]).starts_with("A3 +40 cents, 225.1 Hz: "));
-  const auto tempered = heard(steps({220}, 0.9), wanted);
+  const auto tempered = detected(steps({220}, 0.9), expected);
   CHECK(tempered[1].cents == Approx(-40).margin(0.1));
   CHECK_FALSE(tempered[1].right());
 }

@@ -1,4 +1,4 @@
-#include "engine/scene/measures/notes/wanted_notes.h"
+#include "engine/scene/measures/notes/expected_notes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,12 +65,12 @@ bool is_glide(const std::vector<Run>& runs, std::size_t i) {
          !(after != nullptr && swings_with(runs[i], *after));
 }
 
-WantedNote note_of(std::span<const double> wanted, Hertz rate, std::size_t from, std::size_t to,
-                   bool glides) {
-  WantedNote note;
+ExpectedNote note_of(std::span<const double> expected, Hertz rate, std::size_t from, std::size_t to,
+                     bool glides) {
+  ExpectedNote note;
   note.from_s = static_cast<double>(from) / rate.value;
   note.to_s = static_cast<double>(to) / rate.value;
-  const auto part = wanted.subspan(from, to - from);
+  const auto part = expected.subspan(from, to - from);
   note.begins_hz = part.front();
   note.ends_hz = part.back();
   note.hertz = median({part.begin(), part.end()});
@@ -79,15 +79,15 @@ WantedNote note_of(std::span<const double> wanted, Hertz rate, std::size_t from,
 }
 
 /// A stretch without a jump: its notes and the glides between them.
-void add_notes(std::vector<WantedNote>& notes, std::span<const double> wanted, Hertz rate, std::size_t from,
-               std::size_t to) {
+void add_notes(std::vector<ExpectedNote>& notes, std::span<const double> expected, Hertz rate,
+               std::size_t from, std::size_t to) {
   const auto hop = static_cast<std::size_t>(std::lround(kPitchHop_s * rate.value));
   std::vector<double> pitch;
-  for (auto i = from; i < to; i += hop) pitch.push_back(wanted[i]);
+  for (auto i = from; i < to; i += hop) pitch.push_back(expected[i]);
   const auto runs = runs_of(pitch);
   const auto add = [&](std::size_t first, std::size_t last, bool glides) {
     if (static_cast<double>(last - first) >= (glides ? kShortestGlide_s : kShortestNote_s) * rate.value)
-      notes.push_back(note_of(wanted, rate, first, last, glides));
+      notes.push_back(note_of(expected, rate, first, last, glides));
   };
   auto begun = from;
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -102,12 +102,12 @@ void add_notes(std::vector<WantedNote>& notes, std::span<const double> wanted, H
 
 }  // namespace
 
-std::vector<WantedNote> wanted_notes(std::span<const double> wanted, Hertz rate) {
-  std::vector<WantedNote> notes;
-  for (std::size_t from = 0, to = 0; from < wanted.size(); from = to) {
+std::vector<ExpectedNote> expected_notes(std::span<const double> expected, Hertz rate) {
+  std::vector<ExpectedNote> notes;
+  for (std::size_t from = 0, to = 0; from < expected.size(); from = to) {
     to = from + 1;
-    while (to < wanted.size() && !jumps(wanted[to - 1], wanted[to])) ++to;
-    if (wanted[from] > 0) add_notes(notes, wanted, rate, from, to);
+    while (to < expected.size() && !jumps(expected[to - 1], expected[to])) ++to;
+    if (expected[from] > 0) add_notes(notes, expected, rate, from, to);
   }
   return notes;
 }

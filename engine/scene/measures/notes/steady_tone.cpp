@@ -1,4 +1,4 @@
-#include "engine/scene/measures/notes/standing_tone.h"
+#include "engine/scene/measures/notes/steady_tone.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,20 +10,20 @@ constexpr double kBegun = 0.178;  // -15 dB
 
 }  // namespace
 
-int partial_of(double hertz, double wanted_hz) {
-  const auto partial = static_cast<int>(std::lround(hertz / wanted_hz));
-  return partial >= 1 && std::abs(cents(hertz, partial * wanted_hz)) <= kNearPartial_cents ? partial : 0;
+int partial_of(double hertz, double expected_hz) {
+  const auto partial = static_cast<int>(std::lround(hertz / expected_hz));
+  return partial >= 1 && std::abs(cents(hertz, partial * expected_hz)) <= kNearPartial_cents ? partial : 0;
 }
 
-std::optional<double> stands_at(const std::vector<ToneMoment>& moments, double off_cents, double rms,
-                                double hold_s) {
+std::optional<double> steady_from(const std::vector<ToneMoment>& moments, double off_cents, double rms,
+                                  double hold_s) {
   const auto needed = static_cast<std::size_t>(std::max(1.0, std::round(hold_s / kPitchHop_s)));
   std::size_t run = 0;
   for (std::size_t i = 0; i < moments.size(); ++i) {
-    const bool stands =
+    const bool steady =
         std::abs(moments[i].off_cents - off_cents) <= kNearPartial_cents && moments[i].rms >= kBegun * rms;
     const bool follows = i == 0 || moments[i].time_s - moments[i - 1].time_s < 1.5 * kPitchHop_s;
-    run = !stands ? 0 : follows ? run + 1 : 1;
+    run = !steady ? 0 : follows ? run + 1 : 1;
     if (run == needed) return moments[i + 1 - needed].time_s;
   }
   return std::nullopt;

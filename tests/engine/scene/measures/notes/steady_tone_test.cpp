@@ -1,4 +1,4 @@
-#include "engine/scene/measures/notes/standing_tone.h"
+#include "engine/scene/measures/notes/steady_tone.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -25,19 +25,19 @@ TEST_CASE("stands_at: a tone stands once it holds pitch and level for a tenth of
   auto all = held(9, 0, 1);  // a moment too few
   all.emplace_back(60, 1);
   for (const auto& more : held(10, 45, 0.2)) all.push_back(more);  // within 50 cents and 15 dB
-  const auto stands = stands_at(moments(all), 0, 1);
-  REQUIRE(stands);
-  CHECK(*stands == Approx(1.1));
-  CHECK_FALSE(stands_at(moments(held(30, 0, 0.15)), 0, 1));  // 16.5 dB too soft
-  CHECK_FALSE(stands_at(moments(held(30, 55, 1)), 0, 1));
-  CHECK(stands_at(moments(held(5, 0, 1)), 0, 1, 0.05));
+  const auto steady = steady_from(moments(all), 0, 1);
+  REQUIRE(steady);
+  CHECK(*steady == Approx(1.1));
+  CHECK_FALSE(steady_from(moments(held(30, 0, 0.15)), 0, 1));  // 16.5 dB too soft
+  CHECK_FALSE(steady_from(moments(held(30, 55, 1)), 0, 1));
+  CHECK(steady_from(moments(held(5, 0, 1)), 0, 1, 0.05));
 }
 
 TEST_CASE("stands_at: a moment without a pitch begins it anew", "[analysis]") {
   auto all = moments(held(19, 0, 1));
   all.erase(all.begin() + 9);
-  CHECK_FALSE(stands_at(all, 0, 1));
-  CHECK(stands_at(moments(held(19, 0, 1)), 0, 1));
+  CHECK_FALSE(steady_from(all, 0, 1));
+  CHECK(steady_from(moments(held(19, 0, 1)), 0, 1));
 }
 
 TEST_CASE("partial_of: the partial within 50 cents, or none", "[analysis]") {
