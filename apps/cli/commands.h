@@ -14,10 +14,10 @@ void add_render(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
+void add_sweep(CLI::App& app, int& exit_code);
 void add_nodes(CLI::App& app, int& exit_code);
 void add_devices(CLI::App& app, int& exit_code);
 void add_doctor(CLI::App& app, int& exit_code);
 void add_latency(CLI::App& app, int& exit_code);
-void add_study(CLI::App& app, int& exit_code);
 
 }  // namespace tactus::app

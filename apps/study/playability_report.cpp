@@ -30,7 +30,7 @@ std::string place_of(const PlayabilityStudy& study, const PlayedRun& run) {
     const auto value = std::find_if(swept.values.begin(), swept.values.end(),
                                     [&](const ControlValue& v) { return v.si == run.at[i]; });
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", swept.name,
-                        value_in_words(swept, static_cast<std::size_t>(value - swept.values.begin())));
+                        value_text(swept, static_cast<std::size_t>(value - swept.values.begin())));
   }
   return text;
 }
@@ -73,10 +73,10 @@ std::string map_text(const SweptValue& upwards, const std::string& across,
                      const std::function<std::string(std::size_t)>& row_of) {
   std::size_t widest = upwards.name.size();
   for (std::size_t r = 0; r < upwards.values.size(); ++r)
-    widest = std::max(widest, value_in_words(upwards, r).size());
+    widest = std::max(widest, value_text(upwards, r).size());
   auto text = fmt::format("\n{:>{}}  {}\n", upwards.name, widest, across);
   for (std::size_t r = upwards.values.size(); r-- > 0;)
-    text += fmt::format("{:>{}}  {}\n", value_in_words(upwards, r), widest, row_of(r));
+    text += fmt::format("{:>{}}  {}\n", value_text(upwards, r), widest, row_of(r));
   return text;
 }
 
@@ -96,7 +96,7 @@ std::string map_over_delay(const PlayabilityStudy& study) {
 std::string map_at_delay(const PlayabilityStudy& study, std::size_t delay) {
   const auto& first = study.over[0];
   const auto across = fmt::format("at {} ms, {} {} to {}", ms(study.delays_s[delay]), first.name,
-                                  value_in_words(first, 0), value_in_words(first, first.values.size() - 1));
+                                  value_text(first, 0), value_text(first, first.values.size() - 1));
   const auto rows = study.over[1].values.size(), variants = study.variants.size();
   return map_text(study.over[1], across, [&](std::size_t row) {
     std::string letters;

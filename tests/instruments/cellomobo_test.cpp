@@ -7,7 +7,7 @@
 
 #include "engine/scene/measures/measure.h"
 #include "engine/scene/measures/notes/pitch_track.h"
-#include "engine/study/playability/scene_variants.h"
+#include "engine/study/sweep/scene_variants.h"
 #include "tests/support/shipped_scene.h"
 
 using namespace tactus;

@@ -8,7 +8,7 @@
 #include "engine/core/median.h"
 #include "engine/study/orbits/bifurcation_sweep.h"
 #include "engine/study/orbits/bouncing_cascade.h"
-#include "engine/study/parallel_for.h"
+#include "engine/study/sweep/parallel_for.h"
 
 namespace tactus {
 namespace {
@@ -111,7 +111,7 @@ Checked<Bifurcation> study_bifurcation(const SceneSpec& scene, const NodeTable& 
     auto& result = results[static_cast<std::size_t>(r)] = sweep->run(values);
     if (result) result->erase(result->begin(), result->begin() + before);
   };
-  on_all_cores(
+  parallel_for(
       runs, run, progress ? progress : [](double) {});
   std::vector<double> rebounds;
   for (const auto& result : results) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/graph/file/quantity.h"
 #include "engine/plot/plot.h"
 
 namespace tactus {
@@ -112,7 +111,7 @@ Plot curves_of(const PlayabilityStudy& study) {
 
 std::vector<std::string> names_of(const SweptValue& swept) {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < swept.values.size(); ++i) names.push_back(value_in_words(swept, i));
+  for (std::size_t i = 0; i < swept.values.size(); ++i) names.push_back(value_text(swept, i));
   return names;
 }
 
@@ -183,13 +182,6 @@ std::vector<Plot> maps_by_delay(const PlayabilityStudy& study) {
 }
 
 }  // namespace
-
-std::string value_in_words(const SweptValue& swept, std::size_t index) {
-  const auto& value = swept.values[index];
-  const auto digits = fmt::format("{:.3g}", value.si);
-  if (swept.what == SweptValue::What::Scaled) return "x " + digits;
-  return value.dimension ? short_quantity(std::stod(digits), *value.dimension) : digits;
-}
 
 Status write_picture(const std::filesystem::path& path, const PlayabilityStudy& study) {
   if (study.over.size() > 1) return write_svg(path, maps_by_delay(study), 2);

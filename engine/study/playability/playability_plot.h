@@ -11,7 +11,4 @@ namespace tactus {
 /// kind over both, for up to twelve delays. Errors: BadFile.
 [[nodiscard]] Status write_picture(const std::filesystem::path& path, const PlayabilityStudy& study);
 
-/// [any] "0.5", "12 ms"; "x 0.5" of a gesture.
-std::string value_in_words(const SweptValue& swept, std::size_t index);
-
 }  // namespace tactus

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "engine/nodes/networks/network_elements.h"
-#include "engine/study/playability/changed_networks.h"
+#include "engine/study/sweep/scene_variants.h"
 
 namespace tactus {
 namespace {

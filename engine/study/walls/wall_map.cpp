@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/core/find_root.h"
-#include "engine/study/parallel_for.h"
+#include "engine/study/sweep/parallel_for.h"
 #include "engine/study/walls/wall_border.h"
 
 namespace tactus {
@@ -93,7 +93,7 @@ class Mapping {
 
   WallMap run(const std::function<void(double)>& progress) {
     for (std::size_t d = 0; d < study_.devices.size(); ++d) plan(d);
-    on_all_cores(
+    parallel_for(
         static_cast<int>(jobs_.size()),
         [&](int i) {
           const auto& job = jobs_[static_cast<std::size_t>(i)];

@@ -1,11 +1,16 @@
 #include "engine/study/work_precision/reference_run.h"
 
-#include "engine/study/work_precision/solver_variants.h"
+#include "engine/study/sweep/scene_variants.h"
 
 namespace tactus {
 namespace {
 
 constexpr int kReferenceRunBlock = 64;
+
+SceneSpec with_reference_solver(const SceneSpec& scene, int oversample) {
+  return with_network_option(with_network_option(scene, "solver", "reference"), "oversample",
+                             static_cast<double>(oversample));
+}
 
 }  // namespace
 
@@ -20,9 +25,9 @@ Checked<SceneRecording> play_at(const SceneSpec& scene, const NodeTable& table, 
 }
 
 Checked<ReferenceRun> play_reference(const SceneSpec& scene, const NodeTable& table, Hertz rate) {
-  auto first = play_at(with_solver(scene, {"reference", 1, rate}), table, rate);
+  auto first = play_at(with_reference_solver(scene, 1), table, rate);
   if (!first) return tl::unexpected(first.error());
-  auto second = play_at(with_solver(scene, {"reference", 2, rate}), table, rate);
+  auto second = play_at(with_reference_solver(scene, 2), table, rate);
   if (!second) return tl::unexpected(second.error());
   return ReferenceRun{std::move(*first), std::move(*second)};
 }

@@ -1,12 +1,15 @@
 #include "engine/study/work_precision/work_precision.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 
 #include "engine/core/decibels.h"
 #include "engine/scene/measures/measure.h"
+#include "engine/study/sweep/scene_variants.h"
+#include "engine/study/sweep/sweep.h"
 #include "engine/study/work_precision/reference_run.h"
 #include "engine/study/work_precision/work_timing.h"
 
@@ -40,8 +43,32 @@ class Study {
 
   Checked<WorkPrecision> run() {
     name_references();
-    for (const auto rate : options_.rates)
-      if (auto status = at_rate(rate); !status) return tl::unexpected(status.error());
+    SweepPlan plan;
+    plan.workers = 1;  // times are measured
+    plan.over = {{"rate", {}, SweptValue::What::Rate},
+                 {"solver", {}, SweptValue::What::Solver, options_.solvers},
+                 {"oversample", {}, SweptValue::What::Oversample}};
+    for (const auto rate : options_.rates) plan.over[0].values.emplace_back(rate.value);
+    for (std::size_t i = 0; i < options_.solvers.size(); ++i)
+      plan.over[1].values.emplace_back(static_cast<double>(i));
+    for (const int oversample : options_.oversamples) plan.over[2].values.emplace_back(oversample);
+    Sweep sweep{scene_, table_, plan};
+    const auto points = sweep.evaluate(
+        [&](const Sweep::Run& run) -> Checked<std::vector<double>> {
+          const auto& at = sweep.points()[run.number].at;
+          const SolverVariant variant{options_.solvers[static_cast<std::size_t>(at[1])],
+                                      static_cast<int>(at[2]), Hertz{at[0]}};
+          if (!reference_ || reference_->recording.sample_rate != variant.rate) {
+            auto reference = refer(variant.rate);
+            if (!reference) return tl::unexpected(reference.error());
+            reference_ = std::move(*reference);
+          }
+          report(static_cast<double>(result_.points.size()), to_string(variant));
+          play(run.scene, variant, reference_->recording);
+          return result_.points.back().errors;
+        },
+        "work precision");
+    if (!points) return tl::unexpected(points.error());
     return finish();
   }
 
@@ -68,31 +95,19 @@ class Study {
     return std::move(result_);
   }
 
-  void tell(double runs, const std::string& what) const {
+  void report(double runs, const std::string& what) const {
     if (options_.progress) options_.progress(runs / static_cast<double>(2 * runs_), what);
   }
 
   Checked<ReferenceRun> refer(Hertz rate) {
-    tell(static_cast<double>(result_.points.size()), "reference");
+    report(static_cast<double>(result_.points.size()), "reference");
     auto reference = play_reference(scene_, table_, rate);
     floors_.assign(scene_.accuracy.size(), 0.0);
     for (std::size_t a = 0; reference && a < scene_.accuracy.size(); ++a) check_reference(a, *reference);
     return reference;
   }
 
-  Checked<void> at_rate(Hertz rate) {
-    const auto reference = refer(rate);
-    if (!reference) return tl::unexpected(reference.error());
-    for (const auto& solver : options_.solvers)
-      for (const int oversample : options_.oversamples) {
-        const SolverVariant variant{solver, oversample, rate};
-        tell(static_cast<double>(result_.points.size()), to_string(variant));
-        play(with_solver(scene_, variant), variant, reference->recording);
-      }
-    return {};
-  }
-
-  /// How far the two references are apart; nothing is, where theory tells the number.
+  /// How far the two references are apart; 0 where theory gives the number.
   void check_reference(std::size_t a, const ReferenceRun& reference) {
     if (scene_.accuracy[a].exact) return;
     const double error = accuracy_error(scene_.accuracy[a], reference.again, reference.recording).value_or(1);
@@ -119,10 +134,10 @@ class Study {
     timers_.emplace(result_.points.size() - 1, PlantTimer{std::move(*built), scene, *recording});
   }
 
-  /// All once, then all again: what disturbs the machine for a while disturbs all of them.
+  /// Interleaved, so that a disturbance of the machine affects all of them.
   void take_times() {
     for (int repeat = 0; repeat < options_.repeats; ++repeat) {
-      tell(static_cast<double>(runs_) * (1.0 + static_cast<double>(repeat) / options_.repeats), "timing");
+      report(static_cast<double>(runs_) * (1.0 + static_cast<double>(repeat) / options_.repeats), "timing");
       for (auto& [point, timer] : timers_) timer.run();
     }
     for (auto& [point, timer] : timers_) result_.points[point].ns_per_frame = timer.ns_per_frame();
@@ -143,7 +158,8 @@ class Study {
   const NodeTable& table_;
   WorkPrecisionOptions options_;
   std::size_t runs_ = 0;
-  std::vector<double> floors_;  // of the reference at the rate of now
+  std::optional<ReferenceRun> reference_;
+  std::vector<double> floors_;  // own errors of the reference
   WorkPrecision result_;
   std::map<std::size_t, PlantTimer> timers_;
 };
@@ -162,6 +178,11 @@ std::optional<Error> what_lacks(const SceneSpec& scene) {
 }
 
 }  // namespace
+
+std::string to_string(const SolverVariant& variant) {
+  if (variant.oversample == 0) return fmt::format("{} at {:g} kHz", variant.solver, variant.rate.value / 1e3);
+  return fmt::format("{} x {} at {:g} kHz", variant.solver, variant.oversample, variant.rate.value / 1e3);
+}
 
 const WorkPoint* WorkPrecision::cheapest(double error) const {
   const WorkPoint* best = nullptr;

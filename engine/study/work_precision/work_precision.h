@@ -6,10 +6,20 @@
 #include <vector>
 
 #include "engine/core/error.h"
+#include "engine/core/units.h"
+#include "engine/graph/node_table.h"
 #include "engine/scene/file/scene_spec.h"
-#include "engine/study/work_precision/solver_variants.h"
 
 namespace tactus {
+
+/// How the networks of a plant are stepped.
+struct SolverVariant {
+  std::string solver;
+  int oversample = 1;  ///< 0: as the file says
+  Hertz rate;
+};
+/// [any] "exact x 4 at 48 kHz"
+std::string to_string(const SolverVariant& variant);
 
 /// What to try; empty lists: all solvers, the scene's rate with its half and its double, 1 to 16 steps a
 /// frame.
@@ -54,11 +64,11 @@ struct WorkPrecision {
   const WorkPoint* cheapest(double error) const;
 };
 
-/// [control] Plays the scene with every solver, rate and number of steps a frame, and tells the errors and
-/// the times. Every run is compared with a reference at its own rate, which has the same inputs from frame to
-/// frame: so the error is that of the solver. References: what theory says (`exact`); else the motion itself
-/// (NetworkFlow) with one and with two parts a frame, whose difference is its own error. Errors: those of the
-/// scene; Missing without [accuracy] or a network.
+/// [control] A sweep over rate, solver and oversampling that measures errors and times. Every run is compared
+/// with a reference at its own rate, which has the same inputs from frame to frame: so the error is that of
+/// the solver. References: what theory says (`exact`); else the motion itself (NetworkFlow) with one and with
+/// two parts a frame, whose difference is its own error. Errors: those of the scene; Missing without
+/// [accuracy] or a network.
 Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTable& table,
                                             const WorkPrecisionOptions& options = {});
 

@@ -9,7 +9,7 @@
 #include "engine/nodes/table.h"
 #include "engine/study/orbits/bifurcation_sweep.h"
 #include "engine/study/orbits/bouncing_ball.h"
-#include "engine/study/playability/scene_variants.h"
+#include "engine/study/sweep/scene_variants.h"
 #include "tests/support/shipped_scene.h"
 
 using namespace tactus;

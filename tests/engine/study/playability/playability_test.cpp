@@ -80,7 +80,7 @@ TEST_CASE("playability: what was kept is not played again, and a torn line is", 
   const test::TemporaryFolder folder;
   auto options = small();
   const auto fresh = studied(options);
-  options.keep = folder.path();
+  options.cache = folder.path();
   CHECK(same(studied(options), fresh));
   const auto file = folder.path() / "runs.jsonl";
   const auto whole = text_of(file);
@@ -100,7 +100,7 @@ TEST_CASE("playability: the shares of a study make the whole of it", "[analysis]
   const test::TemporaryFolder folder;
   auto options = small();
   const auto fresh = studied(options);
-  options.keep = folder.path();
+  options.cache = folder.path();
   options.parts = 3;
   for (options.part = 0; options.part < 3; ++options.part) {
     const auto share = studied(options);
@@ -116,7 +116,7 @@ TEST_CASE("playability: stopped, it keeps what is done and goes on from there", 
   const test::TemporaryFolder folder;
   auto options = small();
   const auto fresh = studied(options);
-  options.keep = folder.path();
+  options.cache = folder.path();
   options.workers = 1;
   int asked = 0;
   options.stop = [&] { return ++asked > 5; };
@@ -131,7 +131,7 @@ TEST_CASE("playability: another scene, seed or control is another run", "[analys
   const test::TemporaryFolder folder;
   auto options = small();
   options.over.clear();
-  options.keep = folder.path();
+  options.cache = folder.path();
   studied(options);
   options.stop = [] { return true; };
   CHECK(studied(options).finished() == 8);

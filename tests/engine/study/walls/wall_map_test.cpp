@@ -7,7 +7,7 @@
 #include <mutex>
 #include <vector>
 
-#include "engine/study/parallel_for.h"
+#include "engine/study/sweep/parallel_for.h"
 #include "engine/study/walls/wall_device.h"
 
 using namespace tactus;
@@ -32,7 +32,7 @@ TEST_CASE("all_cores: each piece of work is done once, and the share done reache
   std::vector<std::atomic<int>> times(1000);
   std::mutex lock;
   double share = 0;
-  on_all_cores(
+  parallel_for(
       1000, [&](int i) { ++times[static_cast<std::size_t>(i)]; },
       [&](double now) {
         const std::lock_guard guard{lock};
@@ -41,7 +41,7 @@ TEST_CASE("all_cores: each piece of work is done once, and the share done reache
       });
   CHECK(std::all_of(times.begin(), times.end(), [](const auto& n) { return n == 1; }));
   CHECK(share == 1);
-  on_all_cores(
+  parallel_for(
       0, [](int) { FAIL("there was nothing to do"); }, [](double) {});
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "engine/nodes/table.h"
+#include "engine/study/sweep/scene_variants.h"
 #include "engine/study/work_precision/work_precision_plot.h"
 #include "tests/support/temporary_folder.h"
 
@@ -104,10 +105,10 @@ TEST_CASE("work and precision: a plot for each line, with a front and the end of
   REQUIRE(study);
   const auto plots = plots_of(*study);
   REQUIRE(plots.size() == 2);
-  REQUIRE(plots[0].series.size() == 3);
-  CHECK(plots[0].series[0].label == "passive, 48 kHz");
-  CHECK(plots[0].series[0].x.size() == 2);
-  CHECK(plots[0].series[2].x[0] == Approx(1.0 / 48000));
+  REQUIRE(plots[0].subplots[0].series.size() == 3);
+  CHECK(plots[0].subplots[0].series[0].label == "passive, 48 kHz");
+  CHECK(plots[0].subplots[0].series[0].x.size() == 2);
+  CHECK(plots[0].subplots[0].series[2].x[0] == Approx(1.0 / 48000));
 }
 
 TEST_CASE("work and precision: a scene that compares nothing is told so", "[analysis]") {
@@ -135,7 +136,8 @@ TEST_CASE("work and precision: the solver is set in parts of parts, and not in t
                "plant = { use = \"plant.toml\" }\n");
   const auto loaded = load_scene(folder.path());
   REQUIRE(loaded);
-  const auto changed = with_solver(*loaded, {"explicit", 4, 48_kHz});
+  const auto changed =
+      with_network_option(with_network_option(*loaded, "solver", "explicit"), "oversample", 4.0);
   const auto solver = [](const GraphSpec& graph) {
     return *find(graph.networks.front().options, "solver")->text();
   };

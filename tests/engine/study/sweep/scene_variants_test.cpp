@@ -1,4 +1,4 @@
-#include "engine/study/playability/scene_variants.h"
+#include "engine/study/sweep/scene_variants.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/play_scene.h"
-#include "engine/study/playability/scene_fingerprint.h"
+#include "engine/study/sweep/scene_fingerprint.h"
 
 using namespace tactus;
 

@@ -1,4 +1,4 @@
-#include "engine/study/playability/scene_fingerprint.h"
+#include "engine/study/sweep/scene_fingerprint.h"
 
 #include <string>
 

@@ -1,0 +1,284 @@
+#include "apps/study/sweep_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <sstream>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/interrupts.h"
+#include "apps/cli/writable.h"
+#include "engine/core/dimension.h"
+#include "engine/graph/file/quantity.h"
+
+namespace tactus::app {
+namespace {
+
+constexpr double kMostValues = 10000;
+
+/// Numbers with the one unit that follows some of them.
+struct Written {
+  std::vector<double> numbers;
+  std::string unit;
+};
+
+tl::unexpected<Error> unreadable(const std::string& text, const std::string& option,
+                                 const std::string& remedy) {
+  return fail(Errc::Syntax, option, "'" + text + "' is not a range", remedy);
+}
+
+Result<Written> read_numbers(const std::string& text, const std::string& option, const std::string& remedy) {
+  Written written;
+  std::istringstream parts{text};
+  for (std::string part; std::getline(parts, part, ':');) {
+    char* end = nullptr;
+    written.numbers.push_back(std::strtod(part.c_str(), &end));
+    if (end == part.c_str() || !std::isfinite(written.numbers.back()))
+      return unreadable(text, option, remedy);
+    while (*end == ' ') ++end;
+    const std::string unit{end};
+    if (unit.empty()) continue;
+    if (!written.unit.empty() && written.unit != unit)
+      return fail(Errc::UnitMismatch, option, "'" + text + "' has the units " + written.unit + " and " + unit,
+                  "write all in one unit");
+    written.unit = unit;
+  }
+  return written;
+}
+
+/// `count` numbers, number_of(0) and so on, in the unit that was written.
+Result<std::vector<ControlValue>> spread(const Written& written, double count, const std::string& option,
+                                         const std::function<double(int)>& number_of) {
+  if (!(count >= 1 && count <= kMostValues))
+    return fail(Errc::OutOfRange, option, fmt::format("{:g} values cannot be swept", count),
+                fmt::format("choose 1 to {:g}", kMostValues));
+  std::vector<ControlValue> values;
+  for (int i = 0; i < static_cast<int>(count); ++i) {
+    // A number as it would be written: 0.3, not 0.1 + 0.2.
+    const auto number = fmt::format("{:.12g}", number_of(i));
+    const auto value = parse_quantity(number + " " + written.unit);
+    if (!value) return fail(Errc::Syntax, option, "'" + written.unit + "' is not a unit", "");
+    values.push_back(written.unit.empty() ? ControlValue{value->si}
+                                          : ControlValue{value->si, value->unit.dimension});
+  }
+  return values;
+}
+
+/// From the first number by equal steps.
+Result<std::vector<ControlValue>> evenly(const Written& written, double step, double count,
+                                         const std::string& option) {
+  return spread(written, count, option, [&](int i) { return written.numbers[0] + i * step; });
+}
+
+/// Takes ":log" away: "0.2:3.2:7:log", "55:880:9:log Hz".
+bool take_log(std::string& text) {
+  static const std::string kLog = ":log";
+  const auto found = text.find(kLog);
+  if (found == std::string::npos) return false;
+  const auto rest = text.substr(found + kLog.size());
+  if (!rest.empty() && rest.front() != ' ') return false;
+  text = text.substr(0, found) + rest;
+  return true;
+}
+
+}  // namespace
+
+Result<std::vector<ControlValue>> parse_steps(const std::string& text, const std::string& option) {
+  const auto* remedy = "write FROM:TO:STEP, as in \"0:40:1 ms\"";
+  const auto written = read_numbers(text, option, remedy);
+  if (!written) return tl::unexpected(written.error());
+  const auto& numbers = written->numbers;
+  if (numbers.size() == 1) return evenly(*written, 0, 1, option);
+  if (numbers.size() != 3 || !(numbers[2] > 0) || numbers[1] < numbers[0])
+    return unreadable(text, option, remedy);
+  return evenly(*written, numbers[2], std::floor((numbers[1] - numbers[0]) / numbers[2] + 1e-9) + 1, option);
+}
+
+Result<std::vector<ControlValue>> parse_spread(const std::string& text, const std::string& option) {
+  const auto* remedy = "write FROM:TO:COUNT, as in \"0.2:1:5\", or FROM:TO:COUNT:log";
+  auto range = text;
+  const bool by_factors = take_log(range);
+  const auto written = read_numbers(range, option, remedy);
+  if (!written) return tl::unexpected(written.error());
+  const auto& numbers = written->numbers;
+  if (numbers.size() == 1 && !by_factors) return evenly(*written, 0, 1, option);
+  if (numbers.size() != 3 || numbers[2] != std::floor(numbers[2])) return unreadable(text, option, remedy);
+  const double intervals = std::max(1.0, numbers[2] - 1);
+  if (!by_factors) return evenly(*written, (numbers[1] - numbers[0]) / intervals, numbers[2], option);
+  if (!(numbers[0] * numbers[1] > 0))
+    return fail(Errc::OutOfRange, option, "'" + text + "' cannot grow by equal factors",
+                "choose both ends above 0, or leave ':log' out");
+  const double ratio = numbers[1] / numbers[0];
+  return spread(*written, numbers[2], option,
+                [&](int i) { return numbers[0] * std::pow(ratio, i / intervals); });
+}
+
+namespace {
+
+Result<SweptValue> read_swept(const std::string& text, const SceneSpec& scene) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    return fail(Errc::Syntax, "--over", "'" + text + "' is not NAME=FROM:TO:COUNT",
+                "write for instance strength=0.2:1:5");
+  const auto name = text.substr(0, equals), range = text.substr(equals + 1);
+  if (name == "solver") return swept_solvers(CLI::detail::split(range, ','));
+  auto values = parse_spread(range, "--over");
+  if (!values) return tl::unexpected(values.error());
+  return find_swept(scene, name, std::move(*values));
+}
+
+/// "2/4": the second of four shares.
+Status read_part(const std::string& text, SweepPlan& plan) {
+  if (text.empty()) return {};
+  int part = 0, parts = 0, read = 0;
+  const bool whole = std::sscanf(text.c_str(), "%d/%d%n", &part, &parts, &read) == 2 &&
+                     read == static_cast<int>(text.size());
+  if (!whole || part < 1 || part > parts || parts > 10000)
+    return fail(Errc::Syntax, "--part", "'" + text + "' is not I/N", "write for instance 2/4");
+  if (plan.cache.empty())
+    return fail(Errc::Missing, "--part", "a part of the runs needs a cache", "add --keep FOLDER");
+  plan.part = part - 1;
+  plan.parts = parts;
+  return {};
+}
+
+/// "6 dB": both ways. A bare number might be meant as decibels or as a factor.
+Status read_gain(const std::string& text, SweepPlan& plan) {
+  if (text.empty()) return {};
+  const auto gain = parse_option(text, "", "gain");
+  if (!gain) return tl::unexpected(gain.error());
+  if (read_quantity(Value{text, {}})->bare)
+    return fail(Errc::UnitMismatch, "--gain", "'" + text + "' may be decibels or a factor",
+                fmt::format("write \"{0} dB\", or \"{1:g} %\" for {0} times as strong", text, 100 * *gain));
+  if (!(*gain > 0 && *gain <= 100))
+    return fail(Errc::OutOfRange, "--gain", "must lie above 0 and at most at 40 dB", "");
+  plan.gains = {1 / *gain, *gain};
+  return {};
+}
+
+/// A swept quantity has no other value.
+Status check_swept_once(const SweepPlan& plan) {
+  for (auto swept = plan.over.begin(); swept != plan.over.end(); ++swept) {
+    const auto same = [&](const SweptValue& other) { return other.name == swept->name; };
+    if (std::any_of(plan.over.begin(), swept, same))
+      return fail(Errc::BadArgument, "--over", "'" + swept->name + "' is swept twice", "sweep it once");
+    if (plan.set.contains(swept->name))
+      return fail(Errc::BadArgument, "--set",
+                  "'" + swept->name + "' is swept by --over, and cannot be set too", "leave one of them out");
+  }
+  return {};
+}
+
+Status read_variants(const SweepOptions& options, SweepPlan& plan) {
+  plan.draws = options.draws;
+  plan.seed = options.seed;
+  const auto within = parse_option(options.within, "", "within");
+  if (!within) return tl::unexpected(within.error());
+  if (!(*within > 0 && *within < 1))
+    return fail(Errc::OutOfRange, "--within", "must lie above 0 and below 100 %", "");
+  plan.within = *within;
+  return read_gain(options.gain, plan);
+}
+
+Status read_duration(const SweepOptions& options, SceneSpec& scene) {
+  if (options.duration.empty()) return {};
+  const auto duration = parse_option(options.duration, "s", "duration");
+  if (!duration) return tl::unexpected(duration.error());
+  const double least = scene.playability ? scene.playability->from_s + 1 : 1e-3;
+  if (!(*duration >= least && *duration <= 3600))
+    return fail(Errc::OutOfRange, "--duration", "is too short or too long",
+                fmt::format("choose {:g} s to an hour", least));
+  scene.duration = Seconds{*duration};
+  return {};
+}
+
+std::string remaining_text(double seconds) {
+  if (seconds < 60) return fmt::format("{:.0f} s left", seconds);
+  return seconds < 3600 ? fmt::format("{:.0f} min left", seconds / 60)
+                        : fmt::format("{:.1f} h left", seconds / 3600);
+}
+
+}  // namespace
+
+void add_sweep_options(CLI::App& command, SweepOptions& options) {
+  command
+      .add_option(
+          "--over", options.over,
+          "NAME=FROM:TO:COUNT, or COUNT:log for equal factors: a control (strength, plant.grip), a "
+          "gesture (scaled, or with a unit held), a constant (plant.drum.coil.resistance), delay, rate, "
+          "oversample; solver=NAME,NAME")
+      ->take_all();
+  command.add_option("--set", options.set, "NAME=VALUE: a control of the instrument, or plant.NAME=VALUE");
+  command.add_option("--duration", options.duration, "of each run, instead of the scene's");
+  command.add_option("--gain", options.gain,
+                     "also an actuator that much weaker and stronger, as in \"6 dB\"");
+  command.add_option("--draws", options.draws, "also that many random variations of the plant")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
+  command.add_option("--within", options.within, "largest deviation of a quantity of the plant in a draw")
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "of the draws")->capture_default_str();
+  command.add_option("--keep", options.cache, "folder of finished runs, which are not played again")
+      ->check(writable_folder());
+  command.add_option("--part", options.part, "I/N: plays only that part of the runs, into --keep");
+  command.add_option("--workers", options.workers, "threads; [one per core]")->check(CLI::Range(1, 1024));
+  command.add_option("--svg", options.picture, "the plot, an SVG file")->check(writable_file());
+  command.add_flag("--json", options.json, "for machines");
+}
+
+Result<SweepPlan> read_plan(const SweepOptions& options, SceneSpec& scene) {
+  SweepPlan plan;
+  plan.workers = options.workers;
+  plan.cache = options.cache;
+  for (const auto& text : options.over) {
+    auto swept = read_swept(text, scene);
+    if (!swept) return tl::unexpected(swept.error());
+    plan.over.push_back(std::move(*swept));
+  }
+  auto set = parse_settings(options.set);
+  if (!set) return tl::unexpected(set.error());
+  plan.set = std::move(*set);
+  auto status = check_swept_once(plan);
+  if (status) status = read_duration(options, scene);
+  if (status) status = read_part(options.part, plan);
+  if (status) status = read_variants(options, plan);
+  if (!status) return tl::unexpected(status.error());
+  return plan;
+}
+
+SweepMonitor::SweepMonitor(const SceneSpec& scene, SweepPlan& plan)
+    : plan_(plan), progress_("sweep of " + scene.name) {
+  using Clock = std::chrono::steady_clock;
+  install_signal_handlers();
+  plan.stop = interrupted;
+  plan.progress = [this, name = scene.name, start = Clock::now(),
+                   shown_s = std::make_shared<double>(0)](double share) {
+    const double passed_s = std::chrono::duration<double>(Clock::now() - start).count();
+    if (share < 1 && passed_s < *shown_s + 1) return;  // once a second
+    *shown_s = passed_s;
+    (*progress_)(share, fmt::format("sweep of {}, {}", name, remaining_text(passed_s * (1 / share - 1))));
+  };
+}
+
+std::optional<int> SweepMonitor::end(std::ptrdiff_t finished, std::size_t runs) {
+  progress_.reset();
+  if (interrupted() && finished < static_cast<std::ptrdiff_t>(runs)) {
+    fmt::print(stderr, "interrupted after {} of {} runs; {}\n", finished, runs,
+               plan_.cache.empty()
+                   ? "nothing was kept: with --keep FOLDER an interrupted sweep can be resumed"
+                   : "the same command resumes it");
+    return kInterrupted;
+  }
+  if (plan_.parts == 1) return std::nullopt;
+  fmt::print(stderr, "part {} of {} is done; {} of {} runs are in {}\n", plan_.part + 1, plan_.parts,
+             finished, runs, plan_.cache.string());
+  return kDone;
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/commands.h"
+#include "apps/study/sweep_options.h"
+#include "engine/nodes/table.h"
+#include "engine/scene/measures/measure.h"
+#include "engine/study/sweep/sweep_plot.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options : SweepOptions {
+  std::vector<std::string> measures;
+  std::string from, to;
+};
+
+/// The index of the value that a point has of a swept quantity.
+std::size_t value_index(const SweptValue& swept, double si) {
+  const auto& values = swept.values;
+  const auto found =
+      std::find_if(values.begin(), values.end(), [&](const auto& value) { return value.si == si; });
+  return static_cast<std::size_t>(found - values.begin());
+}
+
+/// "440", or with variants "440 (431 to 452)".
+std::string cell_text(const SweepTable& table, std::size_t first, std::size_t measure) {
+  const auto value = [&](std::size_t point) { return (*table.points[point].result)[measure]; };
+  auto text = fmt::format("{:.5g}", value(first));
+  if (table.variants.size() == 1) return text;
+  double low = value(first), high = low;
+  for (std::size_t i = first; i < first + table.variants.size(); ++i)
+    low = std::min(low, value(i)), high = std::max(high, value(i));
+  return text + fmt::format(" ({:.5g} to {:.5g})", low, high);
+}
+
+/// A row per setting: swept values, then measures.
+std::string text_of(const SweepTable& table) {
+  std::vector<std::vector<std::string>> rows(1);
+  for (const auto& swept : table.over) rows[0].push_back(swept.name);
+  for (const auto& measure : table.measures) rows[0].push_back(measure.label);
+  for (std::size_t i = 0; i < table.points.size(); i += table.variants.size()) {
+    auto& row = rows.emplace_back();
+    for (std::size_t a = 0; a < table.over.size(); ++a)
+      row.push_back(value_text(table.over[a], value_index(table.over[a], table.points[i].at[a])));
+    for (std::size_t m = 0; m < table.measures.size(); ++m) row.push_back(cell_text(table, i, m));
+  }
+  auto text = table.scene + "\n\n";
+  for (const auto& row : rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      std::size_t width = 0;
+      for (const auto& other : rows) width = std::max(width, other[c].size());
+      text += fmt::format("{:>{}}", row[c], width + 2);
+    }
+    text += "\n";
+  }
+  if (table.variants.size() > 1)
+    text += fmt::format("\nin brackets: lowest and highest of {} variants\n", table.variants.size());
+  return text;
+}
+
+Json json_of(const SweepTable& table) {
+  Json json{
+      {"scene", table.scene}, {"over", Json::array()}, {"measures", Json::array()}, {"runs", Json::array()}};
+  for (const auto& swept : table.over) json["over"].push_back(swept.name);
+  for (const auto& measure : table.measures)
+    json["measures"].push_back(
+        {{"name", measure.label}, {"measure", measure.what.measure}, {"of", measure.what.of}});
+  for (const auto& point : table.points) {
+    Json run{{"at", Json::object()}, {"variant", point.variant}, {"measures", Json::object()}};
+    for (std::size_t a = 0; a < table.over.size(); ++a) {
+      const auto& swept = table.over[a];
+      run["at"][swept.name] =
+          swept.words.empty() ? Json(point.at[a]) : Json(swept.words[static_cast<std::size_t>(point.at[a])]);
+    }
+    for (std::size_t m = 0; m < table.measures.size(); ++m) {
+      const double value = (*point.result)[m];
+      run["measures"][table.measures[m].label] = std::isfinite(value) ? Json(value) : Json(nullptr);
+    }
+    json["runs"].push_back(std::move(run));
+  }
+  return json;
+}
+
+Result<std::vector<SweptMeasure>> read_measures(const Options& options, const SceneSpec& scene) {
+  std::vector<SweptMeasure> measures;
+  for (const auto& text : options.measures) {
+    auto measure = find_swept_measure(scene, text);
+    if (!measure) return tl::unexpected(measure.error());
+    for (const auto& [time, limit, name] : {std::tuple{&options.from, &measure->what.from_s, "from"},
+                                            std::tuple{&options.to, &measure->what.to_s, "to"}}) {
+      if (time->empty()) continue;
+      const auto seconds = parse_option(*time, "s", name);
+      if (!seconds) return tl::unexpected(seconds.error());
+      *limit = *seconds;
+    }
+    measures.push_back(std::move(*measure));
+  }
+  return measures;
+}
+
+int run(const Options& options) {
+  const auto file = resolve_target(options.target, "scene.toml");
+  auto scene = load_scene(file, root_of(file));
+  if (!scene) return report(scene.error());
+  auto plan = read_plan(options, *scene);
+  if (!plan) return report(plan.error()), kUsage;
+  const auto measures = read_measures(options, *scene);
+  if (!measures) return report(measures.error()), kUsage;
+  SweepMonitor monitor{*scene, *plan};
+  const auto table = sweep_measures(*scene, standard_nodes(), *plan, *measures);
+  if (!table) return report(table.error());
+  if (const auto exit = monitor.end(finished(table->points), table->points.size())) return *exit;
+  if (options.json)
+    fmt::print("{}\n", json_of(*table).dump(2));
+  else
+    fmt::print("{}", text_of(*table));
+  if (options.picture.empty()) return kDone;
+  const auto written = write_svg(options.picture, sweep_plots(*table), table->over.size() > 2 ? 2 : 1);
+  return written ? kDone : report(written.error());
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app, int& exit_code) {
+  auto* command =
+      app.add_subcommand("sweep", "Run a scene over ranges of its quantities and measure each run");
+  auto options = std::make_shared<Options>();
+  command->add_option("SCENE", options->target, "a folder means its scene.toml")->required();
+  add_sweep_options(*command, *options);
+  command
+      ->add_option("--measure", options->measures,
+                   "a line of [expect] of the scene, or MEASURE:SIGNAL such as rms:instrument.sound")
+      ->required()
+      ->take_all();
+  command->add_option("--from", options->from, "start of the measured time, such as \"1 s\"");
+  command->add_option("--to", options->to, "end of the measured time");
+  command->footer(
+      "Examples:\n"
+      "  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure rate:instrument.hit --svg "
+      "rate.svg\n"
+      "  tactus sweep instruments/haptic_drum --over strength=0.2:1:5 --over "
+      "\"plant.drum.coil.force_factor=4:8:5 T m\" "
+      "--measure rate:instrument.hit --svg map.svg\n"
+      "  tactus sweep instruments/haptic_drum --draws 200 --within \"10 %\" --measure rate:instrument.hit\n"
+      "  parallel tactus sweep SCENE --over strength=0:1:100 --measure peak:plant.cone --keep runs --part "
+      "{}/8 "
+      "::: 1 2 3 4 5 6 7 8\n"
+      "One swept quantity is drawn as a line, two as a map, draws as points.\n"
+      "Exit code 5: interrupted; with --keep the same command resumes the sweep.");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,324 @@
+#include "engine/study/sweep/sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/scene/measures/measure.h"
+#include "engine/study/sweep/parallel_for.h"
+#include "engine/study/sweep/run_cache.h"
+#include "engine/study/sweep/scene_fingerprint.h"
+#include "engine/study/sweep/scene_variants.h"
+
+namespace tactus {
+namespace {
+
+using What = SweptValue::What;
+
+constexpr int kSweepBlock = 256;
+
+std::vector<std::string> control_names(const SceneSpec& scene) {
+  std::vector<std::string> names;
+  for (const auto& part : scene.parts)
+    if (part.graph != nullptr)
+      for (const auto& control : part.graph->controls)
+        names.push_back(part.name == "instrument" ? control.name : part.name + "." + control.name);
+  return names;
+}
+
+Error unknown_name(const SceneSpec& scene, const std::string& name) {
+  const auto controls = control_names(scene), constants = constant_names(scene);
+  std::vector<std::string> gestures, all{"delay", "rate", "solver", "oversample"};
+  for (const auto& gesture : scene.gestures) gestures.push_back(gesture.name);
+  for (const auto* names : {&controls, &std::as_const(gestures), &constants})
+    all.insert(all.end(), names->begin(), names->end());
+  const auto near = nearest_name(name, all);
+  auto remedy = near.empty() ? std::string{} : "did you mean '" + near + "'? ";
+  remedy += "quantities of the scene: delay, rate, solver, oversample";
+  for (const auto& [kind, names] :
+       {std::pair{"controls", &controls}, std::pair{"gestures", &std::as_const(gestures)},
+        std::pair{"constants", &constants}})
+    if (!names->empty()) remedy += fmt::format("; {}: {}", kind, listed(*names));
+  return {Errc::UnknownName, "--over", "the scene has no quantity '" + name + "'", remedy};
+}
+
+/// Values that must be times, rates or counts.
+Status check_range(const SweptValue& swept, const Dimension& dimension, double low, double high,
+                   const char* range) {
+  for (const auto& value : swept.values) {
+    if (value.dimension && !(*value.dimension == dimension))
+      return fail(Errc::UnitMismatch, "--over", "'" + swept.name + "' has another unit", range);
+    if (!(value.si >= low && value.si <= high))
+      return fail(Errc::OutOfRange, "--over",
+                  fmt::format("'{}' = {:g} is out of range", swept.name, value.si), range);
+  }
+  return {};
+}
+
+std::uint64_t cache_key(const std::string& key, const Sweep::Run& run) {
+  // Increased when the meaning of cached numbers changes.
+  constexpr std::uint64_t kEdition = 3;
+  Fingerprint print;
+  add(print.add(kEdition).add(key), run.scene);
+  for (const auto& [name, value] : run.options.set) print.add(name).add(value.si);
+  return print.value();
+}
+
+void apply(Sweep::Run& run, const SweptValue& swept, double si) {
+  auto& scene = run.scene;
+  auto value = swept.values.front();
+  value.si = si;
+  switch (swept.what) {
+    case What::Control:
+      run.options.set[swept.name] = value;
+      break;
+    case What::Scaled:
+      scene = with_gesture_scaled(std::move(scene), swept.name, si);
+      break;
+    case What::Held:
+      scene = with_gesture_held(std::move(scene), swept.name, si);
+      break;
+    case What::Constant:
+      scene = with_constant(std::move(scene), swept.name, value);
+      break;
+    case What::Delay:
+      scene.delay = Seconds{si};
+      break;
+    case What::Rate:
+      scene.rate = Hertz{si};
+      break;
+    case What::Solver:
+      scene = with_network_option(std::move(scene), "solver", swept.words[static_cast<std::size_t>(si)]);
+      break;
+    case What::Oversample:
+      scene = with_network_option(std::move(scene), "oversample", si);
+      break;
+  }
+}
+
+}  // namespace
+
+Status check_swept(const SceneSpec& scene, const SweptValue& swept) {
+  const auto* gesture = scene.gesture(swept.name);
+  const auto& value = swept.values.front();
+  if (swept.what == What::Held && gesture != nullptr && !gesture->bare &&
+      !(value.dimension == gesture->unit.dimension))
+    return fail(Errc::UnitMismatch, "--over",
+                fmt::format("gesture '{}' is in {}, not in {}", swept.name,
+                            to_string(gesture->unit.dimension), to_string(*value.dimension)),
+                "use the unit of the gesture, or none to scale the gesture");
+  const auto* instrument = scene.part("instrument");
+  const auto* wire = instrument != nullptr ? find(instrument->wires, swept.name) : nullptr;
+  const auto* text = wire != nullptr ? wire->text() : nullptr;
+  if (gesture == nullptr && text != nullptr && scene.gesture(*text) != nullptr)
+    return fail(Errc::BadArgument, "--over",
+                "control '" + swept.name + "' is moved by gesture '" + *text + "'",
+                "sweep the gesture: --over " + *text +
+                    "=0.5:2:4 scales it; values with a unit hold it at each of them");
+  return {};
+}
+
+Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
+                              std::vector<ControlValue> values) {
+  SweptValue swept{name, std::move(values)};
+  const auto controls = control_names(scene), constants = constant_names(scene);
+  const auto is_in = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  Status status;
+  if (scene.gesture(name) != nullptr) {
+    swept.what = swept.values.front().dimension ? What::Held : What::Scaled;
+  } else if (is_in(controls)) {
+    swept.what = What::Control;
+  } else if (name == "delay") {
+    swept.what = What::Delay;
+    status = check_range(swept, {.second = 1}, 0, 1, "choose 0 s to 1 s");
+  } else if (name == "rate") {
+    swept.what = What::Rate;
+    status = check_range(swept, {.second = -1}, 1e3, 768e3, "choose 1 kHz to 768 kHz");
+  } else if (name == "oversample") {
+    swept.what = What::Oversample;
+    status = check_range(swept, {}, 1, 64, "choose 1 to 64");
+  } else if (is_in(constants)) {
+    swept.what = What::Constant;
+  } else {
+    return tl::unexpected(unknown_name(scene, name));
+  }
+  if (status) status = check_swept(scene, swept);
+  if (!status) return tl::unexpected(status.error());
+  return swept;
+}
+
+Result<SweptValue> swept_solvers(const std::vector<std::string>& words) {
+  const auto known = stepping_solvers();
+  SweptValue swept{"solver", {}, What::Solver, words};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    swept.values.emplace_back(static_cast<double>(i));
+    if (std::find(known.begin(), known.end(), words[i]) == known.end())
+      return fail(Errc::UnknownName, "--over", "there is no solver '" + words[i] + "'",
+                  "the solvers are " + listed(known));
+  }
+  return swept;
+}
+
+Sweep::Sweep(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan)
+    : scene_(scene), table_(table), plan_(plan), variants_{{kAsWritten}} {
+  for (const double gain : plan.gains) variants_.push_back({fmt::format("actuator x {:.3g}", gain), gain});
+  for (int draw = 1; draw <= plan.draws; ++draw) variants_.push_back({fmt::format("draw {}", draw), 1, draw});
+  std::vector<std::vector<double>> settings{{}};
+  for (const auto& swept : plan.over) {
+    std::vector<std::vector<double>> longer;
+    for (const auto& setting : settings)
+      for (const auto& value : swept.values) {
+        longer.push_back(setting);
+        longer.back().push_back(value.si);
+      }
+    settings = std::move(longer);
+  }
+  for (const auto& setting : settings)
+    for (const auto& variant : variants_) points_.push_back({setting, variant.name, std::nullopt});
+}
+
+std::vector<std::string> Sweep::variants() const {
+  std::vector<std::string> names;
+  for (const auto& variant : variants_) names.push_back(variant.name);
+  return names;
+}
+
+Sweep::Run Sweep::run_of(std::size_t number) const {
+  const auto& variant = variants_[number % variants_.size()];
+  Run run{number, scene_};
+  run.options.set = plan_.set;
+  for (std::size_t i = 0; i < plan_.over.size(); ++i) apply(run, plan_.over[i], points_[number].at[i]);
+  if (variant.gain != 1) run.scene = with_actuator_gain(std::move(run.scene), variant.gain);
+  if (variant.draw > 0)
+    run.scene = with_plant_drawn(std::move(run.scene), plan_.within,
+                                 plan_.seed * 0x9e3779b97f4a7c15u + std::uint64_t(variant.draw));
+  return run;
+}
+
+Checked<void> Sweep::check() const {
+  const auto compiles = [&](std::size_t number) -> Checked<void> {
+    const auto run = run_of(number);
+    return compile_scene(run.scene, table_, run.options).map([](const CompiledScene&) {});
+  };
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const auto variant = i % variants_.size();
+    std::size_t moved = variant == 0 ? 0 : 1;
+    for (std::size_t a = 0; a < plan_.over.size(); ++a)
+      moved += points_[i].at[a] == plan_.over[a].values.front().si ? 0 : 1;
+    if (moved <= 1 || i + 1 == points_.size())
+      if (auto status = compiles(i); !status) return status;
+  }
+  return {};
+}
+
+Checked<std::vector<SweepPoint>> Sweep::evaluate(const Evaluate& evaluate, const std::string& key) {
+  RunCache cache;
+  if (!plan_.cache.empty()) {
+    auto opened = RunCache::open(
+        plan_.cache, plan_.parts == 1 ? std::string{"runs.jsonl"}
+                                      : fmt::format("part_{}_of_{}.jsonl", plan_.part + 1, plan_.parts));
+    if (!opened) return tl::unexpected(std::vector{opened.error()});
+    cache = std::move(*opened);
+  }
+  auto points = points_;
+  std::mutex failing;
+  std::atomic<bool> failed = false;
+  std::vector<Error> errors;
+  const auto take = [&](int i) {
+    const auto number = static_cast<std::size_t>(i);
+    const bool mine = i % plan_.parts == plan_.part;
+    if (plan_.cache.empty() && (!mine || failed || (plan_.stop && plan_.stop()))) return;
+    const auto run = run_of(number);
+    const auto run_key = plan_.cache.empty() ? 0 : cache_key(key, run);
+    points[number].result = cache.find(run_key);
+    if (points[number].result || !mine || failed || (plan_.stop && plan_.stop())) return;
+    auto result = evaluate(run);
+    if (result)
+      if (auto status = cache.keep(run_key, *result); !status)
+        result = tl::unexpected(std::vector{status.error()});
+    if (result) {
+      points[number].result = std::move(*result);
+      return;
+    }
+    const std::lock_guard lock{failing};
+    if (!failed.exchange(true)) errors = std::move(result.error());
+  };
+  parallel_for(
+      static_cast<int>(points.size()), take,
+      [&](double share) {
+        if (plan_.progress) plan_.progress(share);
+      },
+      plan_.workers);
+  if (!errors.empty()) return tl::unexpected(std::move(errors));
+  return points;
+}
+
+std::ptrdiff_t finished(const std::vector<SweepPoint>& points) {
+  return std::count_if(points.begin(), points.end(),
+                       [](const auto& point) { return point.result.has_value(); });
+}
+
+Checked<SceneRecording> play_run(const Sweep::Run& run, const NodeTable& table) {
+  auto built = build_scene(run.scene, table, run.options);
+  if (!built) return tl::unexpected(built.error());
+  return play_scene(run.scene, *built, kSweepBlock).map_error([](Error error) { return std::vector{error}; });
+}
+
+Result<SweptMeasure> find_swept_measure(const SceneSpec& scene, const std::string& text) {
+  for (const auto& line : scene.expect)
+    if (line.name == text) return SweptMeasure{text, line};
+  const auto colon = text.find(':');
+  Expectation what;
+  what.name = what.measure = text.substr(0, colon);
+  if (colon != std::string::npos) what.of = text.substr(colon + 1);
+  if (const auto* found = find_measure(what.measure); found != nullptr && found->value != nullptr)
+    return SweptMeasure{text, what};
+  std::vector<std::string> names;
+  for (const auto& line : scene.expect) names.push_back(line.name);
+  for (const auto& known : value_names()) names.push_back(known);
+  const auto near = nearest_name(what.measure, names);
+  return fail(Errc::UnknownName, "--measure", "there is no measure '" + what.measure + "'",
+              (near.empty() ? "" : "did you mean '" + near + "'? ") + ("the measures are " + listed(names)));
+}
+
+Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan,
+                                   const std::vector<SweptMeasure>& measures) {
+  Sweep sweep{scene, table, plan};
+  if (auto status = sweep.check(); !status) return tl::unexpected(status.error());
+  std::string key = "measures";
+  for (const auto& measure : measures)
+    key += fmt::format("|{} {} {} {}", measure.what.measure, measure.what.of,
+                       measure.what.from_s.value_or(-1), measure.what.to_s.value_or(-1));
+  const auto measure_run = [&](const Sweep::Run& run) -> Checked<std::vector<double>> {
+    const auto recording = play_run(run, table);
+    if (!recording) return tl::unexpected(recording.error());
+    std::vector<double> values;
+    for (const auto& wanted : measures) {
+      const auto value = measure(*recording, wanted.what);
+      if (!value) return tl::unexpected(std::vector{value.error()});
+      values.push_back(*value);
+    }
+    return values;
+  };
+  auto points = sweep.evaluate(measure_run, key);
+  if (!points) return tl::unexpected(points.error());
+  return SweepTable{scene.name, plan.over, measures, sweep.variants(), std::move(*points)};
+}
+
+std::string value_text(const SweptValue& swept, std::size_t index) {
+  const auto& value = swept.values[index];
+  if (!swept.words.empty()) return swept.words[index];
+  const auto digits = fmt::format("{:.3g}", value.si);
+  if (swept.what == What::Scaled) return "x " + digits;
+  return value.dimension ? short_quantity(std::stod(digits), *value.dimension) : digits;
+}
+
+}  // namespace tactus

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/graph/node_table.h"
+#include "engine/scene/build_scene.h"
+#include "engine/scene/file/scene_spec.h"
+#include "engine/scene/play_scene.h"
+
+// Thread: [control]
+
+namespace tactus {
+
+/// A quantity of a scene that is varied: a control of the instrument ("strength") or of another part
+/// ("plant.grip"); a gesture, whose values are scaled, or which is held at one value; a constant of a network
+/// or a node ("plant.drum.coil.resistance"); the system delay, the sample rate, the solver or its
+/// oversampling.
+struct SweptValue {
+  enum class What {
+    Control,
+    Scaled,  ///< a gesture; the values are factors
+    Held,    ///< a gesture; they have its unit
+    Constant,
+    Delay,
+    Rate,
+    Solver,
+    Oversample,
+  };
+  std::string name;
+  std::vector<ControlValue> values;  ///< SI, or factors
+  What what = What::Control;
+  std::vector<std::string> words = {};  ///< of a solver; the values count them
+};
+/// The quantity of this name. Errors: UnknownName with the nearest name; BadArgument of a control that a
+/// gesture moves; UnitMismatch; OutOfRange.
+Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
+                              std::vector<ControlValue> values);
+/// The solvers of these names. Errors: UnknownName.
+Result<SweptValue> swept_solvers(const std::vector<std::string>& words);
+/// Of what a caller filled in: BadArgument of a control that a gesture moves; UnitMismatch of a held gesture.
+Status check_swept(const SceneSpec& scene, const SweptValue& swept);
+
+/// All combinations of some values, each with several actuators and plants.
+struct SweepPlan {
+  std::vector<SweptValue> over;             ///< the last one varies fastest
+  std::map<std::string, ControlValue> set;  ///< as SceneOptions::set, in every run
+  std::vector<double> gains;                ///< other strengths of the actuator, besides 1
+  int draws = 0;                            ///< other samples of the plant
+  double within = 0.2;                      ///< how far their quantities are from the file's
+  std::uint64_t seed = 1;                   ///< of the draws
+  int workers = 0;                          ///< threads; 0: one per core
+  int part = 0, parts = 1;                  ///< only runs whose number is `part` modulo `parts` are played
+  std::filesystem::path cache = {};         ///< folder of finished runs; empty: none
+  std::function<void(double)> progress = {};
+  std::function<bool()> stop = {};  ///< true: no further run is begun
+};
+
+inline constexpr auto kAsWritten = "as written";
+
+/// One run of a sweep.
+struct SweepPoint {
+  std::vector<double> at;                     ///< one for each swept quantity, SI
+  std::string variant;                        ///< "as written", "actuator x 2", "draw 17"
+  std::optional<std::vector<double>> result;  ///< nothing: not played
+
+  bool as_written() const { return variant == kAsWritten; }
+};
+
+/// Plays a scene at every point of a plan. The result depends neither on the number of workers nor on
+/// interruptions.
+class Sweep {
+ public:
+  /// The three must outlive this.
+  Sweep(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan);
+
+  /// A point as a scene.
+  struct Run {
+    std::size_t number = 0;
+    SceneSpec scene;
+    SceneOptions options = {};
+  };
+  Run run_of(std::size_t number) const;
+  const std::vector<SweepPoint>& points() const { return points_; }
+  /// "as written", and the other actuators and plants.
+  std::vector<std::string> variants() const;
+
+  /// Compiles the scene at every single value and with every variant. Errors: those of the scene.
+  Checked<void> check() const;
+
+  using Evaluate = std::function<Checked<std::vector<double>>(const Run&)>;
+  /// Calls `evaluate` from several threads, for each point that is not in the cache. `key` says what is
+  /// evaluated; cached runs of another key do not count. Errors: the first one of `evaluate`; BadFile of the
+  /// cache.
+  Checked<std::vector<SweepPoint>> evaluate(const Evaluate& evaluate, const std::string& key);
+
+ private:
+  struct Variant {
+    std::string name;
+    double gain = 1;
+    int draw = 0;  ///< from 1; 0: as written
+  };
+
+  const SceneSpec& scene_;
+  const NodeTable& table_;
+  const SweepPlan& plan_;
+  std::vector<Variant> variants_;
+  std::vector<SweepPoint> points_;
+};
+
+/// How many points have a result.
+std::ptrdiff_t finished(const std::vector<SweepPoint>& points);
+
+/// Builds and plays the scene of a run.
+Checked<SceneRecording> play_run(const Sweep::Run& run, const NodeTable& table);
+
+/// A number that is measured in every run.
+struct SweptMeasure {
+  std::string label;
+  Expectation what;
+};
+/// "rate", "rms:instrument.sound": a line of [expect], or a measure and the signal that it is taken of.
+/// Errors: UnknownName.
+Result<SweptMeasure> find_swept_measure(const SceneSpec& scene, const std::string& text);
+
+/// Measures over a plan.
+struct SweepTable {
+  std::string scene;
+  std::vector<SweptValue> over;
+  std::vector<SweptMeasure> measures;
+  std::vector<std::string> variants;
+  std::vector<SweepPoint> points;
+
+  bool complete() const { return finished(points) == std::ssize(points); }
+};
+Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan,
+                                   const std::vector<SweptMeasure>& measures);
+
+/// A value of a swept quantity with its unit: "1.2 m", "x 0.5", "passive".
+std::string value_text(const SweptValue& swept, std::size_t index);
+
+}  // namespace tactus
