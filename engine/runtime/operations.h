@@ -11,6 +11,7 @@
 
 namespace tactus {
 
+/// [realtime]
 void run_operation_row(Expression::Op op, const Signal* in, double* out, int frames) noexcept;
 bool row_is_finite(const double* samples, int frames) noexcept;
 

@@ -15,6 +15,7 @@ namespace tactus {
 /// |d| / length at most.
 class OutputFade {
  public:
+  /// [control & stopped]
   void reset() noexcept { *this = {}; }
   /// [realtime] The next sample comes from another graph; `last` is the one before it.
   void begin(std::int64_t frame, std::int64_t frames, double last) noexcept {

@@ -22,6 +22,7 @@ struct SmoothedControl {
   bool decibel = false;
   bool resting = true;
 
+  /// [realtime]
   double at(std::int64_t frame) const noexcept { return decibel ? value.decibel_at(frame) : value.at(frame); }
 };
 
