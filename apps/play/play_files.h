@@ -19,8 +19,8 @@ struct PlayFiles {
 std::string base_of(const PlayFiles& files, const PlayedScene& played);
 
 /// What is heard, the drives and the sensors as a sound file each, unscaled and unclipped; what moved as
-/// another, in metres and newtons; the picture. No file of what is not there. A line each: the path and what
-/// it holds. Errors: BadFile; OutOfRange for the times.
+/// another, in metres and newtons; the picture. No empty files. A line each: the path and its
+/// contents. Errors: BadFile; OutOfRange for the times.
 Result<std::vector<std::string>> write_files(const PlayFiles& files, const PlayedScene& played);
 
 }  // namespace tactus::app

@@ -15,7 +15,7 @@
 
 namespace tactus::app {
 
-/// A scene to play: which file, and what is to be different from it.
+/// A scene to play: its file and the changes to it.
 struct SceneRun {
   std::filesystem::path file;
   int block = 64;

@@ -56,7 +56,7 @@ int run_bifurcation(const BifurcationOptions& options) {
 
 void add_study_bifurcation(CLI::App& study, int& exit_code) {
   auto* command = study.add_subcommand(
-      "bifurcation", "What a ball on a driven table does as a control is swept up, beside the ideal ball");
+      "bifurcation", "Orbits of a ball on a driven table over a control, beside the ideal ball");
   auto options = std::make_shared<BifurcationOptions>();
   auto& plan = options->plan;
   plan.from = 0.9;

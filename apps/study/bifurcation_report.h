@@ -9,7 +9,7 @@
 
 namespace tactus::app {
 
-// What a study of bouncing tells: for machines, for people, and as a picture.
+// Reports of an orbit study: JSON, text and plots.
 
 nlohmann::ordered_json json_of(const Bifurcation& study);
 std::string text_of(const Bifurcation& study);

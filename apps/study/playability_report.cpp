@@ -18,11 +18,11 @@ std::string ms(double seconds) { return fmt::format("{:.4g}", 1e3 * seconds); }
 char letter_of(const PlayabilityStudy& study, const PlayedRun& run) {
   const auto& kinds = run_kinds(study.kind);
   return std::find_if(kinds.begin(), kinds.end(),
-                      [&](const RunKind& kind) { return kind.name == run.judged->kind; })
+                      [&](const RunKind& kind) { return kind.name == run.result->kind; })
       ->letter;
 }
 
-/// Where a run was played: "strength 0.2, weight x 0.5".
+/// The setting of a run: "strength 0.2, weight x 0.5".
 std::string place_of(const PlayabilityStudy& study, const PlayedRun& run) {
   std::string text;
   for (std::size_t i = 0; i < run.at.size(); ++i) {
@@ -48,10 +48,10 @@ std::string head(const PlayabilityStudy& study) {
 std::string row(const PlayabilityStudy& study, const DelayVerdict& verdict) {
   const auto& run = study.runs[verdict.worst];
   auto text = fmt::format("{:>8}  {:8}  {:>5.2f}  {:<10}", ms(verdict.delay_s),
-                          verdict.playable ? "yes" : "no", verdict.score, run.judged->kind);
+                          verdict.playable ? "yes" : "no", verdict.score, run.result->kind);
   const auto& types = measure_columns(study.kind);
   for (std::size_t i = 0; i < types.size(); ++i)
-    text += fmt::format("  {:>{}.{}f}", run.judged->readings[i],
+    text += fmt::format("  {:>{}.{}f}", run.result->readings[i],
                         std::max<std::size_t>(types[i].head.size(), 6), types[i].digits);
   if (verdict.varied > 0) text += fmt::format("  {}/{}", verdict.varied_good, verdict.varied);
   return text + (study.over.empty() ? "" : "  " + place_of(study, run)) + "\n";
@@ -63,12 +63,12 @@ constexpr std::size_t kMostMaps = 6;
 char worst_letter(const PlayabilityStudy& study, std::size_t first, std::size_t count) {
   auto worst = first;  // the first variant is as written
   for (auto i = first; i < first + count; ++i)
-    if (study.runs[i].as_written() && study.runs[i].judged->score < study.runs[worst].judged->score)
+    if (study.runs[i].as_written() && study.runs[i].result->score < study.runs[worst].result->score)
       worst = i;
   return letter_of(study, study.runs[worst]);
 }
 
-/// Rows of letters, what is swept upwards named in front of each.
+/// Rows of letters, one for each value of a quantity.
 std::string map_text(const SweptValue& upwards, const std::string& across,
                      const std::function<std::string(std::size_t)>& row_of) {
   std::size_t widest = upwards.name.size();
@@ -80,7 +80,7 @@ std::string map_text(const SweptValue& upwards, const std::string& across,
   return text;
 }
 
-/// Delays across, what is swept first upwards; the worst of what is swept besides.
+/// Delays across, the first quantity upwards; the worst over the second one.
 std::string map_over_delay(const PlayabilityStudy& study) {
   const auto in_row = study.runs_a_delay() / study.over[0].values.size();
   const auto across = fmt::format("delay {} to {} ms", ms(study.delays_s.front()), ms(study.delays_s.back()));
@@ -92,7 +92,7 @@ std::string map_over_delay(const PlayabilityStudy& study) {
   });
 }
 
-/// At one delay: what is swept first across, the second upwards.
+/// At one delay: the first quantity across, the second upwards.
 std::string map_at_delay(const PlayabilityStudy& study, std::size_t delay) {
   const auto& first = study.over[0];
   const auto across = fmt::format("at {} ms, {} {} to {}", ms(study.delays_s[delay]), first.name,
@@ -120,7 +120,7 @@ std::string maps_text(const PlayabilityStudy& study) {
 
 // ---- the verdict
 
-/// "0 to 7 and 11 to 40 ms": delays for which it holds, as they were tried.
+/// "0 to 7 and 11 to 40 ms": delays at which it is playable, or not.
 std::string ranges(const std::vector<DelayVerdict>& verdicts, bool playable) {
   std::vector<std::string> found;
   for (std::size_t i = 0; i < verdicts.size();) {
@@ -139,7 +139,7 @@ std::string ranges(const std::vector<DelayVerdict>& verdicts, bool playable) {
 
 std::string lacking(const PlayabilityStudy& study, const DelayVerdict& verdict) {
   const auto& run = study.runs[verdict.worst];
-  auto text = fmt::format("{}, score {:.2f}", run.judged->kind, run.judged->score);
+  auto text = fmt::format("{}, score {:.2f}", run.result->kind, run.result->score);
   if (study.over.empty() && verdict.varied == 0) return text;
   if (!study.over.empty()) text += " at " + place_of(study, run);
   if (verdict.varied > 0)
@@ -147,13 +147,13 @@ std::string lacking(const PlayabilityStudy& study, const DelayVerdict& verdict) 
   return text;
 }
 
-/// Of what is swept: the runs as written at the first delay whose like is not playable at some delay.
+/// The settings, as runs at the first delay, that are not playable at some delay.
 std::vector<const PlayedRun*> failing_settings(const PlayabilityStudy& study) {
   std::vector<const PlayedRun*> failing;
   for (std::size_t i = 0; i < study.runs_a_delay(); i += study.variants.size()) {
     bool playable = true;
     for (std::size_t d = 0; d < study.delays_s.size(); ++d)
-      playable &= study.runs[d * study.runs_a_delay() + i].judged->playable;
+      playable &= study.runs[d * study.runs_a_delay() + i].result->playable;
     if (!playable) failing.push_back(&study.runs[i]);
   }
   return failing;
@@ -161,7 +161,7 @@ std::vector<const PlayedRun*> failing_settings(const PlayabilityStudy& study) {
 
 /// "48 of 49 settings are playable at every delay, not weight x 3.2, stroke x 0.2; 146 of 147 runs; all 49
 /// from 0 to 20 ms"; `where`: the delays at which all are, or nothing.
-std::string settings_in_words(const PlayabilityStudy& study, const std::string& where) {
+std::string describe_settings(const PlayabilityStudy& study, const std::string& where) {
   constexpr std::size_t kMostNamed = 3;
   const auto failing = failing_settings(study);
   const auto count = study.runs_a_delay() / study.variants.size();
@@ -174,14 +174,14 @@ std::string settings_in_words(const PlayabilityStudy& study, const std::string& 
   if (failing.size() < count && failing.size() > kMostNamed)
     text += fmt::format(" and {} more", failing.size() - kMostNamed);
   const auto good = std::count_if(study.runs.begin(), study.runs.end(),
-                                  [](const auto& run) { return run.as_written() && run.judged->playable; });
+                                  [](const auto& run) { return run.as_written() && run.result->playable; });
   text += fmt::format("; {} of {} runs", good, count * study.delays_s.size());
   return where.empty() ? text : text + fmt::format("; all {} {}", count, where);
 }
 
 }  // namespace
 
-std::string verdict_in_words(const PlayabilityStudy& study) {
+std::string describe_verdict(const PlayabilityStudy& study) {
   const auto verdicts = study.verdicts();
   const auto weaker = [](const DelayVerdict& a, const DelayVerdict& b) {
     if (a.playable != b.playable) return !a.playable;
@@ -190,7 +190,7 @@ std::string verdict_in_words(const PlayabilityStudy& study) {
   const auto weakest = std::min_element(verdicts.begin(), verdicts.end(), weaker);
   const bool some = std::any_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.playable; });
   const auto where = some ? ranges(verdicts, true) : std::string{};
-  auto text = !study.over.empty() ? settings_in_words(study, where)
+  auto text = !study.over.empty() ? describe_settings(study, where)
                                   : "playable " + (some ? where : std::string{"at no delay"});
   if (study.over.empty() && some && !weakest->playable) text += "; not " + ranges(verdicts, false);
   return text + fmt::format("; weakest at {} ms: {}", ms(weakest->delay_s), lacking(study, *weakest));
@@ -201,13 +201,13 @@ std::string text_of(const PlayabilityStudy& study) {
   auto text = fmt::format("{}\n\n{}", study.scene, head(study));
   for (const auto& verdict : verdicts) text += row(study, verdict);
   if (!study.over.empty()) text += maps_text(study);
-  return text + "\n" + verdict_in_words(study) + "\n";
+  return text + "\n" + describe_verdict(study) + "\n";
 }
 
 Json json_of(const PlayabilityStudy& study) {
   Json json{{"scene", study.scene},
             {"kind", study.kind == Playability::Kind::Roll ? "roll" : "tone"},
-            {"verdict", verdict_in_words(study)},
+            {"verdict", describe_verdict(study)},
             {"over", Json::array()},
             {"delays", Json::array()},
             {"runs", Json::array()}};
@@ -225,10 +225,10 @@ Json json_of(const PlayabilityStudy& study) {
     Json entry{{"delay_s", run.delay_s}};
     for (std::size_t i = 0; i < run.at.size(); ++i) entry[study.over[i].name] = run.at[i];
     entry["variant"] = run.variant;
-    entry["kind"] = run.judged->kind;
-    entry["score"] = run.judged->score;
-    entry["playable"] = run.judged->playable;
-    for (std::size_t i = 0; i < types.size(); ++i) entry[types[i].name] = run.judged->readings[i];
+    entry["kind"] = run.result->kind;
+    entry["score"] = run.result->score;
+    entry["playable"] = run.result->playable;
+    for (std::size_t i = 0; i < types.size(); ++i) entry[types[i].name] = run.result->readings[i];
     json["runs"].push_back(std::move(entry));
   }
   return json;

@@ -6,7 +6,7 @@
 namespace tactus::app {
 
 void add_study(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("study", "Sweep what a claim depends on, and say where it holds");
+  auto* command = app.add_subcommand("study", "Sweeps with a verdict: playability, stability, accuracy");
   command->require_subcommand(0, 1);
   add_study_work_precision(*command, exit_code);
   add_study_playability(*command, exit_code);

@@ -51,19 +51,18 @@ Result<std::vector<Hertz>> rates_of(const std::vector<std::string>& texts) {
     const auto rate = parse_option(text, "Hz", "rates");
     if (!rate) return tl::unexpected(rate.error());
     if (!(*rate >= 1e3 && *rate <= 768e3))
-      return fail(Errc::OutOfRange, "--rates", text + " is no rate that a scene is played at",
-                  "choose 1 kHz to 768 kHz");
+      return fail(Errc::OutOfRange, "--rates", text + " is out of range", "choose 1 kHz to 768 kHz");
     rates.push_back(Hertz{*rate});
   }
   return rates;
 }
 
-/// The words that the networks do not know.
+/// Errors: UnknownName of a solver.
 Status check_solvers(const std::vector<std::string>& asked) {
   const auto known = stepping_solvers();
   for (const auto& word : asked)
     if (std::find(known.begin(), known.end(), word) == known.end())
-      return fail(Errc::UnknownName, "--solvers", "there is no solver '" + word + "' to study",
+      return fail(Errc::UnknownName, "--solvers", "there is no solver '" + word + "'",
                   "there are " + listed(known));
   return {};
 }
@@ -95,7 +94,7 @@ int run_work_precision(const WorkPrecisionArguments& options) {
 
 void add_study_work_precision(CLI::App& study, int& exit_code) {
   auto* command = study.add_subcommand(
-      "work-precision", "Error against computing time, for every solver, rate and number of steps a frame");
+      "work-precision", "Error against computing time for every solver, rate and oversampling");
   auto options = std::make_shared<WorkPrecisionArguments>();
   command->add_option("SCENE", options->target, "scene with [accuracy]; a folder means its scene.toml")
       ->required();
@@ -117,7 +116,7 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
       "Examples:\n  tactus study work-precision instruments/numerics/stick_impact\n"
       "  tactus study work-precision instruments/numerics/woofer --solvers explicit,passive --rates 48kHz "
       "--out out/woofer\n"
-      "What must come out right stands under [accuracy] in the scene (docs/graph_files.md).\n"
+      "What is compared is in [accuracy] of the scene (docs/graph_files.md).\n"
       "Exit code 1: nothing is stable in real time.");
   command->callback([options, &exit_code] { exit_code = run_work_precision(*options); });
 }

@@ -18,7 +18,7 @@ std::vector<const WorkPoint*> by_load(const WorkPrecision& study) {
   return points;
 }
 
-/// What stands behind an error: nothing cheaper beats it; the reference is not ten times closer.
+/// Mark after an error: on the Pareto front; the reference is less than ten times more accurate.
 std::string mark(const WorkPoint& point, std::size_t a) {
   return std::string{point.trusted(a) ? " " : "?"} + (point.front[a] ? "*" : " ");
 }

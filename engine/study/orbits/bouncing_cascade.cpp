@@ -77,7 +77,7 @@ ClosedOrbit close_orbit(const BouncingBall& ball, int mode, int bounces, const B
     auto end = go_round(ball, bounces, start);
     const double phase = end.bounce.phase - start.phase - round, speed = end.bounce.speed - start.speed;
     if (std::hypot(phase, speed) < 1e-11 * bounces) return {start, end.jacobian, true};
-    // (1 - J) d = what is missing
+    // (1 - J) d = residual
     const auto& j = end.jacobian;
     const double a = 1.0 - j.a, d = 1.0 - j.d, det = a * d - j.b * j.c;
     start.phase += (d * phase + j.b * speed) / det;

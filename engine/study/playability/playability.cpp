@@ -32,7 +32,7 @@ std::optional<JudgedRun> from_numbers(const std::vector<double>& numbers, Playab
 
 int PlayabilityStudy::finished() const {
   return static_cast<int>(
-      std::count_if(runs.begin(), runs.end(), [](const PlayedRun& run) { return run.judged.has_value(); }));
+      std::count_if(runs.begin(), runs.end(), [](const PlayedRun& run) { return run.result.has_value(); }));
 }
 
 std::vector<DelayVerdict> PlayabilityStudy::verdicts() const {
@@ -40,12 +40,12 @@ std::vector<DelayVerdict> PlayabilityStudy::verdicts() const {
   for (std::size_t d = 0; d < delays_s.size(); ++d) {
     DelayVerdict verdict{.delay_s = delays_s[d], .worst = d * runs_a_delay()};
     for (std::size_t i = verdict.worst; i < (d + 1) * runs_a_delay(); ++i) {
-      const auto& judged = *runs[i].judged;
+      const auto& result = *runs[i].result;
       (runs[i].as_written() ? verdict.runs : verdict.varied) += 1;
-      (runs[i].as_written() ? verdict.good : verdict.varied_good) += judged.playable ? 1 : 0;
+      (runs[i].as_written() ? verdict.good : verdict.varied_good) += result.playable ? 1 : 0;
       if (!runs[i].as_written()) continue;
-      verdict.score += judged.score;
-      if (judged.score < runs[verdict.worst].judged->score) verdict.worst = i;
+      verdict.score += result.score;
+      if (result.score < runs[verdict.worst].result->score) verdict.worst = i;
     }
     verdict.score /= verdict.runs;
     verdict.playable = verdict.good == verdict.runs && verdict.robust() >= kRobustShare;

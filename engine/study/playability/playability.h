@@ -20,7 +20,7 @@ struct PlayedRun {
   double delay_s = 0;
   std::vector<double> at;  ///< one for each that is swept, SI
   std::string variant;     ///< "as written", "actuator x 2", "draw 17"
-  std::optional<JudgedRun> judged;
+  std::optional<JudgedRun> result;
 
   bool as_written() const { return variant == kAsWritten; }
 };
@@ -56,7 +56,7 @@ struct PlayabilityStudy {
   std::size_t runs_a_delay() const { return runs.size() / delays_s.size(); }
 };
 
-/// [control] A sweep over the delay and other quantities, of which each run is judged. Errors: those of the
+/// [control] A sweep over the delay and other quantities, in which each run is judged. Errors: those of the
 /// scene; Missing without [playability]; UnknownName, OutOfRange of a swept quantity; BadFile of the cache.
 Checked<PlayabilityStudy> study_playability(const SceneSpec& scene, const NodeTable& table,
                                             const PlayabilityOptions& options);

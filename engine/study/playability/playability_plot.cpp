@@ -20,7 +20,7 @@ constexpr PlotColor kKindColors[] = {PlotColor::Green, PlotColor::Blue, PlotColo
 std::size_t kind_index(const PlayabilityStudy& study, const PlayedRun& run) {
   const auto& kinds = run_kinds(study.kind);
   const auto found =
-      std::find_if(kinds.begin(), kinds.end(), [&](const RunKind& k) { return k.name == run.judged->kind; });
+      std::find_if(kinds.begin(), kinds.end(), [&](const RunKind& k) { return k.name == run.result->kind; });
   return static_cast<std::size_t>(found - kinds.begin());
 }
 
@@ -30,14 +30,14 @@ const MeasureColumn& main_reading(const PlayabilityStudy& study) {
 }
 
 double main_of(const PlayabilityStudy& study, const PlayedRun& run) {
-  return run.judged->reading(study.kind, main_reading(study).name);
+  return run.result->reading(study.kind, main_reading(study).name);
 }
 
 std::string subtitle_of(const PlayabilityStudy& study) {
   std::string text;
   for (const auto& kind : run_kinds(study.kind))
     text += fmt::format("{}{} {}: {}", text.empty() ? "" : "; ", kind.letter, kind.name, kind.doc);
-  return text + ". Score: 0 nothing, 1 all that is wanted.";
+  return text + ". Score: 0 nothing, 1 ideal.";
 }
 
 // ---- nothing swept: curves
@@ -83,7 +83,7 @@ Subplot robust_subplot(const PlayabilityStudy& study) {
     line.y.push_back(verdict.robust());
   }
   made.series.push_back(std::move(line));
-  made.levels.push_back({kRobustShare, "wanted"});
+  made.levels.push_back({kRobustShare, "required"});
   made.y.low = 0;
   made.y.high = 1.05;
   return made;
@@ -94,14 +94,14 @@ Plot curves_of(const PlayabilityStudy& study) {
   plot.title = "Playability of " + study.scene;
   plot.subtitle = subtitle_of(study);
   plot.x = {.label = "delay", .unit = "s"};
-  auto score = reading_subplot(study, "score", [](const PlayedRun& run) { return run.judged->score; });
+  auto score = reading_subplot(study, "score", [](const PlayedRun& run) { return run.result->score; });
   score.y.high = 1.05;
   plot.subplots.push_back(std::move(score));
   const auto& types = measure_columns(study.kind);
   for (const auto& type : types) {
     if (!type.drawn) continue;
     plot.subplots.push_back(reading_subplot(
-        study, type.head, [&](const PlayedRun& run) { return run.judged->reading(study.kind, type.name); }));
+        study, type.head, [&](const PlayedRun& run) { return run.result->reading(study.kind, type.name); }));
   }
   if (study.variants.size() > 1) plot.subplots.push_back(robust_subplot(study));
   return plot;
@@ -147,7 +147,7 @@ Plot maps_over_delay(const PlayabilityStudy& study) {
   for (std::size_t a = 0; a < values.size(); ++a)
     for (std::size_t d = 0; d < delays.size(); ++d) {
       runs.push_back(&run_at(study, d, a, 0));
-      scores.push_back(runs.back()->judged->score);
+      scores.push_back(runs.back()->result->score);
       readings.push_back(main_of(study, *runs.back()));
     }
   const auto head = [&](const std::string& what) {

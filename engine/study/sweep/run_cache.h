@@ -21,8 +21,8 @@ namespace tactus {
 /// same sweep writes a file of its own and reads all.
 class RunCache {
  public:
-  /// [control] Reads what is there. `file`: name of the file that is written, such as "part_1_of_4.jsonl".
-  /// Errors: BadFile.
+  /// [control] Reads the files of the folder. `file`: name of the file that is written, such as
+  /// "part_1_of_4.jsonl". Errors: BadFile.
   static Result<RunCache> open(const std::filesystem::path& folder, const std::string& file);
   /// [control] Stores nothing.
   RunCache() = default;

@@ -68,12 +68,15 @@ void add(Fingerprint& print, const DriveLimits& limits) {
       print.add(number);
 }
 
-void add(Fingerprint& print, const Playability& judged) {
-  print.add(std::uint64_t{static_cast<unsigned>(judged.kind)}).add(judged.from_s).add(judged.fewest);
-  print.add(judged.to_s.value_or(-1));
-  for (const auto* signal : {&judged.hits, &judged.contact, &judged.sound, &judged.pitch})
+void add(Fingerprint& print, const Playability& playability) {
+  print.add(std::uint64_t{static_cast<unsigned>(playability.kind)})
+      .add(playability.from_s)
+      .add(playability.fewest);
+  print.add(playability.to_s.value_or(-1));
+  for (const auto* signal : {&playability.hits, &playability.contact, &playability.sound, &playability.pitch})
     print.add(signal->name);
-  for (const double number : {judged.pitch_hz, judged.begin_s, judged.quiet}) print.add(number);
+  for (const double number : {playability.pitch_hz, playability.begin_s, playability.quiet})
+    print.add(number);
 }
 
 }  // namespace

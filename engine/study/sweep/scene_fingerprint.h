@@ -8,7 +8,7 @@
 namespace tactus {
 
 /// [control] Of all that a scene plays: rate, delay, duration, parts with their graphs and wires, gestures,
-/// converters, limits of the drives, seed, and what is judged. Texts for people and places in files do not
+/// converters, limits of the drives, seed and [playability]. Names, descriptions and file positions do not
 /// count.
 Fingerprint& add(Fingerprint& print, const SceneSpec& scene);
 

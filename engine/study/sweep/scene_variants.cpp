@@ -82,15 +82,15 @@ void change_part(ScenePart& part, const NetworkChange& change) {
   if (part.graph != nullptr) part.graph = changed(*part.graph, part.name, change);
 }
 
-bool any_network(const GraphSpec& graph, const std::function<bool(const NetworkSpec&)>& holds) {
-  return std::any_of(graph.networks.begin(), graph.networks.end(), holds) ||
+bool any_network(const GraphSpec& graph, const std::function<bool(const NetworkSpec&)>& condition) {
+  return std::any_of(graph.networks.begin(), graph.networks.end(), condition) ||
          std::any_of(graph.parts.begin(), graph.parts.end(),
-                     [&](const auto& part) { return any_network(*part.second, holds); });
+                     [&](const auto& part) { return any_network(*part.second, condition); });
 }
 
-bool any_network(const SceneSpec& scene, const std::function<bool(const NetworkSpec&)>& holds) {
+bool any_network(const SceneSpec& scene, const std::function<bool(const NetworkSpec&)>& condition) {
   return std::any_of(scene.parts.begin(), scene.parts.end(), [&](const ScenePart& part) {
-    return part.name != "instrument" && part.graph != nullptr && any_network(*part.graph, holds);
+    return part.name != "instrument" && part.graph != nullptr && any_network(*part.graph, condition);
   });
 }
 

@@ -301,8 +301,8 @@ Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& tabl
     const auto recording = play_run(run, table);
     if (!recording) return tl::unexpected(recording.error());
     std::vector<double> values;
-    for (const auto& wanted : measures) {
-      const auto value = measure(*recording, wanted.what);
+    for (const auto& swept : measures) {
+      const auto value = measure(*recording, swept.what);
       if (!value) return tl::unexpected(std::vector{value.error()});
       values.push_back(*value);
     }

@@ -10,8 +10,8 @@ namespace tactus {
 /// What a virtual wall pushes: a mass on a damper,  m x'' + b x' = F,  with the faults that matter.
 struct WallDevice {
   double mass = 0.05;    ///< m [kg] > 0, as felt where the position is measured
-  double damping = 0.1;  ///< b [N s/m] >= 0, of its own (and of the hand that holds it)
-  double friction = 0;   ///< f_c [N] >= 0, dry: stands against any motion, whatever the speed
+  double damping = 0.1;  ///< b [N s/m] >= 0, of the device and of the hand on it
+  double friction = 0;   ///< f_c [N] >= 0, dry: opposes motion at any speed with the same force
   double quantum = 0;    ///< Delta [m] >= 0, of the position sensor; 0: none
   double force_limit = std::numeric_limits<double>::infinity();  ///< F_max [N] of the motor
 };

@@ -78,7 +78,7 @@ std::optional<Crossing> smallest_crossing(const Curve& curve, const std::vector<
   for (std::size_t i = 1; i + 1 < grid.size(); ++i) {
     const Complex now = curve(grid[i]);
     const bool crosses = (before.imag() > 0) != (now.imag() > 0);
-    // |curve| grows with the angle: what is twice as far as the best is not worth the search.
+    // |curve| grows with the angle: beyond twice the best angle there is nothing to find.
     const bool near = !least || std::min(std::abs(before), std::abs(now)) < 2 * least->value;
     if (crosses && near) offer(root_between(grid[i - 1], grid[i], [&](double t) { return curve(t).imag(); }));
     before = now;

@@ -11,7 +11,7 @@ namespace tactus {
 /// The device that a scene's plant says it is.
 struct SceneDevice {
   WallDevice bare;
-  double hand_mass = 0, hand_damping = 0;  ///< of what holds it in this scene [kg, N s/m]
+  double hand_mass = 0, hand_damping = 0;  ///< of the hand in this scene [kg, N s/m]
 
   /// Bare and held: masses and dampers add up.
   WallDevice held() const;

@@ -33,7 +33,7 @@ WallLimit limit_of(const WallDevice& device, const WallLoop& loop) {
   limit.passive = stiffest_passive(device, loop);
   limit.cycle = border.frequency;
   if (border.stiffness <= 0) return limit;
-  // The border is that of the linear loop, and so is what confirms it.
+  // The border is that of the linear loop, so a linear simulation confirms it.
   WallRun run{.device = {.mass = device.mass, .damping = device.damping}, .loop = loop};
   const auto trend_at = [&](double part) {
     run.stiffness = part * border.stiffness;

@@ -75,7 +75,7 @@ struct WallStudy {
   int points_per_decade = 8;
 };
 
-/// [control] Computes every border and runs the loop on both sides of it, on all cores. `progress` hears the
+/// [control] Computes every border and runs the loop on both sides of it, on all cores. `progress` gets the
 /// share done.
 WallMap map_walls(const WallStudy& study, const std::function<void(double)>& progress = {});
 

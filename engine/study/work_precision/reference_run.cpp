@@ -32,7 +32,7 @@ Checked<ReferenceRun> play_reference(const SceneSpec& scene, const NodeTable& ta
   return ReferenceRun{std::move(*first), std::move(*second)};
 }
 
-std::string reference_in_words(const SceneSpec& scene) {
+std::string describe_reference(const SceneSpec& scene) {
   return is_linear(scene) ? "the linear motion: matrix exponential, or integration where that is too large"
                           : "integration from event to event";
 }

@@ -6,7 +6,7 @@
 
 namespace tactus {
 
-/// A scene as it ought to be, and once more by other steps: their difference is what it may be off.
+/// The reference solution, and once more with half the step size: their difference is its own error.
 struct ReferenceRun {
   SceneRecording recording, again;
 };
@@ -16,7 +16,7 @@ struct ReferenceRun {
 Checked<ReferenceRun> play_reference(const SceneSpec& scene, const NodeTable& table, Hertz rate);
 
 /// [any] How, in words.
-std::string reference_in_words(const SceneSpec& scene);
+std::string describe_reference(const SceneSpec& scene);
 
 /// [control] Builds and plays a scene.
 Checked<SceneRecording> play_at(const SceneSpec& scene, const NodeTable& table, Hertz rate);

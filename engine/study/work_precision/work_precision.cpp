@@ -86,7 +86,7 @@ class Study {
     result_.scene = scene_.name;
     for (const auto& accuracy : scene_.accuracy)
       result_.references.push_back({accuracy.name, accuracy.measure, accuracy.of,
-                                    accuracy.exact ? "closed form" : reference_in_words(scene_)});
+                                    accuracy.exact ? "closed form" : describe_reference(scene_)});
   }
 
   WorkPrecision finish() {
@@ -165,7 +165,7 @@ class Study {
 };
 
 /// Without a network there is no solver, and without [accuracy] no error.
-std::optional<Error> what_lacks(const SceneSpec& scene) {
+std::optional<Error> missing_section(const SceneSpec& scene) {
   if (scene.accuracy.empty())
     return Error{Errc::Missing, scene.file.text(), "the scene does not say what must come out right",
                  "add [accuracy] with a line such as\n"
@@ -196,12 +196,12 @@ const WorkPoint* WorkPrecision::cheapest(double error) const {
 
 Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTable& table,
                                             const WorkPrecisionOptions& options) {
-  if (auto missing = what_lacks(scene)) return tl::unexpected(std::vector{*missing});
+  if (auto missing = missing_section(scene)) return tl::unexpected(std::vector{*missing});
   return Study{scene, table, options}.run();
 }
 
 Checked<WorkPrecision> judge_as_written(const SceneSpec& scene, const NodeTable& table, int repeats) {
-  if (auto missing = what_lacks(scene)) return tl::unexpected(std::vector{*missing});
+  if (auto missing = missing_section(scene)) return tl::unexpected(std::vector{*missing});
   WorkPrecisionOptions options;
   options.repeats = repeats;
   return Study{scene, table, options}.run_as_written();

@@ -28,14 +28,14 @@ struct WorkPrecisionOptions {
   std::vector<Hertz> rates;
   std::vector<int> oversamples;
   int repeats = 5;  ///< runs for the time, of which the median counts
-  std::function<void(double, const std::string&)> progress = {};  ///< the share done, and what is done now
+  std::function<void(double, const std::string&)> progress = {};  ///< share done, current step
 };
 
 /// One variant: what it costs and how wrong it is.
 struct WorkPoint {
   SolverVariant variant;
   std::optional<Error> refused;  ///< the network cannot be stepped so
-  bool unstable = false;         ///< values that are no numbers or explode: no error is told
+  bool unstable = false;         ///< non-finite or exploding values: no errors are given
   std::vector<double> errors;    ///< relative, in the order of the scene's [accuracy]; empty: none
   std::vector<double> floors;    ///< what the reference may be off itself at this rate, likewise
   std::vector<bool> front;       ///< nothing cheaper is closer, likewise

@@ -83,12 +83,12 @@ TEST_CASE("sweep range: bad ranges are errors at the option", "[apps]") {
 }
 
 TEST_CASE("playability report: the verdict names the delays and the weakest of them", "[apps]") {
-  CHECK(verdict_in_words(rolls({1, 1, 0.7, 1})) ==
+  CHECK(describe_verdict(rolls({1, 1, 0.7, 1})) ==
         "playable from 0 to 3 ms; weakest at 2 ms: regular, score 0.70");
-  CHECK(verdict_in_words(rolls({1, 1, 0.3, 1, 0.2, 0.1})) ==
+  CHECK(describe_verdict(rolls({1, 1, 0.3, 1, 0.2, 0.1})) ==
         "playable from 0 to 1 and at 3 ms; not at 2 and from 4 to 5 ms; weakest at 5 ms: irregular, score "
         "0.10");
-  CHECK(verdict_in_words(rolls({0.1, 0.2})) ==
+  CHECK(describe_verdict(rolls({0.1, 0.2})) ==
         "playable at no delay; weakest at 0 ms: irregular, score 0.10");
 }
 
@@ -116,14 +116,14 @@ TEST_CASE("playability report: the verdict of a map counts settings that are pla
     study.runs[i].delay_s = study.delays_s[i / 6];
     study.runs[i].at = {study.over[0].values[i % 6 / 2].si, study.over[1].values[i % 2].si};
   }
-  CHECK(verdict_in_words(study) ==
+  CHECK(describe_verdict(study) ==
         "2 of 6 settings are playable at every delay, not weight x 0.5, strength 0.4 / weight x 1, strength "
         "0.2 / "
         "weight x 1, strength 0.4 and 1 more; 8 of 12 runs; all 6 at 1 ms; weakest at 0 ms: irregular, score "
         "0.10 "
         "at weight x 1, strength 0.4");
-  for (auto& run : study.runs) run.judged->playable = true;
-  CHECK(verdict_in_words(study).starts_with("all 6 settings are playable from 0 to 1 ms; weakest"));
+  for (auto& run : study.runs) run.result->playable = true;
+  CHECK(describe_verdict(study).starts_with("all 6 settings are playable from 0 to 1 ms; weakest"));
 }
 
 TEST_CASE("playability report: the JSON has every run with what was read of it", "[apps]") {

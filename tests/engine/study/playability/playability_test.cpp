@@ -46,7 +46,7 @@ bool same(const PlayabilityStudy& a, const PlayabilityStudy& b) {
   if (a.runs.size() != b.runs.size()) return false;
   for (std::size_t i = 0; i < a.runs.size(); ++i)
     if (a.runs[i].delay_s != b.runs[i].delay_s || a.runs[i].at != b.runs[i].at ||
-        a.runs[i].variant != b.runs[i].variant || a.runs[i].judged != b.runs[i].judged)
+        a.runs[i].variant != b.runs[i].variant || a.runs[i].result != b.runs[i].result)
       return false;
   return true;
 }
@@ -152,10 +152,10 @@ TEST_CASE("playability: a delay is playable when all as written are, and nine of
     study.runs.push_back({0, {}, i == 0 ? "as written" : "draw", JudgedRun{"regular", 1, i != 3, {}}});
   CHECK(study.verdicts().front().playable);
   CHECK(study.verdicts().front().robust() == Approx(0.9));
-  study.runs[4].judged->playable = false;
+  study.runs[4].result->playable = false;
   CHECK_FALSE(study.verdicts().front().playable);
-  study.runs[3].judged->playable = study.runs[4].judged->playable = true;
-  study.runs[0].judged->playable = false;
+  study.runs[3].result->playable = study.runs[4].result->playable = true;
+  study.runs[0].result->playable = false;
   CHECK_FALSE(study.verdicts().front().playable);
 }
 
@@ -189,18 +189,18 @@ TEST_CASE("playability: a gesture can be held at values of its own unit", "[anal
   options.over = {{"weight", {{0.3, unit}, {0.35, unit}}, SweptValue::What::Held}};
   const auto study = study_playability(short_drum(), standard_nodes(), options);
   REQUIRE(study);
-  CHECK(study->runs[0].judged != study->runs[1].judged);
+  CHECK(study->runs[0].result != study->runs[1].result);
   options.over[0].values = {{0.001, Dimension{.second = 1}}};
   CHECK(mistake(short_drum(), options).find("gesture 'weight' is like") == 0);
 }
 
-TEST_CASE("playability: the folder of the Cellomobo means its phrase, of which each note is judged",
+TEST_CASE("playability: the folder of the Cellomobo means its phrase, of which each note is result",
           "[analysis][instruments]") {
   PlayabilityOptions options;
   options.delays_s = {0.02};
   const auto study = study_playability(scene_of("cellomobo/scene.toml"), standard_nodes(), options);
   REQUIRE(study);
-  const auto& run = *study->runs[0].judged;
+  const auto& run = *study->runs[0].result;
   CHECK(run.reading(Playability::Kind::Tone, "notes") == 10);
   CHECK(run.reading(Playability::Kind::Tone, "good") == 10);
   CHECK(run.playable);
@@ -250,7 +250,7 @@ TEST_CASE("playability: without the throw the drum is dead at every delay", "[an
   options.delays_s = {0, 0.02, 0.04};
   options.set["strength"] = 0.0;
   for (const auto& run : studied(options).runs) {
-    CHECK(run.judged->kind == "dead");
-    CHECK(run.judged->score == 0);
+    CHECK(run.result->kind == "dead");
+    CHECK(run.result->score == 0);
   }
 }
