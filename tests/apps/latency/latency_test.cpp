@@ -199,7 +199,8 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   says(desk.run("latency measure --backend none"), 2, "no backend 'none'");
   says(desk.run("latency measure --out 0"), 2, "--out");
   says(desk.run("latency measure --rig nowhere.toml"), 3, "nowhere.toml");
-  says(desk.run("latency measure --rig nowhere.toml --block 64"), 2, "--block: cannot be combined with --rig");
+  says(desk.run("latency measure --rig nowhere.toml --block 64"), 2,
+       "--block: cannot be combined with --rig");
   says(desk.run("latency measure --device loop:20ms --input 3"), 2, "'loop:20ms' has no input 3");
   says(desk.run("latency measure --device loop:20ms --output 3"), 2, "'loop:20ms' has no output 3");
   says(desk.run("latency measure --device loop:nothing"), 4, "nothing");
