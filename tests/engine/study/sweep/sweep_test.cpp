@@ -31,7 +31,7 @@ tone = { type = "sine", frequency = "frequency" }
 low  = { type = "low_pass", in = "tone", cutoff = "1 kHz" }
 [outputs]
 x = { from = "n.body.position", unit = "m" }
-y = { from = "low", unit = "" }
+y = { from = "low" }
 )");
     folder_.write("scene.toml", R"(format = 1
 name = "bench"
