@@ -111,7 +111,7 @@ void ReferenceIntegrator::reset(State& state, std::span<const double> motions) c
   for (std::size_t c = 0; c < laws_.size(); ++c)
     state.loss[c] = indentation_in(numbers, c) > 0.0 ? start_loss(c, approach_in(numbers, c)) : 0.0;
   find_contacts(state);
-  std::fill(state.slide.begin(), state.slide.end(), Slide::Holds);
+  std::fill(state.slide.begin(), state.slide.end(), 0.0);
   std::fill(state.hold.begin(), state.hold.end(), 0.0);
   state.step_s = 0.0;
 }
@@ -148,6 +148,12 @@ void ReferenceIntegrator::advance(State& state, const Inputs& inputs) const {
     integrate(state);
   for (std::size_t i = 0; i < driven_.size() && i < inputs.motion_to.size(); ++i)
     state.numbers[index(driven_[i])] = inputs.motion_to[i];
+}
+
+double ReferenceIntegrator::tension_in(const double* numbers, const Spring& spring) const {
+  const double* velocities = numbers + points();
+  return spring.stiffness * (numbers[spring.upper] - numbers[spring.lower] - spring.rest) +
+         spring.damping * (velocities[spring.upper] - velocities[spring.lower]);
 }
 
 double ReferenceIntegrator::indentation_in(const double* numbers, std::size_t contact) const {
@@ -190,10 +196,8 @@ void ReferenceIntegrator::rates(State& state, const double* numbers, double* slo
 }
 
 void ReferenceIntegrator::add_springs(const double* numbers, double* force) const {
-  const double* velocities = numbers + points();
   for (const auto& s : elements_.springs) {
-    const double tension = s.stiffness * (numbers[s.upper] - numbers[s.lower] - s.rest) +
-                           s.damping * (velocities[s.upper] - velocities[s.lower]);
+    const double tension = tension_in(numbers, s);
     force[s.lower] += tension;
     force[s.upper] -= tension;
   }
@@ -253,7 +257,7 @@ double ReferenceIntegrator::energy(const State& state) const {
   for (std::size_t c = 0; c < laws_.size(); ++c)
     if (const double n = indentation_in(state.numbers.data(), c); n > 0.0) sum += laws_[c].energy(n);
   for (std::size_t p = 0; p < elements_.bonds.size(); ++p)
-    if (state.slide[elements_.frictions.size() + p] == Slide::Holds)
+    if (state.slide[elements_.frictions.size() + p] == 0.0)
       sum += elements_.bonds[p].law->energy(
           between(state.numbers.data(), elements_.bonds[p].lower, elements_.bonds[p].upper));
   for (std::size_t i = 0; i < elements_.coils.size(); ++i)
@@ -321,26 +325,22 @@ double ReferenceIntegrator::push_in(const State& state, const double* numbers, s
 double ReferenceIntegrator::normal_in(const State& state, const double* numbers, std::size_t friction) const {
   const auto& f = elements_.frictions[friction];
   if (f.normal_contact >= 0) return std::max(0.0, push_in(state, numbers, index(f.normal_contact)));
-  if (f.normal_spring >= 0) {
-    const auto& s = elements_.springs[index(f.normal_spring)];
-    const double* velocities = numbers + points();
-    return std::max(0.0, s.stiffness * (numbers[s.upper] - numbers[s.lower] - s.rest) +
-                             s.damping * (velocities[s.upper] - velocities[s.lower]));
-  }
+  if (f.normal_spring >= 0)
+    return std::max(0.0, tension_in(numbers, elements_.springs[index(f.normal_spring)]));
   const auto first = held() - 1 - elements_.frictions.size();
   return std::max(0.0, state.inputs[first + friction]);
 }
 
 double ReferenceIntegrator::sliding_force(const State& state, const double* numbers, std::size_t friction,
-                                          Slide slide) const {
+                                          double sign) const {
   const auto& f = elements_.frictions[friction];
-  const double v = between(numbers + points(), f.lower, f.upper), sign = slide == Slide::Up ? 1.0 : -1.0;
+  const double v = between(numbers + points(), f.lower, f.upper);
   return sign * normal_in(state, numbers, friction) * f.law.coefficient(std::max(sign * v, -kPast)) +
          f.viscous * v;
 }
 
 double ReferenceIntegrator::bond_in(const State& state, const double* numbers, std::size_t bond) const {
-  if (state.slide[elements_.frictions.size() + bond] != Slide::Holds) return 0.0;
+  if (state.slide[elements_.frictions.size() + bond] != 0.0) return 0.0;
   const auto& b = elements_.bonds[bond];
   return b.law->force(between(numbers, b.lower, b.upper)) +
          b.damping * between(numbers + points(), b.lower, b.upper);
@@ -352,8 +352,7 @@ void ReferenceIntegrator::add_slides(const State& state, const double* numbers, 
     force[link.upper] += by;
   };
   for (std::size_t f = 0; f < elements_.frictions.size(); ++f)
-    if (state.slide[f] != Slide::Holds)
-      push(elements_.frictions[f], sliding_force(state, numbers, f, state.slide[f]));
+    if (state.slide[f] != 0.0) push(elements_.frictions[f], sliding_force(state, numbers, f, state.slide[f]));
   for (std::size_t b = 0; b < elements_.bonds.size(); ++b)
     push(elements_.bonds[b], bond_in(state, numbers, b));
 }
@@ -363,7 +362,7 @@ void ReferenceIntegrator::hold(State& state, double* force) const {
   const auto n = elements_.frictions.size();
   for (std::size_t i = 0; i < n; ++i) {
     const auto& a = elements_.frictions[i];
-    const bool holds = state.slide[i] == Slide::Holds;
+    const bool holds = state.slide[i] == 0.0;
     state.hold[i] = holds ? force[a.lower] * inverse_mass_[index(a.lower)] -
                                 force[a.upper] * inverse_mass_[index(a.upper)]
                           : 0.0;
@@ -372,7 +371,7 @@ void ReferenceIntegrator::hold(State& state, double* force) const {
       const auto share = [&](int of_a, int of_b) { return of_a == of_b ? inverse_mass_[index(of_a)] : 0.0; };
       const double mutual = share(a.lower, b.lower) + share(a.upper, b.upper) - share(a.lower, b.upper) -
                             share(a.upper, b.lower);
-      state.mutual[i * n + j] = holds && state.slide[j] == Slide::Holds ? mutual : 0.0;
+      state.mutual[i * n + j] = holds && state.slide[j] == 0.0 ? mutual : 0.0;
     }
   }
   solve(state.mutual.data(), state.hold.data(), n);
@@ -387,16 +386,15 @@ void ReferenceIntegrator::start_slides(State& state) const {
   for (std::size_t f = 0; f < elements_.frictions.size(); ++f) {
     const auto& friction = elements_.frictions[f];
     const double v = between(state.numbers.data() + points(), friction.lower, friction.upper);
-    if (state.slide[f] == Slide::Holds && std::abs(v) > kStill)
-      state.slide[f] = v > 0.0 ? Slide::Up : Slide::Down;
+    if (state.slide[f] == 0.0 && std::abs(v) > kStill) state.slide[f] = v > 0.0 ? 1.0 : -1.0;
   }
 }
 
 double ReferenceIntegrator::friction_margin(State& state, const double* numbers, std::size_t friction) const {
   const auto& f = elements_.frictions[friction];
-  if (state.slide[friction] != Slide::Holds) {
+  if (state.slide[friction] != 0.0) {
     const double v = between(numbers + points(), f.lower, f.upper);
-    return state.slide[friction] == Slide::Up ? v : -v;
+    return state.slide[friction] * v;
   }
   rates(state, numbers, state.slope.data());
   return normal_in(state, numbers, friction) * f.law.holding() - std::abs(state.hold[friction]);
@@ -405,8 +403,8 @@ double ReferenceIntegrator::friction_margin(State& state, const double* numbers,
 double ReferenceIntegrator::bond_margin(const State& state, const double* numbers, std::size_t bond) const {
   const auto& b = elements_.bonds[bond];
   const double n = between(numbers, b.lower, b.upper);
-  const auto slide = state.slide[elements_.frictions.size() + bond];
-  return slide == Slide::Holds ? b.law->distance_at(b.limit) - std::abs(n) : slide == Slide::Up ? n : -n;
+  const double slide = state.slide[elements_.frictions.size() + bond];
+  return slide == 0.0 ? b.law->distance_at(b.limit) - std::abs(n) : slide * n;
 }
 
 /// Takes away what rounding has left of the velocity at a stop.
@@ -423,9 +421,9 @@ void ReferenceIntegrator::halt(State& state, std::size_t friction) const {
 /// One that slid has stopped: it holds if it can. One that cannot hold any longer slides.
 void ReferenceIntegrator::switch_friction(State& state, std::size_t friction) const {
   halt(state, friction);
-  state.slide[friction] = Slide::Holds;
+  state.slide[friction] = 0.0;
   if (friction_margin(state, state.numbers.data(), friction) < 0.0)
-    state.slide[friction] = state.hold[friction] > 0.0 ? Slide::Up : Slide::Down;
+    state.slide[friction] = state.hold[friction] > 0.0 ? 1.0 : -1.0;
 }
 
 double ReferenceIntegrator::friction_velocity(const State& state, int friction) const {
@@ -436,8 +434,8 @@ double ReferenceIntegrator::friction_velocity(const State& state, int friction) 
 /// Of one that holds: the force at the end of the last step.
 double ReferenceIntegrator::friction_force(const State& state, int friction) const {
   const auto f = index(friction);
-  return state.slide[f] == Slide::Holds ? state.hold[f]
-                                        : sliding_force(state, state.numbers.data(), f, state.slide[f]);
+  return state.slide[f] == 0.0 ? state.hold[f]
+                               : sliding_force(state, state.numbers.data(), f, state.slide[f]);
 }
 
 void ReferenceIntegrator::integrate(State& state) const {
@@ -586,7 +584,7 @@ void ReferenceIntegrator::switch_over(State& state) const {
     if (!(bond_margin(state, numbers, b) < 0.0)) continue;
     auto& slide = state.slide[elements_.frictions.size() + b];
     const double n = between(numbers, elements_.bonds[b].lower, elements_.bonds[b].upper);
-    slide = slide != Slide::Holds ? Slide::Holds : n > 0.0 ? Slide::Up : Slide::Down;
+    slide = slide != 0.0 ? 0.0 : n > 0.0 ? 1.0 : -1.0;
   }
   for (std::size_t f = 0; f < elements_.frictions.size(); ++f)
     if (friction_margin(state, numbers, f) < 0.0) switch_friction(state, f);

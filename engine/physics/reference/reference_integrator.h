@@ -32,12 +32,13 @@ class ReferenceIntegrator {
   /// Everything that `advance` changes.
   struct State {
     enum class ContactState { Open, Pressing, Releasing };
-    enum class Slide { Holds, Up, Down };  ///< the sign of the velocity; of a bond that slipped, of n
-    std::vector<double> numbers;           ///< positions and velocities of all points, then currents
-    std::vector<double> loss;              ///< of each contact: r [s/m]
-    std::vector<ContactState> contacts;    ///< of each contact
-    std::vector<Slide> slide;              ///< of each friction, then of each bond
-    double step_s = 0.0;                   ///< what the last frame advises
+    std::vector<double> numbers;         ///< positions and velocities of all points, then currents
+    std::vector<double> loss;            ///< of each contact: r [s/m]
+    std::vector<ContactState> contacts;  ///< of each contact
+    /// Of each friction, then of each bond: 0 while it holds, else the sign of the velocity, or of n of a
+    /// bond.
+    std::vector<double> slide;
+    double step_s = 0.0;  ///< what the last frame advises
     Extrapolation extrapolation;
     std::vector<double> next;          ///< numbers at the end of the step
     std::vector<double> inputs;        ///< of the frame: forces, voltages, waves, normal forces, and 1
@@ -79,7 +80,6 @@ class ReferenceIntegrator {
 
  private:
   using ContactState = State::ContactState;
-  using Slide = State::Slide;
   struct Transition;
 
   std::size_t points() const { return elements_.points.size(); }
@@ -87,6 +87,7 @@ class ReferenceIntegrator {
     return elements_.forces.size() + elements_.coils.size() + elements_.ports.size() +
            elements_.frictions.size() + 1;
   }
+  double tension_in(const double* numbers, const Spring& spring) const;
   double indentation_in(const double* numbers, std::size_t contact) const;
   double approach_in(const double* numbers, std::size_t contact) const;
   double start_loss(std::size_t contact, double speed) const;
@@ -105,7 +106,7 @@ class ReferenceIntegrator {
   double between(const double* numbers, int lower, int upper) const;
   double push_in(const State& state, const double* numbers, std::size_t contact) const;
   double normal_in(const State& state, const double* numbers, std::size_t friction) const;
-  double sliding_force(const State& state, const double* numbers, std::size_t friction, Slide slide) const;
+  double sliding_force(const State& state, const double* numbers, std::size_t friction, double sign) const;
   double bond_in(const State& state, const double* numbers, std::size_t bond) const;
   void add_slides(const State& state, const double* numbers, double* force) const;
   void hold(State& state, double* force) const;

@@ -8,11 +8,6 @@
 namespace tactus {
 namespace {
 
-using Slide = ReferenceIntegrator::State::Slide;
-
-Slide slide_of(double sign) { return sign == 0.0 ? Slide::Holds : sign > 0.0 ? Slide::Up : Slide::Down; }
-double sign_of(Slide slide) { return slide == Slide::Holds ? 0.0 : slide == Slide::Up ? 1.0 : -1.0; }
-
 /// The same elements with the slots of the model for their points.
 NetworkElements in_slots(const NetworkModel& model, NetworkElements elements) {
   std::vector<Point> points(model.start_position.size());
@@ -44,9 +39,8 @@ void ReferenceSolver::load(const NetworkState& state) const noexcept {
   std::copy(state.current.begin(), state.current.end(),
             now_.numbers.end() - static_cast<std::ptrdiff_t>(state.current.size()));
   std::copy(state.loss.begin(), state.loss.end(), now_.loss.begin());
-  for (std::size_t f = 0; f < state.sliding.size(); ++f) now_.slide[f] = slide_of(state.sliding[f]);
-  for (std::size_t p = 0; p < state.slipped.size(); ++p)
-    now_.slide[state.sliding.size() + p] = slide_of(state.slipped[p]);
+  std::copy(state.sliding.begin(), state.sliding.end(), now_.slide.begin());
+  std::copy(state.slipped.begin(), state.slipped.end(), now_.slide.end() - std::ssize(state.slipped));
   flow_.find_contacts(now_);
 }
 
@@ -62,13 +56,13 @@ void ReferenceSolver::keep(NetworkState& state) const noexcept {
     state.current[i] = state.mean_current[i] = flow_.current(now_, static_cast<int>(i));
   std::copy(now_.loss.begin(), now_.loss.end(), state.loss.begin());
   for (std::size_t f = 0; f < state.sliding.size(); ++f) {
-    state.sliding[f] = sign_of(now_.slide[f]);
+    state.sliding[f] = now_.slide[f];
     state.friction_force[f] = flow_.friction_force(now_, static_cast<int>(f));
     state.friction_velocity[f] = flow_.friction_velocity(now_, static_cast<int>(f));
   }
   for (std::size_t p = 0; p < state.slipped.size(); ++p) {
     const auto& bond = model_.bonds[p];
-    state.slipped[p] = sign_of(now_.slide[state.sliding.size() + p]);
+    state.slipped[p] = now_.slide[state.sliding.size() + p];
     state.root[model_.contacts.size() + p] =
         bond.law->root(state.position[index(bond.lower)] - state.position[index(bond.upper)]);
   }
