@@ -69,7 +69,7 @@ TEST_CASE("part rate: a part in a part divides the rate that is around it", "[gr
       "from = "
       "\"p\" }\n";
   graphs.write("middle.toml", middle("1/4"));
-  CHECK(graphs.right(top)->paces == std::vector<int>{1, 4, 16});
+  CHECK(graphs.right(top)->divisors == std::vector<int>{1, 4, 16});
   graphs.write("middle.toml", middle("16 kHz"));
   CHECK(graphs.mistakes(top) ==
         "middle.toml:5:42: 'rate' of part 'q' cannot be 16 kHz; a part runs at most at the 12 kHz around it");
