@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/nodes/networks/network_elements.h"
 #include "engine/nodes/table.h"
 
 // Behaviour is a field of a table: generic code must not compare the names of what a table registers.
@@ -89,7 +90,43 @@ bool allowed(const Found& found) {
 std::set<std::string> registered_types() {
   std::set<std::string> names;
   for (const auto* type : standard_nodes().types) names.insert(type->name);
+  for (const auto& element : network_elements()) names.insert(element.name);
   return names;
+}
+
+/// Parts of shipped scenes, and the names of nodes, elements and ports in all shipped files.
+struct ShippedNames {
+  std::set<std::string> parts, inside;
+};
+
+ShippedNames shipped_names() {
+  static const std::regex section{"\\[([a-z_]+)(?:\\.([a-z_0-9]+))?(?:\\.([a-z_0-9]+))?\\].*"};
+  static const std::regex entry{"([a-z_0-9]+) = .*"};
+  static const std::set<std::string> named = {"nodes", "inputs", "outputs", "controls"};
+  ShippedNames names;
+  for (const auto& file : fs::recursive_directory_iterator(fs::path{TACTUS_SOURCE_DIR} / "instruments")) {
+    if (file.path().extension() != ".toml") continue;
+    std::ifstream in{file.path()};
+    std::smatch match;
+    std::string head;
+    bool whole = false;  // the entries of this section are names
+    for (std::string line; std::getline(in, line);) {
+      if (std::regex_match(line, match, section)) {
+        head = match[1];
+        whole = !match[2].matched || head == "networks";
+        if (head == "parts" && match[2].matched) names.parts.insert(match[2]);
+        if (named.contains(head) && match[2].matched) names.inside.insert(match[2]);
+      } else if (whole && std::regex_match(line, match, entry)) {
+        if (head == "parts") names.parts.insert(match[1]);
+        if (named.contains(head) || head == "networks") names.inside.insert(match[1]);
+      }
+    }
+  }
+  return names;
+}
+
+std::string without_comments(const std::string& text) {
+  return std::regex_replace(text, std::regex{"//[^\n]*"}, "");
 }
 
 std::string listed(const std::vector<Found>& all) {
@@ -120,6 +157,22 @@ TEST_CASE("tables: no generic code looks a port up by its name", "[tables][layer
     for (const auto& found : looked_up(file, text_of(file))) wrong.push_back(found);
   }
   INFO("make it a field of the port:\n" << listed(wrong));
+  CHECK(wrong.empty());
+}
+
+TEST_CASE("tables: no generic code names a node of a shipped scene", "[tables][layers]") {
+  const auto names = shipped_names();
+  REQUIRE(names.parts.contains("instrument"));
+  REQUIRE(names.inside.contains("stick"));
+  static const std::regex pattern{"\"([a-z_]+)\\.([a-z_0-9]+)\""};
+  std::string wrong;
+  for (const auto& file : sources()) {
+    const auto text = without_comments(text_of(file));
+    for (std::sregex_iterator match{text.begin(), text.end(), pattern}, end; match != end; ++match)
+      if (names.parts.contains((*match)[1]) && names.inside.contains((*match)[2]))
+        wrong += file + ": " + match->str() + "\n";
+  }
+  INFO("the scene says which port plays which role:\n" << wrong);
   CHECK(wrong.empty());
 }
 
