@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include <math.h>
 
-// [realtime] What kernels are written with. A kernel is the step of a node as text that compiles as C99 and
+// What kernels are written with. A kernel is the step of a node as text that compiles as C99 and
 // as C++20: structs of state, all zero at the start, and `static inline` functions over one number type. It
 // allocates nothing and calls nothing but <math.h> and what stands here; the vectorised forms beside it give
 // the same bits. `*_kernel.h` files include only kernels; tests/engine/nodes/kernels_test.cpp compiles them

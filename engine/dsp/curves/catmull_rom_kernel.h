@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] Cubic through `b` (at = 0) and `c` (at = 1) with the slopes (c - a) / 2 and (d - b) / 2;
+/// Cubic through `b` (at = 0) and `c` (at = 1) with the slopes (c - a) / 2 and (d - b) / 2;
 /// continuous in value and slope from one interval to the next, and exact for parabolas. Catmull & Rom, "A
 /// class of local interpolating splines", 1974.
 static inline tactus_real tactus_catmull_rom(tactus_real a, tactus_real b, tactus_real c, tactus_real d,

@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] Peak envelope:  r = |in|,  e += (r > e ? 1 - a : 1 - d) * (r - e),  where a and d are what the
+/// Peak envelope:  r = |in|,  e += (r > e ? 1 - a : 1 - d) * (r - e),  where a and d are what the
 /// attack and the release keep in a frame (`tactus_keep`). Written without a branch: while the attack is the
 /// faster one, its result is the larger one exactly when r > e, so e = max of both; else e = min of both.
 /// Each result is keep * e + (1 - keep) * r: one FMA in the chain.

@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] Fires in the one frame in which a trigger signal rises through 0.5. Before the first frame the
+/// Fires in the one frame in which a trigger signal rises through 0.5. Before the first frame the
 /// signal counts as low, so that a signal which starts high fires at once.
 typedef struct tactus_rise {
   int high;

@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] What an exponential keeps in one frame, e^(-1 / (rate seconds)); 0 for seconds <= 0: at once.
+/// What an exponential keeps in one frame, e^(-1 / (rate seconds)); 0 for seconds <= 0: at once.
 static inline tactus_real tactus_keep(tactus_real seconds, tactus_real rate) {
   return seconds > 0 ? exp(-1.0 / (rate * seconds)) : 0.0;
 }

@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] Noise as a function of the frame number instead of a running generator: any frame can be asked
+/// Noise as a function of the frame number instead of a running generator: any frame can be asked
 /// for in any order, so that blocks, restarts and lanes cannot change it.
 ///   u(n) = mix(key + (n + 1) * 0x9e3779b97f4a7c15),  key = mix(mix(seed) + lane)
 /// `mix` is the finaliser of SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number

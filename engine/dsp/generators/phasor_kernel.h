@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] Running phase in turns:  p[n+1] = frac(p[n] + f[n] / sample_rate),  0 <= p < 1.
+/// Running phase in turns:  p[n+1] = frac(p[n] + f[n] / sample_rate),  0 <= p < 1.
 /// Rounding adds at most 1.2e-16 turns a frame: below 1e-9 turns after an hour at 48 kHz if errors do not
 /// line up, 2e-8 if they all do.
 typedef struct tactus_phasor {

@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/envelopes/time_constant_kernel.h"
 
-/// [realtime] Attack, decay, sustain, release. In each frame, e being the value of the frame before:
+/// Attack, decay, sustain, release. In each frame, e being the value of the frame before:
 ///   gate rises:      attack from where it is
 ///   attack:          e + rise, but not above 1; at 1 the decay begins
 ///   decay, sustain:  sustain + decay_keep * (e - sustain)

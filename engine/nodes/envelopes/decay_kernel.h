@@ -1,9 +1,11 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/envelopes/rise_kernel.h"
 #include "engine/dsp/envelopes/time_constant_kernel.h"
 
-/// [realtime] A pulse that jumps to a level and decays:  out[n] = level * keep^n,  n frames after its start;
+/// A pulse that jumps to a level and decays:  out[n] = level * keep^n,  n frames after its start;
 /// 0 once n has reached `length` frames (0: never).
 typedef struct tactus_pulse {
   tactus_real value;

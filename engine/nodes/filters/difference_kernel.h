@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] Backward difference, per second; 0 comes before the first frame.
+/// Backward difference, per second; 0 comes before the first frame.
 typedef struct tactus_difference {
   tactus_real before;
 } tactus_difference;

@@ -1,9 +1,11 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/curves/catmull_rom_kernel.h"
 #include "engine/dsp/envelopes/rise_kernel.h"
 
-/// [realtime] Plays a recording from its start, at any speed. Before and behind the recording lies silence:
+/// Plays a recording from its start, at any speed. Before and behind the recording lies silence:
 /// the last sample fades into it within one sample of the recording.
 typedef struct tactus_sample {
   tactus_rise rise;

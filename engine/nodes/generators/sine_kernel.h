@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/generators/phasor_kernel.h"
 
-/// [realtime] Frequency in Hz, phase in radians.
+/// Frequency in Hz, phase in radians.
 static inline tactus_real tactus_sine_step(tactus_phasor* s, tactus_real frequency, tactus_real phase,
                                            tactus_real level, tactus_real rate) {
   const tactus_real turns = tactus_phasor_step(s, frequency / rate);

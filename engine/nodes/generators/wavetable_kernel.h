@@ -1,9 +1,11 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/curves/catmull_rom_kernel.h"
 #include "engine/dsp/generators/phasor_kernel.h"
 
-/// [realtime] One period of a wave, read at any phase, 0 <= turns <= 1. Not band-limited: partials above half
+/// One period of a wave, read at any phase, 0 <= turns <= 1. Not band-limited: partials above half
 /// the sample rate fold back, so a table for high notes must hold few partials. count > 0.
 static inline tactus_real tactus_wavetable_at(const tactus_real* period, int count, tactus_real turns,
                                               int cubic) {

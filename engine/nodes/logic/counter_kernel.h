@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/envelopes/rise_kernel.h"
 
-/// [realtime] Counts triggers modulo floor(count); count < 1: without end.
+/// Counts triggers modulo floor(count); count < 1: without end.
 typedef struct tactus_counter {
   tactus_rise trigger, reset;
   tactus_real counted;  ///< whole: exact up to 2^53

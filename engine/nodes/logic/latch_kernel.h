@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/envelopes/rise_kernel.h"
 
-/// [realtime] 1 from a trigger at `set` until one at `reset`, which wins in the same frame.
+/// 1 from a trigger at `set` until one at `reset`, which wins in the same frame.
 typedef struct tactus_latch {
   tactus_rise set, reset;
   int on;

@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/envelopes/rise_kernel.h"
 
-/// [realtime] The input at the last trigger; 0 before the first.
+/// The input at the last trigger; 0 before the first.
 typedef struct tactus_sample_hold {
   tactus_rise rise;
   tactus_real held;

@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] A comparator with hysteresis (Schmitt trigger): high from the frame in which `in` reaches
+/// A comparator with hysteresis (Schmitt trigger): high from the frame in which `in` reaches
 /// `level`, low from the frame in which it falls below `level - hysteresis`. It fires once for each time it
 /// was low: when `in` is at `level` or above and `hold` is over.
 typedef struct tactus_threshold {

@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/curves/curve_kernel.h"
 
-/// [realtime] Height z of a profile at a place, and its first two derivatives.
+/// Height z of a profile at a place, and its first two derivatives.
 typedef struct tactus_terrain_shape {
   tactus_real height, slope, curvature;
 } tactus_terrain_shape;

@@ -1,14 +1,16 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] Force into the wall, k (x - at) + b v, before it is kept from pulling.
+/// Force into the wall, k (x - at) + b v, before it is kept from pulling.
 static inline tactus_real tactus_wall_push(tactus_real position, tactus_real velocity, tactus_real stiffness,
                                            tactus_real damping, tactus_real at) {
   return tactus_max(0.0, stiffness) * (position - at) + tactus_max(0.0, damping) * velocity;
 }
 
-/// [realtime] F = x > at ? -max(0, k (x - at) + b v) : 0. The damper cannot make the wall sticky. Berdahl,
+/// F = x > at ? -max(0, k (x - at) + b v) : 0. The damper cannot make the wall sticky. Berdahl,
 /// Steiner & Oldham, NIME 2008, section 6.1.2. Computed in any case, so that frames can be vectorised.
 static inline tactus_real tactus_wall_force(tactus_real position, tactus_real velocity, tactus_real stiffness,
                                             tactus_real damping, tactus_real at) {

@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] `low` wins where it is above `high`.
+/// `low` wins where it is above `high`.
 static inline tactus_real tactus_clip(tactus_real in, tactus_real low, tactus_real high) {
   return tactus_max(low, tactus_min(high, in));
 }

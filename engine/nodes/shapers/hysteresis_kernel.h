@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] The play operator: a rod in a slot of the given width, pushed by the ends of the slot.
+/// The play operator: a rod in a slot of the given width, pushed by the ends of the slot.
 typedef struct tactus_hysteresis {
   tactus_real last;
 } tactus_hysteresis;

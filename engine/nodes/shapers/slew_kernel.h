@@ -1,8 +1,10 @@
 #pragma once
 
+// Thread: [realtime].
+
 #include "engine/dsp/kernel.h"
 
-/// [realtime] Follows `in` no faster than `rise` and `fall` [1/s]; `frame_s` is the time of one frame.
+/// Follows `in` no faster than `rise` and `fall` [1/s]; `frame_s` is the time of one frame.
 typedef struct tactus_slew {
   tactus_real last;
 } tactus_slew;
