@@ -23,6 +23,18 @@ class KernelNode : public Node {
   explicit KernelNode(const NodeSetup& setup) : kernel_(setup) {}
 
   void process(const NodeBlock& block) noexcept override {
+    if (block.frames > 1) return process_row(block);
+    std::array<double, kInputs> in;
+    for (std::size_t k = 0; k < kInputs; ++k) in[k] = *block.in[k].data;
+    *block.out[0] = kernel_.step(in.data());
+  }
+  void reset() noexcept override { kernel_.state = {}; }
+
+ private:
+  static constexpr auto kInputs = static_cast<std::size_t>(Kernel::kInputs);
+
+  // Not inlined: the setup for many frames would delay a single one.
+  [[gnu::noinline]] void process_row(const NodeBlock& block) noexcept {
     std::array<Signal, kInputs> signals;
     std::copy_n(block.in, kInputs, signals.begin());
     double* const out = block.out[0];
@@ -34,10 +46,6 @@ class KernelNode : public Node {
     }
     kernel_ = kernel;
   }
-  void reset() noexcept override { kernel_.state = {}; }
-
- private:
-  static constexpr auto kInputs = static_cast<std::size_t>(Kernel::kInputs);
 
   Kernel kernel_;
 };
