@@ -7,7 +7,7 @@ function(tactus_batch_tests target size)
   set(number 0)
   foreach(file IN LISTS ARGN)
     file(STRINGS ${file} special REGEX "^(#if|#undef|#define|namespace (Catch|tactus|std)|extern|int main)")
-    if(special OR size LESS_EQUAL 1 OR file MATCHES "/tests/conformance/")  # conformance: headers of tests and nodes share names
+    if(special OR size LESS_EQUAL 1 OR file MATCHES "/tests/conformance/|/taps_at_rate_test")  # conformance: headers of tests and nodes share names
       target_sources(${target} PRIVATE ${file})
       continue()
     endif()

@@ -20,7 +20,7 @@ std::size_t moving_points(const NetworkElements& elements) {
 /// Every number that a step reads of the state before it, one after the other: the one place that lists them.
 /// Of the motions only those that the solver keeps, since the others never change.
 void each_number(NetworkState& state, std::size_t moving, const std::function<void(double&)>& visit) {
-  const auto all = [&](Numbers& list) {
+  const auto all = [&](AlignedNumbers& list) {
     for (std::size_t i = 0; i < moving; ++i) visit(list[i]);
   };
   all(state.position);

@@ -25,25 +25,25 @@ struct ActiveCoupling {
 
 /// Where a network is. Everything that `Network::step` changes. [m], [J^1/2], [A]
 struct NetworkState {
-  Numbers position;           ///< of every slot: q
-  Numbers moved;              ///< of centred solvers, in the last step: u = q - q-
-  Numbers moved_before;       ///< in the step before it
-  Numbers velocity;           ///< of the others, of every slot [m/s]
-  Numbers change;             ///< workspace: e = u+ - u, or the way of the step
-  Numbers root;               ///< of each contact's and bond's energy: psi
-  Numbers loss;               ///< of each contact: r [s/m]
-  Numbers slipped;            ///< of each bond: 0 while it holds, else the sign of n where it slipped
-  Numbers sliding;            ///< of each friction: the sign of its velocity, 0 while it holds
-  Numbers friction_force;     ///< of each friction: its force in the last step [N]
-  Numbers friction_velocity;  ///< of each friction: its velocity in the last step
-  Numbers current;            ///< of each coil (centred solvers: half a step ago)
-  Numbers mean_current;       ///< of each coil, over the last step
-  Numbers voltage;            ///< on each coil in the last step
-  Numbers force;              ///< of each applied force in the last step
-  Numbers wave;               ///< into each port in the last step
-  Numbers wave_back;          ///< out of each port, mean of the last frame
-  Numbers normal;             ///< of each friction in the last step
-  Numbers held;               ///< inputs of the last frame
+  AlignedNumbers position;           ///< of every slot: q
+  AlignedNumbers moved;              ///< of centred solvers, in the last step: u = q - q-
+  AlignedNumbers moved_before;       ///< in the step before it
+  AlignedNumbers velocity;           ///< of the others, of every slot [m/s]
+  AlignedNumbers change;             ///< workspace: e = u+ - u, or the way of the step
+  AlignedNumbers root;               ///< of each contact's and bond's energy: psi
+  AlignedNumbers loss;               ///< of each contact: r [s/m]
+  AlignedNumbers slipped;            ///< of each bond: 0 while it holds, else the sign of n where it slipped
+  AlignedNumbers sliding;            ///< of each friction: the sign of its velocity, 0 while it holds
+  AlignedNumbers friction_force;     ///< of each friction: its force in the last step [N]
+  AlignedNumbers friction_velocity;  ///< of each friction: its velocity in the last step
+  AlignedNumbers current;            ///< of each coil (centred solvers: half a step ago)
+  AlignedNumbers mean_current;       ///< of each coil, over the last step
+  AlignedNumbers voltage;            ///< on each coil in the last step
+  AlignedNumbers force;              ///< of each applied force in the last step
+  AlignedNumbers wave;               ///< into each port in the last step
+  AlignedNumbers wave_back;          ///< out of each port, mean of the last frame
+  AlignedNumbers normal;             ///< of each friction in the last step
+  AlignedNumbers held;               ///< inputs of the last frame
   std::vector<CriticalLowPass::State> low_pass;  ///< of each input with a bandwidth
   bool settled = false;                          ///< driven points have found their first place
 
@@ -62,9 +62,9 @@ struct NetworkState {
   }
 
   std::vector<ActiveCoupling> active;
-  Numbers next;                 ///< workspace: driven points' next place, by slot
-  Numbers flow, entering;       ///< workspace of the exact solver: where it goes, and from what
-  Numbers matrix, right, work;  ///< workspace
+  AlignedNumbers next;                 ///< workspace: driven points' next place, by slot
+  AlignedNumbers flow, entering;       ///< workspace of the exact solver: where it goes, and from what
+  AlignedNumbers matrix, right, work;  ///< workspace
 };
 
 }  // namespace tactus

@@ -21,7 +21,7 @@ struct CacheLineAllocator {
   friend bool operator==(CacheLineAllocator, CacheLineAllocator) noexcept { return true; }
 };
 
-using Numbers = std::vector<double, CacheLineAllocator<double>>;
+using AlignedNumbers = std::vector<double, CacheLineAllocator<double>>;
 
 constexpr double square(double x) noexcept { return x * x; }
 

@@ -51,7 +51,7 @@ void LinkOperator::split() {
       scattered.insert(scattered.end(), list.begin(), list.end());
       continue;
     }
-    Diagonal diagonal{offset, first, static_cast<int>(span), Numbers(span), Numbers(span)};
+    Diagonal diagonal{offset, first, static_cast<int>(span), AlignedNumbers(span), AlignedNumbers(span)};
     for (const auto& entry : list) {
       diagonal.k[index(entry.row - first)] = entry.k;
       diagonal.b[index(entry.row - first)] = entry.b;

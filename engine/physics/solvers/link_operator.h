@@ -32,7 +32,7 @@ class LinkOperator {
  private:
   struct Diagonal {
     int offset, first, count;  // rows first ... first + count - 1; column = row + offset
-    Numbers k, b;
+    AlignedNumbers k, b;
   };
   void split();
   bool is_chain() const;
@@ -56,7 +56,7 @@ class LinkOperator {
   };
   std::vector<Row> rows_;
   std::vector<Scattered> scattered_;
-  Numbers constant_;
+  AlignedNumbers constant_;
   bool chain_ = false;  ///< diagonals -1, 0 and 1, all complete
 };
 

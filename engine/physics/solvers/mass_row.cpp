@@ -76,7 +76,7 @@ MassRow::MassRow(std::span<const LinkOperator::Entry> links, std::span<const dou
 int MassRow::wide() const { return in_lanes(masses() - 1); }
 
 bool MassRow::alike(int one, int other) const {
-  const auto same = [&](const Numbers& list) { return list[index(one)] == list[index(other)]; };
+  const auto same = [&](const AlignedNumbers& list) { return list[index(one)] == list[index(other)]; };
   return same(k_) && same(b_) && same(own_k_) && same(own_b_) && same(scale_);
 }
 

@@ -49,7 +49,7 @@ class MassRow {
   bool alike(int one, int other) const;
   Run::Kind kind_of(int first, const std::vector<bool>& pushed) const;
 
-  Numbers k_, b_, own_k_, own_b_, scale_;
+  AlignedNumbers k_, b_, own_k_, own_b_, scale_;
   std::vector<Run> runs_;
 };
 

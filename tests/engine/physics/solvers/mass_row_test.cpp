@@ -12,14 +12,14 @@ TEST_CASE("mass_row: vector registers and masses one by one give the same bits",
   std::mt19937 bits(1);
   const auto random = [&bits] { return static_cast<double>(bits()) / 4294967296.0; };
   const auto numbers = [&] {
-    Numbers list(n);
+    AlignedNumbers list(n);
     for (auto& x : list) x = random();
     return list;
   };
-  const auto constants = [&] { return alike ? Numbers(n, random()) : numbers(); };
+  const auto constants = [&] { return alike ? AlignedNumbers(n, random()) : numbers(); };
   const auto k = constants(), b = constants(), scale = constants(), u = numbers();
   auto q = numbers();
-  Numbers push(n);
+  AlignedNumbers push(n);
   std::vector<bool> pushed(n);
   for (std::size_t i = 0; i < n; i += alike ? 50 : 11) pushed[i] = true, push[i] = random();
   std::vector<LinkOperator::Entry> links, left;
@@ -33,7 +33,7 @@ TEST_CASE("mass_row: vector registers and masses one by one give the same bits",
   row.let_push(pushed);
   CHECK(left.empty());
 
-  Numbers expected_q(n), expected_u(n), next(n);
+  AlignedNumbers expected_q(n), expected_u(n), next(n);
   double below = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     const bool top = i + 1 == n;
