@@ -31,7 +31,8 @@ struct Exception {
 };
 const std::vector<Exception> kExceptions = {
     {"engine/rig/profile.cpp", "slew", "a limit of an actuator"},
-    {"engine/study/work_precision/accuracy_error.cpp", "decay", "an accuracy of a scene"},
+    {"engine/graph/semantics/bind.cpp", "curve", "a key of a spread over voices"},
+    {"engine/study/sweep/sweep.cpp", "delay", "the delay of a scene"},
 };
 
 std::vector<std::string> sources() {
@@ -101,7 +102,7 @@ struct ShippedNames {
 
 ShippedNames shipped_names() {
   static const std::regex section{"\\[([a-z_]+)(?:\\.([a-z_0-9]+))?(?:\\.([a-z_0-9]+))?\\].*"};
-  static const std::regex entry{"([a-z_0-9]+) = .*"};
+  static const std::regex entry{"([a-z_0-9]+) *= .*"};
   static const std::set<std::string> named = {"nodes", "inputs", "outputs", "controls"};
   ShippedNames names;
   for (const auto& file : fs::recursive_directory_iterator(fs::path{TACTUS_SOURCE_DIR} / "instruments")) {

@@ -131,6 +131,7 @@ const std::set<std::string> kRemember = {
     "counter.trigger",     "counter.reset",       // counts
     "latch.set",           "latch.reset",         // the last one of the two
     "curve.trigger",                              // stays at its last point
+    "hysteresis.in",       "hysteresis.width",    // where the play was left
     "sample_hold.trigger",                        // the sample held
     "sine.frequency",      "wavetable.frequency"  // the phase, a sum of all frequencies
 };

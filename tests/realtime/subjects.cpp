@@ -53,9 +53,9 @@ class EveryNode {
 };
 
 /// An engine behind its guard, both recorded, and hands on both.
-class Player {
+class PlayedGraph {
  public:
-  Player(std::unique_ptr<Player> engine, const DriveBook& drives)
+  PlayedGraph(std::unique_ptr<Player> engine, const DriveBook& drives)
       : engine_(std::move(engine)),
         guarded_(*engine_, guarded_channels(engine_->plan(), drives)),
         take_(engine_->in_channels(), engine_->out_channels(), 4096) {
@@ -118,7 +118,7 @@ class SceneSubject final : public Subject {
 
  private:
   std::unique_ptr<Player> plant_;
-  Player player_;
+  PlayedGraph player_;
   ClosedLoop loop_;
   int frames_;
 };
@@ -147,7 +147,7 @@ class GraphSubject : public Subject {
 
  protected:
   EveryNode every_;
-  Player player_;
+  PlayedGraph player_;
 
  private:
   static constexpr std::size_t kNoise = 1 << 16;

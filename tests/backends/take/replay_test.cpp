@@ -258,10 +258,10 @@ TEST_CASE("takes: a take that would write outside of its folder is refused", "[t
     return file ? "" : file.error().what;
   };
   CHECK(refused({"a.toml", {{"a.toml", ""}, {"../b.toml", ""}}, {}, ""}) ==
-        "a file of the take lies outside of its folder");
-  CHECK(refused({"a.toml", {{"/b.toml", ""}}, {}, ""}) == "a file of the take lies outside of its folder");
+        "a file of the take is outside its folder");
+  CHECK(refused({"a.toml", {{"/b.toml", ""}}, {}, ""}) == "a file of the take is outside its folder");
   CHECK(refused({"a.toml", {{"parts/../../b.toml", ""}}, {}, ""}) ==
-        "a file of the take lies outside of its folder");
+        "a file of the take is outside its folder");
   CHECK_FALSE(std::filesystem::exists(folder.path() / "b.toml"));
 }
 
@@ -278,5 +278,5 @@ TEST_CASE("takes: a sound file that changed is told", "[take]") {
   folder.write("hit.wav", "new");
   const auto gone = app::unpack(files, folder.path() / "again");
   REQUIRE_FALSE(gone.has_value());
-  CHECK(gone.error().what == "this sound file is gone or not what it was when the take was recorded");
+  CHECK(gone.error().what == "this sound file is missing or has changed since the take was recorded");
 }

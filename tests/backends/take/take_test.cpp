@@ -104,7 +104,7 @@ TEST_CASE("take: what is no take says what it is", "[take]") {
   CHECK(message(folder, "{}\n") ==
         "take.jsonl: its first line is not that of a take; give the .jsonl that was recorded with the WAV "
         "file");
-  CHECK(message(folder, "{\"tactus_take\": 2}\n") ==
+  CHECK(message(folder, "{\"tactus_take\": 3}\n") ==
         "take.jsonl: a later version of the program recorded this take; replay it with that version");
   CHECK(message(folder, header_line(full_header()) + "rubbish\n" + entry_line({})) ==
         "take.jsonl:2: this is no line of a take; restore the file from a copy");

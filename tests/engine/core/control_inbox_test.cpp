@@ -36,7 +36,7 @@ TEST_CASE("control inbox: every entry is applied at its frame, and blocks are cu
   CHECK(tap.entries[1] == entry(3, 3));
 }
 
-TEST_CASE("control inbox: an entry for now carries its true frame; a restart repeats the journal only",
+TEST_CASE("control inbox: an entry for now carries its true frame, and a restart repeats the journal only",
           "[core]") {
   ControlInbox inbox;
   Tap tap;

@@ -17,7 +17,7 @@ namespace {
 struct Folder : test::SceneFolder {
   LoadedScene load(const std::string& sections) const {
     const auto text =
-        "format = 1\nduration = \"1 s\"\n[parts]\n"
+        "format = 1\nduration = \"1 s\"\ndelay = \"1 ms\"\n[parts]\n"
         "instrument = { use = \"instrument.toml\", mic = \"plant.mic\", pedal = 0 }\n"
         "plant = { use = \"plant.toml\", drive = \"instrument.woofer\", lift = 0 }\n" +
         sections;
@@ -31,7 +31,7 @@ struct Folder : test::SceneFolder {
 
 }  // namespace
 
-TEST_CASE("roles: named ones come first, in order; ports play the others by their name", "[scene]") {
+TEST_CASE("roles: named ones come first, in order, and ports play the others by their name", "[scene]") {
   const Folder folder;
   const auto roles = folder.load("[roles]\ncontact = \"plant.stick\"\nball = \"plant.mic\"\n").scene->roles;
   REQUIRE(roles.size() == 4);
@@ -47,9 +47,9 @@ TEST_CASE("roles: named ones come first, in order; ports play the others by thei
 
 TEST_CASE("roles: unknown roles and signals are errors at their place", "[scene]") {
   const Folder folder;
-  CHECK(folder.errors("[roles]\nstik = \"plant.stick\"\n").starts_with("scene.toml:7:1: "));
-  CHECK(folder.errors("[roles]\nstick = \"plant.stik\"\n").starts_with("scene.toml:7:9: "));
-  CHECK(folder.errors("[roles]\nstick = 1\n").starts_with("scene.toml:7:9: "));
+  CHECK(folder.errors("[roles]\nstik = \"plant.stick\"\n").starts_with("scene.toml:8:1: "));
+  CHECK(folder.errors("[roles]\nstick = \"plant.stik\"\n").starts_with("scene.toml:8:9: "));
+  CHECK(folder.errors("[roles]\nstick = 1\n").starts_with("scene.toml:8:9: "));
   CHECK(folder.errors("[expect]\nbounce = { measure = \"restitution\", max = 1 }\n").find("'contact'") !=
         std::string::npos);
   CHECK(folder.errors("[roles]\ncontact = \"plant.stick\"\n"

@@ -342,7 +342,7 @@ push = { from = "2 N * pulse", unit = "N" }
   CHECK(verdict.events[0].place.path == "instrument.hit");
   CHECK(verdict.events[0].on_loop);
   CHECK(verdict.events[0].place.hold_s.value() == Approx(0.02));
-  CHECK(describe(verdict)[1].find("50 events a second") != std::string::npos);
+  CHECK(describe(verdict)[1].find("50 events per second") != std::string::npos);
 }
 
 TEST_CASE("stability: the border of a loop that an event may open or close is not run", "[analysis]") {

@@ -107,6 +107,7 @@ TEST_CASE("notes_heard: a note speaks when the study of playability says that it
   recording.roles = {{"monitor", "instrument.sound", {}}};
   Playability judged;
   judged.kind = Playability::Kind::Tone;
+  judged.sound.name = "instrument.sound";
   judged.pitch_hz = 110;
   judged.to_s = 2.5;
   CHECK(judge(recording, judged).reading(judged.kind, "start_s") == *notes[0].speaks_after_s);
@@ -123,7 +124,7 @@ TEST_CASE("notes_heard: a vibrato is one note, and told as one", "[analysis]") {
   CHECK(notes[0].swing_cents == Approx(38).epsilon(0).margin(2.5));
   REQUIRE(notes[0].vibrato_hz);
   CHECK(*notes[0].vibrato_hz == Approx(5).epsilon(0).margin(0.15));
-  CHECK(in_words(notes[0]).find(" a second (40 wanted)") != std::string::npos);
+  CHECK(in_words(notes[0]).find("(40 expected)") != std::string::npos);
 }
 
 TEST_CASE("notes_heard: a slide is a glide between two notes", "[analysis]") {
