@@ -22,7 +22,7 @@ struct BifurcationOptions {
 
 /// A scene without an instrument has its controls in the plant.
 std::string default_control(const SceneSpec& scene) {
-  return scene.part("instrument") != nullptr ? "gamma" : "plant.gamma";
+  return scene.part("instrument") != nullptr ? "gamma" : scene.parts.front().name + ".gamma";
 }
 
 int run_bifurcation(const BifurcationOptions& options) {

@@ -41,6 +41,10 @@ Result<PlayabilityOptions> study_options(const PlayabilityArguments& options, Sc
                 "use tactus sweep for more");
   auto plan = read_plan(options, scene);
   if (!plan) return tl::unexpected(plan.error());
+  const double least_s = scene.playability ? scene.playability->from_s + 1 : 1;
+  if (!options.duration.empty() && scene.duration.value < least_s)
+    return fail(Errc::OutOfRange, "--duration", "leaves less than a second to be scored",
+                fmt::format("choose at least {:g} s", least_s));
   for (const auto& swept : plan->over)
     if (swept.what == SweptValue::What::Delay)
       return fail(Errc::BadArgument, "--over", "the delay is swept already", "use --delay");
