@@ -89,8 +89,8 @@ function(tactus_module name)
   foreach(target IN LISTS targets)
     target_link_libraries(${target} PUBLIC tactus_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE})
     tactus_unity(${target})
-    # Targets of other flags can share it with g++ only.
-    if(TARGET tactus_precompiled)
+    # Sound libraries bring macros (_REENTRANT) with which a shared precompiled header is not valid.
+    if(TARGET tactus_precompiled AND NOT "${ARG_PRIVATE}" MATCHES "PkgConfig::[a-z]")
       target_link_libraries(${target} PRIVATE fmt::fmt)
       target_precompile_headers(${target} REUSE_FROM tactus_precompiled)
     endif()
