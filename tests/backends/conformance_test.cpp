@@ -132,7 +132,8 @@ TEST_CASE("backends: what is left out is chosen: the default device, its rate, s
   for_every_backend([](Subject& subject, Witness&, Guarded& guarded) {
     const auto stream = subject.backend->open(subject.request, guarded);
     REQUIRE(stream);
-    CHECK((*stream)->granted().device == subject.backend->devices()->front().id);
+    const auto& asked = subject.request.device;
+    CHECK((*stream)->granted().device == (asked.empty() ? subject.backend->devices()->front().id : asked));
     CHECK((*stream)->granted().format.sample_rate == kRate);
     CHECK((*stream)->granted().format.max_frames >= 1);
   });

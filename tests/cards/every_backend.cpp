@@ -35,7 +35,7 @@ std::optional<Subject> on_alsa(const Way& way) {
   std::shared_ptr<CardOnServer> rig = start_card();
   const auto device = rig->request(way, 2, 1).device;
   auto subject = live_subject(way.backend(), std::move(rig));
-  subject.request.device = device;
+  if (subject.backend->devices()->front().id != device) subject.request.device = device;
   return subject;
 }
 
