@@ -213,7 +213,7 @@ TEST_CASE_METHOD(OnServer, "play: what was pressed while the device was away hol
   server->kill();
   REQUIRE(play.says("disconnected"));
   play.press("a");
-  REQUIRE(play.says("the drives are disarmed"));
+  REQUIRE(play.says("drives disarmed"));
   server->restart();
   REQUIRE(play.says("reconnected after"));
   // Whoever listens to what the card plays hears nothing.
@@ -253,7 +253,7 @@ TEST_CASE_METHOD(OnServer, "play: nothing goes around a rig", "[cards]") {
   CHECK_THAT(refused({"--pad-delay", "20 ms"}), Catch::Contains("the padding is unknown"));
   Playing play{{tone, "--rig", rig, "--duration", "0.2 s"}};
   CHECK(play.ends() == 0);
-  CHECK_THAT(play.log(), Catch::Contains("it is not known now"));
+  CHECK_THAT(play.log(), Catch::Contains("it counts as unknown"));
 }
 
 TEST_CASE_METHOD(
