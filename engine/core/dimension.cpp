@@ -12,7 +12,6 @@ namespace tactus {
 namespace {
 
 constexpr double kMostExponent = 99;  // nothing physical has more
-constexpr double kPi = 3.14159265358979323846;
 
 struct Symbol {
   std::string_view name;
