@@ -49,8 +49,9 @@ function(tactus_unity target)
 endfunction()
 
 # tactus_optimise(app 1): -O1 for code whose compile time counts more than its speed; never for the real-time path.
+# Never more than the build's own level: g++ 12 crashes on a precompiled header of a lower level.
 function(tactus_optimise target level)
-  if(TACTUS_SHORT_BUILD)
+  if(TACTUS_SHORT_BUILD AND NOT CMAKE_CXX_FLAGS MATCHES "-O[01]")
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-O${level}>)
   endif()
 endfunction()
