@@ -7,7 +7,7 @@
 #include "apps/check/check_report.h"
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig.h"
 

@@ -31,10 +31,8 @@ std::vector<double> measure_steps(Player& engine, int block) {
   constexpr std::chrono::milliseconds kRound{50};
   const int ins = engine.in_channels();
   const int outs = engine.out_channels();
-  std::vector<std::vector<double>> in(static_cast<std::size_t>(ins),
-                                      std::vector<double>(static_cast<std::size_t>(block), 1e-3));
-  std::vector<std::vector<double>> out(static_cast<std::size_t>(outs),
-                                       std::vector<double>(static_cast<std::size_t>(block)));
+  std::vector<std::vector<double>> in(index(ins), std::vector<double>(index(block), 1e-3));
+  std::vector<std::vector<double>> out(index(outs), std::vector<double>(index(block)));
   std::vector<const double*> in_ptr;
   std::vector<double*> out_ptr;
   for (auto& channel : in) in_ptr.push_back(channel.data());
@@ -58,9 +56,7 @@ const char* kind_of(const Step& step) {
   return kKinds[static_cast<int>(step.kind)];
 }
 
-const Vertex& vertex_of(const Plan& plan, const Step& step) {
-  return plan.vertices[static_cast<std::size_t>(step.vertex)];
-}
+const Vertex& vertex_of(const Plan& plan, const Step& step) { return plan.vertices[index(step.vertex)]; }
 
 std::string name_of(const Plan& plan, const Step& step) {
   return step.vertex < 0 ? "outside" : vertex_of(plan, step).path;
@@ -81,9 +77,8 @@ std::size_t memory_of(const Plan& plan) {
 
 /// Notes of a node on how it was made; of one that runs in two halves, once.
 std::string about_step(const Plan& plan, const Step& step) {
-  return step.node < 0 || step.kind == Step::Kind::Absorb
-             ? std::string{}
-             : plan.nodes[static_cast<std::size_t>(step.node)]->about();
+  return step.node < 0 || step.kind == Step::Kind::Absorb ? std::string{}
+                                                          : plan.nodes[index(step.node)]->about();
 }
 
 void add_left_out(Json& json, const std::vector<LeftOut>& left_out) {
@@ -101,13 +96,13 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
   for (const auto& section : plan.sections) {
     Json part{{"loop", section.loop}, {"sub_block_frames", section.sub_block}, {"steps", Json::array()}};
     for (int s = section.first_step; s < section.end_step; ++s) {
-      const auto& step = plan.steps[static_cast<std::size_t>(s)];
+      const auto& step = plan.steps[index(s)];
       if (const auto about = about_step(plan, step); !about.empty())
         json["about"].push_back({{"name", name_of(plan, step)}, {"what", about}});
       part["steps"].push_back({{"name", name_of(plan, step)},
                                {"what", what_runs(plan, step)},
                                {"how", kind_of(step)},
-                               {"ns_per_frame", costs[static_cast<std::size_t>(s)]}});
+                               {"ns_per_frame", costs[index(s)]}});
     }
     json["sections"].push_back(part);
   }

@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig_text.h"
 

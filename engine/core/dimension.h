@@ -37,6 +37,10 @@ struct Unit {
 /// m per s). nullopt: not a unit.
 std::optional<Unit> parse_unit(std::string_view text);
 
+/// The longest beginning of `text` that reads as a unit inside an expression; "" if there is none. Factors
+/// are joined by spaces or by a '/' without spaces around it: "N/m * x" begins with "N/m", "N / m" with "N".
+std::string_view unit_prefix(std::string_view text);
+
 /// True for one unit symbol ("ms", "ohm", "dB").
 bool is_unit_symbol(std::string_view word);
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "engine/core/index.h"
 #include "engine/core/realtime.h"
 #include "engine/core/units.h"
 

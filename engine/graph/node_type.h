@@ -2,6 +2,7 @@
 
 // Thread: [control]. A declaration is made once and constant from then on: reading it is [any].
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -161,6 +162,25 @@ struct NodeType {
   /// Index in `inputs` / `outputs`, or -1.
   int input_index(std::string_view port) const;
   int output_index(std::string_view port) const;
+};
+
+struct NetworkSpec;
+
+/// Every kind of node that a graph file can name. Filled by engine/nodes (`standard_nodes()`).
+struct NodeTable {
+  std::vector<const NodeType*> types;
+
+  /// Turns one `[networks.x]` into the declaration of one node: its inputs are the fields of the elements
+  /// that take signals ("coil.voltage"), its outputs what the elements can be asked for ("stick.position").
+  /// Structural mistakes (unknown element types and keys, elements that do not exist) come back all at once.
+  std::function<Checked<std::shared_ptr<const NodeType>>(const NetworkSpec&)> network;
+
+  /// nullptr if there is no such type.
+  const NodeType* find(std::string_view name) const {
+    const auto found =
+        std::find_if(types.begin(), types.end(), [&](auto* type) { return type->name == name; });
+    return found == types.end() ? nullptr : *found;
+  }
 };
 
 }  // namespace tactus

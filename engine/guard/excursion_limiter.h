@@ -37,7 +37,7 @@ class ExcursionLimiter {
   /// [realtime] What may go out instead of `wanted` behind `previous`, at `position` of the group.
   double allow(double wanted, double previous, int position) noexcept;
   /// [realtime] What went out at `position`.
-  void record(double y, int position) noexcept { observed_[static_cast<std::size_t>(position)] = y; }
+  void record(double y, int position) noexcept { observed_[index(position)] = y; }
   /// [realtime] The outputs of a piece of a group.
   void observe(const double* samples, int frames, int position, double sum_of_absolutes) noexcept;
   /// [realtime] A group is over.

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "engine/core/block_io.h"
-#include "engine/core/control_inbox.h"
 #include "engine/core/journal.h"
 #include "engine/core/spsc_queue.h"
 #include "engine/guard/drive_guard.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/rig/rig_text.h"
 
 namespace tactus {

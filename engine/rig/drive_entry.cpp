@@ -1,8 +1,8 @@
 #include "engine/rig/drive_entry.h"
 
 #include "engine/graph/file/field.h"
+#include "engine/graph/file/load.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/semantics/part_path.h"
 
 namespace tactus {
 namespace {

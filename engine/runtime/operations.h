@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "engine/graph/node.h"
+#include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/flat_graph.h"
-#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 

@@ -72,8 +72,8 @@ void Player::run_sub_block(int frames) noexcept {
   steps_.run<kTimed>(*running_, *this, now_, frames);
   if (outside_ == nullptr) store_outputs(frames);
   for (std::size_t t = 0; t < running_->taps.size(); ++t) {
-    const auto& signal = running_->plan->channels[static_cast<std::size_t>(running_->tap_channels[t])].signal;
-    for (int n = 0; n < frames; ++n) running_->taps[t][static_cast<std::size_t>(offset_ + n)] = signal[n];
+    const auto& signal = running_->plan->channels[index(running_->tap_channels[t])].signal;
+    for (int n = 0; n < frames; ++n) running_->taps[t][index(offset_ + n)] = signal[n];
   }
 }
 
@@ -98,9 +98,9 @@ void Player::apply(const JournalEntry& entry) noexcept {
     std::fill_n(plan.system_delay, kVectorWidth, entry.value / plan.sample_rate.value);
   if (entry.kind != JournalEntry::Kind::ControlChange) return;
   if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
-  const int index = running_->control_of[static_cast<std::size_t>(entry.index)];
-  if (index < 0 || !std::isfinite(entry.value)) return;
-  running_->move_control(static_cast<std::size_t>(index), now_, entry.value);
+  const int control = running_->control_of[index(entry.index)];
+  if (control < 0 || !std::isfinite(entry.value)) return;
+  running_->move_control(index(control), now_, entry.value);
 }
 
 int Player::control_index(std::string_view control) const {
@@ -108,7 +108,7 @@ int Player::control_index(std::string_view control) const {
   const auto found = std::find(names.begin(), names.end(), control);
   if (found == names.end()) return -1;
   const auto number = found - names.begin();
-  return versions_.newest().control_of[static_cast<std::size_t>(number)] < 0 ? -1 : static_cast<int>(number);
+  return versions_.newest().control_of[index(number)] < 0 ? -1 : static_cast<int>(number);
 }
 
 void Player::take_over(Running& next) noexcept {
@@ -131,7 +131,7 @@ double Player::last_output(std::size_t output) const noexcept {
 // Samples.
 
 const Signal& Player::output_signal(std::size_t output) const noexcept {
-  return running_->plan->channels[static_cast<std::size_t>(running_->outputs[output])].signal;
+  return running_->plan->channels[index(running_->outputs[output])].signal;
 }
 
 void Player::load_inputs(int frames) noexcept {
@@ -156,7 +156,7 @@ void Player::make_finite(double* samples, int frames) noexcept {
 }
 
 void Player::store_outputs(int frames) noexcept {
-  const auto channels = std::min(static_cast<std::size_t>(format_.out_channels), running_->outputs.size());
+  const auto channels = std::min(index(format_.out_channels), running_->outputs.size());
   for (std::size_t c = 0; c < channels; ++c) {
     const auto& signal = output_signal(c);
     if (signal.stride == 1) {

@@ -9,22 +9,17 @@ namespace {
 
 using Kind = FieldType::Kind;
 
-Unit unit_called(const std::string& text) { return parse_unit(text).value_or(Unit{}); }
-
-std::string in_unit(double si, const std::string& unit) {
-  return short_quantity(si, unit_called(unit).dimension);
-}
-
-std::optional<double> read_whole(const Value& value, const FieldType& field, double high,
-                                 Mistakes& mistakes) {
+std::optional<double> read_whole(const Value& value, const FieldType& field, double high, Mistakes& mistakes,
+                                 const std::string& owner) {
   const auto* number = value.number();
   const bool whole = number != nullptr && std::floor(*number) == *number;
   if (whole && *number >= field.low && *number <= high) return *number;
-  mistakes.add(
-      number ? Errc::OutOfRange : Errc::WrongType, value.at,
-      "'" + field.key + (whole ? "' cannot be " + short_number(*number) : "' must be a whole number"),
-      "give one from " + std::to_string(std::llround(field.low)) + " to " +
-          std::to_string(std::llround(high)));
+  mistakes.add(number ? Errc::OutOfRange : Errc::WrongType, value.at,
+               key_of(field.key, owner) +
+                   (whole ? " cannot be " + short_number(*number) : std::string{" must be a whole number"}),
+               std::isinf(high) ? "write it without quotes and without a point"
+                                : "give one from " + std::to_string(std::llround(field.low)) + " to " +
+                                      std::to_string(std::llround(high)));
   return std::nullopt;
 }
 
@@ -91,8 +86,9 @@ FieldType only(std::string kind, FieldType field) {
 }
 FieldType about_field() { return text_field("about", "for people"); }
 
-FieldReader::FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes)
-    : FieldReader(table, section, mistakes, kKeysChecked) {
+FieldReader::FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes,
+                         std::string owner)
+    : FieldReader(table, section, mistakes, kKeysChecked, std::move(owner)) {
   const auto* kind = find(table, "kind");
   const auto* chosen = kind != nullptr ? kind->text() : nullptr;
   std::vector<std::string> known;
@@ -101,8 +97,8 @@ FieldReader::FieldReader(const Value::Table& table, const SectionType& section, 
                                        [&](auto& f) { return !f.only.empty() && f.only == *chosen; });
   for (const auto& field : section.fields)
     if (!decides || field.only.empty() || field.only == *chosen) known.push_back(field.key);
-  mistakes.unknown_keys(table, known);
-  if (has("about")) mistakes.text(table, "about");
+  mistakes.unknown_keys(table, known, owner_);
+  if (has("about")) text("about");
 }
 
 Source FieldReader::at(std::string_view key, const Source& otherwise) const {
@@ -110,14 +106,14 @@ Source FieldReader::at(std::string_view key, const Source& otherwise) const {
   return found != nullptr ? found->at : otherwise;
 }
 
-std::string FieldReader::text(std::string_view key) { return mistakes_.text(table_, key); }
+std::string FieldReader::text(std::string_view key) { return mistakes_.text(table_, key, owner_); }
 
 std::optional<double> FieldReader::number(std::string_view key, double most) {
   const auto& field = section_[key];
   const double high = std::min(field.high, most);
   if (field.kind != Kind::Whole)
-    return read_bounded(table_, field.key, field.unit, field.low, high, mistakes_);
-  return has(key) ? read_whole(*value(key), field, high, mistakes_) : std::nullopt;
+    return read_bounded(table_, field.key, field.unit, field.low, high, mistakes_, owner_);
+  return has(key) ? read_whole(*value(key), field, high, mistakes_, owner_) : std::nullopt;
 }
 
 std::optional<QuantityValue> FieldReader::any(std::string_view key) {
@@ -131,7 +127,7 @@ bool FieldReader::flag(std::string_view key) {
   if (found == nullptr) return false;
   if (found->flag() == nullptr)
     mistakes_.add(Errc::WrongType, found->at,
-                  "'" + std::string{key} + "' must be true or false, not " + found->kind(),
+                  key_of(key, owner_) + " must be true or false, not " + found->kind(),
                   "write " + std::string{key} + " = true");
   return found->flag() != nullptr && *found->flag();
 }
@@ -143,8 +139,28 @@ std::optional<int> FieldReader::choice(std::string_view key) {
   const auto& choices = section_[key].choices;
   const auto place = std::find(choices.begin(), choices.end(), word);
   if (place != choices.end()) return static_cast<int>(place - choices.begin());
-  mistakes_.add(Errc::UnknownName, found->at, "'" + std::string{key} + "' cannot be '" + word + "'",
+  mistakes_.add(Errc::UnknownName, found->at, key_of(key, owner_) + " cannot be '" + word + "'",
                 suggest(word, choices));
+  return std::nullopt;
+}
+
+std::optional<Interval> FieldReader::range(std::string_view key, const Unit& unit) {
+  const auto* found = value(key);
+  if (found == nullptr) return std::nullopt;
+  const std::string name{key};
+  const auto* list = found->list();
+  if (list == nullptr || list->size() != 2) {
+    mistakes_.add(Errc::WrongType, found->at, key_of(key, owner_) + " must have two ends",
+                  "write " + name + " = [low, high]");
+    return std::nullopt;
+  }
+  const auto low = read_quantity((*list)[0], unit, name), high = read_quantity((*list)[1], unit, name);
+  mistakes_.keep(low);
+  mistakes_.keep(high);
+  if (!low || !high) return std::nullopt;
+  if (*low <= *high) return Interval{*low, *high};
+  mistakes_.add(Errc::OutOfRange, found->at, key_of(key, owner_) + " has its ends in the wrong order",
+                "write the lower end first");
   return std::nullopt;
 }
 
@@ -157,14 +173,15 @@ std::pair<std::optional<double>, std::optional<double>> FieldReader::window(Seco
 }
 
 std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
-                                   double low, double high, Mistakes& mistakes) {
+                                   double low, double high, Mistakes& mistakes, const std::string& owner) {
   const auto* value = find(table, key);
   if (value == nullptr) return std::nullopt;
-  const auto number = read_quantity(*value, unit_called(unit), key);
+  const auto of = parse_unit(unit).value_or(Unit{});
+  const auto number = read_quantity(*value, of, key);
   if (mistakes.keep(number) == nullptr) return std::nullopt;
   if (*number >= low && *number <= high) return *number;
-  mistakes.add(Errc::OutOfRange, value->at, "'" + key + "' cannot be " + in_unit(*number, unit),
-               "it runs from " + in_unit(low, unit) + " to " + in_unit(high, unit));
+  mistakes.add(Errc::OutOfRange, value->at, key_of(key, owner) + " cannot be " + in_unit(*number, of),
+               limits_text(low, high, of));
   return std::nullopt;
 }
 

@@ -7,7 +7,6 @@
 
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/graph/semantics/part_path.h"
 
 namespace tactus {
 namespace {

@@ -25,8 +25,8 @@ struct ParserConfused {};
 #include <system_error>
 #include <tuple>
 
+#include "engine/core/index.h"
 #include "engine/graph/file/load.h"
-#include "engine/graph/file/toml_limits.h"
 
 namespace tactus {
 namespace {
@@ -52,8 +52,7 @@ struct Unquoted {
 /// The commonest mistake: `time = 12 ms` or `in = microphone` where quotes belong. Nothing if it is another
 /// one.
 std::optional<Unquoted> find_unquoted(std::string_view line, int error_column) {
-  const auto start =
-      line.substr(0, static_cast<std::size_t>(std::max(error_column - 1, 0))).find_last_of("=,[{");
+  const auto start = line.substr(0, index(std::max(error_column - 1, 0))).find_last_of("=,[{");
   if (start == line.npos || line.substr(line.find_first_not_of(" \t")).starts_with('[')) return std::nullopt;
   const auto first = line.find_first_not_of(" \t", start + 1);
   if (first == line.npos) return std::nullopt;
@@ -159,7 +158,7 @@ Result<std::string> read_graph_text(const std::filesystem::path& file) {
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.eof() && stream.fail())
     return fail(Errc::BadFile, name, "cannot be read", "check its permissions");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  text.resize(index(stream.gcount()));
   return text;
 }
 

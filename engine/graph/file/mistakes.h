@@ -19,6 +19,12 @@ void sort_by_place(std::vector<Error>& errors, std::string_view first = {});
 /// "'a', 'b' and 'c'"
 std::string listed(std::span<const std::string> names);
 
+/// The candidate with the fewest letters to change, if that is few enough to be what was meant; else "".
+std::string nearest_name(std::string_view wrong, std::span<const std::string> candidates);
+
+/// "'key'", "'key' of owner"
+std::string key_of(std::string_view key, const std::string& owner);
+
 /// "did you mean 'x'?", else `otherwise`, else the list of all `known`.
 std::string suggest(std::string_view wrong, std::span<const std::string> known,
                     const std::string& otherwise = {});
@@ -34,11 +40,13 @@ class Mistakes {
   void add(Error error) { list_.push_back(std::move(error)); }
   void add(std::vector<Error> errors);
 
-  /// "unknown key 'xyz'; did you mean 'inputs'?" for each key that is not in `known`.
-  void unknown_keys(const Value::Table& table, std::span<const std::string> known);
+  /// "unknown key 'xyz'; did you mean 'inputs'?" for each key that is not in `known`; with an owner "delay
+  /// 'a' has no 'xyz'; …".
+  void unknown_keys(const Value::Table& table, std::span<const std::string> known,
+                    const std::string& owner = {});
 
-  /// The string called `key`; "" if there is none, and a mistake if it is something else.
-  std::string text(const Value::Table& table, std::string_view key);
+  /// The string called `key`; "" if there is none, and an error if it is something else.
+  std::string text(const Value::Table& table, std::string_view key, const std::string& owner = {});
 
   /// The value, or nothing and a mistake.
   template <class T>

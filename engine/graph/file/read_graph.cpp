@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/mistakes.h"
 #include "engine/graph/semantics/scope.h"
 
 namespace tactus {
@@ -30,10 +30,14 @@ bool check_keys(const Value::Table& table, Mistakes& mistakes) {
                      [&](const Field& field) { return among(keys, field.key); });
 }
 
+/// Those in which names are declared.
 bool sections_are_tables(const Value::Table& table) {
-  static const std::vector<std::string> kSections = {"inputs", "controls", "nodes", "networks", "outputs"};
-  return std::all_of(table.begin(), table.end(), [](const Field& field) {
-    return !among(kSections, field.key) || field.value.table() != nullptr;
+  using Kind = FieldType::Kind;
+  const auto& fields = graph_fields().fields;
+  return std::all_of(fields.begin(), fields.end(), [&](const FieldType& field) {
+    const auto* value = find(table, field.key);
+    return (field.kind != Kind::Entries && field.kind != Kind::Reference) || value == nullptr ||
+           value->table() != nullptr;
   });
 }
 
@@ -162,11 +166,20 @@ const SectionType& output_fields() {
   return section;
 }
 
+namespace {
+FieldType voices_field() { return whole_field("voices", 1, 1024, "how many lanes", "1"); }
+}  // namespace
+
+const SectionType& node_fields() {
+  static const SectionType section{
+      "a node of a type", {required(text_field("type", "of the node")), voices_field(), about_field()}};
+  return section;
+}
+
 const SectionType& part_fields() {
   static const SectionType section{
       "a graph file as a node; its inputs and controls are wired by name",
-      {required(text_field("use", "path of the file, from this one")),
-       whole_field("voices", 1, 1024, "how many lanes", "1"),
+      {required(text_field("use", "path of the file, from this one")), voices_field(),
        text_field("rate", "of its own: a fraction, \"1/16\", or \"3 kHz\"", "that around it"),
        choice_field("take", {"last", "mean"}, "what a frame at that rate is given", "last"),
        choice_field("between", {"hold", "line"}, "what goes out between two of them", "hold"),

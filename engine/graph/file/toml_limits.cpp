@@ -1,9 +1,9 @@
-#include "engine/graph/file/toml_limits.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <string>
+
+#include "engine/graph/file/load.h"
 
 namespace tactus {
 namespace {

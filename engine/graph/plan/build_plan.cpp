@@ -3,12 +3,10 @@
 
 #include "engine/graph/plan/passes.h"
 #include "engine/graph/plan/rate_converter.h"
-#include "engine/graph/semantics/operators.h"
+#include "engine/graph/semantics/expression.h"
 
 namespace tactus {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 class Builder {
  public:
@@ -248,8 +246,8 @@ class Builder {
     plan_->channels.resize(graph_.outputs.size());
     for (const auto& vertex : graph_.vertices) {
       if (vertex.kind != Vertex::Kind::Output) continue;
-      auto& channel = plan_->channels[static_cast<std::size_t>(vertex.index)];
-      const auto& output = graph_.outputs[static_cast<std::size_t>(vertex.index)];
+      auto& channel = plan_->channels[index(vertex.index)];
+      const auto& output = graph_.outputs[index(vertex.index)];
       const auto& from = vertex.in.front();
       channel = {output.name, output.use, output.dimension, from, signal(from)};
     }

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <optional>
 
-#include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/graph/plan/passes.h"
 #include "engine/graph/semantics/facts.h"
-#include "engine/graph/semantics/resolve.h"
+#include "engine/graph/semantics/instance.h"
 
 namespace tactus {
 namespace {
@@ -21,7 +21,7 @@ std::size_t size_of(const Expression& expression) {
   return size;
 }
 
-std::size_t in_lanes(std::size_t size, int lanes) { return size * static_cast<std::size_t>(lanes); }
+std::size_t in_lanes(std::size_t size, int lanes) { return size * index(lanes); }
 
 /// Nodes and operators, those of each lane counted separately.
 std::size_t unfolded_nodes(const FlatGraph& graph) {
@@ -49,28 +49,23 @@ void check_constants(const VertexGraph& graph, Mistakes& mistakes) {
 }
 
 void set_controls(FlatGraph& flat, const std::map<std::string, ControlValue>& values, Mistakes& mistakes) {
-  for (const auto& setting : values) {
-    const auto& name = setting.first;
-    const double value = setting.second.si;
-    const auto it = std::find_if(flat.controls.begin(), flat.controls.end(),
-                                 [&](const auto& c) { return c.name == setting.first; });
+  for (const auto& [name, setting] : values) {
+    const double value = setting.si;
+    const auto it = std::ranges::find(flat.controls, name, &FlatControl::name);
     if (it == flat.controls.end()) {
       std::vector<std::string> known;
       for (const auto& control : flat.controls) known.push_back(control.name);
       mistakes.add(Errc::UnknownName, {}, "there is no control '" + name + "'",
                    known.empty() ? "this graph has none" : "this graph has " + listed(known));
-    } else if (setting.second.dimension && !(*setting.second.dimension == it->unit.dimension)) {
-      const auto in = [](const Dimension& d) {
-        return d.plain() ? std::string{"a plain number"} : "in " + to_string(d);
-      };
+    } else if (setting.dimension && !(*setting.dimension == it->unit.dimension)) {
       mistakes.add(Errc::UnitMismatch, {},
-                   "control '" + name + "' is " + in(it->unit.dimension) + ", but it is set to what is " +
-                       in(*setting.second.dimension),
+                   "control '" + name + "' is " + unit_phrase(it->unit.dimension) +
+                       ", but it is set to what is " + unit_phrase(*setting.dimension),
                    "give it in its own unit");
     } else if (!it->range.contains(value)) {
-      mistakes.add(
-          Errc::OutOfRange, {}, "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
-          "it goes from " + in_unit(it->range.low, it->unit) + " to " + in_unit(it->range.high, it->unit));
+      mistakes.add(Errc::OutOfRange, {},
+                   "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
+                   limits_text(it->range.low, it->range.high, it->unit));
     } else {
       it->value = value;
     }

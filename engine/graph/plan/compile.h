@@ -12,7 +12,7 @@
 #include "engine/core/error.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/spec.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 #include "engine/graph/plan/plan.h"
 
 namespace tactus {

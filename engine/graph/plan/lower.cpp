@@ -17,10 +17,10 @@ class Lowering {
     make_inputs();
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
-      wires_.emplace_back(static_cast<std::size_t>(signal.lanes));
+      wires_.emplace_back(index(signal.lanes));
       if (signal.kind == FlatSignal::Kind::NodeOutput) continue;
       for (int lane = 0; lane < signal.lanes; ++lane)
-        wires_[i][static_cast<std::size_t>(lane)] =
+        wires_[i][index(lane)] =
             signal.kind == FlatSignal::Kind::SystemDelay ? system_delay(signal) : make_source(signal, lane);
     }
     make_nodes();
@@ -31,8 +31,7 @@ class Lowering {
       divisor_ = signal.conversion ? signal.conversion->from : signal.divisor;
       for (int lane = 0; lane < signal.lanes; ++lane) {
         const auto wire = lower(signal.expression, lane, signal.lanes, signal.path);
-        graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {
-            wire};
+        graph_.vertices[index(wires_[i][index(lane)].vertex)].in = {wire};
       }
     }
     connect_nodes();
@@ -83,7 +82,7 @@ class Lowering {
     switch (signal.kind) {
       case FlatSignal::Kind::Input:
         vertex.kind = Vertex::Kind::Input;
-        vertex.index = first_channel_[static_cast<std::size_t>(signal.index)] + lane;
+        vertex.index = first_channel_[index(signal.index)] + lane;
         break;
       case FlatSignal::Kind::Control:
         vertex.kind = Vertex::Kind::Control;
@@ -120,11 +119,11 @@ class Lowering {
   /// A name for what a node fires, through as many files as there may be.
   bool is_trigger(const Expression& expression, int depth) const {
     if (expression.op != Expression::Op::Signal || depth > 64) return false;
-    const auto& signal = flat_.signals[static_cast<std::size_t>(expression.signal)];
+    const auto& signal = flat_.signals[index(expression.signal)];
     if (signal.kind == FlatSignal::Kind::Expression) return is_trigger(signal.expression, depth + 1);
     if (signal.kind != FlatSignal::Kind::NodeOutput) return false;
-    const auto& type = *flat_.nodes[static_cast<std::size_t>(signal.index)].type;
-    return type.outputs[static_cast<std::size_t>(signal.port)].kind == OutputKind::Trigger;
+    const auto& type = *flat_.nodes[index(signal.index)].type;
+    return type.outputs[index(signal.port)].kind == OutputKind::Trigger;
   }
 
   void make_nodes() {
@@ -133,8 +132,7 @@ class Lowering {
       first_vertex_.push_back(static_cast<int>(graph_.vertices.size()));
       if (node.type->reduces_lanes) {  // a sum of lanes: plain additions
         const int output = node.outputs.front();
-        wires_[static_cast<std::size_t>(output)][0] =
-            make_source(flat_.signals[static_cast<std::size_t>(output)], 0);
+        wires_[index(output)][0] = make_source(flat_.signals[index(output)], 0);
         continue;
       }
       for (int lane = 0; lane < node.lanes; ++lane) {
@@ -149,8 +147,7 @@ class Lowering {
         vertex.divisor = node.divisor;
         const auto wire = add(std::move(vertex));
         for (std::size_t port = 0; port < node.outputs.size(); ++port)
-          wires_[static_cast<std::size_t>(node.outputs[port])][static_cast<std::size_t>(lane)] = {
-              wire.vertex, static_cast<int>(port)};
+          wires_[index(node.outputs[port])][index(lane)] = {wire.vertex, static_cast<int>(port)};
       }
     }
   }
@@ -170,7 +167,7 @@ class Lowering {
                                       : constant(node.type->inputs[i].fallback.value_or(0)));
         const auto v = first_vertex_[n] + lane;
         if (!node.compensate.empty()) compensate(node, lane, in);
-        graph_.vertices[static_cast<std::size_t>(v)].in = std::move(in);
+        graph_.vertices[index(v)].in = std::move(in);
       }
     }
   }
@@ -179,12 +176,12 @@ class Lowering {
   /// that node, since those decide what the delay is.
   void compensate(const FlatNode& node, int lane, std::vector<Wire>& in) {
     const auto& where = *node.type->compensation;
-    const auto time = static_cast<std::size_t>(where.port), period = static_cast<std::size_t>(where.period);
+    const auto time = index(where.port), period = index(where.period);
     for (const int other_index : node.compensate) {
-      const auto& other = flat_.nodes[static_cast<std::size_t>(other_index)];
+      const auto& other = flat_.nodes[index(other_index)];
       Vertex vertex;
       vertex.kind = Vertex::Kind::PhaseDelay;
-      vertex.index = first_vertex_[static_cast<std::size_t>(other_index)] + std::min(lane, other.lanes - 1);
+      vertex.index = first_vertex_[index(other_index)] + std::min(lane, other.lanes - 1);
       vertex.value = where.sign;
       vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
       vertex.at = node.at;
@@ -208,8 +205,8 @@ class Lowering {
     for (int lane = 0; lane < node.lanes; ++lane)
       sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
     const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
-    const auto out = wires_[static_cast<std::size_t>(node.outputs.front())][0];
-    graph_.vertices[static_cast<std::size_t>(out.vertex)].in = {wire};
+    const auto out = wires_[index(node.outputs.front())][0];
+    graph_.vertices[index(out.vertex)].in = {wire};
   }
 
   Wire lower(const Expression& expression, int lane, int lanes, const std::string& path) {
@@ -224,12 +221,11 @@ class Lowering {
       case Expression::Op::Number:
         return constant(expression.number, expression.at);
       case Expression::Op::Signal: {
-        const auto& wires = wires_[static_cast<std::size_t>(expression.signal)];
-        return wires[wires.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+        const auto& wires = wires_[index(expression.signal)];
+        return wires[wires.size() == 1 ? 0 : index(lane)];
       }
       case Expression::Op::Lanes: {
-        const auto& own =
-            expression.arguments[expression.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+        const auto& own = expression.arguments[expression.arguments.size() == 1 ? 0 : index(lane)];
         return own.op == Expression::Op::Number ? own_number(own.number, expression, lane, lanes)
                                                 : lower(own, 0, 1, path);
       }

@@ -8,8 +8,8 @@
 #include "engine/graph/plan/phase_delay.h"
 #include "engine/graph/plan/rate_converter.h"
 #include "engine/graph/plan/vector_nodes.h"
+#include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/facts.h"
-#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -32,7 +32,7 @@ class Maker {
     for (auto& vertex : graph_.vertices) {
       if (vertex.kind == Vertex::Kind::RateConverter) make_rate_converter(vertex);
       if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto& other = graph_.vertices[static_cast<std::size_t>(vertex.index)];
+      const auto& other = graph_.vertices[index(vertex.index)];
       vertex.fingerprint = other.fingerprint;
       if (other.node != nullptr)
         vertex.node = std::make_shared<PhaseDelay>(other.node, static_cast<int>(vertex.in.size()) - 2,
@@ -44,10 +44,8 @@ class Maker {
   }
 
  private:
-  const FlatNode& flat_node(const Vertex& vertex) const {
-    return flat_.nodes[static_cast<std::size_t>(vertex.index)];
-  }
-  const Vertex& at(Wire wire) const { return graph_.vertices[static_cast<std::size_t>(wire.vertex)]; }
+  const FlatNode& flat_node(const Vertex& vertex) const { return flat_.nodes[index(vertex.index)]; }
+  const Vertex& at(Wire wire) const { return graph_.vertices[index(wire.vertex)]; }
 
   Hertz rate_of(int divisor) const { return Hertz{options_.sample_rate.value / divisor}; }
 
@@ -92,7 +90,7 @@ class Maker {
   void fold_phase_delays() {
     for (auto& vertex : graph_.vertices) {
       if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto& other = graph_.vertices[static_cast<std::size_t>(vertex.index)].node;
+      const auto& other = graph_.vertices[index(vertex.index)].node;
       std::vector<double> in;
       for (const auto& wire : vertex.in)
         if (at(wire).kind == Vertex::Kind::Constant) in.push_back(at(wire).value);
@@ -134,8 +132,8 @@ class Maker {
     if (vertex.kind == Vertex::Kind::Constant) return vertex.value;
     if (vertex.kind == Vertex::Kind::SystemDelay) return options_.system_delay.value;
     if (vertex.kind == Vertex::Kind::Control) {
-      made_.frozen_controls[static_cast<std::size_t>(vertex.index)] = true;
-      return flat_.controls[static_cast<std::size_t>(vertex.index)].value;
+      made_.frozen_controls[index(vertex.index)] = true;
+      return flat_.controls[index(vertex.index)].value;
     }
     if (vertex.kind == Vertex::Kind::Sum) return starting_sum(vertex, depth);
     if (vertex.kind == Vertex::Kind::RateConverter) return starting_value(vertex.in[0], depth + 1);
@@ -159,8 +157,8 @@ class Maker {
   /// False if a node that is compensated for could not be made: nothing is known of its delay.
   bool shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
     const auto& where = *node.type->compensation;
-    const auto time = static_cast<std::size_t>(where.port);
-    auto tuned = node.ranges[static_cast<std::size_t>(where.period)];
+    const auto time = index(where.port);
+    auto tuned = node.ranges[index(where.period)];
     if (!tuned.bounded()) return true;  // the node itself asks for bounds
     // No period is shorter than two frames.
     const double shortest = 2 / rate_of(node.divisor).value;
@@ -168,7 +166,7 @@ class Maker {
     Wire wire = vertex.in[time];
     Interval left{0, 0};
     for (; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
-      const auto& other = graph_.vertices[static_cast<std::size_t>(at(wire).index)];
+      const auto& other = graph_.vertices[index(at(wire).index)];
       if (other.node == nullptr) return false;
       const auto taken = PhaseDelay::range(other.node, tuned, flat_node(other).ranges, rate_of(node.divisor));
       if (!taken) return report_phase(at(wire)), false;
@@ -184,8 +182,7 @@ class Maker {
 
   void report_phase(const Vertex& phase_delay) {
     made_.mistakes.push_back({Errc::BadArgument, phase_delay.at.text(),
-                              "the phase delay of '" +
-                                  graph_.vertices[static_cast<std::size_t>(phase_delay.index)].path +
+                              "the phase delay of '" + graph_.vertices[index(phase_delay.index)].path +
                                   "' cannot be compensated: it is not known",
                               "name filters that lie in the same loop"});
   }

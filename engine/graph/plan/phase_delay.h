@@ -23,10 +23,7 @@ namespace tactus {
 class PhaseDelay : public Node {
  public:
   PhaseDelay(std::shared_ptr<const Node> other, int other_inputs, Hertz sample_rate, double sign)
-      : other_(std::move(other)),
-        sample_rate_(sample_rate),
-        sign_(sign),
-        values_(static_cast<std::size_t>(other_inputs), 0.0) {}
+      : other_(std::move(other)), sample_rate_(sample_rate), sign_(sign), values_(index(other_inputs), 0.0) {}
 
   void process(const NodeBlock& block) noexcept override;
   void reset() noexcept override { known_ = false; }

@@ -129,7 +129,7 @@ struct Plan {
 
   /// Index in `controls`, or -1.
   int control_index(std::string_view control) const;
-  const Vertex& vertex_of(const Wire& wire) const { return vertices[static_cast<std::size_t>(wire.vertex)]; }
+  const Vertex& vertex_of(const Wire& wire) const { return vertices[index(wire.vertex)]; }
   /// The number at a wire that never changes (the same for all lanes), or nullopt.
   std::optional<double> constant(const Wire& wire) const;
 };

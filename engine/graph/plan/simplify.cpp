@@ -6,8 +6,8 @@
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/vector_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
+#include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/facts.h"
-#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
@@ -31,7 +31,7 @@ class Simplifier {
   }
 
  private:
-  Vertex& at(int v) { return graph_.vertices[static_cast<std::size_t>(v)]; }
+  Vertex& at(int v) { return graph_.vertices[index(v)]; }
   std::optional<double> constant(Wire wire) {
     const auto& vertex = at(wire.vertex);
     if (vertex.kind == Vertex::Kind::Constant) return vertex.value;
@@ -71,14 +71,14 @@ class Simplifier {
     consumers_.assign(graph_.vertices.size(), {});
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
       for (const auto& wire : graph_.vertices[v].in)
-        consumers_[static_cast<std::size_t>(wire.vertex)].push_back(static_cast<int>(v));
+        consumers_[index(wire.vertex)].push_back(static_cast<int>(v));
     std::vector<int> work;
     for (int v = static_cast<int>(graph_.vertices.size()) - 1; v >= 0; --v) work.push_back(v);
     while (!work.empty()) {
       const int v = work.back();
       work.pop_back();
       if (!at(v).alive || !try_fold(v)) continue;
-      for (const int consumer : consumers_[static_cast<std::size_t>(v)]) work.push_back(consumer);
+      for (const int consumer : consumers_[index(v)]) work.push_back(consumer);
     }
   }
 
@@ -143,17 +143,17 @@ class Simplifier {
 
   bool replace(int v, Wire with) {
     if (with.vertex == v) return false;  // it reads itself: the ordering reports the loop
-    for (const int consumer : consumers_[static_cast<std::size_t>(v)])
+    for (const int consumer : consumers_[index(v)])
       for (auto& wire : at(consumer).in)
         if (wire.vertex == v) {
           wire = with;
-          consumers_[static_cast<std::size_t>(with.vertex)].push_back(consumer);
+          consumers_[index(with.vertex)].push_back(consumer);
         }
     return true;
   }
 
   bool fold_node(int v) {
-    const auto& node = flat_.nodes[static_cast<std::size_t>(at(v).index)];
+    const auto& node = flat_.nodes[index(at(v).index)];
     if (!node.type->stateless) return false;
     auto setup = setup_of(node, sample_rate_);
     std::vector<double> values;
@@ -167,7 +167,7 @@ class Simplifier {
     if (!made) return false;  // reported when it is made for good
     std::vector<Signal> in;
     for (const auto& value : values) in.push_back({&value, 0});
-    std::vector<double> results(static_cast<std::size_t>(at(v).outputs));
+    std::vector<double> results(index(at(v).outputs));
     std::vector<double*> out;
     for (auto& result : results) out.push_back(&result);
     (*made)->process({in.data(), out.data(), 1, 0});
@@ -179,7 +179,7 @@ class Simplifier {
   }
 
   bool fold_outputs(int v, const std::vector<double>& results) {
-    const auto users = consumers_[static_cast<std::size_t>(v)];
+    const auto users = consumers_[index(v)];
     for (std::size_t port = 0; port < results.size(); ++port) {
       Vertex value;
       value.value = results[port];
@@ -204,8 +204,8 @@ class Simplifier {
     while (!work.empty()) {
       const int v = work.back();
       work.pop_back();
-      if (reached[static_cast<std::size_t>(v)]) continue;
-      reached[static_cast<std::size_t>(v)] = true;
+      if (reached[index(v)]) continue;
+      reached[index(v)] = true;
       for (const auto& wire : at(v).in) work.push_back(wire.vertex);
       if (at(v).kind == Vertex::Kind::PhaseDelay)
         work.push_back(at(v).index);  // it asks that node for its phase

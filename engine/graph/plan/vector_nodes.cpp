@@ -4,7 +4,7 @@
 #include <array>
 
 #include "engine/core/transpose.h"
-#include "engine/graph/semantics/operators.h"
+#include "engine/graph/semantics/expression.h"
 
 namespace tactus {
 namespace {
@@ -25,8 +25,7 @@ void run(const Signal* in, double* out, int frames) noexcept {
   for (int n = 0; n < frames; ++n, out += kVectorWidth) {
     Row result;
     for (int lane = 0; lane < kVectorWidth; ++lane)
-      result[static_cast<std::size_t>(lane)] =
-          apply(kOp, lane_of<kSameLeft>(left, lane), lane_of<kSameRight>(right, lane));
+      result[index(lane)] = apply(kOp, lane_of<kSameLeft>(left, lane), lane_of<kSameRight>(right, lane));
     std::copy_n(result.data(), kVectorWidth, out);
     left += left_stride;
     right += right_stride;
@@ -66,7 +65,7 @@ void LaneSum::process(const NodeBlock& block) noexcept {
   if (whole > 0) std::copy_n(block.in[0].data, all, sums_.begin());
   for (int i = 1; i < whole; ++i) {
     const double* const rows = block.in[i].data;
-    for (int k = 0; k < all; ++k) sums_[static_cast<std::size_t>(k)] += rows[k];
+    for (int k = 0; k < all; ++k) sums_[index(k)] += rows[k];
   }
   double* sum = sums_.data();
   for (int n = 0; n < block.frames; ++n, sum += kVectorWidth) {

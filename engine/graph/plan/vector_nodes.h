@@ -40,7 +40,7 @@ class LaneSum : public Node {
 
  private:
   int lanes_;
-  std::array<double, static_cast<std::size_t>(kVectorWidth) * kMaxSubBlock> sums_;
+  std::array<double, index(kVectorWidth) * kMaxSubBlock> sums_;
 };
 
 /// The order in which `mix` adds lanes, which decides the last bits of its sum: lane k takes in lanes k + 8,

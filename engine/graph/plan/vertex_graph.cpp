@@ -24,9 +24,8 @@ void VertexGraph::compact() {
   std::vector<bool> read(vertices.size(), false);
   for (const auto& vertex : vertices) {
     if (!vertex.alive) continue;
-    for (const auto& wire : vertex.in) read[static_cast<std::size_t>(wire.vertex)] = true;
-    if (vertex.kind == Vertex::Kind::PhaseDelay && vertex.index >= 0)
-      read[static_cast<std::size_t>(vertex.index)] = true;
+    for (const auto& wire : vertex.in) read[index(wire.vertex)] = true;
+    if (vertex.kind == Vertex::Kind::PhaseDelay && vertex.index >= 0) read[index(vertex.index)] = true;
   }
   std::vector<int> place(vertices.size(), -1);
   std::vector<Vertex> kept;
@@ -36,9 +35,9 @@ void VertexGraph::compact() {
     kept.push_back(std::move(vertices[v]));
   }
   for (auto& vertex : kept) {
-    for (auto& wire : vertex.in) wire.vertex = place[static_cast<std::size_t>(wire.vertex)];
+    for (auto& wire : vertex.in) wire.vertex = place[index(wire.vertex)];
     if (vertex.kind == Vertex::Kind::PhaseDelay && vertex.index >= 0)
-      vertex.index = place[static_cast<std::size_t>(vertex.index)];
+      vertex.index = place[index(vertex.index)];
   }
   vertices = std::move(kept);
 }

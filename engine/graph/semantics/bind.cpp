@@ -1,9 +1,8 @@
-#include "engine/graph/semantics/bind.h"
-
 #include <cmath>
 
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/semantics/scope.h"
 
 namespace tactus {
 namespace {

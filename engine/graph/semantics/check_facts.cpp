@@ -7,10 +7,6 @@
 namespace tactus {
 namespace {
 
-std::string spoken(const Dimension& dimension) {
-  return dimension.plain() ? "a plain number" : "in " + to_string(dimension);
-}
-
 /// As the file at the error's place calls it: "bridge.loss" is the `loss` of a part.
 std::string local_name(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
@@ -44,9 +40,8 @@ class Checks {
     const auto rule = port_unit(node, port.unit);
     const auto owner = "'" + port.name + "' of " + node.type->name + " '" + local_name(node.path) + "'";
     if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(expression, rule.dimension, owner);
-    if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 &&
-        node.inputs[static_cast<std::size_t>(rule.follows)]) {
-      const auto followed = unit(*node.inputs[static_cast<std::size_t>(rule.follows)]);
+    if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 && node.inputs[index(rule.follows)]) {
+      const auto followed = unit(*node.inputs[index(rule.follows)]);
       if (followed.kind == UnitFact::Kind::Known)
         check_unit_is(expression, followed.dimension * rule.dimension, owner);
     }
@@ -67,11 +62,11 @@ class Checks {
     const auto fact = unit(output.expression);
     if (fact.kind != UnitFact::Kind::Known || fact.dimension == *output.declared) return;
     mistakes_.add(Errc::UnitMismatch, output.at,
-                  "output '" + output.name + "' is " + spoken(*output.declared) +
-                      ", but it is given what is " + spoken(fact.dimension),
+                  "output '" + output.name + "' is " + unit_phrase(*output.declared) +
+                      ", but it is given what is " + unit_phrase(fact.dimension),
                   output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) +
                                                  "\", or scale it to full scale"
-                                           : "mend 'from' or 'unit'");
+                                           : "fix 'from' or 'unit'");
   }
 
   void check_lanes(const Expression& expression, int wanted) {
@@ -124,7 +119,7 @@ class Checks {
                         : op == Expression::Op::Spread   ? "ends a spread from"
                                                          : "is compared with";
     mistakes_.add(Errc::UnitMismatch, expression.at,
-                  "this is " + spoken(b) + ", but it " + meets + " what is " + spoken(a),
+                  "this is " + unit_phrase(b) + ", but it " + meets + " what is " + unit_phrase(a),
                   op == Expression::Op::Lanes || op == Expression::Op::Spread
                       ? "give both the same unit"
                       : "multiply one of them by a quantity that turns its unit into the other's");
@@ -134,7 +129,7 @@ class Checks {
     const auto fact = unit(expression);
     if (fact.kind != UnitFact::Kind::Known || fact.dimension == wanted) return;
     mistakes_.add(Errc::UnitMismatch, expression.at,
-                  owner + " is " + spoken(wanted) + ", but this is " + spoken(fact.dimension),
+                  owner + " is " + unit_phrase(wanted) + ", but this is " + unit_phrase(fact.dimension),
                   wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
                                  : "give a quantity in " + to_string(wanted));
   }
@@ -146,13 +141,9 @@ class Checks {
     if (!found.bounded()) return;
     if (found.low >= port.low && found.high <= port.high) return;
     if (!found.single() && found.low <= port.high && found.high >= port.low) return;  // clamped while it runs
-    const auto dimension = rule.kind == PortUnit::Kind::Fixed ? rule.dimension : Dimension{};
-    const auto number = [&](double x) { return short_quantity(x, dimension); };
-    mistakes_.add(Errc::OutOfRange, expression.at, owner + " cannot be " + number(found.low),
-                  std::isinf(port.high) ? "it must be at least " + number(port.low)
-                  : std::isinf(port.low)
-                      ? "it must be at most " + number(port.high)
-                      : "it must be between " + number(port.low) + " and " + number(port.high));
+    const Unit unit{rule.kind == PortUnit::Kind::Fixed ? rule.dimension : Dimension{}};
+    mistakes_.add(Errc::OutOfRange, expression.at, owner + " cannot be " + in_unit(found.low, unit),
+                  limits_text(port.low, port.high, unit));
   }
 
   const FlatGraph& graph_;

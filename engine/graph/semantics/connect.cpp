@@ -2,10 +2,9 @@
 #include <set>
 #include <unordered_map>
 
-#include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/graph/semantics/bind.h"
 #include "engine/graph/semantics/instance.h"
+#include "engine/graph/semantics/scope.h"
 
 namespace tactus {
 namespace {
@@ -37,12 +36,12 @@ void Instance::connect_inside() {
 void Instance::connect_node(const EntrySpec& entry, FlatNode& node) {
   const auto& type = *node.type;
   const auto owner = type.name + " '" + entry.name + "'";
-  std::vector<std::string> known = {"type", "voices", "about"};
+  auto known = node_fields().keys();
   for (const auto& port : type.inputs) known.push_back(port.name);
   for (const auto& setting : type.settings) known.push_back(setting.name);
-  check_fields(entry, known, owner, mistakes_);
-  if (const auto* value = find(entry.fields, "voices"))
-    node.voices = read_whole_number(*value, "voices", 1, 1024, mistakes_);
+  mistakes_.unknown_keys(entry.fields, known, owner);
+  FieldReader fields{entry.fields, node_fields(), mistakes_, FieldReader::kKeysChecked, owner};
+  if (const auto voices = fields.number("voices")) node.voices = static_cast<int>(*voices);
   connect_ports(entry, node, owner);
   for (const auto& setting : type.settings) {
     node.settings.push_back(
@@ -76,7 +75,7 @@ void Instance::connect_compensation(const EntrySpec& entry, const std::string& f
     }
     const auto known = nodes_by_name_.find(name);
     if (known != nodes_by_name_.end()) {
-      if (name == entry.name || flat_.nodes[static_cast<std::size_t>(known->second)].type->resonant)
+      if (name == entry.name || flat_.nodes[index(known->second)].type->resonant)
         mistakes_.add(Errc::BadArgument, value->at, "'" + name + "' cannot be compensated: it is no filter",
                       "leave it out; name what only turns the phase");
       node.compensate.push_back(known->second);
@@ -89,9 +88,9 @@ void Instance::connect_compensation(const EntrySpec& entry, const std::string& f
 
 void Instance::check_part_fields(const NodeSpec& node, const Instance& part) {
   const auto owner = "part '" + node.name + "'";
-  auto known = part_words(part.spec_);
+  auto known = part_keys(part.spec_);
   for (const auto& [name, id] : part.bindings_) known.push_back(name);
-  if (!part.spec_.incomplete) check_fields(node, known, owner, mistakes_);
+  if (!part.spec_.incomplete) mistakes_.unknown_keys(node.fields, known, owner);
   for (const auto& input : part.spec_.inputs) {
     if (find(node.fields, input.name) != nullptr) continue;
     const auto* about = find(input.fields, "about");
@@ -122,8 +121,7 @@ void Instance::connect_part(const PendingPart& pending) {
 }
 
 void Instance::bind_output(const EntrySpec& entry, FlatSignal& given) {
-  check_fields(entry, output_fields().keys(), "output '" + entry.name + "'", mistakes_);
-  mistakes_.text(entry.fields, "about");
+  FieldReader{entry.fields, output_fields(), mistakes_, "output '" + entry.name + "'"};
   const auto* from = find(entry.fields, "from");
   if (from == nullptr)
     mistakes_.add(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",

@@ -2,10 +2,10 @@
 #include <unordered_set>
 #include <utility>
 
-#include "engine/graph/file/entry_fields.h"
-#include "engine/graph/file/nearest.h"
-#include "engine/graph/semantics/bind.h"
+#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/instance.h"
+#include "engine/graph/semantics/scope.h"
 
 namespace tactus {
 
@@ -47,7 +47,7 @@ int Instance::add_expression(const std::string& name, const Source& at) {
 void Instance::declare_top() {
   for (const auto& input : spec_.inputs) declare_input(input);
   for (const auto& control : spec_.controls) declare_control(control);
-  if (spec_.delay) check_tested_delays(*spec_.delay, mistakes_);
+  tested_delays(spec_, mistakes_);
   declare_inside();
 }
 
@@ -109,9 +109,8 @@ void Instance::declare_node(const NodeSpec& node) {
     return declare_outputs(node, std::shared_ptr<const NodeType>(std::shared_ptr<void>{}, type), true);
   std::vector<std::string> names;
   for (const auto* known : table.types) names.push_back(known->name);
-  const auto near = nearest_name(node.type, names);
   mistakes_.add(Errc::UnknownName, node.type_at, "there is no node type '" + node.type + "'",
-                near.empty() ? "`tactus nodes` lists them all" : "did you mean '" + near + "'?");
+                suggest(node.type, names, "`tactus nodes` lists them all"));
   scope_.hide(node.name);
 }
 
@@ -169,9 +168,9 @@ void Instance::declare_part(const NodeSpec& node) {
   const auto part = spec_.parts.find(node.use);
   if (part == spec_.parts.end()) return scope_.hide(node.name);  // its file cannot be read
   if (too_large(node)) return scope_.hide(node.name);
-  int voices = voices_;
-  if (const auto* value = find(node.fields, "voices"))
-    voices = read_whole_number(*value, "voices", 1, 1024, mistakes_);
+  FieldReader fields{node.fields, part_fields(), mistakes_, FieldReader::kKeysChecked,
+                     "part '" + node.name + "'"};
+  const int voices = static_cast<int>(fields.number("voices").value_or(voices_));
   const auto rate = read_part_rate(node, *part->second, sample_rate(), mistakes_);
   auto instance = std::make_unique<Instance>(*part->second, resolving_, prefix_ + node.name + ".", voices,
                                              divisor_, rate);
@@ -236,8 +235,22 @@ void Instance::declare_as_part() {
     start.bare = false;
     start.at = control.at;
   }
-  if (spec_.delay) check_tested_delays(*spec_.delay, mistakes_);
+  tested_delays(spec_, mistakes_);
   declare_inside();
+}
+
+Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
+                 const std::vector<std::string>& taps, std::size_t most_signals) {
+  Resolved resolved;
+  resolved.graph.signals.emplace_back().kind = FlatSignal::Kind::Missing;
+  Mistakes mistakes;
+  Resolving resolving{table, sample_rate, resolved.graph, mistakes, most_signals};
+  Instance top{spec, resolving, "", 1};
+  top.declare_top();
+  top.connect_top(taps);
+  resolved.too_large = resolving.too_large;
+  resolved.mistakes = mistakes.take();
+  return resolved;
 }
 
 }  // namespace tactus

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/graph/file/unit_prefix.h"
+#include "engine/core/dimension.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -120,7 +121,7 @@ class Parser {
     if (++values_ > kMaxValues) return too_long(start);
     double value = 0;
     const auto parsed = std::from_chars(text_.data() + here_, text_.data() + text_.size(), value);
-    const auto digits = text_.substr(here_, static_cast<std::size_t>(parsed.ptr - text_.data()) - here_);
+    const auto digits = text_.substr(here_, index(parsed.ptr - text_.data()) - here_);
     if (parsed.ec != std::errc{})
       return syntax(start, "the number " + std::string{digits} + " is too large or too small",
                     "write one between 1e-300 and 1e300");

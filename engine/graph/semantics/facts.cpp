@@ -6,7 +6,7 @@ namespace tactus {
 namespace {
 
 const FlatSignal& signal_of(const FlatGraph& graph, const Expression& expression) {
-  return graph.signals[static_cast<std::size_t>(expression.signal)];
+  return graph.signals[index(expression.signal)];
 }
 
 Dimension dimension_of(const std::string& unit) { return parse_unit(unit).value_or(Unit{}).dimension; }

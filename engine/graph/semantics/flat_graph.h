@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/core/dimension.h"
-#include "engine/graph/file/source.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/file/value.h"
+#include "engine/graph/node_type.h"
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/interval.h"
 
@@ -70,14 +70,12 @@ struct FlatNode {
 
 struct FlatInput {
   std::string name;
-  std::string about;
   int lanes = 1;
   Dimension dimension;
 };
 
 struct FlatControl {
   std::string name;
-  std::string about;
   double value = 0;  ///< SI
   Unit unit;         ///< how people read it
   Interval range;

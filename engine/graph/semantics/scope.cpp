@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "engine/core/dimension.h"
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/mistakes.h"
 
 namespace tactus {
 namespace {

@@ -9,8 +9,7 @@
 
 #include "engine/core/index.h"
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/nearest.h"
-#include "engine/graph/semantics/bind.h"
+#include "engine/graph/semantics/scope.h"
 #include "engine/nodes/networks/solver_names.h"
 
 namespace tactus {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/roles.h"
 #include "engine/scene/measures/measure.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/scene_spec.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/scene_fields.h"

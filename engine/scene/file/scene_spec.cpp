@@ -7,7 +7,6 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/expression.h"
-#include "engine/graph/semantics/part_path.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/roles.h"
 #include "engine/scene/file/scene_fields.h"

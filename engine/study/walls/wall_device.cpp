@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/scene/file/scene_checks.h"
 
 namespace tactus {

@@ -1,7 +1,7 @@
-#include "engine/graph/file/unit_prefix.h"
-
 #include <catch2/catch.hpp>
 #include <string>
+
+#include "engine/core/dimension.h"
 
 TEST_CASE("unit_prefix: takes what is a unit and leaves the rest of the expression", "[graph]") {
   const auto [text, unit] = GENERATE(table<std::string, std::string>({

@@ -1,9 +1,8 @@
-#include "engine/graph/semantics/part_path.h"
-
 #include <system_error>
 #include <vector>
 
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/load.h"
+#include "engine/graph/file/mistakes.h"
 
 namespace tactus {
 namespace {
@@ -15,13 +14,12 @@ bool inside(const fs::path& path, const fs::path& root) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-std::string nearest_file(const fs::path& missing) {
+std::vector<std::string> files_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
-  for (fs::directory_iterator entry{missing.parent_path(), error}, end; !error && entry != end;
-       entry.increment(error))
+  for (fs::directory_iterator entry{folder, error}, end; !error && entry != end; entry.increment(error))
     names.push_back(entry->path().filename().string());
-  return nearest_name(missing.filename().string(), names);
+  return names;
 }
 
 }  // namespace
@@ -49,9 +47,9 @@ Result<PartPath> find_part(const std::string& use, const fs::path& folder, const
                 "keep the files of an instrument inside it");
   std::error_code error;
   if (fs::exists(part.canonical, error)) return part;
-  const auto nearest = nearest_file(part.canonical);
   return fail(Errc::BadFile, at.text(), "there is no file '" + part.name + "'",
-              nearest.empty() ? "paths are relative to this file" : "did you mean '" + nearest + "'?");
+              suggest(part.canonical.filename().string(), files_in(part.canonical.parent_path()),
+                      "paths are relative to this file"));
 }
 
 }  // namespace tactus

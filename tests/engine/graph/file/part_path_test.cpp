@@ -1,4 +1,3 @@
-#include "engine/graph/semantics/part_path.h"
 
 #include <catch2/catch.hpp>
 
