@@ -11,7 +11,7 @@ namespace tactus {
 namespace {
 
 Status same_border(const Plan& before, const Plan& after) {
-  const auto same_channel = [](const PlannedChannel& a, const PlannedChannel& b) {
+  const auto same_channel = [](const OutputChannel& a, const OutputChannel& b) {
     return a.name == b.name && a.use == b.use;
   };
   const char* what = nullptr;

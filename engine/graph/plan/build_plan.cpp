@@ -11,7 +11,9 @@ namespace {
 class Builder {
  public:
   Builder(VertexGraph graph, const FlatGraph& flat, const CompileOptions& options)
-      : graph_(std::move(graph)), flat_(flat), options_(options), plan_(std::make_unique<Plan>()) {}
+      : flat_(flat), options_(options), plan_(std::make_unique<Plan>()) {
+    static_cast<VertexGraph&>(*plan_) = std::move(graph);
+  }
 
   std::unique_ptr<Plan> run(const std::vector<OrderedSection>& sections,
                             const std::vector<bool>& frozen_controls) {
@@ -25,31 +27,28 @@ class Builder {
     for (const auto& section : sections) add_section(section);
     add_channels();
     find_readers_at_rest();
-    for (auto& vertex : graph_.vertices) vertex.origin = {};
-    plan_->vertices = std::move(graph_.vertices);
-    plan_->input_names = std::move(graph_.inputs);
-    plan_->left_out = std::move(graph_.left_out);
+    for (auto& vertex : plan_->vertices) vertex.origin = {};
     return std::move(plan_);
   }
 
  private:
-  Vertex& at(int v) { return graph_.vertices[index(v)]; }
+  Vertex& at(int v) { return plan_->vertices[index(v)]; }
 
   static bool has_buffer(const Vertex& vertex) {
     return vertex.kind != Vertex::Kind::Constant && vertex.kind != Vertex::Kind::Output;
   }
 
   void find_read_ports() {
-    read_.assign(graph_.vertices.size(), {});
-    for (const auto& vertex : graph_.vertices)
+    read_.assign(plan_->vertices.size(), {});
+    for (const auto& vertex : plan_->vertices)
       for (const auto& wire : vertex.in) read_[index(wire.vertex)].push_back(wire.port);
   }
 
   void lay_out_signals() {
-    place_.assign(graph_.vertices.size(), 0);
-    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+    place_.assign(plan_->vertices.size(), 0);
+    for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
       place_[v] = plan_->signal_doubles;
-      const auto& vertex = graph_.vertices[v];
+      const auto& vertex = plan_->vertices[v];
       if (has_buffer(vertex)) plan_->signal_doubles += index(vertex.outputs * vertex.width) * kMaxSubBlock;
     }
   }
@@ -58,15 +57,15 @@ class Builder {
   void lay_out_constants() {
     auto doubles = plan_->signal_doubles;
     for (const int width : {kVectorWidth, 1})
-      for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-        const auto& vertex = graph_.vertices[v];
+      for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
+        const auto& vertex = plan_->vertices[v];
         if (vertex.kind != Vertex::Kind::Constant || vertex.width != width || read_[v].empty()) continue;
         place_[v] = doubles;
         doubles += index(width);
       }
     plan_->arena.resize(doubles);
-    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-      const auto& vertex = graph_.vertices[v];
+    for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
+      const auto& vertex = plan_->vertices[v];
       if (vertex.kind != Vertex::Kind::Constant || read_[v].empty()) continue;
       if (vertex.width == 1)
         *(plan_->arena.data() + place_[v]) = vertex.value;
@@ -76,10 +75,10 @@ class Builder {
   }
 
   void name_sources(const std::vector<bool>& frozen_controls) {
-    plan_->input_buffers.assign(graph_.inputs.size(), nullptr);
+    plan_->input_buffers.assign(plan_->input_names.size(), nullptr);
     for (std::size_t c = 0; c < flat_.controls.size(); ++c)
       plan_->controls.push_back({flat_.controls[c], nullptr, {}, frozen_controls[c]});
-    for (int v = 0; v < static_cast<int>(graph_.vertices.size()); ++v) {
+    for (int v = 0; v < static_cast<int>(plan_->vertices.size()); ++v) {
       const auto& vertex = at(v);
       if (vertex.kind == Vertex::Kind::Input) plan_->input_buffers[index(vertex.index)] = buffer(v, 0);
       if (vertex.kind == Vertex::Kind::Control) plan_->controls[index(vertex.index)].buffer = buffer(v, 0);
@@ -115,7 +114,7 @@ class Builder {
   }
 
   void take_nodes() {
-    for (auto& vertex : graph_.vertices) {
+    for (auto& vertex : plan_->vertices) {
       if (vertex.node == nullptr) continue;
       vertex.runs = static_cast<int>(plan_->nodes.size());
       plan_->nodes.push_back(std::move(vertex.node));
@@ -243,13 +242,11 @@ class Builder {
   }
 
   void add_channels() {
-    plan_->channels.resize(graph_.outputs.size());
-    for (const auto& vertex : graph_.vertices) {
+    for (const auto& vertex : plan_->vertices) {
       if (vertex.kind != Vertex::Kind::Output) continue;
       auto& channel = plan_->channels[index(vertex.index)];
-      const auto& output = graph_.outputs[index(vertex.index)];
-      const auto& from = vertex.in.front();
-      channel = {output.name, output.use, output.dimension, from, signal(from)};
+      channel.from = vertex.in.front();
+      channel.signal = signal(channel.from);
     }
   }
 
@@ -269,7 +266,6 @@ class Builder {
         readers->channels.push_back(static_cast<int>(c));
   }
 
-  VertexGraph graph_;
   const FlatGraph& flat_;
   const CompileOptions& options_;
   std::unique_ptr<Plan> plan_;

@@ -67,9 +67,9 @@ class Lowering {
 
   void make_inputs() {
     for (const auto& input : flat_.inputs) {
-      first_channel_.push_back(static_cast<int>(graph_.inputs.size()));
+      first_channel_.push_back(static_cast<int>(graph_.input_names.size()));
       for (int lane = 0; lane < input.lanes; ++lane)
-        graph_.inputs.push_back(lane_path(input.name, lane, input.lanes));
+        graph_.input_names.push_back(lane_path(input.name, lane, input.lanes));
     }
   }
 
@@ -265,12 +265,12 @@ class Lowering {
       for (int lane = 0; lane < output.lanes; ++lane) {
         Vertex vertex;
         vertex.kind = Vertex::Kind::Output;
-        vertex.index = static_cast<int>(graph_.outputs.size());
+        vertex.index = static_cast<int>(graph_.channels.size());
         vertex.path = lane_path(output.name, lane, output.lanes);
         vertex.at = output.at;
         vertex.outputs = 0;
         vertex.in = {lower(output.expression, lane, output.lanes, output.name)};
-        graph_.outputs.push_back({vertex.path, output.use, output.dimension});
+        graph_.channels.push_back({vertex.path, output.use, output.dimension});
         add(std::move(vertex));
       }
     }

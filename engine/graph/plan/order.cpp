@@ -46,7 +46,7 @@ class Ordering {
         readers_[index(vertex.in[i].vertex)].push_back({v, is_late(vertex, i)});
       if (outside < 0) continue;
       // A tap only listens: nothing outside answers it.
-      if (vertex.kind == Vertex::Kind::Output && graph.outputs[index(vertex.index)].use != OutputUse::Tap)
+      if (vertex.kind == Vertex::Kind::Output && graph.channels[index(vertex.index)].use != OutputUse::Tap)
         readers_[index(v)].push_back({outside, false});
       if (vertex.kind == Vertex::Kind::Input) readers_[index(outside)].push_back({v, false});
     }

@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 #include <functional>
 #include <optional>
 
@@ -34,8 +32,15 @@ class Simplifier {
   Vertex& at(int v) { return graph_.vertices[index(v)]; }
   std::optional<double> constant(Wire wire) {
     const auto& vertex = at(wire.vertex);
-    if (vertex.kind == Vertex::Kind::Constant) return vertex.value;
-    return std::nullopt;
+    return vertex.kind == Vertex::Kind::Constant ? std::optional{vertex.value} : std::nullopt;
+  }
+
+  /// Of all inputs, if all are constant.
+  std::optional<std::vector<double>> constants(int v) {
+    std::vector<double> values;
+    for (const auto& wire : at(v).in)
+      if (const auto value = constant(wire)) values.push_back(*value);
+    return values.size() == at(v).in.size() ? std::optional{std::move(values)} : std::nullopt;
   }
 
   /// A constant that all lanes have in common: where one lane skips what the others do, they no longer match.
@@ -44,7 +49,6 @@ class Simplifier {
   }
 
   // ---- copies
-  // ----------------------------------------------------------------------------------------------
 
   bool is_copy(const Vertex& v) const {
     return v.kind == Vertex::Kind::Operation && v.op == Expression::Op::Signal;
@@ -65,7 +69,6 @@ class Simplifier {
   }
 
   // ---- folding
-  // ---------------------------------------------------------------------------------------------
 
   void fold() {
     consumers_.assign(graph_.vertices.size(), {});
@@ -99,21 +102,15 @@ class Simplifier {
   }
 
   bool fold_sum(int v) {
-    std::vector<double> values;
-    for (const auto& wire : at(v).in)
-      if (const auto value = constant(wire)) values.push_back(*value);
-    if (values.size() != at(v).in.size()) return false;
-    make_constant(v, add_lanes(values, std::plus<>{}));
-    return true;
+    const auto values = constants(v);
+    if (values) make_constant(v, add_lanes(*values, std::plus<>{}));
+    return values.has_value();
   }
 
   bool fold_operation(int v) {
     auto& vertex = at(v);
-    std::vector<double> values;
-    for (const auto& wire : vertex.in)
-      if (const auto value = constant(wire)) values.push_back(*value);
-    if (values.size() == vertex.in.size()) {
-      make_constant(v, apply(vertex.op, values[0], values.size() > 1 ? values[1] : 0));
+    if (const auto values = constants(v)) {
+      make_constant(v, apply(vertex.op, values->front(), values->size() > 1 ? values->back() : 0));
       return true;
     }
     if (vertex.op == Expression::Op::Multiply) {
@@ -155,18 +152,15 @@ class Simplifier {
   bool fold_node(int v) {
     const auto& node = flat_.nodes[index(at(v).index)];
     if (!node.type->stateless) return false;
+    const auto values = constants(v);
+    if (!values) return false;
     auto setup = setup_of(node, sample_rate_);
-    std::vector<double> values;
-    for (std::size_t i = 0; i < at(v).in.size(); ++i) {
-      const auto value = constant(at(v).in[i]);
-      if (!value) return false;
-      values.push_back(*value);
-      setup.inputs.push_back({Interval::exactly(*value), value, node.inputs[i].has_value()});
-    }
+    for (std::size_t i = 0; i < values->size(); ++i)
+      setup.inputs.push_back({Interval::exactly((*values)[i]), (*values)[i], node.inputs[i].has_value()});
     const auto made = node.type->make(setup);
     if (!made) return false;  // reported when it is made for good
     std::vector<Signal> in;
-    for (const auto& value : values) in.push_back({&value, 0});
+    for (const auto& value : *values) in.push_back({&value, 0});
     std::vector<double> results(index(at(v).outputs));
     std::vector<double*> out;
     for (auto& result : results) out.push_back(&result);
@@ -194,7 +188,6 @@ class Simplifier {
   }
 
   // ---- pruning
-  // ---------------------------------------------------------------------------------------------
 
   void sweep(std::size_t written, const char* reason) {
     std::vector<bool> reached(graph_.vertices.size(), false);

@@ -77,6 +77,9 @@ struct OutputChannel {
   std::string name;
   OutputUse use = OutputUse::Drive;
   Dimension dimension;
+  // Set when the plan is built.
+  Wire from{};
+  Signal signal{};
 };
 
 /// Something of the file that does not run, and why.
@@ -87,8 +90,8 @@ struct LeftOut {
 
 struct VertexGraph {
   std::vector<Vertex> vertices;
-  std::vector<OutputChannel> outputs;
-  std::vector<std::string> inputs;  ///< names of the channels
+  std::vector<std::string> input_names;
+  std::vector<OutputChannel> channels;
   std::vector<LeftOut> left_out;
 
   /// Removes the vertices that are not alive, and constants that nothing reads.

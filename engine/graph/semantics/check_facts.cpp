@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/semantics/facts.h"

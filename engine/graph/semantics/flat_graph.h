@@ -2,7 +2,6 @@
 
 // Thread: [control].
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>

@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "engine/core/error.h"
 #include "engine/graph/file/mistakes.h"
