@@ -130,14 +130,11 @@ Dimension Dimension::pow(double e) const { return {metre * e, kilogram * e, seco
 std::string to_string(const Dimension& d) {
   if (d.plain()) return "";
   // Units with a name of their own first; then mechanical ones as newtons over metres and seconds.
-  static constexpr std::string_view kNamed[] = {"m", "kg", "s",   "Hz", "N", "J", "W",
-                                                "A", "V",  "ohm", "H",  "F", "C", "T"};
-  for (const auto name : kNamed)
-    if (find_symbol(name)->dimension == d) return std::string{name};
-  static constexpr std::string_view kCompound[] = {"m/s", "m/s^2", "N/m", "N s/m", "s/m",
-                                                   "N s", "T m",   "V/A", "1/m"};
-  for (const auto name : kCompound)
-    if (parse_unit(name)->dimension == d) return std::string{name};
+  static constexpr const char* kNames[] = {"m",   "kg",    "s",   "Hz",  "N",   "J",   "W",   "A",
+                                           "V",   "ohm",   "H",   "F",   "C",   "T",   "m/s", "m/s^2",
+                                           "N/m", "N s/m", "s/m", "N s", "T m", "V/A", "1/m"};
+  for (const auto* name : kNames)
+    if (parse_unit(name)->dimension == d) return name;
   std::string above, below;
   Dimension rest = d;
   if (same(d.kilogram, 1) && d.second <= -2 + 1e-9 && same(d.ampere, 0)) {

@@ -50,10 +50,18 @@ class Lowering {
   }
 
   Wire constant(double value, const Source& at = {}) {
-    Vertex vertex;
+    auto vertex = begin(Vertex::Kind::Constant, {}, at, 1);
     vertex.value = value;
-    vertex.at = at;
     return add(std::move(vertex));
+  }
+
+  static Vertex begin(Vertex::Kind kind, std::string path, const Source& at, int divisor) {
+    Vertex vertex;
+    vertex.kind = kind;
+    vertex.path = std::move(path);
+    vertex.at = at;
+    vertex.divisor = divisor;
+    return vertex;
   }
 
   /// What is made of the same thing lane after lane belongs together; the second time round is another thing.
@@ -74,10 +82,8 @@ class Lowering {
   }
 
   Wire make_source(const FlatSignal& signal, int lane) {
-    Vertex vertex;
-    vertex.path = lane_path(signal.path, lane, signal.lanes);
-    vertex.at = signal.at;
-    vertex.divisor = signal.divisor;
+    auto vertex =
+        begin(Vertex::Kind::Constant, lane_path(signal.path, lane, signal.lanes), signal.at, signal.divisor);
     set_lane(vertex, &signal, lane, signal.lanes);
     switch (signal.kind) {
       case FlatSignal::Kind::Input:
@@ -91,8 +97,8 @@ class Lowering {
       case FlatSignal::Kind::SystemDelay:
         vertex.kind = Vertex::Kind::SystemDelay;
         break;
-      case FlatSignal::Kind::Missing:
-        break;  // a constant that nothing reads
+      case FlatSignal::Kind::Missing:  // a constant that nothing reads
+        break;
       case FlatSignal::Kind::Expression:
       case FlatSignal::Kind::NodeOutput:
         vertex.kind = Vertex::Kind::Operation;
@@ -136,15 +142,12 @@ class Lowering {
         continue;
       }
       for (int lane = 0; lane < node.lanes; ++lane) {
-        Vertex vertex;
-        vertex.kind = Vertex::Kind::Node;
+        auto vertex =
+            begin(Vertex::Kind::Node, lane_path(node.path, lane, node.lanes), node.at, node.divisor);
         vertex.index = static_cast<int>(n);
         vertex.type = node.type;
-        set_lane(vertex, &node, lane, node.lanes);
         vertex.outputs = static_cast<int>(node.outputs.size());
-        vertex.path = lane_path(node.path, lane, node.lanes);
-        vertex.at = node.at;
-        vertex.divisor = node.divisor;
+        set_lane(vertex, &node, lane, node.lanes);
         const auto wire = add(std::move(vertex));
         for (std::size_t port = 0; port < node.outputs.size(); ++port)
           wires_[index(node.outputs[port])][index(lane)] = {wire.vertex, static_cast<int>(port)};
@@ -179,13 +182,10 @@ class Lowering {
     const auto time = index(where.port), period = index(where.period);
     for (const int other_index : node.compensate) {
       const auto& other = flat_.nodes[index(other_index)];
-      Vertex vertex;
-      vertex.kind = Vertex::Kind::PhaseDelay;
+      auto vertex = begin(Vertex::Kind::PhaseDelay, lane_path(node.path, lane, node.lanes) + ".compensate",
+                          node.at, node.divisor);
       vertex.index = first_vertex_[index(other_index)] + std::min(lane, other.lanes - 1);
       vertex.value = where.sign;
-      vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
-      vertex.at = node.at;
-      vertex.divisor = node.divisor;
       // What the compensations before this one left, then the period, then the parameters.
       vertex.in = {in[time], lower(*node.inputs[period], lane, node.lanes, node.path)};
       for (std::size_t i = 0; i < other.inputs.size(); ++i)
@@ -197,11 +197,7 @@ class Lowering {
   }
 
   void connect_mix(const FlatNode& node) {
-    Vertex sum;
-    sum.kind = Vertex::Kind::Sum;
-    sum.path = node.path;
-    sum.at = node.at;
-    sum.divisor = node.divisor;
+    auto sum = begin(Vertex::Kind::Sum, node.path, node.at, node.divisor);
     for (int lane = 0; lane < node.lanes; ++lane)
       sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
     const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
@@ -234,12 +230,8 @@ class Lowering {
       default:
         break;
     }
-    Vertex vertex;
-    vertex.kind = Vertex::Kind::Operation;
+    auto vertex = begin(Vertex::Kind::Operation, path, expression.at, divisor_);
     vertex.op = expression.op;
-    vertex.path = path;
-    vertex.at = expression.at;
-    vertex.divisor = divisor_;
     set_lane(vertex, &expression, lane, lanes);
     for (const auto& argument : expression.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
     return add(std::move(vertex));
@@ -263,11 +255,8 @@ class Lowering {
     divisor_ = 1;
     for (const auto& output : flat_.outputs) {
       for (int lane = 0; lane < output.lanes; ++lane) {
-        Vertex vertex;
-        vertex.kind = Vertex::Kind::Output;
+        auto vertex = begin(Vertex::Kind::Output, lane_path(output.name, lane, output.lanes), output.at, 1);
         vertex.index = static_cast<int>(graph_.channels.size());
-        vertex.path = lane_path(output.name, lane, output.lanes);
-        vertex.at = output.at;
         vertex.outputs = 0;
         vertex.in = {lower(output.expression, lane, output.lanes, output.name)};
         graph_.channels.push_back({vertex.path, output.use, output.dimension});

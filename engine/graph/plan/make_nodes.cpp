@@ -31,7 +31,7 @@ class Maker {
     for (auto& vertex : graph_.vertices) {
       if (vertex.kind == Vertex::Kind::RateConverter) make_rate_converter(vertex);
       if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto& other = graph_.vertices[index(vertex.index)];
+      const auto& other = compensated(vertex);
       vertex.fingerprint = other.fingerprint;
       if (other.node != nullptr)
         vertex.node = std::make_shared<PhaseDelay>(other.node, static_cast<int>(vertex.in.size()) - 2,
@@ -44,6 +44,9 @@ class Maker {
 
  private:
   const FlatNode& flat_node(const Vertex& vertex) const { return flat_.nodes[index(vertex.index)]; }
+  const Vertex& compensated(const Vertex& phase_delay) const {
+    return graph_.vertices[index(phase_delay.index)];
+  }
   const Vertex& at(Wire wire) const { return graph_.vertices[index(wire.vertex)]; }
 
   Hertz rate_of(int divisor) const { return Hertz{options_.sample_rate.value / divisor}; }
@@ -89,7 +92,7 @@ class Maker {
   void fold_phase_delays() {
     for (auto& vertex : graph_.vertices) {
       if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto& other = graph_.vertices[index(vertex.index)].node;
+      const auto& other = compensated(vertex).node;
       std::vector<double> in;
       for (const auto& wire : vertex.in)
         if (at(wire).kind == Vertex::Kind::Constant) in.push_back(at(wire).value);
@@ -165,7 +168,7 @@ class Maker {
     Wire wire = vertex.in[time];
     Interval left{0, 0};
     for (; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
-      const auto& other = graph_.vertices[index(at(wire).index)];
+      const auto& other = compensated(at(wire));
       if (other.node == nullptr) return false;
       const auto taken = PhaseDelay::range(other.node, tuned, flat_node(other).ranges, rate_of(node.divisor));
       if (!taken) return report_phase(at(wire)), false;
@@ -180,10 +183,10 @@ class Maker {
   }
 
   void report_phase(const Vertex& phase_delay) {
-    made_.mistakes.push_back({Errc::BadArgument, phase_delay.at.text(),
-                              "the phase delay of '" + graph_.vertices[index(phase_delay.index)].path +
-                                  "' cannot be compensated: it is not known",
-                              "name filters that lie in the same loop"});
+    made_.mistakes.push_back(
+        {Errc::BadArgument, phase_delay.at.text(),
+         "the phase delay of '" + compensated(phase_delay).path + "' cannot be compensated: it is not known",
+         "name filters that lie in the same loop"});
   }
 
   VertexGraph& graph_;
