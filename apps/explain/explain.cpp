@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
+#include "engine/core/channels.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
@@ -29,20 +31,14 @@ std::vector<double> measure_steps(Player& engine, int block) {
   constexpr int kRounds = 7;
   constexpr int kBlocks = 400;
   constexpr std::chrono::milliseconds kRound{50};
-  const int ins = engine.in_channels();
-  const int outs = engine.out_channels();
-  std::vector<std::vector<double>> in(index(ins), std::vector<double>(index(block), 1e-3));
-  std::vector<std::vector<double>> out(index(outs), std::vector<double>(index(block)));
-  std::vector<const double*> in_ptr;
-  std::vector<double*> out_ptr;
-  for (auto& channel : in) in_ptr.push_back(channel.data());
-  for (auto& channel : out) out_ptr.push_back(channel.data());
+  const ChannelBuffers in{engine.in_channels(), block}, out{engine.out_channels(), block};
+  for (double* channel : in) std::fill_n(channel, block, 1e-3);
   std::vector<double> least(engine.plan().steps.size(), 1e300);
   std::vector<double> before = engine.step_nanoseconds();
   for (int round = 0; round < kRounds; ++round) {
     const auto end = std::chrono::steady_clock::now() + kRound;
     int blocks = 0;
-    do engine.process_timed({in_ptr.data(), out_ptr.data(), block});
+    do engine.process_timed({in.data(), out.data(), block});
     while (++blocks < kBlocks && std::chrono::steady_clock::now() < end);
     for (std::size_t s = 0; s < least.size(); ++s)
       least[s] = std::min(least[s], (engine.step_nanoseconds()[s] - before[s]) / (blocks * block));

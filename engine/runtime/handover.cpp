@@ -27,41 +27,28 @@ Status same_border(const Plan& before, const Plan& after) {
               "stop it and play it again");
 }
 
-/// Finds in the plan before the vertex that a vertex of the new plan continues: by kind, name, and which of
-/// several with that name it is.
-class Twins {
- public:
-  explicit Twins(const Plan& before) {
-    for (std::size_t v = 0; v < before.vertices.size(); ++v)
-      known_.emplace(key(before, before.vertices[v]), static_cast<int>(v));
-  }
-  /// Index in the vertices of the plan before, or -1.
-  int of(const Plan& after, const Vertex& vertex) const {
-    const auto found = known_.find(key(after, vertex));
-    return found == known_.end() ? -1 : found->second;
-  }
+/// What a vertex continues from one plan to the next: kind, name, and which of several with that name it is.
+using Key = std::tuple<Vertex::Kind, std::string_view, int>;
 
- private:
-  using Key = std::tuple<Vertex::Kind, std::string_view, int>;
-
-  static Key key(const Plan& plan, const Vertex& vertex) {
-    using Kind = Vertex::Kind;
-    if (vertex.runs >= 0) return {Kind::Node, vertex.path, vertex.nth};
-    if (vertex.kind == Kind::Input) return {vertex.kind, {}, vertex.index};
-    if (vertex.kind == Kind::Control)
-      return {vertex.kind, plan.controls[index(vertex.index)].control.name, 0};
-    return {vertex.kind, vertex.kind == Kind::Operation ? vertex.path : std::string_view{}, vertex.nth};
-  }
-
-  std::map<Key, int> known_;
-};
+Key key_of(const Plan& plan, const Vertex& vertex) {
+  using Kind = Vertex::Kind;
+  if (vertex.runs >= 0) return {Kind::Node, vertex.path, vertex.nth};
+  if (vertex.kind == Kind::Input) return {vertex.kind, {}, vertex.index};
+  if (vertex.kind == Kind::Control) return {vertex.kind, plan.controls[index(vertex.index)].control.name, 0};
+  return {vertex.kind, vertex.kind == Kind::Operation ? vertex.path : std::string_view{}, vertex.nth};
+}
 
 class Planner {
  public:
   Planner(const Running& before, Running& after)
       : old_(before), new_(after), was_(*before.plan), is_(*after.plan) {
-    const Twins twins{was_};
-    for (const auto& vertex : is_.vertices) twin_.push_back(twins.of(is_, vertex));
+    std::map<Key, int> known;
+    for (const auto& vertex : was_.vertices)
+      known.emplace(key_of(was_, vertex), static_cast<int>(&vertex - was_.vertices.data()));
+    for (const auto& vertex : is_.vertices) {
+      const auto found = known.find(key_of(is_, vertex));
+      twin_.push_back(found == known.end() ? -1 : found->second);
+    }
     for (std::size_t r = 0; r < old_.ramps.size(); ++r)
       for (const int slot : old_.ramps[r].control.readers.slots) ramp_at_.emplace(slot, static_cast<int>(r));
   }

@@ -10,11 +10,6 @@
 #include "engine/runtime/operations.h"
 
 namespace tactus {
-namespace {
-
-constexpr double kFadeSeconds = 0.010;
-
-}  // namespace
 
 Player::Player(std::unique_ptr<Plan> plan) : versions_(std::move(plan)), running_(&versions_.restart()) {}
 
@@ -30,16 +25,8 @@ Status Player::prepare(const StreamFormat& format) {
   fades_.assign(running_->outputs.size(), {});
   fading_until_ = 0;
   last_frames_ = 0;
-  outside_buffers_.assign(running_->outputs.size() + plan().input_names.size(),
-                          std::vector<double>(kMaxSubBlock, 0.0));
-  outside_in_.clear();
-  outside_out_.clear();
-  for (std::size_t i = 0; i < outside_buffers_.size(); ++i) {
-    if (i < running_->outputs.size())
-      outside_in_.push_back(outside_buffers_[i].data());
-    else
-      outside_out_.push_back(outside_buffers_[i].data());
-  }
+  outside_in_.resize(out_channels(), kMaxSubBlock);
+  outside_out_.resize(in_channels(), kMaxSubBlock);
   bad_inputs_ = 0;
   replacements_ = 0;
   now_ = 0;
@@ -112,7 +99,8 @@ int Player::control_index(std::string_view control) const {
 }
 
 void Player::take_over(Running& next) noexcept {
-  const auto fade = static_cast<std::int64_t>(std::lround(kFadeSeconds * next.plan->sample_rate.value));
+  constexpr double kFade_s = 0.010;
+  const auto fade = static_cast<std::int64_t>(std::lround(kFade_s * next.plan->sample_rate.value));
   next.take_over(*running_, now_, fade);
   for (std::size_t c = 0; c < fades_.size(); ++c)
     if (next.handover.jumps[c]) fades_[c].begin(now_, fade, last_output(c));
@@ -178,7 +166,7 @@ void Player::answer(int offset, int frames) noexcept {
   if (outside_ == nullptr) return;  // the channels were loaded like any others
   for (std::size_t c = 0; c < running_->outputs.size(); ++c) {
     const auto& signal = output_signal(c);
-    double* samples = outside_buffers_[c].data();
+    double* const samples = outside_in_[static_cast<int>(c)];
     for (int n = 0; n < frames; ++n) samples[n] = signal[offset + n];
     if (now_ + offset < fading_until_) fades_[c].process(samples, frames, now_ + offset);
     if (static_cast<int>(c) < format_.out_channels)
@@ -188,7 +176,7 @@ void Player::answer(int offset, int frames) noexcept {
   const auto& buffers = running_->plan->input_buffers;
   for (std::size_t c = 0; c < buffers.size(); ++c) {
     if (buffers[c] == nullptr) continue;
-    std::copy_n(outside_out_[c], frames, buffers[c] + offset);
+    std::copy_n(outside_out_[static_cast<int>(c)], frames, buffers[c] + offset);
     make_finite(buffers[c] + offset, frames);
   }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/block_io.h"
+#include "engine/core/channels.h"
 #include "engine/core/journal.h"
 #include "engine/runtime/replacement.h"
 #include "engine/runtime/step_runner.h"
@@ -141,9 +142,7 @@ class Player final : public BlockProcessor, private Outside {
   BlockIo io_;           // the block in hand
   int offset_ = 0;       // of the sub-block in hand
   int last_frames_ = 0;  // of the sub-block before
-  std::vector<const double*> outside_in_;
-  std::vector<double*> outside_out_;
-  std::vector<std::vector<double>> outside_buffers_;
+  ChannelBuffers outside_in_, outside_out_;
   BlockProcessor* outside_ = nullptr;
   int replacements_ = 0;
   std::int64_t now_ = 0;

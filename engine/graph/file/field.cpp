@@ -7,8 +7,6 @@
 namespace tactus {
 namespace {
 
-using Kind = FieldType::Kind;
-
 std::optional<double> read_whole(const Value& value, const FieldType& field, double high, Mistakes& mistakes,
                                  const std::string& owner) {
   const auto* number = value.number();
@@ -44,7 +42,7 @@ FieldType text_field(std::string key, std::string doc, std::string fallback) {
 FieldType quantity_field(std::string key, std::string unit, double low, double high, std::string doc,
                          std::string fallback) {
   return {.key = std::move(key),
-          .kind = Kind::Quantity,
+          .kind = FieldType::Kind::Quantity,
           .doc = std::move(doc),
           .unit = std::move(unit),
           .low = low,
@@ -53,7 +51,7 @@ FieldType quantity_field(std::string key, std::string unit, double low, double h
 }
 FieldType whole_field(std::string key, double low, double high, std::string doc, std::string fallback) {
   return {.key = std::move(key),
-          .kind = Kind::Whole,
+          .kind = FieldType::Kind::Whole,
           .doc = std::move(doc),
           .low = low,
           .high = high,
@@ -62,18 +60,18 @@ FieldType whole_field(std::string key, double low, double high, std::string doc,
 FieldType choice_field(std::string key, std::vector<std::string> choices, std::string doc,
                        std::string fallback) {
   return {.key = std::move(key),
-          .kind = Kind::Choice,
+          .kind = FieldType::Kind::Choice,
           .doc = std::move(doc),
           .fallback = std::move(fallback),
           .choices = std::move(choices)};
 }
 FieldType section_field(std::string key, const SectionType& inside) {
-  return {.key = std::move(key), .kind = Kind::Section, .doc = inside.doc, .inside = &inside};
+  return {.key = std::move(key), .kind = FieldType::Kind::Section, .doc = inside.doc, .inside = &inside};
 }
 FieldType entries_field(std::string key, const SectionType& inside, std::string doc) {
-  return {.key = std::move(key), .kind = Kind::Entries, .doc = std::move(doc), .inside = &inside};
+  return {.key = std::move(key), .kind = FieldType::Kind::Entries, .doc = std::move(doc), .inside = &inside};
 }
-FieldType field(std::string key, Kind kind, std::string doc) {
+FieldType field(std::string key, FieldType::Kind kind, std::string doc) {
   return {.key = std::move(key), .kind = kind, .doc = std::move(doc)};
 }
 FieldType required(FieldType field) {
@@ -111,7 +109,7 @@ std::string FieldReader::text(std::string_view key) { return mistakes_.text(tabl
 std::optional<double> FieldReader::number(std::string_view key, double most) {
   const auto& field = section_[key];
   const double high = std::min(field.high, most);
-  if (field.kind != Kind::Whole)
+  if (field.kind != FieldType::Kind::Whole)
     return read_bounded(table_, field.key, field.unit, field.low, high, mistakes_, owner_);
   return has(key) ? read_whole(*value(key), field, high, mistakes_, owner_) : std::nullopt;
 }

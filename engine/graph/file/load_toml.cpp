@@ -75,12 +75,12 @@ tl::unexpected<Error> explain(const toml::parse_error& error, std::string_view t
   if (const auto unquoted = find_unquoted(line_of(text, at.line), at.column)) {
     at.column = unquoted->column;
     const std::string value{unquoted->value};
-    return fail(Errc::Syntax, at.text(), "'" + value + "' stands without quotes", "write \"" + value + "\"");
+    return fail(Errc::Syntax, at.text(), "'" + value + "' needs quotes", "write \"" + value + "\"");
   }
   // "Error while parsing array: expected …" becomes "in this array: expected …".
   constexpr std::string_view kBoilerplate = "Error while parsing ";
   if (what.starts_with(kBoilerplate)) what = "in this " + what.substr(kBoilerplate.size());
-  return fail(Errc::Syntax, at.text(), what, "mend it to see what else there is");
+  return fail(Errc::Syntax, at.text(), what, "fix it to see further errors");
 }
 
 // ---- the parser's tree as plain data ----

@@ -1,5 +1,6 @@
 #include "engine/graph/semantics/expression.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -149,8 +150,8 @@ class Parser {
 
   Result<Expression> word() {
     const auto start = here_;
-    while (here_ < text_.size() && (letter(peek()) || digit(peek()) || peek() == '.')) ++here_;
-    const auto word = std::string{text_.substr(start, here_ - start)};
+    const auto word = word_here();
+    here_ += word.size();
     skip_space();
     if (word == "min" || word == "max" || word == "abs") return function(start, word);
     if (peek() == '(')
@@ -200,20 +201,25 @@ class Parser {
   }
   Result<Expression> not_a_unit(std::string_view digits) {
     skip_space();
-    auto end = here_;
-    while (end < text_.size() && (letter(text_[end]) || digit(text_[end]) || text_[end] == '.')) ++end;
-    const std::string word{text_.substr(here_, end - here_)};
+    const auto word = word_here();
     return syntax(here_, "'" + word + "' is not a unit",
                   "to multiply, write " + std::string{digits} + " * " + word);
   }
 
+  std::string word_here() const {
+    const auto rest = text_.substr(here_);
+    const auto end =
+        std::find_if_not(rest.begin(), rest.end(), [](char c) { return letter(c) || digit(c) || c == '.'; });
+    return {rest.begin(), end};
+  }
+
   /// The word or character at this place, for messages.
   std::string found() const {
-    auto end = here_;
-    while (end < text_.size() && (letter(text_[end]) || digit(text_[end]) || text_[end] == '.')) ++end;
-    if (end > here_) return "'" + std::string{text_.substr(here_, end - here_)} + "'";
+    if (const auto word = word_here(); !word.empty()) return "'" + word + "'";
     // Not half of a letter that takes several bytes in UTF-8.
-    for (++end; end < text_.size() && (static_cast<unsigned char>(text_[end]) & 0xC0u) == 0x80u;) ++end;
+    auto end = here_ + 1;
+    for (; end < text_.size() && (static_cast<unsigned char>(text_[end]) & 0xC0u) == 0x80u; ++end) {
+    }
     return "'" + std::string{text_.substr(here_, end - here_)} + "'";
   }
 
