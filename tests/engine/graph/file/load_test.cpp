@@ -150,5 +150,5 @@ TEST_CASE("graph: one letter may name a node although it is a unit, and an outpu
 }
 
 TEST_CASE("graph: a syntax error comes alone", "[graph]") {
-  CHECK(mistakes("[nods]\nx = 12 ms") == "drum.toml:2:5: '12 ms' stands without quotes; write \"12 ms\"");
+  CHECK(mistakes("[nods]\nx = 12 ms") == "drum.toml:2:5: '12 ms' needs quotes; write \"12 ms\"");
 }

@@ -53,7 +53,7 @@ TEST_CASE("parts: mistakes in all files come together, each file once", "[graph]
       "digits "
       "and _\n"
       "bad.toml:2:1: unknown key 'nods'; did you mean 'nodes'?\n"
-      "worse.toml:1:10: in this key-value pair: encountered end-of-file; mend it to see what else there is");
+      "worse.toml:1:10: in this key-value pair: encountered end-of-file; fix it to see further errors");
 }
 
 TEST_CASE("parts: a circle of files is printed file by file", "[graph]") {
