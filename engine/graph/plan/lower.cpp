@@ -2,7 +2,7 @@
 #include <cmath>
 #include <map>
 
-#include "engine/graph/plan/phase_delay.h"
+#include "engine/graph/plan/inserted_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
 #include "engine/graph/semantics/facts.h"
 
@@ -10,6 +10,10 @@ namespace tactus {
 namespace {
 
 class Lowering {
+  using Kind = Vertex::Kind;
+  using Op = Expression::Op;
+  using SignalKind = FlatSignal::Kind;
+
  public:
   explicit Lowering(const FlatGraph& flat) : flat_(flat) {}
 
@@ -18,16 +22,16 @@ class Lowering {
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
       wires_.emplace_back(index(signal.lanes));
-      if (signal.kind == FlatSignal::Kind::NodeOutput) continue;
+      if (signal.kind == SignalKind::NodeOutput) continue;
       for (int lane = 0; lane < signal.lanes; ++lane)
         wires_[i][index(lane)] =
-            signal.kind == FlatSignal::Kind::SystemDelay ? system_delay(signal) : make_source(signal, lane);
+            signal.kind == SignalKind::SystemDelay ? system_delay(signal) : make_source(signal, lane);
     }
     make_nodes();
     // All names have their vertices now; loops can be closed.
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
-      if (signal.kind != FlatSignal::Kind::Expression) continue;
+      if (signal.kind != SignalKind::Expression) continue;
       divisor_ = signal.conversion ? signal.conversion->from : signal.divisor;
       for (int lane = 0; lane < signal.lanes; ++lane) {
         const auto wire = lower(signal.expression, lane, signal.lanes, signal.path);
@@ -50,7 +54,7 @@ class Lowering {
   }
 
   Wire constant(double value, const Source& at = {}) {
-    auto vertex = begin(Vertex::Kind::Constant, {}, at, 1);
+    auto vertex = begin(Kind::Constant, {}, at, 1);
     vertex.value = value;
     return add(std::move(vertex));
   }
@@ -83,26 +87,26 @@ class Lowering {
 
   Wire make_source(const FlatSignal& signal, int lane) {
     auto vertex =
-        begin(Vertex::Kind::Constant, lane_path(signal.path, lane, signal.lanes), signal.at, signal.divisor);
+        begin(Kind::Constant, lane_path(signal.path, lane, signal.lanes), signal.at, signal.divisor);
     set_lane(vertex, &signal, lane, signal.lanes);
     switch (signal.kind) {
-      case FlatSignal::Kind::Input:
-        vertex.kind = Vertex::Kind::Input;
+      case SignalKind::Input:
+        vertex.kind = Kind::Input;
         vertex.index = first_channel_[index(signal.index)] + lane;
         break;
-      case FlatSignal::Kind::Control:
-        vertex.kind = Vertex::Kind::Control;
+      case SignalKind::Control:
+        vertex.kind = Kind::Control;
         vertex.index = signal.index;
         break;
-      case FlatSignal::Kind::SystemDelay:
-        vertex.kind = Vertex::Kind::SystemDelay;
+      case SignalKind::SystemDelay:
+        vertex.kind = Kind::SystemDelay;
         break;
-      case FlatSignal::Kind::Missing:  // a constant that nothing reads
+      case SignalKind::Missing:  // a constant that nothing reads
         break;
-      case FlatSignal::Kind::Expression:
-      case FlatSignal::Kind::NodeOutput:
-        vertex.kind = Vertex::Kind::Operation;
-        vertex.op = Expression::Op::Signal;
+      case SignalKind::Expression:
+      case SignalKind::NodeOutput:
+        vertex.kind = Kind::Operation;
+        vertex.op = Op::Signal;
         break;
     }
     if (signal.conversion) make_rate_converter(vertex, signal);
@@ -116,7 +120,7 @@ class Lowering {
   }
 
   void make_rate_converter(Vertex& vertex, const FlatSignal& signal) const {
-    vertex.kind = Vertex::Kind::RateConverter;
+    vertex.kind = Kind::RateConverter;
     vertex.conversion = *signal.conversion;
     vertex.origin = {};
     if (is_trigger(signal.expression, 0)) vertex.conversion.how = RateConversion::How::Trigger;
@@ -124,10 +128,10 @@ class Lowering {
 
   /// A name for what a node fires, through as many files as there may be.
   bool is_trigger(const Expression& expression, int depth) const {
-    if (expression.op != Expression::Op::Signal || depth > 64) return false;
+    if (expression.op != Op::Signal || depth > 64) return false;
     const auto& signal = flat_.signals[index(expression.signal)];
-    if (signal.kind == FlatSignal::Kind::Expression) return is_trigger(signal.expression, depth + 1);
-    if (signal.kind != FlatSignal::Kind::NodeOutput) return false;
+    if (signal.kind == SignalKind::Expression) return is_trigger(signal.expression, depth + 1);
+    if (signal.kind != SignalKind::NodeOutput) return false;
     const auto& type = *flat_.nodes[index(signal.index)].type;
     return type.outputs[index(signal.port)].kind == OutputKind::Trigger;
   }
@@ -142,8 +146,7 @@ class Lowering {
         continue;
       }
       for (int lane = 0; lane < node.lanes; ++lane) {
-        auto vertex =
-            begin(Vertex::Kind::Node, lane_path(node.path, lane, node.lanes), node.at, node.divisor);
+        auto vertex = begin(Kind::Node, lane_path(node.path, lane, node.lanes), node.at, node.divisor);
         vertex.index = static_cast<int>(n);
         vertex.type = node.type;
         vertex.outputs = static_cast<int>(node.outputs.size());
@@ -182,8 +185,8 @@ class Lowering {
     const auto time = index(where.port), period = index(where.period);
     for (const int other_index : node.compensate) {
       const auto& other = flat_.nodes[index(other_index)];
-      auto vertex = begin(Vertex::Kind::PhaseDelay, lane_path(node.path, lane, node.lanes) + ".compensate",
-                          node.at, node.divisor);
+      auto vertex = begin(Kind::PhaseDelay, lane_path(node.path, lane, node.lanes) + ".compensate", node.at,
+                          node.divisor);
       vertex.index = first_vertex_[index(other_index)] + std::min(lane, other.lanes - 1);
       vertex.value = where.sign;
       // What the compensations before this one left, then the period, then the parameters.
@@ -197,7 +200,7 @@ class Lowering {
   }
 
   void connect_mix(const FlatNode& node) {
-    auto sum = begin(Vertex::Kind::Sum, node.path, node.at, node.divisor);
+    auto sum = begin(Kind::Sum, node.path, node.at, node.divisor);
     for (int lane = 0; lane < node.lanes; ++lane)
       sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
     const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
@@ -214,23 +217,23 @@ class Lowering {
 
   Wire lower_lane(const Expression& expression, int lane, int lanes, const std::string& path) {
     switch (expression.op) {
-      case Expression::Op::Number:
+      case Op::Number:
         return constant(expression.number, expression.at);
-      case Expression::Op::Signal: {
+      case Op::Signal: {
         const auto& wires = wires_[index(expression.signal)];
         return wires[wires.size() == 1 ? 0 : index(lane)];
       }
-      case Expression::Op::Lanes: {
+      case Op::Lanes: {
         const auto& own = expression.arguments[expression.arguments.size() == 1 ? 0 : index(lane)];
-        return own.op == Expression::Op::Number ? own_number(own.number, expression, lane, lanes)
-                                                : lower(own, 0, 1, path);
+        return own.op == Op::Number ? own_number(own.number, expression, lane, lanes)
+                                    : lower(own, 0, 1, path);
       }
-      case Expression::Op::Spread:
+      case Op::Spread:
         return own_number(spread(expression, lane, lanes), expression, lane, lanes);
       default:
         break;
     }
-    auto vertex = begin(Vertex::Kind::Operation, path, expression.at, divisor_);
+    auto vertex = begin(Kind::Operation, path, expression.at, divisor_);
     vertex.op = expression.op;
     set_lane(vertex, &expression, lane, lanes);
     for (const auto& argument : expression.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
@@ -255,7 +258,7 @@ class Lowering {
     divisor_ = 1;
     for (const auto& output : flat_.outputs) {
       for (int lane = 0; lane < output.lanes; ++lane) {
-        auto vertex = begin(Vertex::Kind::Output, lane_path(output.name, lane, output.lanes), output.at, 1);
+        auto vertex = begin(Kind::Output, lane_path(output.name, lane, output.lanes), output.at, 1);
         vertex.index = static_cast<int>(graph_.channels.size());
         vertex.outputs = 0;
         vertex.in = {lower(output.expression, lane, output.lanes, output.name)};

@@ -5,7 +5,7 @@
 
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/plan/passes.h"
-#include "engine/graph/plan/strong_components.h"
+#include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
 namespace {

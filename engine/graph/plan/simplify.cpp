@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/plan/vector_nodes.h"
+#include "engine/graph/plan/inserted_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/facts.h"
@@ -11,6 +11,9 @@ namespace tactus {
 namespace {
 
 class Simplifier {
+  using Kind = Vertex::Kind;
+  using Op = Expression::Op;
+
  public:
   Simplifier(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate)
       : graph_(graph), flat_(flat), sample_rate_(sample_rate) {}
@@ -32,7 +35,7 @@ class Simplifier {
   Vertex& at(int v) { return graph_.vertices[index(v)]; }
   std::optional<double> constant(Wire wire) {
     const auto& vertex = at(wire.vertex);
-    return vertex.kind == Vertex::Kind::Constant ? std::optional{vertex.value} : std::nullopt;
+    return vertex.kind == Kind::Constant ? std::optional{vertex.value} : std::nullopt;
   }
 
   /// Of all inputs, if all are constant.
@@ -50,9 +53,7 @@ class Simplifier {
 
   // ---- copies
 
-  bool is_copy(const Vertex& v) const {
-    return v.kind == Vertex::Kind::Operation && v.op == Expression::Op::Signal;
-  }
+  bool is_copy(const Vertex& v) const { return v.kind == Kind::Operation && v.op == Op::Signal; }
 
   Wire behind_copies(Wire wire) {
     const Wire first = wire;
@@ -87,10 +88,10 @@ class Simplifier {
 
   /// True if consumers of `v` now see something simpler.
   bool try_fold(int v) {
-    if (at(v).kind == Vertex::Kind::Operation && !is_copy(at(v))) return fold_operation(v);
-    if (at(v).kind == Vertex::Kind::Node) return fold_node(v);
-    if (at(v).kind == Vertex::Kind::Sum) return fold_sum(v);
-    if (at(v).kind == Vertex::Kind::RateConverter) return fold_rate_converter(v);
+    if (at(v).kind == Kind::Operation && !is_copy(at(v))) return fold_operation(v);
+    if (at(v).kind == Kind::Node) return fold_node(v);
+    if (at(v).kind == Kind::Sum) return fold_sum(v);
+    if (at(v).kind == Kind::RateConverter) return fold_rate_converter(v);
     return false;
   }
 
@@ -113,7 +114,7 @@ class Simplifier {
       make_constant(v, apply(vertex.op, values->front(), values->size() > 1 ? values->back() : 0));
       return true;
     }
-    if (vertex.op == Expression::Op::Multiply) {
+    if (vertex.op == Op::Multiply) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (same_in_all(vertex.in[i]) == 1.0) return replace(v, vertex.in[1 - i]);
         if (zeros_ && constant(vertex.in[i]) == 0.0) {
@@ -122,18 +123,16 @@ class Simplifier {
         }
       }
     }
-    if (vertex.op == Expression::Op::Divide && same_in_all(vertex.in[1]) == 1.0)
-      return replace(v, vertex.in[0]);
+    if (vertex.op == Op::Divide && same_in_all(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
     // Of all numbers this changes -0 only, which no operation distinguishes from 0.
-    if ((vertex.op == Expression::Op::Add || vertex.op == Expression::Op::Subtract) &&
-        same_in_all(vertex.in[1]) == 0.0)
+    if ((vertex.op == Op::Add || vertex.op == Op::Subtract) && same_in_all(vertex.in[1]) == 0.0)
       return replace(v, vertex.in[0]);
-    if (vertex.op == Expression::Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
+    if (vertex.op == Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
     return false;
   }
 
   void make_constant(int v, double value) {
-    at(v).kind = Vertex::Kind::Constant;
+    at(v).kind = Kind::Constant;
     at(v).value = value;
     at(v).in.clear();
   }
@@ -193,20 +192,19 @@ class Simplifier {
     std::vector<bool> reached(graph_.vertices.size(), false);
     std::vector<int> work;
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
-      if (graph_.vertices[v].kind == Vertex::Kind::Output) work.push_back(static_cast<int>(v));
+      if (graph_.vertices[v].kind == Kind::Output) work.push_back(static_cast<int>(v));
     while (!work.empty()) {
       const int v = work.back();
       work.pop_back();
       if (reached[index(v)]) continue;
       reached[index(v)] = true;
       for (const auto& wire : at(v).in) work.push_back(wire.vertex);
-      if (at(v).kind == Vertex::Kind::PhaseDelay)
-        work.push_back(at(v).index);  // it asks that node for its phase
+      if (at(v).kind == Kind::PhaseDelay) work.push_back(at(v).index);  // it asks that node for its phase
     }
     reason_.resize(written);
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       auto& vertex = graph_.vertices[v];
-      const bool folded = v < written && vertex.kind == Vertex::Kind::Constant && named_[v];
+      const bool folded = v < written && vertex.kind == Kind::Constant && named_[v];
       if (v < written && reason_[v].empty()) {
         if (folded)
           reason_[v] = "is always " + short_number(vertex.value);
@@ -222,9 +220,8 @@ class Simplifier {
     named_.assign(written, false);
     for (std::size_t v = 0; v < written; ++v) {
       const auto& vertex = graph_.vertices[v];
-      named_[v] = vertex.kind == Vertex::Kind::Node || vertex.kind == Vertex::Kind::Control ||
-                  vertex.kind == Vertex::Kind::Input || vertex.kind == Vertex::Kind::RateConverter ||
-                  (is_copy(vertex) && vertex.path != "system.rate");
+      named_[v] = vertex.kind == Kind::Node || vertex.kind == Kind::Control || vertex.kind == Kind::Input ||
+                  vertex.kind == Kind::RateConverter || (is_copy(vertex) && vertex.path != "system.rate");
     }
   }
 
@@ -235,14 +232,14 @@ class Simplifier {
       if (v < named_.size() && is_copy(vertex)) {
         // A name for something else: gone without loss when what it names lives on.
         const auto behind = at(behind_copies({static_cast<int>(v), 0}).vertex);
-        if (behind.kind == Vertex::Kind::Constant)
+        if (behind.kind == Kind::Constant)
           reason_[v] = "is always " + short_number(behind.value);
-        else if (behind.alive || behind.kind == Vertex::Kind::Node)
+        else if (behind.alive || behind.kind == Kind::Node)
           continue;
       }
       if (vertex.path.find("system.") != std::string::npos) continue;
       graph_.left_out.push_back(
-          {vertex.path, vertex.kind == Vertex::Kind::Control ? "nothing reads it" : reason_[v]});
+          {vertex.path, vertex.kind == Kind::Control ? "nothing reads it" : reason_[v]});
     }
   }
 

@@ -1,9 +1,8 @@
-#include "engine/graph/plan/strong_components.h"
-
 #include <algorithm>
 #include <cstddef>
 
 #include "engine/core/index.h"
+#include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engine/graph/plan/fingerprint.h"
-#include "engine/graph/plan/vector_nodes.h"
+#include "engine/graph/plan/inserted_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {

@@ -15,6 +15,9 @@ bool adds_or_compares(Expression::Op op) {
 }
 
 class Checks {
+  using Op = Expression::Op;
+  using UnitKind = UnitFact::Kind;
+
  public:
   explicit Checks(const FlatGraph& graph) : graph_(graph) {}
 
@@ -40,7 +43,7 @@ class Checks {
     if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(expression, rule.dimension, owner);
     if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 && node.inputs[index(rule.follows)]) {
       const auto followed = unit(*node.inputs[index(rule.follows)]);
-      if (followed.kind == UnitFact::Kind::Known)
+      if (followed.kind == UnitKind::Known)
         check_unit_is(expression, followed.dimension * rule.dimension, owner);
     }
     check_range(expression, port, rule, owner);
@@ -58,7 +61,7 @@ class Checks {
     check_lanes(output.expression, output.lanes);
     if (!output.declared) return;
     const auto fact = unit(output.expression);
-    if (fact.kind != UnitFact::Kind::Known || fact.dimension == *output.declared) return;
+    if (fact.kind != UnitKind::Known || fact.dimension == *output.declared) return;
     mistakes_.add(Errc::UnitMismatch, output.at,
                   "output '" + output.name + "' is " + unit_phrase(*output.declared) +
                       ", but it is given what is " + unit_phrase(fact.dimension),
@@ -73,8 +76,8 @@ class Checks {
       return mistakes_.add(Errc::OutOfRange, expression.at,
                            std::to_string(found) + " lanes meet " + std::to_string(wanted),
                            "give both the same number of lanes, or put a 'mix' between them");
-    if (expression.op == Expression::Op::Signal) return;
-    if (expression.op == Expression::Op::Lanes) return check_lanes_of_list(expression);
+    if (expression.op == Op::Signal) return;
+    if (expression.op == Op::Lanes) return check_lanes_of_list(expression);
     for (const auto& argument : expression.arguments) check_lanes(argument, wanted);
   }
 
@@ -90,12 +93,12 @@ class Checks {
     if (adds_or_compares(expression.op)) {
       const Expression* first = nullptr;
       for (const auto& argument : expression.arguments) {
-        if (unit(argument).kind != UnitFact::Kind::Known) continue;
+        if (unit(argument).kind != UnitKind::Known) continue;
         if (first == nullptr) first = &argument;
         check_agrees(argument, *first, expression.op);
       }
     }
-    if (expression.op == Expression::Op::Divide) check_divisor(expression.arguments[1]);
+    if (expression.op == Op::Divide) check_divisor(expression.arguments[1]);
     for (const auto& argument : expression.arguments) check_units(argument);
   }
 
@@ -111,21 +114,21 @@ class Checks {
     const auto a = unit(first).dimension;
     const auto b = unit(expression).dimension;
     if (a == b) return;
-    const char* meets = op == Expression::Op::Add        ? "is added to"
-                        : op == Expression::Op::Subtract ? "is taken from"
-                        : op == Expression::Op::Lanes    ? "is a lane beside"
-                        : op == Expression::Op::Spread   ? "ends a spread from"
-                                                         : "is compared with";
+    const char* meets = op == Op::Add        ? "is added to"
+                        : op == Op::Subtract ? "is taken from"
+                        : op == Op::Lanes    ? "is a lane beside"
+                        : op == Op::Spread   ? "ends a spread from"
+                                             : "is compared with";
     mistakes_.add(Errc::UnitMismatch, expression.at,
                   "this is " + unit_phrase(b) + ", but it " + meets + " what is " + unit_phrase(a),
-                  op == Expression::Op::Lanes || op == Expression::Op::Spread
+                  op == Op::Lanes || op == Op::Spread
                       ? "give both the same unit"
                       : "multiply one of them by a quantity that turns its unit into the other's");
   }
 
   void check_unit_is(const Expression& expression, const Dimension& wanted, const std::string& owner) {
     const auto fact = unit(expression);
-    if (fact.kind != UnitFact::Kind::Known || fact.dimension == wanted) return;
+    if (fact.kind != UnitKind::Known || fact.dimension == wanted) return;
     mistakes_.add(Errc::UnitMismatch, expression.at,
                   owner + " is " + unit_phrase(wanted) + ", but this is " + unit_phrase(fact.dimension),
                   wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)

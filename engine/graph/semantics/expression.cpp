@@ -33,6 +33,8 @@ bool dotted_name(std::string_view word) {
 }
 
 class Parser {
+  using Op = Expression::Op;
+
  public:
   Parser(std::string_view text, const Source& at) : text_(text), at_(at) {}
 
@@ -49,12 +51,8 @@ class Parser {
   }
 
  private:
-  Result<Expression> sum() {
-    return chain('+', Expression::Op::Add, '-', Expression::Op::Subtract, &Parser::product);
-  }
-  Result<Expression> product() {
-    return chain('*', Expression::Op::Multiply, '/', Expression::Op::Divide, &Parser::factor);
-  }
+  Result<Expression> sum() { return chain('+', Op::Add, '-', Op::Subtract, &Parser::product); }
+  Result<Expression> product() { return chain('*', Op::Multiply, '/', Op::Divide, &Parser::factor); }
 
   /// operand { sign operand }, grouped from the left.
   Result<Expression> chain(char a, Expression::Op op_a, char b, Expression::Op op_b,
@@ -106,7 +104,7 @@ class Parser {
     if (digit(peek()) || (peek() == '.' && digit(peek(1)))) return number(start, -1);
     auto value = factor();
     if (!value) return value;
-    auto whole = make(Expression::Op::Negate, start);
+    auto whole = make(Op::Negate, start);
     whole.arguments.push_back(std::move(*value));
     return whole;
   }
@@ -127,7 +125,7 @@ class Parser {
       return syntax(start, "the number " + std::string{digits} + " is too large or too small",
                     "write one between 1e-300 and 1e300");
     here_ += digits.size();
-    auto whole = make(Expression::Op::Number, start);
+    auto whole = make(Op::Number, start);
     whole.bare = true;
     whole.number = sign * value;
     skip_space();
@@ -160,17 +158,14 @@ class Parser {
       return syntax(start, "'" + word + "' is not a name",
                     "names are small letters, digits and _, ports follow a dot");
     if (++values_ > kMaxValues) return too_long(start);
-    auto whole = make(Expression::Op::Signal, start);
+    auto whole = make(Op::Signal, start);
     whole.name = word;
     return whole;
   }
 
   Result<Expression> function(std::size_t start, const std::string& word) {
     const std::string use = word == "abs" ? "abs(x)" : word + "(a, b)";
-    auto whole = make(word == "abs"   ? Expression::Op::Abs
-                      : word == "min" ? Expression::Op::Min
-                                      : Expression::Op::Max,
-                      start);
+    auto whole = make(word == "abs" ? Op::Abs : word == "min" ? Op::Min : Op::Max, start);
     const auto open = here_;
     if (!take('(')) return syntax(here_, "'(' is missing behind '" + word + "'", "write " + use);
     const std::size_t count = word == "abs" ? 1 : 2;

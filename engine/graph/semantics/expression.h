@@ -49,9 +49,16 @@ Result<Expression> parse_expression(std::string_view text, const Source& at);
 /// The place of the first letter of a string: behind its quote.
 Source text_start(const Value& value);
 
-/// One operator of an expression on numbers. A division by zero gives zero: a knob at its end must not make a
-/// loop fault. Minimum and maximum take `b` when `a` is not a number.
-inline double apply(Expression::Op op, double a, double b) noexcept {
+/// The operators on numbers whose result is not that of C++. A division by zero gives zero: a control at its
+/// end must not make a loop fault. Minimum and maximum take `b` when `a` is not a number.
+inline double divide(double a, double b) noexcept { return b == 0 ? 0 : a / b; }
+inline double min(double a, double b) noexcept { return a < b ? a : b; }
+inline double max(double a, double b) noexcept { return a > b ? a : b; }
+inline double abs(double a) noexcept { return std::fabs(a); }
+
+/// One operator of an expression on numbers or on intervals; what is no operator copies.
+template <class Number>
+Number apply(Expression::Op op, Number a, Number b) noexcept {
   switch (op) {
     case Expression::Op::Negate:
       return -a;
@@ -62,13 +69,13 @@ inline double apply(Expression::Op op, double a, double b) noexcept {
     case Expression::Op::Multiply:
       return a * b;
     case Expression::Op::Divide:
-      return b == 0 ? 0 : a / b;
+      return divide(a, b);
     case Expression::Op::Min:
-      return a < b ? a : b;
+      return min(a, b);
     case Expression::Op::Max:
-      return a > b ? a : b;
+      return max(a, b);
     case Expression::Op::Abs:
-      return std::fabs(a);
+      return abs(a);
     default:
       return a;
   }

@@ -56,33 +56,13 @@ UnitFact unit_of(const FlatGraph& graph, const Expression& expression) {
 
 Interval range_of(const FlatGraph& graph, const Expression& expression) {
   using Op = Expression::Op;
+  if (expression.op == Op::Number) return Interval::exactly(expression.number);
+  if (expression.op == Op::Signal) return signal_of(graph, expression).range;
   const auto of = [&](std::size_t i) { return range_of(graph, expression.arguments[i]); };
-  switch (expression.op) {
-    case Op::Number:
-      return Interval::exactly(expression.number);
-    case Op::Signal:
-      return signal_of(graph, expression).range;
-    case Op::Negate:
-      return -of(0);
-    case Op::Add:
-      return of(0) + of(1);
-    case Op::Subtract:
-      return of(0) - of(1);
-    case Op::Multiply:
-      return of(0) * of(1);
-    case Op::Divide:
-      return of(0) / of(1);
-    case Op::Min:
-      return min(of(0), of(1));
-    case Op::Max:
-      return max(of(0), of(1));
-    case Op::Abs:
-      return abs(of(0));
-    case Op::Lanes:
-    case Op::Spread:
-      break;
-  }
-  Interval all = of(0);
+  const auto first = of(0);
+  if (expression.op != Op::Lanes && expression.op != Op::Spread)
+    return apply(expression.op, first, expression.arguments.size() > 1 ? of(1) : first);
+  Interval all = first;
   for (std::size_t i = 1; i < expression.arguments.size(); ++i) all = all.joined(of(i));
   return all;
 }

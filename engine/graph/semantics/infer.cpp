@@ -66,6 +66,9 @@ class DependencyOrder {
 };
 
 class Inference {
+  using SignalKind = FlatSignal::Kind;
+  using UnitKind = UnitFact::Kind;
+
  public:
   explicit Inference(FlatGraph& graph) : graph_(graph), order_(DependencyOrder{graph}.take()) {}
 
@@ -96,8 +99,8 @@ class Inference {
     bool changed = false;
     for (const int id : order_) {
       auto& s = signal(id);
-      if (s.kind == FlatSignal::Kind::Expression) changed |= grow(s.lanes, lanes_of(graph_, s.expression));
-      if (s.kind == FlatSignal::Kind::NodeOutput) changed |= grow_node_lanes(s, id);
+      if (s.kind == SignalKind::Expression) changed |= grow(s.lanes, lanes_of(graph_, s.expression));
+      if (s.kind == SignalKind::NodeOutput) changed |= grow_node_lanes(s, id);
     }
     return changed;
   }
@@ -128,11 +131,11 @@ class Inference {
       changed = false;
       for (const int id : order_) {
         auto& s = signal(id);
-        if (s.unit.kind == UnitFact::Kind::Known) continue;
+        if (s.unit.kind == UnitKind::Known) continue;
         UnitFact fact = s.unit;
-        if (s.kind == FlatSignal::Kind::Expression) fact = unit_of(graph_, s.expression);
-        if (s.kind == FlatSignal::Kind::NodeOutput) fact = output_unit(node_of(s), s.port);
-        if (fact == s.unit || fact.kind == UnitFact::Kind::Unknown) continue;
+        if (s.kind == SignalKind::Expression) fact = unit_of(graph_, s.expression);
+        if (s.kind == SignalKind::NodeOutput) fact = output_unit(node_of(s), s.port);
+        if (fact == s.unit || fact.kind == UnitKind::Unknown) continue;
         s.unit = fact;
         changed = true;
       }
@@ -163,8 +166,8 @@ class Inference {
     for (const int id : order_) {
       auto& s = signal(id);
       Interval found = s.range;
-      if (s.kind == FlatSignal::Kind::Expression) found = range_of(graph_, s.expression);
-      if (s.kind == FlatSignal::Kind::NodeOutput) found = output_range(node_of(s), s.port);
+      if (s.kind == SignalKind::Expression) found = range_of(graph_, s.expression);
+      if (s.kind == SignalKind::NodeOutput) found = output_range(node_of(s), s.port);
       if (found.low == s.range.low && found.high == s.range.high) continue;
       s.range = found;
       changed = true;

@@ -31,7 +31,7 @@ inline Interval operator*(Interval a, Interval b) {
   return {low, high};
 }
 /// Unbounded when `b` contains 0.
-inline Interval operator/(Interval a, Interval b) {
+inline Interval divide(Interval a, Interval b) {
   if (b.contains(0)) return {};
   return a * Interval{std::min(1 / b.low, 1 / b.high), std::max(1 / b.low, 1 / b.high)};
 }

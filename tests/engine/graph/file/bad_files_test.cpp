@@ -359,7 +359,7 @@ a = { type = "quantiser", in = "x", step = 0.1, rounding = "up" }
 [nodes]
 a = { type = "noise", seed = "seven" }
 )",
-     R"(test.toml:3:30: 'seed' of noise 'a' must be a whole number; XX)"},
+     R"(test.toml:3:30: 'seed' of noise 'a' must be a whole number; give one from 0 to 9007199254740992)"},
     {"an expression that stops",
      R"(format = 1
 [inputs]

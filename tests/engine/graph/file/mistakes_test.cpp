@@ -121,7 +121,7 @@ test.toml:8:37: a spread over lanes lacks 'to'; write { from = …, to = …, cu
 test.toml:8:60: 'voices' of clip 'f' cannot be 0; give one from 1 to 1024
 test.toml:9:46: '1 m' is in m, but 'points' is in s; give "15 ms"
 test.toml:9:57: 'points' of curve 'g' must hold pairs; write [[x, y], [x, y], …]
-test.toml:10:30: 'seed' of noise 'h' must be a whole number; give one without a point
+test.toml:10:30: 'seed' of noise 'h' must be a whole number; give one from 0 to 9007199254740992
 test.toml:12:1: output 'y' lacks 'from'; say what it gives out, as in from = "node"
 test.toml:12:7: output 'y' has no 'form'; did you mean 'from'?
 test.toml:12:26: 'kind' of output 'y' cannot be 'sound'; there are 'drive' and 'audio')");
