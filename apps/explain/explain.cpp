@@ -111,33 +111,33 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
   return json;
 }
 
+std::string text_of(const Json& json, const char* key) { return json[key].get<std::string>(); }
+int frames_of(const Json& json, const char* key) { return json[key].get<int>(); }
+
 void print(const Json& json) {
-  fmt::print("{} at {:g} Hz, {} bytes of signals and steps\n\n", json["graph"].get<std::string>(),
+  fmt::print("{} at {:g} Hz, {} bytes of signals and steps\n\n", text_of(json, "graph"),
              json["sample_rate_hz"].get<double>(), json["signal_memory_bytes"].get<std::size_t>());
   fmt::print("  {:28} {:18} {:11} {:>12}\n", "step", "what", "how", "ns a frame");
   double total = 0;
   for (const auto& section : json["sections"]) {
-    if (section["loop"].get<bool>())
-      fmt::print("  loop, {} frames at a time:\n", section["sub_block_frames"].get<int>());
+    const bool loop = section["loop"].get<bool>();
+    if (loop) fmt::print("  loop, {} frames at a time:\n", frames_of(section, "sub_block_frames"));
     for (const auto& step : section["steps"]) {
-      total += step["ns_per_frame"].get<double>();
-      fmt::print("  {}{:28} {:18} {:11} {:12.2f}\n", section["loop"].get<bool>() ? "  " : "",
-                 step["name"].get<std::string>(), step["what"].get<std::string>(),
-                 step["how"].get<std::string>(), step["ns_per_frame"].get<double>());
+      const double cost = step["ns_per_frame"].get<double>();
+      total += cost;
+      fmt::print("  {}{:28} {:18} {:11} {:12.2f}\n", loop ? "  " : "", text_of(step, "name"),
+                 text_of(step, "what"), text_of(step, "how"), cost);
     }
   }
   fmt::print("  {:59} {:12.2f}   (the clock's own time included)\n\n", "all", total);
-  for (const auto& loop : json["loops"]) {
-    std::string through;
-    for (const auto& name : loop["through"])
-      through += (through.empty() ? "" : " -> ") + name.get<std::string>();
-    fmt::print("loop {}: at least {} frames of delay, runs {} at a time\n", through,
-               loop["delay_frames"].get<int>(), loop["sub_block_frames"].get<int>());
-  }
+  for (const auto& loop : json["loops"])
+    fmt::print("loop {}: at least {} frames of delay, runs {} at a time\n",
+               fmt::join(loop["through"].get<std::vector<std::string>>(), " -> "),
+               frames_of(loop, "delay_frames"), frames_of(loop, "sub_block_frames"));
   for (const auto& about : json["about"])
-    fmt::print("{}: {}\n", about["name"].get<std::string>(), about["what"].get<std::string>());
+    fmt::print("{}: {}\n", text_of(about, "name"), text_of(about, "what"));
   for (const auto& left : json["left_out"])
-    fmt::print("left out: {} {}\n", left["name"].get<std::string>(), left["why"].get<std::string>());
+    fmt::print("left out: {} {}\n", text_of(left, "name"), text_of(left, "why"));
   if (json["left_out"].empty()) fmt::print("left out: nothing\n");
 }
 

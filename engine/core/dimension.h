@@ -32,7 +32,7 @@ struct Unit {
   double from_si(double si) const;
 };
 
-/// "ms", "N/m^1.5", "T m", "kg/s", "m/s^2", "full scale", "dB", "%", "" (plain). Factors stand apart by a
+/// "ms", "N/m^1.5", "T m", "kg/s", "m/s^2", "full scale", "dB", "%", "" (plain). Factors are separated by a
 /// space or '*'; everything after a '/' up to the next '/' divides once ("N s/m" is N·s per m, "N/m/s" N per
 /// m per s). nullopt: not a unit.
 std::optional<Unit> parse_unit(std::string_view text);

@@ -153,7 +153,7 @@ struct NodeType {
   std::optional<double> small_signal_gain = {};
   /// Unread outputs may be given as nullptr (networks: hundreds of outputs, few of them read).
   bool skips_unread = false;
-  /// Tells declarations of one name apart (networks).
+  /// Distinguishes declarations of one name (networks).
   std::uint64_t fingerprint = 0;
   /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.
   std::function<Interval(int output, const NodeSetup&)> range = {};

@@ -133,7 +133,6 @@ class Guarded final : public BlockProcessor {
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
   void publish(const JournalEntry& entry) noexcept;
   bool apply_command(const JournalEntry& command) noexcept;
-  void disarm_drives(std::int64_t frame) noexcept;
   void open_guards(std::int64_t frame) noexcept;
 
   BlockProcessor& inner_;

@@ -13,7 +13,7 @@ bool read_value(const EntrySpec& entry, FlatControl& control, Mistakes& mistakes
   const auto* value = find(entry.fields, "value");
   if (value == nullptr) {
     mistakes.add(Errc::Missing, entry.at, "control '" + entry.name + "' lacks 'value'",
-                 "say where it starts, as in value = 0.5");
+                 "give its start value, as in value = 0.5");
     return false;
   }
   const bool unit_given = find(entry.fields, "unit") != nullptr;

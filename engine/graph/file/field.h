@@ -82,12 +82,12 @@ FieldType required(FieldType field);
 FieldType only(std::string kind, FieldType field);
 FieldType about_field();
 
-/// Reads one table as its section says; each mistake is reported by its place. What is left out or wrong is
+/// Reads one table as its section says; each error is reported with its place. What is left out or wrong is
 /// nothing. The table and the section must outlive it.
 class FieldReader {
  public:
   /// Reports unknown keys, those that belong to another `kind`, and an `about` that is no text.
-  /// `owner` ("delay 'a'") says in messages whose keys they are.
+  /// `owner` ("delay 'a'") names the owner of the keys in messages.
   FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes,
               std::string owner = {});
   /// Reports nothing: for tables whose keys were checked before.

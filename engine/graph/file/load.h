@@ -47,7 +47,7 @@ Result<PartPath> find_part(const std::string& use, const std::filesystem::path& 
 std::filesystem::path canonical_path(const std::filesystem::path& path);
 
 /// A graph together with what is wrong with its text. What else is wrong with it (names, units, ranges) can
-/// be looked up in spite of that: `compile` then tells all mistakes in one go.
+/// be looked up in spite of that: `compile` then reports all errors at once.
 struct LoadedGraph {
   std::shared_ptr<const GraphSpec> spec;  ///< nullptr if the file cannot be read or is no TOML
   std::vector<Error> mistakes;            ///< by place
@@ -61,7 +61,7 @@ struct LoadedGraph {
 /// unknown sections and keys, wrong types, names that are not names or given twice, files that use
 /// themselves.
 LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::filesystem::path& root = {});
-/// The same from text; `file_name` stands in messages, and relative paths start at its folder.
+/// The same from text; `file_name` is the name in messages, and relative paths start at its folder.
 LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name,
                                   const std::filesystem::path& root = {});
 

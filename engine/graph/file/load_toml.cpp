@@ -1,8 +1,8 @@
 namespace tactus {
 namespace {
-/// A promise that the parser made to itself and that a malformed text broke.
-struct ParserConfused {};
-[[noreturn]] void stop_parsing() { throw ParserConfused{}; }
+/// An assertion of the parser that a malformed text violates.
+struct ParserAssertion {};
+[[noreturn]] void stop_parsing() { throw ParserAssertion{}; }
 }  // namespace
 }  // namespace tactus
 
@@ -37,7 +37,7 @@ Source place(const FileName& file, const toml::source_region& region) {
   return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
-// ---- what the parser says, in words ----
+// ---- errors of the parser ----
 
 std::string_view line_of(std::string_view text, int line) {
   for (; line > 1 && text.find('\n') != text.npos; --line) text.remove_prefix(text.find('\n') + 1);
@@ -49,7 +49,7 @@ struct Unquoted {
   int column;
 };
 
-/// The commonest mistake: `time = 12 ms` or `in = microphone` where quotes belong. Nothing if it is another
+/// The most common error: `time = 12 ms` or `in = microphone` where quotes belong. Nothing if it is another
 /// one.
 std::optional<Unquoted> find_unquoted(std::string_view line, int error_column) {
   const auto start = line.substr(0, index(std::max(error_column - 1, 0))).find_last_of("=,[{");
@@ -135,7 +135,7 @@ Result<Value::Table> parse(std::string_view text, const FileName& file) {
     return convert_table(toml::parse(text, std::string_view{*file}), file);
   } catch (const toml::parse_error& error) {
     return explain(error, text, file);
-  } catch (const ParserConfused&) {
+  } catch (const ParserAssertion&) {
     return fail(Errc::Syntax, *file, "this is not TOML, in a way that confuses the parser",
                 "look for brackets, quotes and commas that are missing");
   }

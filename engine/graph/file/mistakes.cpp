@@ -136,9 +136,9 @@ std::string Mistakes::text(const Value::Table& table, std::string_view key, cons
 
 std::vector<Error> Mistakes::take() {
   sort_by_place(list_, first_);
-  // A file that is read along two ways reports its mistakes twice.
-  std::set<std::pair<std::string, std::string>> told;
-  std::erase_if(list_, [&](const Error& error) { return !told.emplace(error.where, error.what).second; });
+  // A file that is read along two ways reports its errors twice.
+  std::set<std::pair<std::string, std::string>> reported;
+  std::erase_if(list_, [&](const Error& error) { return !reported.emplace(error.where, error.what).second; });
   return std::exchange(list_, {});
 }
 

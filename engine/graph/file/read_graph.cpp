@@ -53,7 +53,7 @@ std::string take_text(NodeSpec& node, std::string_view key, Mistakes& mistakes) 
   return text;
 }
 
-/// What to write in a node that says neither `type` nor `use`.
+/// The remedy for a node without `type` and `use`.
 std::string remedy_for(const Value::Table& fields) {
   static const std::vector<std::string> kKeys = {"type", "use"};
   for (const auto& field : fields)
@@ -93,7 +93,7 @@ NodeSpec read_element(const Field& field, const std::string& network, Mistakes& 
   if (find(element.fields, "type") == nullptr)
     mistakes.add(Errc::Missing, field.at,
                  "element '" + field.key + "' of network '" + network + "' has no 'type'",
-                 "say what it is, as in type = \"mass\"");
+                 "give its type, as in type = \"mass\"");
   element.type = take_text(element, "type", mistakes);
   return element;
 }

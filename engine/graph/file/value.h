@@ -10,7 +10,7 @@
 
 namespace tactus {
 
-/// Where something stands in a graph file. The file's name is shared by all that was read from it.
+/// A place in a graph file. The file's name is shared by all that was read from it.
 struct Source {
   std::shared_ptr<const std::string> file;
   int line = 0;

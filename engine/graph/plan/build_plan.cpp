@@ -130,10 +130,10 @@ class Builder {
 
   int divider(int divisor) {
     auto& divisors = plan_->divisors;
-    const auto found = std::find(divisors.begin(), divisors.end(), divisor);
-    if (found != divisors.end()) return static_cast<int>(found - divisors.begin());
-    divisors.push_back(divisor);
-    return static_cast<int>(divisors.size()) - 1;
+    const auto found = std::ranges::find(divisors, divisor);
+    const auto place = found - divisors.begin();
+    if (found == divisors.end()) divisors.push_back(divisor);
+    return static_cast<int>(place);
   }
 
   void set_dividers(Step& step, const Vertex& vertex) {

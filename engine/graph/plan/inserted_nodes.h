@@ -1,6 +1,6 @@
 #pragma once
 
-// Thread: [control]; overrides of Node as it says.
+// Thread: [control]; overrides as declared in Node.
 
 #include <array>
 #include <cstddef>
@@ -98,7 +98,7 @@ class RateConverter : public Node {
   bool started_ = false;
 };
 
-/// One operator of an expression on kVectorWidth lanes: out = op(in[0], in[1]), as `apply` says.
+/// One operator of an expression on kVectorWidth lanes: out = op(in[0], in[1]), as in `apply`.
 class VectorOperation : public Node {
  public:
   explicit VectorOperation(Expression::Op op) : op_(op) {}

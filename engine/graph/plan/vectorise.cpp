@@ -170,18 +170,18 @@ class Vectoriser {
   // ---- vectorised vertices
 
   void add_vectorised(LaneGroup& group) {
-    Vertex wide = at(group.first);
-    const int first = wide.lane / kVectorWidth * kVectorWidth,
-              last = std::min(first + kVectorWidth, wide.lanes) - 1;
+    Vertex vectorised = at(group.first);
+    const int first = vectorised.lane / kVectorWidth * kVectorWidth,
+              last = std::min(first + kVectorWidth, vectorised.lanes) - 1;
     // Lanes of a node are named one by one, operators after their expression.
-    if (wide.kind == Vertex::Kind::Node) wide.path.resize(wide.path.rfind('['));
-    wide.path += "[" + std::to_string(first) + ".." + std::to_string(last) + "]";
-    wide.origin = {};
-    wide.width = kVectorWidth;
-    wide.in.clear();
-    wide.node = std::move(group.node);
-    wide.fingerprint = made_from(group);
-    group.vertex = add(std::move(wide));
+    if (vectorised.kind == Vertex::Kind::Node) vectorised.path.resize(vectorised.path.rfind('['));
+    vectorised.path += "[" + std::to_string(first) + ".." + std::to_string(last) + "]";
+    vectorised.origin = {};
+    vectorised.width = kVectorWidth;
+    vectorised.in.clear();
+    vectorised.node = std::move(group.node);
+    vectorised.fingerprint = made_from(group);
+    group.vertex = add(std::move(vectorised));
   }
 
   /// What its lanes were made from.

@@ -102,7 +102,8 @@ struct VertexGraph {
 /// is the same in all lanes is there once.
 VertexGraph lower(const FlatGraph& flat);
 
-/// Removes what reaches no output and evaluates what never changes. `flat` says which nodes may be evaluated.
+/// Removes what reaches no output and evaluates what never changes. `flat` has the nodes that may be
+/// evaluated.
 void simplify(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate);
 
 /// Lanes 8k … 8k+7 of the same node, or of the same operator of an expression, become one vectorised vertex

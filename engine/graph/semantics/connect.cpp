@@ -109,7 +109,7 @@ void Instance::connect_part(const PendingPart& pending) {
     if (binding == part.bindings_.end()) continue;
     auto& bound = signal(binding->second);
     bound.expression = bind_signal(field.value, scope_, mistakes_);
-    // Nothing else says over how many lanes it is spread.
+    // Nothing else determines over how many lanes it is spread.
     if (bound.expression.op == Expression::Op::Spread) bound.lanes = part.voices_;
   }
   part.connect_inside();
@@ -125,7 +125,7 @@ void Instance::bind_output(const EntrySpec& entry, FlatSignal& given) {
   const auto* from = find(entry.fields, "from");
   if (from == nullptr)
     mistakes_.add(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",
-                  "say what it gives out, as in from = \"node\"");
+                  "name its source, as in from = \"node\"");
   given.expression = from != nullptr ? bind_signal(*from, scope_, mistakes_) : missing_signal(entry.at);
   const auto unit = read_unit(entry, mistakes_);
   if (unit && find(entry.fields, "unit") != nullptr) given.declared = unit->dimension;
@@ -139,7 +139,7 @@ void Instance::connect_output(const EntrySpec& entry) {
   output.at = entry.at;
   output.expression = std::move(given.expression);
   output.declared = given.declared;
-  // A drive is a plain number unless the file says otherwise; what it wrongly says is not known.
+  // A drive is a plain number unless the file gives another unit; a wrong unit is unknown.
   if (find(entry.fields, "unit") == nullptr) output.declared = Dimension{};
   output.use = read_use(entry, mistakes_);
   flat_.outputs.push_back(std::move(output));

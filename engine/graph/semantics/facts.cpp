@@ -89,8 +89,8 @@ PortUnit port_unit(const FlatNode& node, const std::string& declared) {
   const auto name = declared.substr(1, end == std::string::npos ? end : end - 1);
   const auto factor = end == std::string::npos ? Dimension{} : dimension_of("1" + declared.substr(end));
   for (std::size_t i = 0; i < node.type->settings.size(); ++i) {
-    if (node.type->settings[i].name != name) continue;  // a word of the file says it: unit = "m/s"
-    // If the file does not say it, the numbers are bare and count in the SI unit of wherever they go.
+    if (node.type->settings[i].name != name) continue;  // a setting gives it: unit = "m/s"
+    // If the file does not give it, the numbers are bare and count in the SI unit of wherever they go.
     if (node.settings[i].text.empty() && !node.settings[i].given) return {PortUnit::Kind::Any, {}, -1};
     return {PortUnit::Kind::Fixed, dimension_of(node.settings[i].text) * factor, -1};
   }

@@ -44,7 +44,7 @@ struct FlatSignal {
   int index = -1;                            ///< of the input, control or node
   int port = 0;                              ///< of the node's output
   Expression expression;                     ///< Expression
-  std::optional<Dimension> declared;         ///< what the file says the unit is
+  std::optional<Dimension> declared;         ///< the unit that the file gives
   int divisor = 1;                           ///< engine frames between two samples
   std::optional<RateConversion> conversion;  ///< Expression at the border of a part
   // Inferred:
@@ -79,7 +79,7 @@ struct FlatControl {
   Unit unit;         ///< how people read it
   Interval range;
   double smooth_s = 0.010;
-  bool decibel = false;  ///< ramps and knobs move in decibels
+  bool decibel = false;  ///< it ramps in decibels
 };
 
 enum class OutputUse { Drive, Audio, Tap };

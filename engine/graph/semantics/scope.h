@@ -22,7 +22,7 @@ class Scope {
   void add(const std::string& name, int signal) {
     if (!signals_.emplace(name, signal).second) hide(name);
   }
-  /// A name that exists but is no signal by itself; `why` says what to write instead.
+  /// A name that exists but is no signal by itself; `why` is the remedy.
   void explain(const std::string& name, std::string why) { not_signals_[name] = std::move(why); }
 
   /// A name whose own error was reported already: it and all below it are FlatGraph::kMissing.
@@ -49,12 +49,12 @@ class Scope {
   mutable int suggestions_ = 0;
 };
 
-/// Names that must differ from each other: those of the inputs, controls, nodes and networks of a file, say.
-/// A name is [a-z][a-z0-9_]*, no unit of more than one letter ("ms" would be read as one behind a number; the
-/// letter of "2 * s" is not), and none of `system`, `min`, `max`, `abs`.
+/// Names that must differ from each other: those of the inputs, controls, nodes and networks of a file, for
+/// example. A name is [a-z][a-z0-9_]*, no unit of more than one letter ("ms" would be read as one behind a
+/// number; the letter of "2 * s" is not), and none of `system`, `min`, `max`, `abs`.
 class NameSpace {
  public:
-  /// `kind` says in messages what is named: "node", "control".
+  /// `kind` is what messages call it: "node", "control".
   void add(const std::string& name, const std::string& kind, const Source& at, Mistakes& mistakes);
 
  private:

@@ -483,7 +483,7 @@ y = { from = "" }
 [networks.n]
 a = { mass = "1 kg" }
 )",
-     R"(test.toml:3:1: element 'a' of network 'n' has no 'type'; say what it is, as in type = "mass")"},
+     R"(test.toml:3:1: element 'a' of network 'n' has no 'type'; give its type, as in type = "mass")"},
     {"a mass of nothing",
      R"(format = 1
 [networks.n]

@@ -54,12 +54,12 @@ y = { from = "i + j + k + l + m_ + n + o + net.mass_.position" }
         R"(test.toml:3:5: 'i' in [inputs] must be a table, not a number; write i = { unit = "full scale" }
 test.toml:4:14: 'furlong' is not a unit; write units as "m/s", "N/m", "ms", "dB" or "full scale"
 test.toml:6:5: 'k' in [controls] must be a table, not a number; write k = { value = 0.5, range = [0, 1] }
-test.toml:7:1: control 'l' lacks 'value'; say where it starts, as in value = 0.5
+test.toml:7:1: control 'l' lacks 'value'; give its start value, as in value = 0.5
 test.toml:8:16: '3 N' is in N, but 'value' is in m; give "12 mm"
 test.toml:10:1: node 'n' has neither 'type' nor 'use'; is 'typ' meant as 'type'?
 test.toml:11:9: the expression ends too early; a number, a name or '(' belongs here
 test.toml:12:1: 'j' cannot name a node: it names an input in line 4; choose another name
-test.toml:14:1: element 'mass_' of network 'net' has no 'type'; say what it is, as in type = "mass")");
+test.toml:14:1: element 'mass_' of network 'net' has no 'type'; give its type, as in type = "mass")");
 }
 
 TEST_CASE("mistakes: in a section with a wrong name, nothing is missed", "[graph]") {
@@ -122,7 +122,7 @@ test.toml:8:60: 'voices' of clip 'f' cannot be 0; give one from 1 to 1024
 test.toml:9:46: '1 m' is in m, but 'points' is in s; give "15 ms"
 test.toml:9:57: 'points' of curve 'g' must hold pairs; write [[x, y], [x, y], …]
 test.toml:10:30: 'seed' of noise 'h' must be a whole number; give one from 0 to 9007199254740992
-test.toml:12:1: output 'y' lacks 'from'; say what it gives out, as in from = "node"
+test.toml:12:1: output 'y' lacks 'from'; name its source, as in from = "node"
 test.toml:12:7: output 'y' has no 'form'; did you mean 'from'?
 test.toml:12:26: 'kind' of output 'y' cannot be 'sound'; there are 'drive' and 'audio')");
 }
