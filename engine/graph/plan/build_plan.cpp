@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <map>
 
+#include "engine/graph/plan/compile.h"
 #include "engine/graph/plan/inserted_nodes.h"
-#include "engine/graph/plan/passes.h"
 #include "engine/graph/semantics/expression.h"
 
 namespace tactus {

@@ -6,7 +6,6 @@
 
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/graph/plan/passes.h"
 #include "engine/graph/semantics/facts.h"
 #include "engine/graph/semantics/instance.h"
 

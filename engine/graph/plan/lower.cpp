@@ -86,29 +86,15 @@ class Lowering {
   }
 
   Wire make_source(const FlatSignal& signal, int lane) {
-    auto vertex =
-        begin(Kind::Constant, lane_path(signal.path, lane, signal.lanes), signal.at, signal.divisor);
+    // As FlatSignal::Kind; a missing signal is a constant that nothing reads.
+    static constexpr Kind kKinds[] = {Kind::Constant,    Kind::Input,     Kind::Control,
+                                      Kind::SystemDelay, Kind::Operation, Kind::Operation};
+    auto vertex = begin(kKinds[static_cast<int>(signal.kind)], lane_path(signal.path, lane, signal.lanes),
+                        signal.at, signal.divisor);
     set_lane(vertex, &signal, lane, signal.lanes);
-    switch (signal.kind) {
-      case SignalKind::Input:
-        vertex.kind = Kind::Input;
-        vertex.index = first_channel_[index(signal.index)] + lane;
-        break;
-      case SignalKind::Control:
-        vertex.kind = Kind::Control;
-        vertex.index = signal.index;
-        break;
-      case SignalKind::SystemDelay:
-        vertex.kind = Kind::SystemDelay;
-        break;
-      case SignalKind::Missing:  // a constant that nothing reads
-        break;
-      case SignalKind::Expression:
-      case SignalKind::NodeOutput:
-        vertex.kind = Kind::Operation;
-        vertex.op = Op::Signal;
-        break;
-    }
+    if (vertex.kind == Kind::Input) vertex.index = first_channel_[index(signal.index)] + lane;
+    if (vertex.kind == Kind::Control) vertex.index = signal.index;
+    if (vertex.kind == Kind::Operation) vertex.op = Op::Signal;
     if (signal.conversion) make_rate_converter(vertex, signal);
     return add(std::move(vertex));
   }

@@ -2,9 +2,9 @@
 #include <functional>
 #include <optional>
 
+#include "engine/graph/plan/compile.h"
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/graph/plan/inserted_nodes.h"
-#include "engine/graph/plan/passes.h"
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/facts.h"
 

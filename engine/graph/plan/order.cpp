@@ -4,7 +4,7 @@
 #include <set>
 
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/plan/passes.h"
+#include "engine/graph/plan/compile.h"
 #include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {

@@ -115,30 +115,28 @@ void Instance::connect_part(const PendingPart& pending) {
   part.connect_inside();
   int id = pending.first_output;
   for (const auto& output : part.spec_.outputs) {
-    if (!output.broken) part.bind_output(output, signal(id));
+    if (!output.broken) part.bind_output(output, signal(id).expression, signal(id).declared);
     ++id;
   }
 }
 
-void Instance::bind_output(const EntrySpec& entry, FlatSignal& given) {
+void Instance::bind_output(const EntrySpec& entry, Expression& expression,
+                           std::optional<Dimension>& declared) {
   FieldReader{entry.fields, output_fields(), mistakes_, "output '" + entry.name + "'"};
   const auto* from = find(entry.fields, "from");
   if (from == nullptr)
     mistakes_.add(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",
                   "name its source, as in from = \"node\"");
-  given.expression = from != nullptr ? bind_signal(*from, scope_, mistakes_) : missing_signal(entry.at);
+  expression = from != nullptr ? bind_signal(*from, scope_, mistakes_) : missing_signal(entry.at);
   const auto unit = read_unit(entry, mistakes_);
-  if (unit && find(entry.fields, "unit") != nullptr) given.declared = unit->dimension;
+  if (unit && find(entry.fields, "unit") != nullptr) declared = unit->dimension;
 }
 
 void Instance::connect_output(const EntrySpec& entry) {
-  FlatSignal given;
-  bind_output(entry, given);
   FlatOutput output;
   output.name = entry.name;
   output.at = entry.at;
-  output.expression = std::move(given.expression);
-  output.declared = given.declared;
+  bind_output(entry, output.expression, output.declared);
   // A drive is a plain number unless the file gives another unit; a wrong unit is unknown.
   if (find(entry.fields, "unit") == nullptr) output.declared = Dimension{};
   output.use = read_use(entry, mistakes_);

@@ -164,11 +164,11 @@ class Parser {
   }
 
   Result<Expression> function(std::size_t start, const std::string& word) {
-    const std::string use = word == "abs" ? "abs(x)" : word + "(a, b)";
-    auto whole = make(word == "abs" ? Op::Abs : word == "min" ? Op::Min : Op::Max, start);
+    const std::size_t count = word == "abs" ? 1 : 2;
+    const std::string use = word + (count == 1 ? "(x)" : "(a, b)");
+    auto whole = make(count == 1 ? Op::Abs : word == "min" ? Op::Min : Op::Max, start);
     const auto open = here_;
     if (!take('(')) return syntax(here_, "'(' is missing behind '" + word + "'", "write " + use);
-    const std::size_t count = word == "abs" ? 1 : 2;
     while (true) {
       auto argument = sum();
       if (!argument) return argument;

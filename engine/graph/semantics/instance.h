@@ -104,7 +104,7 @@ class Instance {
   void connect_compensation(const EntrySpec& entry, const std::string& field, FlatNode& node);
   void connect_part(const PendingPart& pending);
   void check_part_fields(const NodeSpec& node, const Instance& part);
-  void bind_output(const EntrySpec& entry, FlatSignal& signal);
+  void bind_output(const EntrySpec& entry, Expression& expression, std::optional<Dimension>& declared);
   void connect_output(const EntrySpec& entry);
   void connect_tap(const std::string& name);
 
