@@ -99,7 +99,7 @@ std::optional<Refusal> load(const CheckOptions& options, CheckJob& job) {
     job.names.name = job.scene->scene->name;
   } else {
     job.instrument = load_graph_leniently(file, root_of(file));
-    if (job.instrument->spec == nullptr) return Refusal{job.instrument->mistakes, kBadFile};
+    if (job.instrument->spec == nullptr) return Refusal{job.instrument->errors, kBadFile};
     job.names.name = job.instrument->spec->name;
   }
   return std::nullopt;

@@ -60,12 +60,12 @@ Result<QuantityValue> quantity_in(const std::string& text, const Dimension& want
 }
 
 Dimension dimension_of(const EntrySpec& port) {
-  Mistakes told_elsewhere;
+  ErrorList told_elsewhere;
   return read_unit(port, told_elsewhere).value_or(Unit{}).dimension;
 }
 
 std::string about(const EntrySpec& port) {
-  Mistakes told_elsewhere;
+  ErrorList told_elsewhere;
   const auto text = told_elsewhere.text(port.fields, "about");
   return text.empty() ? "" : " (" + text + ")";
 }

@@ -92,7 +92,7 @@ struct InstrumentJob {
 Checked<InstrumentJob> prepare(const RenderOptions& options, const std::filesystem::path& file) {
   const auto failed = [](const Error& error) { return tl::unexpected(std::vector{error}); };
   InstrumentJob job{load_graph_leniently(file, root_of(file)), {}, {}, {}};
-  if (job.loaded.spec == nullptr) return tl::unexpected(job.loaded.mistakes);
+  if (job.loaded.spec == nullptr) return tl::unexpected(job.loaded.errors);
   auto input = read_input(options);
   if (!input) return failed(input.error());
   job.input = std::move(*input);

@@ -171,7 +171,7 @@ struct NodeTable {
 
   /// Turns one `[networks.x]` into the declaration of one node: its inputs are the fields of the elements
   /// that take signals ("coil.voltage"), its outputs what the elements can be asked for ("stick.position").
-  /// Structural mistakes (unknown element types and keys, elements that do not exist) come back all at once.
+  /// Structural errors (unknown element types and keys, elements that do not exist) come back all at once.
   std::function<Checked<std::shared_ptr<const NodeType>>(const NetworkSpec&)> network;
 
   /// nullptr if there is no such type.

@@ -9,7 +9,7 @@ namespace {
 
 class DriveReader {
  public:
-  DriveReader(const EntrySpec& entry, const ProfilePlaces& places, Mistakes& mistakes)
+  DriveReader(const EntrySpec& entry, const ProfilePlaces& places, ErrorList& mistakes)
       : entry_(entry), places_(places), mistakes_(mistakes) {}
 
   DriveEntry read() {
@@ -70,7 +70,7 @@ class DriveReader {
 
   const EntrySpec& entry_;
   const ProfilePlaces& places_;
-  Mistakes& mistakes_;
+  ErrorList& mistakes_;
   DriveEntry drive_;
 };
 
@@ -83,7 +83,7 @@ std::vector<FieldType> actuator_fields() {
           about_field()};
 }
 
-DriveEntry read_drive(const EntrySpec& entry, const ProfilePlaces& places, Mistakes& mistakes) {
+DriveEntry read_drive(const EntrySpec& entry, const ProfilePlaces& places, ErrorList& mistakes) {
   return DriveReader{entry, places, mistakes}.read();
 }
 

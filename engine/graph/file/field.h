@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/semantics/interval.h"
 
@@ -88,13 +88,13 @@ class FieldReader {
  public:
   /// Reports unknown keys, those that belong to another `kind`, and an `about` that is no text.
   /// `owner` ("delay 'a'") names the owner of the keys in messages.
-  FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes,
+  FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
               std::string owner = {});
   /// Reports nothing: for tables whose keys were checked before.
   enum Checked { kKeysChecked };
-  FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes, Checked,
+  FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors, Checked,
               std::string owner = {})
-      : table_(table), section_(section), mistakes_(mistakes), owner_(std::move(owner)) {}
+      : table_(table), section_(section), errors_(errors), owner_(std::move(owner)) {}
 
   const Value* value(std::string_view key) const { return find(table_, key); }
   bool has(std::string_view key) const { return value(key) != nullptr; }
@@ -116,13 +116,12 @@ class FieldReader {
  private:
   const Value::Table& table_;
   const SectionType& section_;
-  Mistakes& mistakes_;
+  ErrorList& errors_;
   std::string owner_;
 };
 
 /// A quantity called `key` from `low` to `high` (SI); nothing if it is left out or wrong.
 std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
-                                   double low, double high, Mistakes& mistakes,
-                                   const std::string& owner = {});
+                                   double low, double high, ErrorList& errors, const std::string& owner = {});
 
 }  // namespace tactus

@@ -50,14 +50,14 @@ std::filesystem::path canonical_path(const std::filesystem::path& path);
 /// be looked up in spite of that: `compile` then reports all errors at once.
 struct LoadedGraph {
   std::shared_ptr<const GraphSpec> spec;  ///< nullptr if the file cannot be read or is no TOML
-  std::vector<Error> mistakes;            ///< by place
+  std::vector<Error> errors;              ///< by place
   /// What was read, by the path as it was opened: together they are the whole graph, whatever becomes of the
   /// files.
   std::map<std::string, std::string> texts = {};
 };
 
 /// Reads an instrument, plant or part, and every file that it uses. `root` is the folder that `use` and other
-/// paths may not leave (empty: the file's own folder). Every mistake of the text comes back, in file order:
+/// paths may not leave (empty: the file's own folder). Every error of the text comes back, in file order:
 /// unknown sections and keys, wrong types, names that are not names or given twice, files that use
 /// themselves.
 LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::filesystem::path& root = {});

@@ -1,8 +1,8 @@
 #include <system_error>
 #include <vector>
 
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/load.h"
-#include "engine/graph/file/mistakes.h"
 
 namespace tactus {
 namespace {

@@ -62,7 +62,7 @@ class Maker {
       if (other.node != nullptr)
         vertex.node = std::make_shared<PhaseDelay>(other.node, static_cast<int>(vertex.in.size()) - 2,
                                                    rate_of(vertex.divisor), vertex.value);
-      else if (made_.mistakes.empty())
+      else if (made_.errors.empty())
         report_phase(vertex);
     }
     return std::move(made_);
@@ -102,7 +102,7 @@ class Maker {
     // As the file at that place calls it, so that the error of a part used twice is reported once.
     const auto name = node.path.substr(node.path.rfind('.') + 1);
     error.what = node.type->name + " '" + name + "': " + error.what;
-    made_.mistakes.push_back(std::move(error));
+    made_.errors.push_back(std::move(error));
   }
 
   /// Each lane of each node keeps the numbers of its settings, besides its state.
@@ -143,10 +143,10 @@ class Maker {
         info.constant = starting_value(vertex.in[i], 0);
         right = right && info.constant.has_value();
         if (!info.constant)
-          made_.mistakes.push_back({Errc::WrongType, node.inputs[i]->at.text(),
-                                    "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" +
-                                        node.path + "' must not change while it runs",
-                                    "give a number, a quantity, or an expression of controls"});
+          made_.errors.push_back({Errc::WrongType, node.inputs[i]->at.text(),
+                                  "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" +
+                                      node.path + "' must not change while it runs",
+                                  "give a number, a quantity, or an expression of controls"});
       }
       if (info.constant) info.range = Interval::exactly(*info.constant);
       setup.inputs.push_back(info);
@@ -208,7 +208,7 @@ class Maker {
   }
 
   void report_phase(const Vertex& phase_delay) {
-    made_.mistakes.push_back(
+    made_.errors.push_back(
         {Errc::BadArgument, phase_delay.at.text(),
          "the phase delay of '" + compensated(phase_delay).path + "' cannot be compensated: it is not known",
          "name filters that lie in the same loop"});

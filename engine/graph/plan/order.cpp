@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/plan/vertex_graph.h"
 

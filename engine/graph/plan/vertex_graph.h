@@ -130,7 +130,7 @@ struct Plan;
 
 struct MadeNodes {
   std::vector<bool> frozen_controls;  ///< their value was needed to make a node
-  std::vector<Error> mistakes;        ///< why nodes could not be made: they are nullptr
+  std::vector<Error> errors;          ///< why nodes could not be made: they are nullptr
 };
 
 /// Makes the node of every vertex that has one. Phase delays that never change become constants of `graph`.

@@ -1,17 +1,17 @@
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/field.h"
-#include "engine/graph/file/mistakes.h"
 #include "engine/graph/semantics/scope.h"
 
 namespace tactus {
 namespace {
 
-void look_up_names(Expression& expression, const Scope& scope, Mistakes& mistakes) {
+void look_up_names(Expression& expression, const Scope& scope, ErrorList& errors) {
   if (expression.op == Expression::Op::Signal) {
     const auto signal = scope.find(expression.name, expression.at);
-    if (!signal) mistakes.add(signal.error());
+    if (!signal) errors.add(signal.error());
     expression.signal = signal.value_or(FlatGraph::kMissing);
   }
-  for (auto& argument : expression.arguments) look_up_names(argument, scope, mistakes);
+  for (auto& argument : expression.arguments) look_up_names(argument, scope, errors);
 }
 
 Expression make(Expression::Op op, const Source& at) {
@@ -25,9 +25,9 @@ Expression number_expression(double si, Dimension dimension, bool bare, const So
   return {.number = si, .dimension = dimension, .bare = bare, .name = {}, .arguments = {}, .at = at};
 }
 
-Expression after(Mistakes& mistakes, Errc code, const Source& at, const std::string& what,
+Expression after(ErrorList& errors, Errc code, const Source& at, const std::string& what,
                  const std::string& remedy) {
-  mistakes.add(code, at, what, remedy);
+  errors.add(code, at, what, remedy);
   return missing_signal(at);
 }
 
@@ -40,13 +40,13 @@ const SectionType& spread_fields() {
   return section;
 }
 
-Expression bind_spread(const Value& value, Mistakes& mistakes) {
-  FieldReader fields{*value.table(), spread_fields(), mistakes, "a spread over lanes"};
+Expression bind_spread(const Value& value, ErrorList& errors) {
+  FieldReader fields{*value.table(), spread_fields(), errors, "a spread over lanes"};
   auto expression = make(Expression::Op::Spread, value.at);
   expression.exponential = fields.choice("curve") == 1;
   for (const auto* key : {"from", "to"}) {
     if (!fields.has(key))
-      return after(mistakes, Errc::Missing, value.at, std::string{"a spread over lanes lacks '"} + key + "'",
+      return after(errors, Errc::Missing, value.at, std::string{"a spread over lanes lacks '"} + key + "'",
                    "write { from = …, to = …, curve = \"linear\" or \"exponential\" }");
     const auto quantity = fields.any(key);
     if (!quantity) return missing_signal(value.at);
@@ -54,7 +54,7 @@ Expression bind_spread(const Value& value, Mistakes& mistakes) {
         number_expression(quantity->si, quantity->unit.dimension, quantity->bare, fields.value(key)->at));
   }
   if (expression.exponential && !(expression.arguments[0].number * expression.arguments[1].number > 0))
-    return after(mistakes, Errc::OutOfRange, value.at, "an exponential spread cannot begin, end or pass at 0",
+    return after(errors, Errc::OutOfRange, value.at, "an exponential spread cannot begin, end or pass at 0",
                  "give both ends the same sign, or take the linear curve");
   return expression;
 }
@@ -67,26 +67,26 @@ Expression missing_signal(const Source& at) {
   return expression;
 }
 
-Expression bind_signal(const Value& value, const Scope& scope, Mistakes& mistakes) {
+Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors) {
   if (const auto* number = value.number()) return number_expression(*number, {}, true, value.at);
   if (const auto* text = value.text()) {
     auto expression = parse_expression(*text, text_start(value));
-    if (mistakes.keep(expression) == nullptr) return missing_signal(value.at);
-    look_up_names(*expression, scope, mistakes);
+    if (errors.keep(expression) == nullptr) return missing_signal(value.at);
+    look_up_names(*expression, scope, errors);
     return std::move(*expression);
   }
   if (const auto* list = value.list()) {
     auto expression = make(Expression::Op::Lanes, value.at);
     for (const auto& lane : *list) {
       if (lane.list() != nullptr || lane.table() != nullptr)
-        return after(mistakes, Errc::WrongType, lane.at, "a lane cannot be " + lane.kind(),
+        return after(errors, Errc::WrongType, lane.at, "a lane cannot be " + lane.kind(),
                      "a list holds one number, quantity or expression for each lane");
-      expression.arguments.push_back(bind_signal(lane, scope, mistakes));
+      expression.arguments.push_back(bind_signal(lane, scope, errors));
     }
     if (!expression.arguments.empty()) return expression;
   }
-  if (value.table() != nullptr) return bind_spread(value, mistakes);
-  return after(mistakes, Errc::WrongType, value.at,
+  if (value.table() != nullptr) return bind_spread(value, errors);
+  return after(errors, Errc::WrongType, value.at,
                "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
                "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\"");
 }

@@ -21,14 +21,14 @@ SectionType section_of(const Setting& setting) {
 class SettingReader {
  public:
   SettingReader(const Setting& setting, const Value::Table& fields, const std::filesystem::path& folder,
-                const std::string& owner, Mistakes& mistakes)
+                const std::string& owner, ErrorList& errors)
       : setting_(setting),
         fields_(fields),
         folder_(folder),
         owner_(owner),
-        mistakes_(mistakes),
+        errors_(errors),
         section_(section_of(setting)),
-        reader_(fields, section_, mistakes, FieldReader::kKeysChecked, owner) {}
+        reader_(fields, section_, errors, FieldReader::kKeysChecked, owner) {}
 
   SettingValue read(const Value& value) {
     using Kind = Setting::Kind;
@@ -51,7 +51,7 @@ class SettingReader {
 
  private:
   void report(Errc code, const Source& at, const std::string& what, const std::string& remedy) {
-    mistakes_.add(code, at, key_of(setting_.name, owner_) + " " + what, remedy);
+    errors_.add(code, at, key_of(setting_.name, owner_) + " " + what, remedy);
   }
 
   /// Of one axis of a table: fixed, that of another setting ("=unit"), or that of a port, which is not known
@@ -72,7 +72,7 @@ class SettingReader {
              "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"");
     if (setting_.kind != Setting::Kind::File) return;
     const auto found = find_part(result_.text, folder_, folder_, value.at);
-    if (mistakes_.keep(found) != nullptr) result_.text = found->name;
+    if (errors_.keep(found) != nullptr) result_.text = found->name;
   }
 
   void read_quantity_within(const Value& value) {
@@ -88,7 +88,7 @@ class SettingReader {
     const auto expected = unit(axis);
     const auto si = expected ? read_quantity(value, *expected, setting_.name)
                              : read_quantity(value).map([](const QuantityValue& q) { return q.si; });
-    return mistakes_.keep(si) != nullptr ? std::optional{*si} : std::nullopt;
+    return errors_.keep(si) != nullptr ? std::optional{*si} : std::nullopt;
   }
 
   void read_list(const Value& value) {
@@ -123,7 +123,7 @@ class SettingReader {
   const Value::Table& fields_;
   const std::filesystem::path& folder_;
   const std::string& owner_;  ///< "delay 'echo'"
-  Mistakes& mistakes_;
+  ErrorList& errors_;
   SectionType section_;
   FieldReader reader_;
   SettingValue result_;
@@ -141,13 +141,13 @@ SettingValue fallback_of(const Setting& setting) {
 
 SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
                           const std::filesystem::path& folder, const std::string& owner, const Source& at,
-                          Mistakes& mistakes) {
+                          ErrorList& errors) {
   if (const auto* value = find(fields, setting.name))
-    return SettingReader{setting, fields, folder, owner, mistakes}.read(*value);
+    return SettingReader{setting, fields, folder, owner, errors}.read(*value);
   if (!setting.fallback.empty()) return fallback_of(setting);
   if (!setting.optional)
-    mistakes.add(Errc::Missing, at, owner + " lacks '" + setting.name + "'",
-                 "write " + setting.name + " = … (" + setting.doc + ")");
+    errors.add(Errc::Missing, at, owner + " lacks '" + setting.name + "'",
+               "write " + setting.name + " = … (" + setting.doc + ")");
   return {};
 }
 

@@ -1,4 +1,4 @@
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/semantics/facts.h"
 
@@ -28,7 +28,7 @@ class Checks {
     for (const auto& signal : graph_.signals)
       if (signal.kind == FlatSignal::Kind::Expression) check_expression(signal);
     for (const auto& output : graph_.outputs) check_output(output);
-    return mistakes_.take();
+    return errors_.take();
   }
 
  private:
@@ -62,20 +62,20 @@ class Checks {
     if (!output.declared) return;
     const auto fact = unit(output.expression);
     if (fact.kind != UnitKind::Known || fact.dimension == *output.declared) return;
-    mistakes_.add(Errc::UnitMismatch, output.at,
-                  "output '" + output.name + "' is " + unit_phrase(*output.declared) +
-                      ", but it is given what is " + unit_phrase(fact.dimension),
-                  output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) +
-                                                 "\", or scale it to full scale"
-                                           : "fix 'from' or 'unit'");
+    errors_.add(Errc::UnitMismatch, output.at,
+                "output '" + output.name + "' is " + unit_phrase(*output.declared) +
+                    ", but it is given what is " + unit_phrase(fact.dimension),
+                output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) +
+                                               "\", or scale it to full scale"
+                                         : "fix 'from' or 'unit'");
   }
 
   void check_lanes(const Expression& expression, int wanted) {
     const int found = lanes_of(graph_, expression);
     if (found > 1 && wanted > 1 && found != wanted)
-      return mistakes_.add(Errc::OutOfRange, expression.at,
-                           std::to_string(found) + " lanes meet " + std::to_string(wanted),
-                           "give both the same number of lanes, or put a 'mix' between them");
+      return errors_.add(Errc::OutOfRange, expression.at,
+                         std::to_string(found) + " lanes meet " + std::to_string(wanted),
+                         "give both the same number of lanes, or put a 'mix' between them");
     if (expression.op == Op::Signal) return;
     if (expression.op == Op::Lanes) return check_lanes_of_list(expression);
     for (const auto& argument : expression.arguments) check_lanes(argument, wanted);
@@ -84,9 +84,9 @@ class Checks {
   void check_lanes_of_list(const Expression& list) {
     for (const auto& lane : list.arguments)
       if (const int found = lanes_of(graph_, lane); found > 1)
-        mistakes_.add(Errc::OutOfRange, lane.at,
-                      "this is one lane of a list, but has " + std::to_string(found) + " lanes itself",
-                      "put a 'mix' of it here, or take it out of the list");
+        errors_.add(Errc::OutOfRange, lane.at,
+                    "this is one lane of a list, but has " + std::to_string(found) + " lanes itself",
+                    "put a 'mix' of it here, or take it out of the list");
   }
 
   void check_units(const Expression& expression) {
@@ -106,8 +106,8 @@ class Checks {
   void check_divisor(const Expression& expression) {
     const auto range = range_of(graph_, expression);
     if (range.low == 0 && range.high == 0)
-      mistakes_.add(Errc::OutOfRange, expression.at, "this divides by what is always 0",
-                    "divide by another number");
+      errors_.add(Errc::OutOfRange, expression.at, "this divides by what is always 0",
+                  "divide by another number");
   }
 
   void check_agrees(const Expression& expression, const Expression& first, Expression::Op op) {
@@ -119,20 +119,20 @@ class Checks {
                         : op == Op::Lanes    ? "is a lane beside"
                         : op == Op::Spread   ? "ends a spread from"
                                              : "is compared with";
-    mistakes_.add(Errc::UnitMismatch, expression.at,
-                  "this is " + unit_phrase(b) + ", but it " + meets + " what is " + unit_phrase(a),
-                  op == Op::Lanes || op == Op::Spread
-                      ? "give both the same unit"
-                      : "multiply one of them by a quantity that turns its unit into the other's");
+    errors_.add(Errc::UnitMismatch, expression.at,
+                "this is " + unit_phrase(b) + ", but it " + meets + " what is " + unit_phrase(a),
+                op == Op::Lanes || op == Op::Spread
+                    ? "give both the same unit"
+                    : "multiply one of them by a quantity that turns its unit into the other's");
   }
 
   void check_unit_is(const Expression& expression, const Dimension& wanted, const std::string& owner) {
     const auto fact = unit(expression);
     if (fact.kind != UnitKind::Known || fact.dimension == wanted) return;
-    mistakes_.add(Errc::UnitMismatch, expression.at,
-                  owner + " is " + unit_phrase(wanted) + ", but this is " + unit_phrase(fact.dimension),
-                  wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
-                                 : "give a quantity in " + to_string(wanted));
+    errors_.add(Errc::UnitMismatch, expression.at,
+                owner + " is " + unit_phrase(wanted) + ", but this is " + unit_phrase(fact.dimension),
+                wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
+                               : "give a quantity in " + to_string(wanted));
   }
 
   void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule,
@@ -143,12 +143,12 @@ class Checks {
     if (found.low >= port.low && found.high <= port.high) return;
     if (!found.single() && found.low <= port.high && found.high >= port.low) return;  // clamped while it runs
     const Unit unit{rule.kind == PortUnit::Kind::Fixed ? rule.dimension : Dimension{}};
-    mistakes_.add(Errc::OutOfRange, expression.at, owner + " cannot be " + in_unit(found.low, unit),
-                  limits_text(port.low, port.high, unit));
+    errors_.add(Errc::OutOfRange, expression.at, owner + " cannot be " + in_unit(found.low, unit),
+                limits_text(port.low, port.high, unit));
   }
 
   const FlatGraph& graph_;
-  Mistakes mistakes_;
+  ErrorList errors_;
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/spec.h"
 #include "engine/graph/node_type.h"
 #include "engine/graph/semantics/flat_graph.h"
@@ -18,7 +18,7 @@ namespace tactus {
 
 struct Resolved {
   FlatGraph graph;  ///< FlatSignal::Kind::Missing replaces what is missing
-  std::vector<Error> mistakes;
+  std::vector<Error> errors;
   bool too_large = false;  ///< parts were left out, with an error: the graph has more than `most_signals`
 };
 
@@ -38,7 +38,7 @@ struct PartRate {
 };
 
 /// [control] `rate`, `take` and `between` of a part; `around` is the rate of the file that uses it.
-PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, Mistakes& mistakes);
+PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, ErrorList& errors);
 
 /// [control] The keys of a part beside its inputs and controls, which come first where they have the same
 /// name.
@@ -49,7 +49,7 @@ struct Resolving {
   const NodeTable& table;
   Hertz sample_rate;
   FlatGraph& flat;
-  Mistakes& mistakes;
+  ErrorList& errors;
   std::size_t most_signals;  ///< parts of parts multiply: 32 files that use the next one twice make 2^32
   bool too_large = false;
 };
@@ -111,7 +111,7 @@ class Instance {
   const GraphSpec& spec_;
   Resolving& resolving_;
   FlatGraph& flat_;
-  Mistakes& mistakes_;
+  ErrorList& errors_;
   std::string prefix_;
   int voices_;
   int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own

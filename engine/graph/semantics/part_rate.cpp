@@ -42,37 +42,37 @@ std::string nearest_rates(double around, double ratio) {
 }
 
 /// Frames around it for one of its own, not yet known to be a whole number; nothing after an error.
-std::optional<double> read_ratio(const NodeSpec& node, const Value& value, Hertz around, Mistakes& mistakes) {
+std::optional<double> read_ratio(const NodeSpec& node, const Value& value, Hertz around, ErrorList& errors) {
   if (const auto* text = value.text())
     if (const auto below = below_one(*text)) return below;
   const auto quantity = read_quantity(value);
   if (!quantity || quantity->bare || !(quantity->unit.dimension == parse_unit("Hz")->dimension)) {
-    mistakes.add(Errc::WrongType, value.at, of_part(node, "rate") + " is not a rate", kHowRates);
+    errors.add(Errc::WrongType, value.at, of_part(node, "rate") + " is not a rate", kHowRates);
     return std::nullopt;
   }
   if (!(quantity->si > 0) || quantity->si > around.value) {
-    mistakes.add(Errc::OutOfRange, value.at, of_part(node, "rate") + " cannot be " + in_hertz(quantity->si),
-                 "a part runs at most at the " + in_hertz(around.value) + " around it");
+    errors.add(Errc::OutOfRange, value.at, of_part(node, "rate") + " cannot be " + in_hertz(quantity->si),
+               "a part runs at most at the " + in_hertz(around.value) + " around it");
     return std::nullopt;
   }
   return around.value / quantity->si;
 }
 
-int whole_ratio(const NodeSpec& node, const Value& value, Hertz around, Mistakes& mistakes) {
-  const auto ratio = read_ratio(node, value, around, mistakes);
+int whole_ratio(const NodeSpec& node, const Value& value, Hertz around, ErrorList& errors) {
+  const auto ratio = read_ratio(node, value, around, errors);
   if (!ratio) return 1;
   const double whole = std::round(*ratio);
   // Rates come as decimal numbers: 44.1 kHz / 14.7 kHz is 3 but for rounding.
   if (std::abs(*ratio - whole) > 1e-9 * *ratio || whole < 1) {
-    mistakes.add(Errc::OutOfRange, value.at,
-                 of_part(node, "rate") + " is not the " + in_hertz(around.value) +
-                     " around it, divided by a whole number",
-                 nearest_rates(around.value, *ratio));
+    errors.add(Errc::OutOfRange, value.at,
+               of_part(node, "rate") + " is not the " + in_hertz(around.value) +
+                   " around it, divided by a whole number",
+               nearest_rates(around.value, *ratio));
     return 1;
   }
   if (whole > PartRate::kSlowest) {
-    mistakes.add(Errc::OutOfRange, value.at, of_part(node, "rate") + " is too low",
-                 "give at least \"1/" + std::to_string(PartRate::kSlowest) + "\"");
+    errors.add(Errc::OutOfRange, value.at, of_part(node, "rate") + " is too low",
+               "give at least \"1/" + std::to_string(PartRate::kSlowest) + "\"");
     return 1;
   }
   return static_cast<int>(whole);
@@ -80,20 +80,19 @@ int whole_ratio(const NodeSpec& node, const Value& value, Hertz around, Mistakes
 
 }  // namespace
 
-PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, Mistakes& mistakes) {
+PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, ErrorList& errors) {
   Value::Table own = node.fields;
   std::erase_if(own, [&](const Field& field) { return declares(part, field.key); });
-  FieldReader fields{own, part_fields(), mistakes, FieldReader::kKeysChecked, "part '" + node.name + "'"};
+  FieldReader fields{own, part_fields(), errors, FieldReader::kKeysChecked, "part '" + node.name + "'"};
   const auto second_choice = [&](const char* key) {
     const auto choice = fields.choice(key);
     if (choice && !fields.has("rate"))
-      mistakes.add(Errc::Missing, fields.value(key)->at,
-                   of_part(node, key) + " has no effect without a 'rate'",
-                   "give the part a rate of its own, or remove '" + std::string{key} + "'");
+      errors.add(Errc::Missing, fields.value(key)->at, of_part(node, key) + " has no effect without a 'rate'",
+                 "give the part a rate of its own, or remove '" + std::string{key} + "'");
     return choice == 1;
   };
   PartRate rate;
-  if (const auto* value = fields.value("rate")) rate.ratio = whole_ratio(node, *value, around, mistakes);
+  if (const auto* value = fields.value("rate")) rate.ratio = whole_ratio(node, *value, around, errors);
   rate.mean = second_choice("take");
   rate.line = second_choice("between");
   return rate;

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "engine/core/dimension.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 
 namespace tactus {
 namespace {
@@ -48,10 +48,10 @@ Result<int> Scope::find(const std::string& name, const Source& at) const {
       near.empty() ? "name an input, a control or a node of this file" : "did you mean '" + near + "'?");
 }
 
-void NameSpace::add(const std::string& name, const std::string& kind, const Source& at, Mistakes& mistakes) {
+void NameSpace::add(const std::string& name, const std::string& kind, const Source& at, ErrorList& errors) {
   const auto quoted = "'" + name + "'";
   const auto refuse = [&](const char* because, const char* remedy) {
-    mistakes.add(Errc::Syntax, at, quoted + because + " cannot name " + kind, remedy);
+    errors.add(Errc::Syntax, at, quoted + because + " cannot name " + kind, remedy);
   };
   if (!well_formed(name))
     return refuse("", "names begin with a small letter and continue with small letters, digits and _");
@@ -64,10 +64,10 @@ void NameSpace::add(const std::string& name, const std::string& kind, const Sour
   const bool later = std::tie(at.line, at.column) > std::tie(owner->second.at.line, owner->second.at.column);
   const Owner here = later ? Owner{kind, at} : owner->second;
   const Owner there = later ? owner->second : Owner{kind, at};
-  mistakes.add(Errc::Duplicate, here.at,
-               quoted + " cannot name " + here.kind + ": it names " + there.kind + " in line " +
-                   std::to_string(there.at.line),
-               "choose another name");
+  errors.add(Errc::Duplicate, here.at,
+             quoted + " cannot name " + here.kind + ": it names " + there.kind + " in line " +
+                 std::to_string(there.at.line),
+             "choose another name");
 }
 
 }  // namespace tactus

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "engine/core/error.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/value.h"
 #include "engine/graph/semantics/flat_graph.h"
 
@@ -55,7 +55,7 @@ class Scope {
 class NameSpace {
  public:
   /// `kind` is what messages call it: "node", "control".
-  void add(const std::string& name, const std::string& kind, const Source& at, Mistakes& mistakes);
+  void add(const std::string& name, const std::string& kind, const Source& at, ErrorList& errors);
 
  private:
   struct Owner {
@@ -67,7 +67,7 @@ class NameSpace {
 
 /// A value in a signal port as a Expression: a number, a quantity or expression in a string, a list of lanes,
 /// or a spread { from, to, curve } over the lanes. After an error, the missing signal.
-Expression bind_signal(const Value& value, const Scope& scope, Mistakes& mistakes);
+Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors);
 
 /// Replaces what an error left out, and raises no second error.
 Expression missing_signal(const Source& at);
@@ -75,6 +75,6 @@ Expression missing_signal(const Source& at);
 /// A setting read from the `fields` of its node, or its fallback. `folder` is where files start.
 SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
                           const std::filesystem::path& folder, const std::string& owner, const Source& at,
-                          Mistakes& mistakes);
+                          ErrorList& errors);
 
 }  // namespace tactus

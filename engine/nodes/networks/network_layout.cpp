@@ -8,7 +8,7 @@
 #include <unordered_map>
 
 #include "engine/core/index.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/nodes/networks/solver_names.h"
 
@@ -261,7 +261,7 @@ class LayoutReader {
 
   const NetworkSpec& spec_;
   NetworkLayout layout_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
   std::unordered_map<std::string, int> index_;
   std::unordered_map<const ElementType*, std::vector<std::string>> keys_;
 };

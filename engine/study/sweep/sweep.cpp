@@ -6,7 +6,7 @@
 #include <atomic>
 #include <mutex>
 
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/scene/measures/measure.h"

@@ -1,4 +1,4 @@
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 
 #include <algorithm>
 #include <charconv>
@@ -38,7 +38,7 @@ Place place_of(std::string_view where) {
   return {where, before, last};
 }
 
-// Nobody means a name of this length by mistake, and the comparison costs the product of the lengths.
+// Nobody means a name of this length by error, and the comparison costs the product of the lengths.
 constexpr std::size_t kLongest = 64;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -107,16 +107,16 @@ std::string suggest(std::string_view wrong, std::span<const std::string> known,
   return otherwise.empty() ? "there are " + listed(known) : otherwise;
 }
 
-void Mistakes::add(Errc code, const Source& at, std::string what, std::string remedy) {
+void ErrorList::add(Errc code, const Source& at, std::string what, std::string remedy) {
   list_.push_back({code, at.text(), std::move(what), std::move(remedy)});
 }
 
-void Mistakes::add(std::vector<Error> errors) {
+void ErrorList::add(std::vector<Error> errors) {
   list_.insert(list_.end(), std::make_move_iterator(errors.begin()), std::make_move_iterator(errors.end()));
 }
 
-void Mistakes::unknown_keys(const Value::Table& table, std::span<const std::string> known,
-                            const std::string& owner) {
+void ErrorList::unknown_keys(const Value::Table& table, std::span<const std::string> known,
+                             const std::string& owner) {
   const std::unordered_set<std::string_view> names(known.begin(), known.end());
   for (const auto& field : table)
     if (!names.contains(field.key))
@@ -125,7 +125,7 @@ void Mistakes::unknown_keys(const Value::Table& table, std::span<const std::stri
           suggest(field.key, known));
 }
 
-std::string Mistakes::text(const Value::Table& table, std::string_view key, const std::string& owner) {
+std::string ErrorList::text(const Value::Table& table, std::string_view key, const std::string& owner) {
   const auto* value = find(table, key);
   if (value == nullptr) return {};
   if (const auto* text = value->text()) return *text;
@@ -134,7 +134,7 @@ std::string Mistakes::text(const Value::Table& table, std::string_view key, cons
   return {};
 }
 
-std::vector<Error> Mistakes::take() {
+std::vector<Error> ErrorList::take() {
   sort_by_place(list_, first_);
   // A file that is read along two ways reports its errors twice.
   std::set<std::pair<std::string, std::string>> reported;

@@ -12,7 +12,7 @@
 
 namespace tactus {
 
-/// By file, line and column of `where`, those of the file `first` before all others; mistakes of one place
+/// By file, line and column of `where`, those of the file `first` before all others; errors of one place
 /// stay in order.
 void sort_by_place(std::vector<Error>& errors, std::string_view first = {});
 
@@ -29,12 +29,12 @@ std::string key_of(std::string_view key, const std::string& owner);
 std::string suggest(std::string_view wrong, std::span<const std::string> known,
                     const std::string& otherwise = {});
 
-/// Gathers the mistakes of a file, so that all of them come back in one go.
-class Mistakes {
+/// Gathers the errors of a file, so that all of them come back in one go.
+class ErrorList {
  public:
-  Mistakes() = default;
+  ErrorList() = default;
   /// Those of `first`, the file that the user named, come before those of the files that it uses.
-  explicit Mistakes(const Source& first) : first_(first.file ? *first.file : std::string{}) {}
+  explicit ErrorList(const Source& first) : first_(first.file ? *first.file : std::string{}) {}
 
   void add(Errc code, const Source& at, std::string what, std::string remedy);
   void add(Error error) { list_.push_back(std::move(error)); }
@@ -48,7 +48,7 @@ class Mistakes {
   /// The string called `key`; "" if there is none, and an error if it is something else.
   std::string text(const Value::Table& table, std::string_view key, const std::string& owner = {});
 
-  /// The value, or nothing and a mistake.
+  /// The value, or nothing and an error.
   template <class T>
   const T* keep(const Result<T>& result) {
     if (!result) add(result.error());
