@@ -70,7 +70,6 @@ enum class StreamState {
   Stopped,
   Running,
   Stalled,   ///< no block for half a second; it may go on by itself
-  Finished,  ///< came to the end of what there was to do
   Lost,      ///< the device or its server went away; only destroying the stream is left to do
 };
 
