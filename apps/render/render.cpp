@@ -146,7 +146,8 @@ Result<InstrumentRun> run_engine(const InstrumentJob& job, Player& engine, int b
     progress(static_cast<double>(done) / static_cast<double>(std::max<std::int64_t>(1, run.frames)));
     return {};
   };
-  if (auto status = run_offline(guarded, job.input, static_cast<int>(run.outputs.size()), {block}, take); !status)
+  if (auto status = run_offline(guarded, job.input, static_cast<int>(run.outputs.size()), {block}, take);
+      !status)
     return tl::unexpected(status.error());
   run.events = recorder.events(job.input.sample_rate);
   run.bad_inputs = engine.bad_input_samples();

@@ -3,14 +3,14 @@
 #include <RtMidi.h>
 
 #include <algorithm>
-#include <cctype>
 #include <condition_variable>
 #include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
 
-#include "backends/silence_library_logs.h"
+#include "backends/find_device.h"
+#include "backends/library_calls.h"
 #include "engine/core/spsc_queue.h"
 
 namespace tactus {
@@ -20,12 +20,6 @@ using namespace std::chrono_literals;
 
 constexpr auto kPatience = 1s;  // for the library, when all ends
 constexpr int kLooksPerTry = 4;
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// "nanoKONTROL2 CTRL 20:0" -> "nanoKONTROL2 CTRL": ALSA counts clients anew at each plugging in.
 std::string without_address(const std::string& name) {
@@ -124,7 +118,7 @@ class Worker {
     const auto there = names_by_id(*scout_);
     close_missing(there);
     for (const auto& [id, name] : there) {
-      const bool wanted = lower(id).find(lower(settings_.only)) != std::string::npos;
+      const bool wanted = lower_case(id).find(lower_case(settings_.only)) != std::string::npos;
       if (wanted && !is_open(id)) open(id, name);
     }
   }
