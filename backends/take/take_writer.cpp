@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "backends/take/take_lines.h"
-
 namespace tactus {
 namespace {
 
@@ -99,7 +97,7 @@ void TakeWriter::note_progress() {
 
 void TakeWriter::settle() {
   note_progress();
-  journal_ << complete_line(progress_) << std::flush;
+  journal_ << progress_line(progress_) << std::flush;
   if (!journal_) return fail_with(why_not_written());
   if (const auto status = wav_.settle(); !status) return fail_with(status.error().what);
   settled_ = wav_.frames();
@@ -118,7 +116,8 @@ void TakeWriter::finish() {
   }
   if (trouble_.empty()) settle();
   progress_.ended = !trouble_.empty() ? trouble_ : ring_->restarted() ? "the stream began again" : "";
-  if (journal_) journal_ << end_line(progress_) << std::flush;
+  progress_.finished = true;
+  if (journal_) journal_ << progress_line(progress_) << std::flush;
 }
 
 }  // namespace tactus
