@@ -33,7 +33,9 @@ inline constexpr bool is_vector = false;
 template <class T>
 inline constexpr bool is_vector<std::vector<T>> = true;
 template <class T>
-inline constexpr bool is_quantity = requires(T quantity) { T{quantity.value}, quantity / quantity; };
+inline constexpr bool is_quantity = requires(T quantity) {
+  T{quantity.value}, quantity / quantity;
+};
 
 struct Probe {
   void operator()(const char*, const auto&) const {}
@@ -41,7 +43,9 @@ struct Probe {
   void name(const char*, const auto&, const auto&) const {}
 };
 template <class T>
-concept HasFields = requires(Probe& probe, T& value) { fields(probe, value); };
+concept HasFields = requires(Probe& probe, T& value) {
+  fields(probe, value);
+};
 
 }  // namespace json_fields
 

@@ -7,7 +7,6 @@
 #include "latency/estimation/analysis.h"
 #include "latency/estimation/coarse.h"
 #include "latency/path/response.h"
-#include "latency/path/second_path.h"
 
 namespace tactus {
 
@@ -15,6 +14,13 @@ namespace tactus {
 inline constexpr const char* kAgainstGaps =
     "use a longer block or more periods (`tactus latency sweep` finds the smallest that holds), close other "
     "programs, and see `tactus doctor`";
+
+/// Another way by which what was played comes back, too far from the first one for the same window.
+struct SecondPath {
+  static constexpr std::int64_t kNear = 2048;  ///< frames: nearer ones are left to Response::echo
+  std::int64_t frames = 0;                     ///< from the path to it; negative: it is earlier
+  double level_db = 0.0;                       ///< beside the path
+};
 
 /// What an analysis knows that its reader need not.
 struct Evidence {

@@ -8,7 +8,6 @@
 #include "engine/core/error.h"
 #include "engine/core/units.h"
 #include "latency/estimation/loop_recording.h"
-#include "latency/path_profile.h"
 #include "latency/verdict.h"
 
 namespace tactus {

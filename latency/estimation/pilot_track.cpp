@@ -7,7 +7,7 @@
 #include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "latency/estimation/fourier.h"
-#include "latency/probe/short_runs.h"
+#include "latency/estimation/loop_recording.h"
 
 namespace tactus {
 namespace {

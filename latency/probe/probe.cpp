@@ -74,18 +74,22 @@ std::vector<double> pilot(Hertz sample_rate) {
   return samples;
 }
 
-Seconds SweepTrain::pause_after(int sweep) { return Seconds{kPauses[index(sweep) % kPauses.size()]}; }
+double ProbeTrain::gain(int probe) { return probe % 4 == 1 ? kSoftGain : 1.0; }
 
-double SweepTrain::gain(int sweep) { return sweep % 4 == 1 ? kSoftGain : 1.0; }
+std::vector<double> ProbeTrain::samples(Hertz sample_rate, int count, double level) {
+  std::vector<double> train;
+  const auto probe = measuring_sweep(sample_rate).samples(sample_rate);
+  for (int k = 0; k < count; ++k) {
+    append(train, probe, level * gain(k));
+    train.resize(train.size() + frames(Seconds{kPauses[index(k) % kPauses.size()]}, sample_rate), 0.0);
+  }
+  append(train, pilot(sample_rate), level);
+  return train;
+}
 
 std::vector<double> stimulus(Hertz sample_rate, double level) {
   std::vector<double> samples(frames(kProbeQuiet, sample_rate), 0.0);
-  const auto sweep = measuring_sweep(sample_rate).samples(sample_rate);
-  for (int k = 0; k < SweepTrain::kSweeps; ++k) {
-    append(samples, sweep, level * SweepTrain::gain(k));
-    samples.resize(samples.size() + frames(SweepTrain::pause_after(k), sample_rate), 0.0);
-  }
-  append(samples, pilot(sample_rate), level);
+  append(samples, ProbeTrain::samples(sample_rate, ProbeTrain::kProbes, level), 1.0);
   return samples;
 }
 

@@ -29,14 +29,14 @@ ExponentialSweep level_probe(Hertz sample_rate);
 /// tells where in it that part stands.
 std::vector<double> pilot(Hertz sample_rate);
 
-/// How sweeps follow one another. The pauses differ, so that no sweep is taken for its neighbour.
-struct SweepTrain {
-  static constexpr int kSweeps = 8;
-  static constexpr double kSoftGain =
-      0.5;  ///< of some of them, so that a gain that depends on the level shows
+/// Probes one after another, then the pilot. The pauses differ, so that no probe is taken for its neighbour.
+struct ProbeTrain {
+  static constexpr int kProbes = 8;
+  static constexpr double kSoftGain = 0.5;  ///< of some, so that a gain that depends on the level shows
 
-  static Seconds pause_after(int sweep);
-  static double gain(int sweep);
+  static double gain(int probe);
+  /// [control] `level` (0, 1] is that of the loudest.
+  static std::vector<double> samples(Hertz sample_rate, int count, double level);
 };
 
 /// [control] All of it in one piece, `level` (0, 1] at its loudest: quiet, the sweeps, the pilot.

@@ -22,19 +22,6 @@ std::size_t whole_frames(Seconds time, Hertz rate) {
   return static_cast<std::size_t>(std::llround(frames_in(time, rate)));
 }
 
-/// The sweeps and the pilot, at full level.
-std::vector<double> train_of(int sweeps, Hertz rate) {
-  std::vector<double> train;
-  const auto sweep = measuring_sweep(rate).samples(rate);
-  for (int k = 0; k < sweeps; ++k) {
-    for (const double sample : sweep) train.push_back(SweepTrain::gain(k) * sample);
-    train.resize(train.size() + whole_frames(SweepTrain::pause_after(k), rate));
-  }
-  const auto last = pilot(rate);
-  train.insert(train.end(), last.begin(), last.end());
-  return train;
-}
-
 }  // namespace
 
 Status ProbePlayer::prepare(const StreamFormat& format) {
@@ -43,7 +30,7 @@ Status ProbePlayer::prepare(const StreamFormat& format) {
   format_ = format;
   const auto rate = format.sample_rate;
   level_probe_ = level_probe(rate).samples(rate);
-  train_ = train_of(script_.sweeps, rate);
+  train_ = ProbeTrain::samples(rate, script_.sweeps, 1.0);
   search_.emplace(script_.level);
   stage_ = Stage::Level;
   frame_ = 0;

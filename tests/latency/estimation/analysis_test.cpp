@@ -241,7 +241,7 @@ TEST_CASE("analysis: a probe with dither in its pauses is taken apart all the sa
   }
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "ok");
-  CHECK(analysis.sweeps.size() == SweepTrain::kSweeps);
+  CHECK(analysis.sweeps.size() == ProbeTrain::kProbes);
   CHECK(std::abs(analysis.delay_frames - 1234.37) < 0.0005);
 }
 

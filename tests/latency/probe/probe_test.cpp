@@ -45,11 +45,11 @@ TEST_CASE("bursts: a stimulus is taken apart into eight sweeps and a pilot", "[l
   const auto samples = stimulus(48_kHz, 0.25);
   const auto bursts = find_bursts(samples, 48_kHz);
   REQUIRE(bursts);
-  REQUIRE(bursts->repeated.size() == SweepTrain::kSweeps);
+  REQUIRE(bursts->repeated.size() == ProbeTrain::kProbes);
   std::vector<std::int64_t> distances;
-  for (int k = 0; k < SweepTrain::kSweeps; ++k) {
+  for (int k = 0; k < ProbeTrain::kProbes; ++k) {
     const auto& burst = bursts->repeated[static_cast<std::size_t>(k)];
-    CHECK(burst.gain == Approx(SweepTrain::gain(k)).epsilon(1e-6));
+    CHECK(burst.gain == Approx(ProbeTrain::gain(k)).epsilon(1e-6));
     for (int before = 0; before < k; ++before)
       distances.push_back(burst.at - bursts->repeated[static_cast<std::size_t>(before)].at);
   }
