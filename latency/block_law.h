@@ -47,7 +47,7 @@ std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings)
 const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings);
 
 /// [any] "128 frames, 2 periods, 48 kHz"
-std::string in_words(const SettingDelay& setting);
+std::string setting_text(const SettingDelay& setting);
 /// [any] What to play with, and why, in sentences.
 std::string recommendation(const std::vector<SettingDelay>& settings);
 

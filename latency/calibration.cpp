@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "engine/core/decibels.h"
@@ -23,10 +22,6 @@ constexpr double kTail = 1e-7;           // of the energy, that is cut off at th
 constexpr double kFlattest = 1e-5;       // of the probe's power: where nothing was played nothing is guessed
 constexpr double kQuietest = 1e-18;      // variance: -180 dBFS
 constexpr double kFirstSwing = 1.0 / 3;  // of the highest
-
-double energy(const std::vector<double>& samples) {
-  return std::inner_product(samples.begin(), samples.end(), samples.begin(), 0.0);
-}
 
 /// The card's whole frames are taken off by cutting later, the rest by turning the phase.
 CapturedWindow without_delay(SweepWindows& windows, std::span<const double> captured, double delay,
@@ -54,7 +49,7 @@ std::vector<double> taps_of(const CapturedWindow& window, Fourier& fourier, std:
   const double of_tap = captured_power / played_power / static_cast<double>(length);
   r[0] += std::max(noise / of_tap, kFlattest * r[0]);
   auto taps = solve_toeplitz(std::span{r}.first(length), std::span{c}.first(length));
-  const double all = energy(taps);
+  const double all = product(taps, taps);
   for (double tail = 0.0; taps.size() > 1; taps.pop_back())
     if ((tail += taps.back() * taps.back()) > kTail * all) break;
   return taps;
@@ -107,8 +102,7 @@ std::optional<Resonance> resonance_of(const Spectrum& path, double hertz_per_bin
 }
 
 void describe_swing(const std::vector<double>& taps, Calibration& calibration) {
-  double highest = 0.0;
-  for (const double tap : taps) highest = std::max(highest, std::abs(tap));
+  const double highest = peak_of(taps);
   const auto first = std::find_if(taps.begin(), taps.end(),
                                   [&](double tap) { return std::abs(tap) >= kFirstSwing * highest; });
   if (first == taps.end()) return;

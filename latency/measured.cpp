@@ -73,6 +73,11 @@ fs::path temporary_beside(const fs::path& file) {
 
 }  // namespace
 
+DelayKey key_of(const StreamGranted& granted) {
+  return {granted.input_device.empty() ? granted.device : granted.input_device, granted.device,
+          granted.format.sample_rate, granted.block_frames, granted.periods};
+}
+
 MeasuredDelays MeasuredDelays::load(const fs::path& file) {
   MeasuredDelays store;
   store.file_ = file;
@@ -87,7 +92,7 @@ MeasuredDelays MeasuredDelays::load(const fs::path& file) {
       reason = exception.what();
     }
   }
-  store.complaint_ = set_aside(file, reason);
+  store.load_error_ = set_aside(file, reason);
   return store;
 }
 
@@ -106,11 +111,11 @@ const MeasuredDelay* MeasuredDelays::newest(const std::string& input, const std:
   return newest;
 }
 
-Status MeasuredDelays::keep(MeasuredDelay delay) {
+Status MeasuredDelays::save(MeasuredDelay delay) {
   if (file_.empty())
-    return fail(Errc::BadFile, "", "there is no folder to keep what was measured", "set XDG_STATE_HOME");
+    return fail(Errc::BadFile, "", "there is no folder for measured delays", "set XDG_STATE_HOME");
   auto now = load(file_);  // another program may have written
-  if (now.complaint_) complaint_ = now.complaint_;
+  if (now.load_error_) load_error_ = now.load_error_;
   std::erase_if(now.delays_, [&](const MeasuredDelay& old) { return old.key == delay.key; });
   now.delays_.push_back(std::move(delay));
   delays_ = std::move(now.delays_);

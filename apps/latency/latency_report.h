@@ -20,7 +20,7 @@ struct LatencyReport {
   std::string source;  ///< a device and its setting, or a file
   Measurement measurement;
   bool live = false;                 ///< measured now, on a device
-  std::vector<std::string> kept;     ///< where the delay was written, in words
+  std::vector<std::string> kept;     ///< where the delay was saved
   std::vector<std::string> written;  ///< files
 
   bool ok() const { return measurement.finding.verdict == Verdict::Ok; }
@@ -33,6 +33,16 @@ bool is_known(const Analysis& analysis);
 
 /// What the delay is, in a sentence.
 extern const char* const kDelayIs;
+
+/// null is what is not known.
+template <class T>
+nlohmann::ordered_json known(bool is_known, const T& value) {
+  return is_known ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+template <class T>
+nlohmann::ordered_json known(const std::optional<T>& value) {
+  return known(value.has_value(), value.value_or(T{}));
+}
 
 /// Part of every report.
 struct Essentials {

@@ -7,7 +7,8 @@
 #include <filesystem>
 
 #include "apps/cli/commands.h"
-#include "apps/latency/profile_file.h"
+#include "apps/cli/interrupts.h"
+#include "apps/latency/latency_files.h"
 #include "engine/core/decibels.h"
 #include "engine/graph/file/quantity.h"
 
@@ -52,7 +53,7 @@ int first_channel(const Ports& ports) {
   return 1;
 }
 
-/// What hangs on an output, from 1, as far as the rig knows; nullptr: nothing.
+/// What is connected to an output, from 1, as far as the rig knows; nullptr: nothing.
 const RigOutput* port_on(const Rig& rig, int channel) {
   if (const auto* actuator = rig.actuator_on(channel)) return actuator;
   for (const auto& output : rig.outputs)
@@ -80,6 +81,8 @@ Refused check_channel(int channel, int there, const Device& device, const char* 
                             "device; see tactus devices"
                       : fmt::format("it has 1 to {}", there)});
 }
+
+struct Interrupted {};
 
 /// Makes a loop, step by step; each step leaves what it found in `loop_`.
 class LoopMaker {
@@ -174,8 +177,9 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--backend", options.backend, "jack, rtaudio, …; see tactus devices");
   command.add_option("--device", options.device, "id of a device, or a part of its name");
   command.add_option("--input-device", options.input_device, "where the input is on another device");
-  command.add_option("--rig", options.rig,
-                     "rig file: device, setting, and what hangs on the output; it keeps the measured delay");
+  command.add_option(
+      "--rig", options.rig,
+      "rig file: device, setting, and what is connected to the output; the measured delay is saved there");
   command.add_option("--in,--input", options.input, "input channel of the loop, from 1")
       ->check(CLI::Range(1, 1024));
   command.add_option("--out,--output", options.output, "output channel of the loop, from 1")
@@ -189,7 +193,43 @@ void add_setting_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--periods", options.periods, "blocks in the driver's buffer")->check(CLI::Range(1, 64));
 }
 
+void add_repetition_options(CLI::App& command, LoopOptions& options) {
+  command.add_option("--openings", options.openings, "how often the stream is opened")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command.add_option("--sweeps", options.sweeps, "probes each time")
+      ->check(CLI::Range(2, 100))
+      ->capture_default_str();
+}
+
 tl::expected<Loop, Refusal> make_loop(const LoopOptions& options) { return LoopMaker{options}.run(); }
+
+Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings) {
+  Progress bar{"measuring"};
+  try {
+    auto measured = measure(backend, settings, [&](double share, const std::string& what) {
+      if (interrupted()) throw Interrupted{};  // the stream ends with its owner, with a block of zeros
+      bar(share, what);
+    });
+    if (!measured) return tl::unexpected(measured.error());
+    return std::optional{std::move(*measured)};
+  } catch (const Interrupted&) {
+    return std::optional<Measurement>{};
+  }
+}
+
+std::string source_text(const MeasureSettings& settings, const StreamGranted& granted) {
+  const auto& wanted = settings.request;
+  auto text = granted.device;
+  if (!granted.input_device.empty()) text += " and " + granted.input_device;
+  text += fmt::format(", {:g} kHz, ", granted.format.sample_rate.value / 1e3);
+  text +=
+      granted.block_frames > 0 ? fmt::format("{} frames a block", granted.block_frames) : "changing blocks";
+  if (wanted.block_frames && *wanted.block_frames != granted.block_frames)
+    text += fmt::format(" ({} were asked for)", *wanted.block_frames);
+  if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
+  return text + fmt::format("; output {} to input {}", settings.output + 1, settings.input + 1);
+}
 
 Result<double> parse_level(const std::string& text, const char* option) {
   const auto where = std::string{"--"} + option;

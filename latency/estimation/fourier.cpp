@@ -4,8 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <unsupported/Eigen/FFT>
+
+#include "latency/estimation/loop_recording.h"
 
 namespace tactus {
 namespace {
@@ -22,10 +23,6 @@ constexpr int kToeplitzRounds = 400;
 constexpr double kToeplitzSettled = 1e-9;  // of the right side
 
 using Vector = std::vector<double>;
-
-double dot(const Vector& a, const Vector& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
 
 /// Multiplies by the Toeplitz matrix of r, or divides by what is nearly the same: the circle of r under a
 /// triangle, whose spectrum is never negative.
@@ -113,17 +110,17 @@ std::vector<double> solve_toeplitz(std::span<const double> r, std::span<const do
   Vector h(c.size(), 0.0), rest(c.begin(), c.end());
   auto z = nearly.apply(rest, true);
   auto direction = z;
-  double strength = dot(rest, z);
-  const double settled = kToeplitzSettled * std::sqrt(dot(rest, rest));
-  for (int round = 0; round < kToeplitzRounds && std::sqrt(dot(rest, rest)) > settled; ++round) {
-    const auto product = matrix.apply(direction, false);
-    const double step = strength / dot(direction, product);
+  double strength = product(rest, z);
+  const double settled = kToeplitzSettled * std::sqrt(product(rest, rest));
+  for (int round = 0; round < kToeplitzRounds && std::sqrt(product(rest, rest)) > settled; ++round) {
+    const auto turned = matrix.apply(direction, false);
+    const double step = strength / product(direction, turned);
     for (std::size_t n = 0; n < h.size(); ++n) {
       h[n] += step * direction[n];
-      rest[n] -= step * product[n];
+      rest[n] -= step * turned[n];
     }
     z = nearly.apply(rest, true);
-    const double next = dot(rest, z);
+    const double next = product(rest, z);
     for (std::size_t n = 0; n < h.size(); ++n) direction[n] = z[n] + next / strength * direction[n];
     strength = next;
   }

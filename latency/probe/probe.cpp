@@ -20,10 +20,6 @@ constexpr Seconds kProbePilot{0.5}, kPilotEdge{0.002};
 // No two stretches of pauses are equally long, so a train fits itself only where it is.
 constexpr std::array kPauses{0.100, 0.116, 0.104, 0.124, 0.108, 0.132, 0.112, 0.140};
 
-std::size_t frames(Seconds time, Hertz rate) {
-  return static_cast<std::size_t>(std::llround(frames_in(time, rate)));
-}
-
 /// 0 to 1 and back over [0, length), along half a period of a cosine each.
 double edges(double at, double length, double rise, double fall) {
   const auto raised = [](double x) { return x >= 1.0 ? 1.0 : 0.5 - 0.5 * std::cos(pi * x); };
@@ -45,12 +41,16 @@ void append(std::vector<double>& to, const std::vector<double>& from, double gai
 
 }  // namespace
 
+std::size_t whole_frames(Seconds time, Hertz sample_rate) {
+  return static_cast<std::size_t>(std::llround(frames_in(time, sample_rate)));
+}
+
 Seconds ExponentialSweep::growth() const { return duration / std::log(stop / start); }
 
 std::vector<double> ExponentialSweep::samples(Hertz sample_rate) const {
   const double length = frames_in(duration, sample_rate);
   const double growth_s = growth().value;
-  std::vector<double> samples(frames(duration, sample_rate));
+  std::vector<double> samples(whole_frames(duration, sample_rate));
   const double rise = frames_in(kRise, sample_rate);
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const double at = static_cast<double>(n);
@@ -65,7 +65,7 @@ ExponentialSweep measuring_sweep(Hertz sample_rate) { return {20_Hz, sample_rate
 ExponentialSweep level_probe(Hertz sample_rate) { return {100_Hz, sample_rate * kHighest, Seconds{0.04}}; }
 
 std::vector<double> pilot(Hertz sample_rate) {
-  std::vector<double> samples(frames(kProbePilot, sample_rate));
+  std::vector<double> samples(whole_frames(kProbePilot, sample_rate));
   const double edge = frames_in(kPilotEdge, sample_rate), length = frames_in(kProbePilot, sample_rate);
   // Nothing at half the sample rate, where a fraction of a frame of delay has no meaning.
   for (std::size_t n = 0; n < samples.size(); ++n)
@@ -81,14 +81,14 @@ std::vector<double> ProbeTrain::samples(Hertz sample_rate, int count, double lev
   const auto probe = measuring_sweep(sample_rate).samples(sample_rate);
   for (int k = 0; k < count; ++k) {
     append(train, probe, level * gain(k));
-    train.resize(train.size() + frames(Seconds{kPauses[index(k) % kPauses.size()]}, sample_rate), 0.0);
+    train.resize(train.size() + whole_frames(Seconds{kPauses[index(k) % kPauses.size()]}, sample_rate), 0.0);
   }
   append(train, pilot(sample_rate), level);
   return train;
 }
 
 std::vector<double> stimulus(Hertz sample_rate, double level) {
-  std::vector<double> samples(frames(kProbeQuiet, sample_rate), 0.0);
+  std::vector<double> samples(whole_frames(kProbeQuiet, sample_rate), 0.0);
   append(samples, ProbeTrain::samples(sample_rate, ProbeTrain::kProbes, level), 1.0);
   return samples;
 }

@@ -1,11 +1,15 @@
 #pragma once
 // Thread: [control]
 
+#include <cstddef>
 #include <vector>
 
 #include "engine/core/units.h"
 
 namespace tactus {
+
+/// [any]
+std::size_t whole_frames(Seconds time, Hertz sample_rate);
 
 /// A sine whose frequency f(t) = start * exp(t / growth) rises from `start` to `stop`, with amplitude 1
 /// between two raised-cosine edges:  s(t) = sin(2π start growth (exp(t / growth) - 1)),  growth = duration /

@@ -18,10 +18,6 @@ constexpr Seconds kLevelTakes{1.0};        // a guess
 constexpr Hertz kSlowest{100.0};           // hums and offsets below say nothing about the level
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-std::size_t whole_frames(Seconds time, Hertz rate) {
-  return static_cast<std::size_t>(std::llround(frames_in(time, rate)));
-}
-
 }  // namespace
 
 Status ProbePlayer::prepare(const StreamFormat& format) {
