@@ -9,7 +9,6 @@
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "latency/estimation/sweep_windows.h"
-#include "latency/path/noise_floor.h"
 #include "latency/path/response.h"
 #include "latency/probe/bursts.h"
 

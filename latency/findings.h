@@ -41,4 +41,7 @@ Finding not_detected(const std::vector<CoarseDelay>& channels, int channel);
 /// [control] The first reason, in the order of Verdict, why `analysis` of `captured` is unreliable.
 Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured);
 
+/// [any] The one that comes first in the order of Verdict; Ok if there is no other.
+Finding first_of(const std::vector<Finding>& findings);
+
 }  // namespace tactus

@@ -31,7 +31,7 @@ constexpr std::size_t kEnoughGood = 3;
 
 using Findings = std::vector<Finding>;
 
-void add_outcome(Findings& findings, const ProbePlayer& player) {
+void add_result(Findings& findings, const ProbePlayer& player) {
   if (player.outcome() == ProbePlayer::Outcome::Feedback)
     findings.push_back({Verdict::Feedback,
                         "the input came near full scale and stayed there although the output had been muted: "
@@ -138,16 +138,16 @@ void combine(Measurement& measurement, const std::vector<const Opening*>& openin
   measurement.standard_error_frames = std::sqrt(std::max(within, between) / count);
 }
 
-std::optional<Finding> unstable(const std::vector<const Opening*>& openings) {
-  if (openings.size() < 2) return std::nullopt;
+Finding unstable(const std::vector<const Opening*>& openings) {
+  if (openings.size() < 2) return {};
   double least = openings.front()->analysis.delay_frames, most = least, error = 0.0;
   for (const auto* opening : openings) {
     least = std::min(least, opening->analysis.delay_frames);
     most = std::max(most, opening->analysis.delay_frames);
     error = std::max(error, opening->analysis.standard_error_frames);
   }
-  if (most - least <= std::max(kSameDelay, kSessionCertain * error)) return std::nullopt;
-  return Finding{
+  if (most - least <= std::max(kSameDelay, kSessionCertain * error)) return {};
+  return {
       Verdict::UnstableStart,
       fmt::format("the delay is another each time that the stream is opened: {} frames", delays_of(openings)),
       "measure again each time that you start to play, or let a backend and a device that begin the "
@@ -160,21 +160,12 @@ Finding tolerated(std::size_t lost, std::size_t all) {
           "use a longer block or more periods if that happens often"};
 }
 
-/// The one that comes first in the order of Verdict; Ok if there is no other.
-Finding first_of(const std::vector<Finding>& findings) {
-  Finding first;
-  for (const auto& finding : findings)
-    if (finding.verdict != Verdict::Ok && (first.verdict == Verdict::Ok || finding.verdict < first.verdict))
-      first = finding;
-  return first;
-}
-
 /// Why one opening is unreliable, apart from its recording: how it ended, what the guard did (`events`), what
 /// the driver counted while the probes were played, and whether the stream is as granted.
 Findings stream_findings(const ProbePlayer& player, const StreamGranted& granted,
                          const std::vector<GuardEvent>& events, int input, bool drive) {
   Findings findings;
-  add_outcome(findings, player);
+  add_result(findings, player);
   for (const auto& event : events) add_event(findings, event, input, drive);
   add_lost(findings, player.health_before(), player.health_after());
   add_mismatch(findings, granted, player.health_before(), player.health_after());
@@ -196,7 +187,7 @@ void conclude(Measurement& measurement) {
   const bool tolerable = good.size() >= kEnoughGood && lost.size() < good.size();
   for (const auto& opening : measurement.openings)
     if (opening.finding.verdict != Verdict::LostFrames || !tolerable) findings.push_back(opening.finding);
-  if (const auto moves = unstable(good)) findings.push_back(*moves);
+  findings.push_back(unstable(good));
   measurement.finding = first_of(findings);
   if (measurement.finding.verdict == Verdict::Ok && !lost.empty())
     measurement.finding = tolerated(lost.size(), measurement.openings.size());
@@ -249,10 +240,10 @@ class Session {
       auto opening = open(request_);
       if (!opening) return tl::unexpected(opening.error());
       measurement.openings.push_back(std::move(*opening));
-      if (!is_hopeful(measurement.openings.back())) break;
+      if (!worth_repeating(measurement.openings.back())) break;
     }
     conclude(measurement);
-    if (measurement.finding.verdict == Verdict::DirectMonitoring) tell_where_it_comes_from(measurement);
+    if (measurement.finding.verdict == Verdict::DirectMonitoring) locate_second_path(measurement);
     const auto& granted = measurement.openings.front().granted;
     if (granted.input_latency_frames && granted.output_latency_frames)
       measurement.reported_frames = *granted.input_latency_frames + *granted.output_latency_frames;
@@ -283,7 +274,7 @@ class Session {
     return {};
   }
 
-  /// Opens the stream, plays, and says what came of it.
+  /// Opens the stream, plays, and analyses the recording.
   Result<Opening> open(const StreamRequest& request) {
     ProbePlayer::Script script;
     script.input = input_;
@@ -297,7 +288,7 @@ class Session {
     if (!stream) return tl::unexpected(stream.error());
     player_.set_stream(stream->get());
     if (auto played = play(**stream); !played) return tl::unexpected(played.error());
-    return judged(**stream);
+    return result_of(**stream);
   }
 
   Status play(Stream& stream) {
@@ -306,7 +297,7 @@ class Session {
     auto last_alive = Clock::now();
     while (!player_.done()) {
       std::this_thread::sleep_for(kTick);
-      tell_progress();
+      report_progress();
       if (stream.state() == StreamState::Running) last_alive = Clock::now();
       if (player_.done() || Clock::now() - last_alive <= kMeasurementPatience) continue;
       (void)stream.stop();
@@ -317,13 +308,13 @@ class Session {
     return stream.stop();
   }
 
-  void tell_progress() const {
+  void report_progress() const {
     if (!progress_) return;
     const double share = (std::min(turn_, settings_.openings - 1) + player_.share()) / settings_.openings;
     progress_(share, fmt::format("opening {} of {}", turn_ + 1, settings_.openings));
   }
 
-  Result<Opening> judged(const Stream& stream) {
+  Result<Opening> result_of(const Stream& stream) {
     Opening opening;
     opening.granted = stream.granted();
     opening.health = stream.health();
@@ -353,12 +344,12 @@ class Session {
       known_->delay = Seconds{std::max(0.0, analysis.delay_frames) / analysis.sample_rate.value};
   }
 
-  /// Opening it again may tell something else.
-  static bool is_hopeful(const Opening& opening) {
+  /// Another opening may have another result.
+  static bool worth_repeating(const Opening& opening) {
     return opening.finding.verdict == Verdict::Ok || opening.finding.verdict == Verdict::LostFrames;
   }
 
-  void tell_where_it_comes_from(Measurement& measurement) {
+  void locate_second_path(Measurement& measurement) {
     const auto detected_twice = std::find_if(
         measurement.openings.begin(), measurement.openings.end(),
         [](const Opening& opening) { return opening.finding.verdict == Verdict::DirectMonitoring; });

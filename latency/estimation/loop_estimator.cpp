@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "engine/core/index.h"
 #include "engine/core/median.h"
-#include "latency/estimation/pilot_track.h"
 
 namespace tactus {
 namespace {
@@ -92,6 +92,118 @@ double middle_delay(const std::vector<TrackedSweep>& sweeps) {
 }
 
 std::int64_t reach(const CoarseDelay& coarse) { return coarse.clear() ? kLoopEstimatorSearch : 0; }
+
+// ---- the pilot
+
+constexpr std::int64_t kPart = 2048;
+constexpr std::int64_t kPilotReach = 4096;
+constexpr std::int64_t kPilotLead = 64;  // what a filter may answer before its delay
+constexpr double kProminent = 10.0;
+
+/// What the path would bring, from `kPilotLead` frames before its delay on.
+std::vector<double> expected_pilot(std::span<const double> pilot, const PathModel& model,
+                                   std::span<const double> profile) {
+  Fourier fourier{pilot.size() + profile.size() + 2 * kPilotLead};
+  auto placed = model;
+  placed.delay_frames += static_cast<double>(kPilotLead);
+  const auto path = placed.spectrum(fourier.size(), profile.empty() ? Spectrum{} : fourier.forward(profile));
+  auto spectrum = fourier.forward(pilot);
+  for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= path[b];
+  auto signal = fourier.inverse(spectrum);
+  signal.resize(pilot.size() + 2 * kPilotLead);
+  return signal;
+}
+
+std::vector<double> cut(std::span<const double> all, std::int64_t from, std::int64_t frames) {
+  std::vector<double> part(index(frames), 0.0);
+  const auto end = std::min(from + frames, static_cast<std::int64_t>(all.size()));
+  for (auto n = std::max<std::int64_t>(0, from); n < end; ++n) part[index(n - from)] = all[index(n)];
+  return part;
+}
+
+/// Six standard deviations of a part's delay in that noise; or what a phase that is wrong by a seventh of a
+/// radian (2 % of the power) makes of it, twice.
+double least_step_of(const Spectrum& part, std::size_t size, double variance) {
+  double energy = 0.0, slope_energy = 0.0;
+  for (std::size_t b = 1; b < part.size(); ++b) {
+    const double w = angular_frequency(b, size);
+    const double share = 2.0 / static_cast<double>(size) * std::norm(part[b]);
+    energy += share;
+    slope_energy += w * w * share;
+  }
+  return std::max(6.0 * std::sqrt(variance / slope_energy), 0.3 * std::sqrt(energy / slope_energy));
+}
+
+/// Frames of `captured` from which on, for less than 50 ms, it is not what is expected from `begin` on.
+std::vector<std::int64_t> pilot_damage(const std::vector<double>& whole, std::span<const double> captured,
+                                       std::int64_t begin, double variance) {
+  constexpr std::int64_t kBlock = 64;
+  constexpr std::int64_t kLongest = 40;  // blocks; what lasts longer is a gain that changes
+  const auto blocks = static_cast<std::int64_t>(whole.size()) / kBlock;
+  double usual = 0.0;  // power of a block: at the ends there is less
+  for (const double sample : whole) usual += sample * sample * kBlock / static_cast<double>(whole.size());
+  const auto broken = [&](std::int64_t block) {
+    const auto from = block * kBlock, there = begin + from;
+    if (there < 0 || there + kBlock > static_cast<std::int64_t>(captured.size())) return false;
+    double explained = 0.0, unexplained = 0.0;
+    for (std::int64_t k = 0; k < kBlock; ++k) {
+      const double expects = whole[index(from + k)];
+      const double rest = captured[index(there + k)] - expects;
+      explained += expects * expects;
+      unexplained += rest * rest;
+    }
+    return unexplained > 0.25 * std::max(explained, usual) && unexplained > 36.0 * kBlock * variance;
+  };
+  auto places = short_runs(blocks, kLongest, broken);
+  for (auto& place : places) place = begin + place * kBlock;
+  return places;
+}
+
+/// Each place by the middle one of three. A step stays where it is; a part that was taken for its neighbour,
+/// an oscillation beside it, does not count. The ends have no two neighbours, and are left out.
+std::vector<DelayPoint> without_outliers(const std::vector<DelayPoint>& points) {
+  std::vector<DelayPoint> quiet;
+  for (std::size_t n = 1; n + 1 < points.size(); ++n)
+    quiet.push_back({points[n].played_at, median({points[n - 1].delay_frames, points[n].delay_frames,
+                                                  points[n + 1].delay_frames})});
+  return quiet;
+}
+
+/// What was captured of the pilot.
+struct PilotTrack {
+  std::vector<DelayPoint> points;  ///< of each part that was recorded and found
+  double least_step = 0.0;         ///< frames: less may be noise, or a path that the model does not know well
+  std::vector<std::int64_t>
+      damage;  ///< frames of the recording where for a moment something else is captured
+};
+
+/// In parts: where 2048 frames of it, as the path would bring them, are captured within 4096
+/// frames of the delay `at`, to the frame. `variance`: of a frame of noise.
+PilotTrack track_pilot(std::span<const double> played, std::span<const double> captured, const Burst& pilot,
+                       std::int64_t at, const PathModel& model, std::span<const double> profile,
+                       double variance) {
+  const auto whole = expected_pilot(played.subspan(index(pilot.at), index(pilot.frames)), model, profile);
+  Fourier fourier{index(kPart + 2 * kPilotReach)};
+  PilotTrack track;
+  for (std::int64_t from = 0; from + kPart <= pilot.frames; from += kPart / 2) {
+    const auto begin = pilot.at + at + from - kPilotLead;
+    if (begin < 0 || begin + kPart > static_cast<std::int64_t>(captured.size())) continue;
+    const auto part = fourier.forward(cut(whole, from, kPart));
+    if (track.least_step == 0.0) track.least_step = least_step_of(part, fourier.size(), variance);
+    auto cross = fourier.forward(cut(captured, begin - kPilotReach, kPart + 2 * kPilotReach));
+    for (std::size_t b = 0; b < cross.size(); ++b) cross[b] *= std::conj(part[b]);
+    auto correlation = fourier.inverse(cross);
+    correlation.resize(index(2 * kPilotReach));
+    const auto highest = std::max_element(correlation.begin(), correlation.end());
+    if (!(*highest > kProminent * robust_deviation(correlation))) continue;
+    const auto off = highest - correlation.begin() - kPilotReach;
+    track.points.push_back({pilot.at + from, static_cast<double>(at + off) + model.delay_frames});
+  }
+  track.points = without_outliers(track.points);
+  track.damage = pilot_damage(whole, captured, pilot.at + at - kPilotLead, variance);
+  for (auto& frame : track.damage) frame -= at;
+  return track;
+}
 
 }  // namespace
 

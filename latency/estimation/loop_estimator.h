@@ -11,7 +11,6 @@
 #include "latency/estimation/delay_trend.h"
 #include "latency/estimation/loop_recording.h"
 #include "latency/estimation/sweep_windows.h"
-#include "latency/path/noise_floor.h"
 #include "latency/path/path_model.h"
 #include "latency/probe/bursts.h"
 
