@@ -26,7 +26,7 @@ const SettingDelay* next_good(const std::vector<SettingDelay>& settings, const S
   return next;
 }
 
-/// The one with the largest block of those that are shorter than the best and did not hold.
+/// The one with the largest block of those that are shorter than the best and had gaps.
 const SettingDelay* nearest_bad(const std::vector<SettingDelay>& settings, const SettingDelay& best) {
   const SettingDelay* nearest = nullptr;
   for (const auto& setting : settings) {
@@ -99,7 +99,7 @@ std::string recommendation(const std::vector<SettingDelay>& settings) {
                        last.finding.remedy.empty() ? last.finding.what : last.finding.remedy);
   }
   auto text = fmt::format("Play with {}: {}, and not a frame was lost in {:.0f} s.", setting_text(*best),
-                          ms(best->delay()), best->listened_s);
+                          ms(best->delay()), best->measured_s);
   if (const auto* bad = nearest_bad(settings, *best))
     text += fmt::format(" Shorter than that, {} had {}.", setting_text(*bad), fault_of(*bad));
   if (const auto* next = next_good(settings, *best))

@@ -20,7 +20,7 @@ struct SettingDelay {
   double delay_frames = 0.0;
   double standard_error_frames = 0.0;
   std::int64_t gaps = 0;    ///< reported by the driver, or detected
-  double listened_s = 0.0;  ///< how long it ran
+  double measured_s = 0.0;  ///< how long it ran
 
   /// Its delay is to be trusted, and not a frame was lost.
   bool good() const { return finding.verdict == Verdict::Ok && gaps == 0; }

@@ -11,15 +11,15 @@
 namespace tactus {
 namespace {
 
-constexpr double kFullScale = 0.99996;    // 16-bit converters end there
-constexpr int kClippedRun = 3;            // frames at the end in a row
-constexpr double kOverdriven = -20.0;     // dB of any harmonic
-constexpr double kTellsHarmonics = 10.0;  // dB of SNR
-constexpr double kLeastDrift = 0.5;       // ppm; one clock has none
-constexpr double kGainMoves = 0.5;        // dB
-constexpr double kGainRises = 1.0;        // dB
-constexpr double kCancelled = 3.0;        // dB
-constexpr double kUneven = 0.1;           // misfit
+constexpr double kFullScale = 0.99996;  // 16-bit converters end there
+constexpr int kClippedRun = 3;          // frames at the end in a row
+constexpr double kOverdriven = -20.0;   // dB of any harmonic
+constexpr double kHarmonicsSnr = 10.0;  // dB of SNR
+constexpr double kLeastDrift = 0.5;     // ppm; one clock has none
+constexpr double kGainMoves = 0.5;      // dB
+constexpr double kGainRises = 1.0;      // dB
+constexpr double kCancelled = 3.0;      // dB
+constexpr double kUneven = 0.1;         // misfit
 constexpr double kEchoShare = 0.6, kLeastEcho = -30.0;
 constexpr double kMisfit = 0.005;         // of the power: the phase is then wrong by 4 degrees somewhere
 constexpr double kGainRange = 6.0;        // dB; what is between converters has less
@@ -43,10 +43,10 @@ Finding clipping(const Analysis& analysis, std::span<const double> captured) {
   if (const int run = longest_clipped_run(captured); run >= kClippedRun)
     return {Verdict::Clipping, fmt::format("the input is at full scale for up to {} frames in a row", run),
             kAgainstOverload};
-  for (std::size_t k = 0; k < analysis.harmonics_db.size() && analysis.snr_db > kTellsHarmonics; ++k)
+  for (std::size_t k = 0; k < analysis.harmonics_db.size() && analysis.snr_db > kHarmonicsSnr; ++k)
     if (analysis.harmonics_db[k].value_or(-1e9) > kOverdriven)
       return {Verdict::Clipping,
-              fmt::format("harmonic {} is only {:.0f} dB below the sweep: something on the way is overdriven",
+              fmt::format("harmonic {} is only {:.0f} dB below the probe: something on the way is overdriven",
                           k + 2, -*analysis.harmonics_db[k]),
               kAgainstOverload};
   return {};
@@ -93,14 +93,14 @@ double deviation(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(values.size() - 1));
 }
 
-/// The gains of sweeps that were played at full level, and of those that were softer by a quarter and more.
+/// The gains of probes that were played at full level, and of those that were softer by a quarter and more.
 struct Gains {
   std::vector<double> loud, soft;
 
-  explicit Gains(const std::vector<SweepDelay>& sweeps) {
+  explicit Gains(const std::vector<ProbeDelay>& probes) {
     double highest = 0.0;
-    for (const auto& sweep : sweeps) highest = std::max(highest, sweep.level);
-    for (const auto& sweep : sweeps) (sweep.level > 0.75 * highest ? loud : soft).push_back(sweep.gain_db);
+    for (const auto& probe : probes) highest = std::max(highest, probe.level);
+    for (const auto& probe : probes) (probe.level > 0.75 * highest ? loud : soft).push_back(probe.gain_db);
   }
   /// How much more the soft ones are amplified, when that is certain.
   double by_level() const {
@@ -110,7 +110,7 @@ struct Gains {
                                     deviation(soft) / std::sqrt(static_cast<double>(soft.size())));
     return std::abs(difference) > kFindingsCertain * error ? difference : 0.0;
   }
-  /// By how much it rises from the first loud sweep to the last, along a straight line, when that is certain.
+  /// By how much it rises from the first loud probe to the last, along a straight line, when that is certain.
   double rise() const {
     const auto count = static_cast<double>(loud.size());
     if (count < 4) return 0.0;
@@ -130,7 +130,7 @@ struct Gains {
 };
 
 Finding moving_gain(const Analysis& analysis, const Evidence& evidence) {
-  const Gains gains{analysis.sweeps};
+  const Gains gains{analysis.probes};
   const double by_level = gains.by_level();
   const double before = evidence.level_probe_gain_db ? *evidence.level_probe_gain_db - mean(gains.loud) : 0.0;
   const double fall = std::max(gains.fall(), before);
@@ -155,7 +155,7 @@ Finding moving_gain(const Analysis& analysis, const Evidence& evidence) {
 
 Finding overdriven(const Evidence& evidence) {
   if (!evidence.overdriven) return {};
-  return {Verdict::Clipping, "loud and soft sweeps differ in shape: something on the way is overdriven",
+  return {Verdict::Clipping, "loud and soft probes differ in shape: something on the way is overdriven",
           kAgainstOverload};
 }
 
@@ -182,13 +182,11 @@ Finding near_path(const Evidence& evidence) {
 Finding low_snr(const Analysis& analysis, const Evidence& evidence) {
   if (evidence.coarse.clear() && analysis.standard_error_frames < evidence.widest_error_frames) return {};
   if (!evidence.coarse.clear())
-    return {
-        Verdict::LowSnr,
-        fmt::format(
-            "the noise is too strong: with {:.1f} dB of signal above it single sweeps cannot be separated "
-            "apart, so neither lost frames nor drift",
-            analysis.snr_db),
-        kAgainstNoise};
+    return {Verdict::LowSnr,
+            fmt::format("the noise is too strong: with {:.1f} dB of signal above it single probes cannot be "
+                        "separated, nor lost frames or drift found",
+                        analysis.snr_db),
+            kAgainstNoise};
   return {
       Verdict::LowSnr,
       fmt::format("the noise is too strong: {:.1f} dB of signal above it leave the delay uncertain by {:.2f} "
@@ -218,8 +216,8 @@ Finding not_flat(const Analysis& analysis, const Evidence& evidence) {
 
 }  // namespace
 
-Finding not_whole() {
-  return {Verdict::NoSignal, "less than three sweeps were recorded from beginning to end",
+Finding too_few_probes() {
+  return {Verdict::NoSignal, "fewer than three probes were recorded completely",
           "record from before the probe begins until after it has ended"};
 }
 
@@ -238,7 +236,7 @@ Finding not_detected(const std::vector<CoarseDelay>& channels, int channel) {
             fmt::format("choose input {} (--in, of a file --channel), or move the cable to input {}",
                         loudest + 1, channel + 1)};
   return {Verdict::NoSignal, fmt::format("the probe is not detected on input {}", channel + 1),
-          "join the output to the input by a cable, and look whether one of them is muted or turned down"};
+          "join the output to the input by a cable, and check that neither is muted or turned down"};
 }
 
 Finding first_of(const std::vector<Finding>& findings) {
@@ -249,7 +247,7 @@ Finding first_of(const std::vector<Finding>& findings) {
   return first;
 }
 
-Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured) {
+Finding verdict_of(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured) {
   // A second path far away overlaps the probes, so that nothing else can be separated from them.
   const auto shape = not_flat(analysis, evidence);
   for (const auto& found :

@@ -81,7 +81,7 @@ void add_lost(Findings& findings, const Health& before, const Health& after) {
   if (gaps == 0 && lost == 0) return;
   findings.push_back(
       {Verdict::LostFrames,
-       fmt::format("the driver counted {} gap{} and {} lost frames while the sweeps were played", gaps,
+       fmt::format("the driver counted {} gap{} and {} lost frames while the probes were played", gaps,
                    gaps == 1 ? "" : "s", lost),
        kAgainstGaps});
 }
@@ -205,19 +205,19 @@ std::string second_arrival(const Opening& before, const Opening& again) {
       stays ? "direct monitoring in the card" : "a connection in software, from its input to its output");
 }
 
-/// As loud as the sweep may be before the guard changes its shape.
+/// As loud as the probe may be before the guard changes its shape.
 double loudest(const MeasureSettings& settings, Hertz rate) {
   const auto& limits = settings.guard.limits;
   double level = std::min(amplitude_from_db(settings.loudest_dbfs), limits.ceiling);
   if (settings.guard.kind == DriveGuard::Kind::Drive)
     level =
-        std::min(level, limits.slew_per_second / (2 * std::numbers::pi * measuring_sweep(rate).stop.value));
+        std::min(level, limits.slew_per_second / (2 * std::numbers::pi * measuring_probe(rate).stop.value));
   return level;
 }
 
 Status check(const MeasureSettings& settings) {
-  if (settings.openings < 1 || settings.sweeps < 1 || settings.input < 0 || settings.output < 0)
-    return fail(Errc::BadArgument, "", "a measurement needs an opening, a sweep, an input and an output", "");
+  if (settings.openings < 1 || settings.probes < 1 || settings.input < 0 || settings.output < 0)
+    return fail(Errc::BadArgument, "", "a measurement needs an opening, a probe, an input and an output", "");
   if (!(settings.softest_dbfs > -150.0 && settings.softest_dbfs <= settings.loudest_dbfs &&
         settings.loudest_dbfs <= 0.0))
     return fail(Errc::OutOfRange, "",
@@ -278,7 +278,7 @@ class Session {
   Result<Opening> open(const StreamRequest& request) {
     ProbePlayer::Script script;
     script.input = input_;
-    script.sweeps = settings_.sweeps;
+    script.probes = settings_.probes;
     script.level.loudest = loudest(settings_, *request.sample_rate);
     script.level.softest = std::min(amplitude_from_db(settings_.softest_dbfs), script.level.loudest);
     script.level.quiet = settings_.guard.limits.soft_start + LevelSearch::kWindow;

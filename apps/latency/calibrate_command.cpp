@@ -82,7 +82,7 @@ void print(const Calibration& calibration, Hertz rate) {
   if (calibration.resonance)
     fmt::print("resonance       {:.1f} Hz, Q {:.2f}\n", calibration.resonance->frequency_hz,
                calibration.resonance->q);
-  fmt::print("noise           {:.1f} dB below the sweeps\nunexplained     {:.2g} of what is captured\n",
+  fmt::print("noise           {:.1f} dB below the probes\nunexplained     {:.2g} of what is captured\n",
              calibration.analysis.snr_db, calibration.unexplained);
   fmt::print("group delay    ");
   for (const auto& octave : calibration.group_delay) fmt::print(" {:>9.0f} Hz", octave.centre_hz);

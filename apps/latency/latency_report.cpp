@@ -13,13 +13,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const std::vector<SweepDelay>& sweeps, Hertz rate) {
+Json json_of(const std::vector<ProbeDelay>& probes, Hertz rate) {
   Json all = Json::array();
-  for (const auto& sweep : sweeps)
-    all.push_back({{"played_at_s", static_cast<double>(sweep.played_at) / rate.value},
-                   {"delay_frames", sweep.delay_frames},
-                   {"gain_db", sweep.gain_db},
-                   {"level", sweep.level}});
+  for (const auto& probe : probes)
+    all.push_back({{"played_at_s", static_cast<double>(probe.played_at) / rate.value},
+                   {"delay_frames", probe.delay_frames},
+                   {"gain_db", probe.gain_db},
+                   {"level", probe.level}});
   return all;
 }
 
@@ -60,7 +60,7 @@ void add_evidence(const Analysis& analysis, Json& json) {
   json["misfit"] = known(detected, analysis.misfit);
   json["harmonics_db"] = harmonics_json(analysis);
   json["group_delay"] = json_of(analysis.group_delay);
-  json["sweeps"] = json_of(analysis.sweeps, analysis.sample_rate);
+  json["sweeps"] = json_of(analysis.probes, analysis.sample_rate);
   json["steps"] = json_of(analysis.steps, analysis.sample_rate);
 }
 
@@ -165,11 +165,11 @@ void add_openings(const LatencyReport& report, Lines& lines) {
     lines.wrap("openings", words + (numbers ? " [frames]" : ""));
   }
   if (measurement.openings.size() > 1 && report.ok())
-    lines.add("spread", "{:.2g} frames over openings, {:.2g} over {} sweeps", measurement.spread_frames,
-              shown.analysis.spread_frames, shown.analysis.sweeps.size());
-  else if (shown.analysis.detected && shown.analysis.sweeps.size() > 1)
-    lines.add("spread", "{:.2g} frames over {} sweeps", shown.analysis.spread_frames,
-              shown.analysis.sweeps.size());
+    lines.add("spread", "{:.2g} frames over openings, {:.2g} over {} probes", measurement.spread_frames,
+              shown.analysis.spread_frames, shown.analysis.probes.size());
+  else if (shown.analysis.detected && shown.analysis.probes.size() > 1)
+    lines.add("spread", "{:.2g} frames over {} probes", shown.analysis.spread_frames,
+              shown.analysis.probes.size());
 }
 
 void add_driver(const LatencyReport& report, Lines& lines) {
@@ -216,7 +216,7 @@ std::string noise_text(const Analysis& analysis) {
   const auto dc = fmt::format("DC {:.2g}", analysis.dc);
   if (!analysis.detected) return level + dc;
   return level +
-         fmt::format("{:.1f} dB {} the sweeps, ", std::abs(analysis.snr_db),
+         fmt::format("{:.1f} dB {} the probes, ", std::abs(analysis.snr_db),
                      analysis.snr_db < 0 ? "above" : "below") +
          dc;
 }
@@ -233,7 +233,7 @@ void add_path(const Analysis& analysis, Lines& lines) {
       harmonics += fmt::format("{}H{} {:.0f} dB", harmonics.empty() ? "" : ", ", k + 2, *level);
   if (!harmonics.empty()) lines.add("distortion", "{}", harmonics);
   if (analysis.detected && !analysis.compared)
-    lines.add("clock", "not known, nor whether frames were lost: less than three sweeps can be compared");
+    lines.add("clock", "not known, nor whether frames were lost: fewer than three probes can be compared");
   if (analysis.detected && analysis.compared)
     lines.add("clock", "drift {} ppm",
               with_error(analysis.drift_ppm, std::max(0.001, analysis.drift_standard_error_ppm)));
@@ -330,7 +330,7 @@ Json json_of(const LatencyReport& report) {
   json["openings"] = Json::array();
   for (const auto& opening : measurement.openings)
     json["openings"].push_back(opening_json(opening, report.live));
-  json["kept"] = report.kept;
+  json["kept"] = report.saved;
   json["written"] = report.written;
   return json;
 }
@@ -348,8 +348,8 @@ std::string text_of(const LatencyReport& report) {
     add_path(analysis, lines);
     if (analysis.detected) add_group_delay(analysis, lines);
   }
-  const char* heading = "kept";
-  for (const auto& line : report.kept) lines.add(std::exchange(heading, ""), "{}", line);
+  const char* heading = "saved";
+  for (const auto& line : report.saved) lines.add(std::exchange(heading, ""), "{}", line);
   heading = "written";
   for (const auto& file : report.written) lines.add(std::exchange(heading, ""), "{}", file);
   return lines.take();

@@ -20,7 +20,7 @@ struct LatencyReport {
   std::string source;  ///< a device and its setting, or a file
   Measurement measurement;
   bool live = false;                 ///< measured now, on a device
-  std::vector<std::string> kept;     ///< where the delay was saved
+  std::vector<std::string> saved;    ///< where the delay was saved
   std::vector<std::string> written;  ///< files
 
   bool ok() const { return measurement.finding.verdict == Verdict::Ok; }
@@ -56,7 +56,7 @@ nlohmann::ordered_json essentials_json(const Essentials& essentials, const Analy
 nlohmann::ordered_json json_of(const LatencyReport& report);
 /// Lines for people.
 std::string text_of(const LatencyReport& report);
-/// A page: impulse response, spectrum, group delay, the delay of every sweep.
+/// A page: impulse response, spectrum, group delay, the delay of every probe.
 std::vector<Plot> picture_of(const LatencyReport& report);
 /// A page: impulse response, spectrum, group delay of an actuator and a sensor.
 std::vector<Plot> picture_of(const Calibration& calibration);

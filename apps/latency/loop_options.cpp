@@ -144,7 +144,7 @@ void add_repetition_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--openings", options.openings, "how often the stream is opened")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command.add_option("--sweeps", options.sweeps, "probes each time")
+  command.add_option("--sweeps", options.probes, "probes each time")
       ->check(CLI::Range(2, 100))
       ->capture_default_str();
 }
@@ -152,7 +152,7 @@ void add_repetition_options(CLI::App& command, LoopOptions& options) {
 tl::expected<Loop, Refusal> make_loop(const LoopOptions& options) {
   Loop loop;
   loop.settings.openings = options.openings;
-  loop.settings.sweeps = options.sweeps;
+  loop.settings.probes = options.probes;
   if (!options.rig.empty()) {
     if (auto status = check_against_rig(options); !status) return refuse(status.error());
     auto rig = load_rig(options.rig, profiles_near(options.rig));

@@ -18,7 +18,7 @@ struct LoopOptions {
   std::optional<int> input, output;  ///< channels of the device, from 1
   std::string rate, level;
   std::optional<int> block, periods;
-  int openings = 5, sweeps = 8;
+  int openings = 5, probes = 8;
   std::string profile;  ///< of what is in the loop, a file; empty: a cable
 };
 

@@ -54,17 +54,17 @@ Status save_in_rig(const Measurement& measurement, Rig rig, const std::filesyste
 int save(LatencyReport& report, const Loop& loop, const MeasureOptions& options) {
   if (!report.ok() || options.no_keep) return kDone;
   int exit = kDone;
-  const auto saved = [&](const Status& status, const std::string& where) {
-    if (status) return report.kept.push_back(where);
+  const auto note = [&](const Status& status, const std::string& where) {
+    if (status) return report.saved.push_back(where);
     app::report(status.error());
     exit = kBadFile;
   };
-  saved(save_on_machine(report.measurement),
-        MeasuredDelays::default_file().string() + ", where tactus play looks for it");
+  note(save_on_machine(report.measurement),
+       MeasuredDelays::default_file().string() + ", where tactus play looks for it");
   const auto& file = options.loop.rig;
   if (loop.rig)
-    saved(save_in_rig(report.measurement, *loop.rig, file),
-          fmt::format("{0}, as [delay] measured; the file before it is {0}~", file));
+    note(save_in_rig(report.measurement, *loop.rig, file),
+         fmt::format("{0}, as [delay] measured; the file before it is {0}~", file));
   return exit;
 }
 

@@ -61,7 +61,7 @@ void take(const Measurement& measurement, SweepRow& row) {
     row.lost_frames += opening.health.lost_frames;
     for (const auto& step : opening.analysis.steps) row.detected_lost_frames += std::abs(step.frames);
     setting.gaps += opening.health.xruns + static_cast<std::int64_t>(opening.analysis.steps.size());
-    setting.listened_s +=
+    setting.measured_s +=
         static_cast<double>(opening.health.frames) / opening.granted.format.sample_rate.value;
   }
 }
@@ -158,7 +158,7 @@ void add_latency_sweep(CLI::App& latency, int& exit_code) {
   auto options = std::make_shared<SweepOptions>();
   auto& loop = options->loop;
   loop.openings = 2;
-  loop.sweeps = 4;
+  loop.probes = 4;
   add_loop_options(*command, loop);
   command->add_option("--blocks", options->blocks, "block sizes [frames]")
       ->delimiter(',')

@@ -20,7 +20,7 @@ bool same_group(const SettingDelay& a, const SettingDelay& b) {
   return a.sample_rate == b.sample_rate && a.periods == b.periods;
 }
 
-/// What is to be said behind a row.
+/// The note behind a row.
 std::string note_of(const SweepRow& row) {
   if (row.refused) return "refused: " + row.refused->what;
   std::string note;
@@ -58,8 +58,7 @@ std::string changed_settings_text(const std::vector<SweepRow>& rows) {
   if (asked.empty()) return "";
   return fmt::format(
       "Asked for, too, and turned into one of these by the device or its server: {}. Where it decides, set "
-      "it "
-      "there.\n",
+      "it there.\n",
       asked);
 }
 
@@ -175,7 +174,7 @@ std::vector<SettingDelay> SweepReport::settings() const {
   return all;
 }
 
-const SweepRow* SweepReport::told() const {
+const SweepRow* SweepReport::recommended() const {
   std::vector<const SweepRow*> measured;
   for (const auto& row : rows)
     if (!row.refused && !row.again) measured.push_back(&row);
@@ -196,7 +195,7 @@ std::vector<LawOfGroup> SweepReport::laws() const {
 Json json_of(const SweepReport& report) {
   const auto settings = report.settings();
   Json json{{"source", report.source}};
-  if (const auto* row = report.told()) json.update(essentials_of(*row));
+  if (const auto* row = report.recommended()) json.update(essentials_of(*row));
   json["settings"] = json["laws"] = Json::array();
   for (const auto& row : report.rows) json["settings"].push_back(json_of(row));
   for (const auto& law : report.laws()) json["laws"].push_back(json_of(law));

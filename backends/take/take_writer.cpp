@@ -40,10 +40,10 @@ TakeWriter::TakeWriter(GrowingWav wav, std::filesystem::path journal, const Take
 bool TakeWriter::work() {
   const auto written = ring_->written();
   drain_events();
-  if (trouble_.empty())
+  if (error_.empty())
     if (const auto status = write_samples(written); !status) fail_with(status.error().what);
-  if (trouble_.empty() && wav_.frames() - settled_ >= settle_every_) settle();
-  return trouble_.empty();
+  if (error_.empty() && wav_.frames() - settled_ >= settle_every_) settle();
+  return error_.empty();
 }
 
 void TakeWriter::drain_events() {
@@ -52,7 +52,7 @@ void TakeWriter::drain_events() {
       write_gap({event.entry.frame, event.frames});
     else if (event.entry.kind == JournalEntry::Kind::Replacement)
       replaced_.push_back(event.entry.frame);
-    else if (trouble_.empty())
+    else if (error_.empty())
       journal_ << entry_line(event.entry);
   }
   match_edits();
@@ -61,7 +61,7 @@ void TakeWriter::drain_events() {
 void TakeWriter::match_edits() {
   while (!replaced_.empty() && !edits_.empty()) {
     edits_.front().frame = replaced_.front();
-    if (trouble_.empty()) journal_ << edit_line(edits_.front());
+    if (error_.empty()) journal_ << edit_line(edits_.front());
     edits_.pop_front();
     replaced_.pop_front();
   }
@@ -69,7 +69,7 @@ void TakeWriter::match_edits() {
 
 void TakeWriter::write_gap(const TakeGap& gap) {
   gaps_.push_back(gap);
-  if (trouble_.empty()) journal_ << gap_line(gap);
+  if (error_.empty()) journal_ << gap_line(gap);
 }
 
 /// Missing frames are zeros, so that frame n of the file is frame n of the stream.
@@ -104,7 +104,7 @@ void TakeWriter::settle() {
 }
 
 void TakeWriter::fail_with(const std::string& what) {
-  trouble_ = what;
+  error_ = what;
   wav_.save_what_is_there();
 }
 
@@ -114,8 +114,8 @@ void TakeWriter::finish() {
     write_gap(gap);
     (void)work();
   }
-  if (trouble_.empty()) settle();
-  progress_.ended = !trouble_.empty() ? trouble_ : ring_->restarted() ? "the stream began again" : "";
+  if (error_.empty()) settle();
+  progress_.ended = !error_.empty() ? error_ : ring_->restarted() ? "the stream began again" : "";
   progress_.finished = true;
   if (journal_) journal_ << progress_line(progress_) << std::flush;
 }

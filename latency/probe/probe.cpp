@@ -15,7 +15,7 @@ using std::numbers::pi;
 
 constexpr double kHighest = 0.42;    // of the sample rate: below where converters' filters begin
 constexpr Seconds kRise{0.008};      // of the first edge; the last one lasts an eighth of it
-constexpr Seconds kProbeQuiet{0.5};  // before the first sweep of a stimulus
+constexpr Seconds kProbeQuiet{0.5};  // before the first probe of a stimulus
 constexpr Seconds kProbePilot{0.5}, kPilotEdge{0.002};
 // No two stretches of pauses are equally long, so a train fits itself only where it is.
 constexpr std::array kPauses{0.100, 0.116, 0.104, 0.124, 0.108, 0.132, 0.112, 0.140};
@@ -60,7 +60,7 @@ std::vector<double> ExponentialSweep::samples(Hertz sample_rate) const {
   return samples;
 }
 
-ExponentialSweep measuring_sweep(Hertz sample_rate) { return {20_Hz, sample_rate * kHighest, Seconds{0.35}}; }
+ExponentialSweep measuring_probe(Hertz sample_rate) { return {20_Hz, sample_rate * kHighest, Seconds{0.35}}; }
 
 ExponentialSweep level_probe(Hertz sample_rate) { return {100_Hz, sample_rate * kHighest, Seconds{0.04}}; }
 
@@ -78,7 +78,7 @@ double ProbeTrain::gain(int probe) { return probe % 4 == 1 ? kSoftGain : 1.0; }
 
 std::vector<double> ProbeTrain::samples(Hertz sample_rate, int count, double level) {
   std::vector<double> train;
-  const auto probe = measuring_sweep(sample_rate).samples(sample_rate);
+  const auto probe = measuring_probe(sample_rate).samples(sample_rate);
   for (int k = 0; k < count; ++k) {
     append(train, probe, level * gain(k));
     train.resize(train.size() + whole_frames(Seconds{kPauses[index(k) % kPauses.size()]}, sample_rate), 0.0);

@@ -25,8 +25,8 @@ struct ExponentialSweep {
   std::vector<double> samples(Hertz sample_rate) const;
 };
 
-/// The sweep that everything is measured with: 20 Hz to 0.42 of the sample rate.
-ExponentialSweep measuring_sweep(Hertz sample_rate);
+/// The probe that everything is measured with: 20 Hz to 0.42 of the sample rate.
+ExponentialSweep measuring_probe(Hertz sample_rate);
 /// A shorter one, for finding the level.
 ExponentialSweep level_probe(Hertz sample_rate);
 /// Noise between -1 and 1 for half a second, the same on every machine: whatever part of it is captured
@@ -43,7 +43,7 @@ struct ProbeTrain {
   static std::vector<double> samples(Hertz sample_rate, int count, double level);
 };
 
-/// [control] All of it in one piece, `level` (0, 1] at its loudest: quiet, the sweeps, the pilot.
+/// [control] The whole signal, `level` (0, 1] at its loudest: silence, the probes, the pilot.
 std::vector<double> stimulus(Hertz sample_rate, double level);
 
 }  // namespace tactus

@@ -40,7 +40,7 @@ Measurement measured_once(Backend& backend, const StreamRequest& request) {
   settings.request = request;
   settings.guard = {DriveGuard::Kind::Audio, {}};
   settings.openings = 1;
-  settings.sweeps = 3;
+  settings.probes = 3;
   auto measurement = measure(backend, settings);
   REQUIRE(measurement);
   return std::move(*measurement);

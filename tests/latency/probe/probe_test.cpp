@@ -11,7 +11,7 @@ using namespace tactus;
 TEST_CASE("probe: a sweep runs from its first to its last frequency, in equal times for equal ratios",
           "[latency]") {
   const auto rate = GENERATE(44.1_kHz, 48_kHz, 96_kHz, 192_kHz);
-  const auto sweep = measuring_sweep(rate);
+  const auto sweep = measuring_probe(rate);
   const auto samples = sweep.samples(rate);
   CHECK(static_cast<double>(samples.size()) == Approx(0.35 * rate.value).epsilon(0).margin(1));
   // Zero crossings from t1 to t2 are 2 start growth (exp(t2 / growth) - exp(t1 / growth)).
