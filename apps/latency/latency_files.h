@@ -1,10 +1,11 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
 #include "engine/core/error.h"
-#include "latency/estimation/loop_recording.h"
+#include "latency/calibration.h"
 
 namespace tactus::app {
 
@@ -29,5 +30,13 @@ Result<Capture> read_capture(const CaptureFiles& files);
 /// [control] As float32: channel 1 is what was played, then all that was captured. `read_capture` without a
 /// probe reads it back. Errors: BadFile.
 Status write_recording(const std::string& path, const LoopRecording& recording);
+
+/// [control] The profile as a graph that scenes can use (engine/scene/file/path_file.h), with what was
+/// measured, on which device. Errors: BadFile.
+Status write_profile(const std::filesystem::path& file, const Calibration& calibration,
+                     const std::string& device);
+/// [control] The profile of such a file at `sample_rate`, whatever it was measured at. Errors: the first of
+/// the file.
+Result<PathProfile> read_profile(const std::filesystem::path& file, Hertz sample_rate);
 
 }  // namespace tactus::app

@@ -1,4 +1,4 @@
-#include "backends/call_with_timeout.h"
+#include "backends/library_calls.h"
 
 #include <catch2/catch.hpp>
 #include <future>

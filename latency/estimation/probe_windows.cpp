@@ -1,4 +1,4 @@
-#include "latency/estimation/sweep_windows.h"
+#include "latency/estimation/probe_windows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,16 +8,16 @@
 
 #include "engine/core/index.h"
 #include "engine/core/median.h"
-#include "latency/probe/short_runs.h"
+#include "latency/estimation/loop_recording.h"
 
 namespace tactus {
 namespace {
 
-constexpr std::int64_t kSweepWindowsLead =
+constexpr std::int64_t kProbeWindowsLead =
     64;                              // frames before the burst: a filter may answer before its delay
 constexpr Seconds kMostPause{0.12};  // after it; a longer one would add only noise
 constexpr Seconds kLongestDamage{0.02};
-constexpr std::int64_t kSweepWindowsReach = 8192;  // frames that may be lost at once and still be found
+constexpr std::int64_t kProbeWindowsReach = 8192;  // frames that may be lost at once and still be found
 constexpr double kLowestOfProfile = 30.0;  // where an actuator's resonance may be all that is captured
 constexpr double kLowestHz = 150.0;        // above the corners of coupling capacitors and above hum
 
@@ -25,7 +25,7 @@ constexpr double kLowestHz = 150.0;        // above the corners of coupling capa
 /// comes early.
 std::int64_t quarter_pause(const PlayedBursts& bursts, Hertz sample_rate) {
   const auto pause = std::min<std::int64_t>(bursts.pause, std::llround(frames_in(kMostPause, sample_rate)));
-  return std::max<std::int64_t>(0, pause - 2 * kSweepWindowsLead) / 4;
+  return std::max<std::int64_t>(0, pause - 2 * kProbeWindowsLead) / 4;
 }
 
 std::vector<double> block_power(const std::vector<double>& samples, std::size_t block) {
@@ -45,21 +45,68 @@ double log_gain(const CapturedWindow& window, double sign) {
   return std::log(std::max(common / power, 1e-9));
 }
 
+constexpr std::size_t kNoiseWindow = 1024;
+
+std::vector<double> welch(std::span<const double> quiet, double mean) {
+  Fourier fourier{kNoiseWindow};
+  std::vector<double> power(fourier.bins(), 0.0), part(kNoiseWindow);
+  double window_power = 0.0;
+  int parts = 0;
+  for (std::size_t at = 0; at + kNoiseWindow <= quiet.size(); at += kNoiseWindow / 2, ++parts) {
+    window_power = 0.0;
+    for (std::size_t n = 0; n < kNoiseWindow; ++n) {
+      const double hann =
+          0.5 - 0.5 * std::cos(2 * std::numbers::pi * (static_cast<double>(n) + 0.5) / kNoiseWindow);
+      part[n] = hann * (quiet[at + n] - mean);
+      window_power += hann * hann;
+    }
+    const auto spectrum = fourier.forward(part);
+    for (std::size_t b = 0; b < power.size(); ++b) power[b] += std::norm(spectrum[b]);
+  }
+  for (auto& each : power) each /= window_power * parts;
+  return power;
+}
+
 }  // namespace
 
-double total_power(std::span<const TrackedSweep> sweeps) {
+NoiseFloor NoiseFloor::of(std::span<const double> quiet) {
+  NoiseFloor floor;
+  floor.per_frame = {0.0, 0.0};
+  if (quiet.empty()) return floor;
+  const auto frames = static_cast<double>(quiet.size());
+  floor.mean = std::accumulate(quiet.begin(), quiet.end(), 0.0) / frames;
+  for (const double sample : quiet) floor.variance += (sample - floor.mean) * (sample - floor.mean) / frames;
+  if (quiet.size() < 2 * kNoiseWindow)
+    floor.per_frame = {floor.variance, floor.variance};
+  else
+    floor.per_frame = welch(quiet, floor.mean);
+  return floor;
+}
+
+std::vector<double> NoiseFloor::in_bins(std::size_t size, double frames) const {
+  std::vector<double> bins(size / 2 + 1);
+  const double scale = static_cast<double>(per_frame.size() - 1) / static_cast<double>(bins.size() - 1);
+  for (std::size_t b = 0; b < bins.size(); ++b) {
+    const double at = static_cast<double>(b) * scale;
+    const auto low = std::min(static_cast<std::size_t>(at), per_frame.size() - 2);
+    bins[b] = frames * std::lerp(per_frame[low], per_frame[low + 1], at - static_cast<double>(low));
+  }
+  return bins;
+}
+
+double total_power(std::span<const TrackedProbe> probes) {
   double sum = 0.0;
-  for (const auto& sweep : sweeps) sum += sweep.burst.gain * sweep.burst.gain;
+  for (const auto& probe : probes) sum += probe.burst.gain * probe.burst.gain;
   return sum;
 }
 
-SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile)
+ProbeWindows::ProbeWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile)
     : sample_rate_(sample_rate),
-      lead_(kSweepWindowsLead + quarter_pause(bursts, sample_rate)),
+      lead_(kProbeWindowsLead + quarter_pause(bursts, sample_rate)),
       frames_(lead_ + static_cast<std::int64_t>(bursts.waveform.size()) +
               2 * quarter_pause(bursts, sample_rate)),
       fade_(index(frames_), 1.0),
-      fourier_(index(frames_ + kSweepWindowsReach)),
+      fourier_(index(frames_ + kProbeWindowsReach)),
       lowest_bin_(
           static_cast<std::size_t>(std::ceil((profile.empty() ? kLowestHz : kLowestOfProfile) /
                                              sample_rate.value * static_cast<double>(fourier_.size())))) {
@@ -77,12 +124,12 @@ SweepWindows::SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::s
   if (!profile.empty()) profile_ = fourier_.forward(profile);
 }
 
-void SweepWindows::set_noise(const NoiseFloor& floor) {
+void ProbeWindows::set_noise(const NoiseFloor& floor) {
   mean_ = floor.mean;
   noise_ = floor.in_bins(fourier_.size(), fade_power_);
 }
 
-Spectrum SweepWindows::cut(std::span<const double> captured, std::int64_t from) {
+Spectrum ProbeWindows::cut(std::span<const double> captured, std::int64_t from) {
   std::vector<double> samples(index(frames_), 0.0);
   const auto begin = from - lead_;
   const auto end = std::min(frames_, static_cast<std::int64_t>(captured.size()) - begin);
@@ -93,14 +140,14 @@ Spectrum SweepWindows::cut(std::span<const double> captured, std::int64_t from) 
   return fourier_.forward(samples);
 }
 
-CapturedWindow SweepWindows::window_of(Spectrum captured, double gain) const {
+CapturedWindow ProbeWindows::window_of(Spectrum captured, double gain) const {
   CapturedWindow window{fourier_.size(), played_, std::move(captured), noise_, profile_, lowest_bin_};
   for (auto& bin : window.captured) bin /= gain;
   for (auto& bin : window.noise) bin /= gain * gain;
   return window;
 }
 
-std::int64_t SweepWindows::nearest(const CapturedWindow& window, const Spectrum& expected,
+std::int64_t ProbeWindows::nearest(const CapturedWindow& window, const Spectrum& expected,
                                    std::int64_t search) {
   Spectrum cross(window.captured.size());
   for (auto b = window.lowest_bin; b + 1 < cross.size(); ++b)
@@ -117,13 +164,13 @@ std::int64_t SweepWindows::nearest(const CapturedWindow& window, const Spectrum&
   return best;
 }
 
-std::vector<TrackedSweep> SweepWindows::track(std::span<const Burst> bursts, std::span<const double> captured,
+std::vector<TrackedProbe> ProbeWindows::track(std::span<const Burst> bursts, std::span<const double> captured,
                                               std::int64_t near, std::int64_t search,
                                               const Spectrum& expected) {
-  std::vector<TrackedSweep> tracked;
+  std::vector<TrackedProbe> tracked;
   for (const auto& burst : bursts) {
     auto window = window_of(cut(captured, burst.at + near), burst.gain);
-    const auto later = nearest(window, expected, std::min(search, kSweepWindowsReach));
+    const auto later = nearest(window, expected, std::min(search, kProbeWindowsReach));
     if (later != 0) window = window_of(cut(captured, burst.at + near + later), burst.gain);
     window.played = expected;
     window.profile.clear();
@@ -137,13 +184,13 @@ std::vector<TrackedSweep> SweepWindows::track(std::span<const Burst> bursts, std
   return tracked;
 }
 
-Spectrum SweepWindows::expected(const PathModel& model) const {
+Spectrum ProbeWindows::expected(const PathModel& model) const {
   auto all = model.spectrum(fourier_.size(), profile_);
   for (std::size_t b = 0; b < all.size(); ++b) all[b] *= played_[b];
   return all;
 }
 
-Spectrum SweepWindows::cleaned(const CapturedWindow& window) {
+Spectrum ProbeWindows::cleaned(const CapturedWindow& window) {
   auto all = window.captured;
   const auto power = smoothed_power(all);
   for (std::size_t b = 0; b < all.size(); ++b)
@@ -151,7 +198,7 @@ Spectrum SweepWindows::cleaned(const CapturedWindow& window) {
   return all;
 }
 
-PathModel SweepWindows::start_of(const CapturedWindow& window, double sign, std::int64_t search) {
+PathModel ProbeWindows::start_of(const CapturedWindow& window, double sign, std::int64_t search) {
   PathModel start;
   start.sign = sign;
   start.delay_frames = static_cast<double>(nearest(window, expected(start), search));
@@ -162,26 +209,26 @@ PathModel SweepWindows::start_of(const CapturedWindow& window, double sign, std:
   return start;
 }
 
-CapturedWindow SweepWindows::mean(std::span<const double> captured, std::int64_t frames,
-                                  std::span<const TrackedSweep> which) {
+CapturedWindow ProbeWindows::mean(std::span<const double> captured, std::int64_t frames,
+                                  std::span<const TrackedProbe> which) {
   Spectrum sum(fourier_.bins());
-  for (const auto& sweep : which) {
-    const auto one = cut(captured, sweep.burst.at + frames);
-    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += sweep.burst.gain * one[b];
+  for (const auto& probe : which) {
+    const auto one = cut(captured, probe.burst.at + frames);
+    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += probe.burst.gain * one[b];
   }
   const double weight = total_power(which);
   for (auto& bin : sum) bin /= std::sqrt(weight);
   return window_of(std::move(sum), std::sqrt(weight));
 }
 
-double SweepWindows::scatter(std::span<const double> captured, std::int64_t frames,
-                             std::span<const TrackedSweep> which, const CapturedWindow& mean) {
+double ProbeWindows::scatter(std::span<const double> captured, std::int64_t frames,
+                             std::span<const TrackedProbe> which, const CapturedWindow& mean) {
   const double weight = total_power(which);
   const double share = 1.0 - 2.0 * static_cast<double>(lowest_bin_) / static_cast<double>(fourier_.size());
   std::vector<double> variances;
-  for (const auto& sweep : which) {
-    const double gain = sweep.burst.gain;
-    const auto one = cut(captured, sweep.burst.at + frames);
+  for (const auto& probe : which) {
+    const double gain = probe.burst.gain;
+    const auto one = cut(captured, probe.burst.at + frames);
     double power = 0.0;
     for (auto b = lowest_bin_; b + 1 < one.size(); ++b)
       power += 2.0 * std::norm(one[b] - gain * mean.captured[b]);
@@ -191,12 +238,12 @@ double SweepWindows::scatter(std::span<const double> captured, std::int64_t fram
   return median(std::move(variances));
 }
 
-std::vector<std::int64_t> SweepWindows::damage(std::span<const double> captured, std::int64_t frames,
-                                               const TrackedSweep& sweep, const CapturedWindow& mean,
+std::vector<std::int64_t> ProbeWindows::damage(std::span<const double> captured, std::int64_t frames,
+                                               const TrackedProbe& probe, const CapturedWindow& mean,
                                                double variance) {
   constexpr std::int64_t kBlock = 64;
-  auto rest = cut(captured, sweep.burst.at + frames);
-  const double gain = sweep.burst.gain * std::exp(sweep.log_gain);
+  auto rest = cut(captured, probe.burst.at + frames);
+  const double gain = probe.burst.gain * std::exp(probe.log_gain);
   Spectrum expected(rest.size());
   for (std::size_t b = 0; b < rest.size(); ++b) {
     expected[b] = b < lowest_bin_ ? 0.0 : gain * mean.captured[b];
@@ -212,7 +259,7 @@ std::vector<std::int64_t> SweepWindows::damage(std::span<const double> captured,
     return explained[n] > 1e-4 * loudest && unexplained[n] > 0.25 * explained[n] &&
            unexplained[n] > 36.0 * kBlock * variance;
   });
-  for (auto& place : places) place = sweep.burst.at - lead_ + place * kBlock;
+  for (auto& place : places) place = probe.burst.at - lead_ + place * kBlock;
   return places;
 }
 

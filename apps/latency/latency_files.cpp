@@ -1,12 +1,17 @@
-#include "apps/latency/recording_files.h"
+#include "apps/latency/latency_files.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <fstream>
 
 #include "apps/render/resample.h"
 #include "backends/wav_file.h"
+#include "engine/dsp/delays/taps_at_rate.h"
+#include "engine/scene/file/path_file.h"
 
 namespace tactus::app {
 namespace {
@@ -17,10 +22,10 @@ Status fit(const Samples& samples, const std::string& path) {
     return fail(
         Errc::BadFile, path,
         fmt::format("its header has {:g} Hz, which no sound card supports", samples.sample_rate.value),
-        "say the true rate with --rate");
+        "give the true rate with --rate");
   for (const auto& channel : samples.channels)
     if (!std::all_of(channel.begin(), channel.end(), [](double sample) { return std::isfinite(sample); }))
-      return fail(Errc::BadFile, path, "some of its samples are no numbers", "record it again");
+      return fail(Errc::BadFile, path, "some of its samples are non-finite", "record it again");
   return {};
 }
 
@@ -48,8 +53,7 @@ Samples at_rate(Samples probe, const Samples& captured, Capture& capture) {
   if (probe.sample_rate == captured.sample_rate) return probe;
   capture.note = fmt::format(
       "the probe is at {:g} Hz and the capture at {:g} Hz: the probe was resampled; if only a header is "
-      "wrong, "
-      "give --rate",
+      "wrong, give --rate",
       probe.sample_rate.value, captured.sample_rate.value);
   return resample(probe, captured.sample_rate);
 }
@@ -79,6 +83,18 @@ Result<Capture> cut(const CaptureFiles& files, Samples both) {
   return Capture{{both.sample_rate, std::move(played), std::move(both.channels)}, *channel, ""};
 }
 
+std::string description_of(const Calibration& calibration, const std::string& device) {
+  const auto& profile = calibration.profile;
+  auto text = fmt::format(
+      "Measured {} on {} at {:g} kHz: known from {:.0f} Hz to {:.0f} Hz, arrives after {:.3f} ms, {}",
+      fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr))), device, profile.sample_rate.value / 1e3,
+      profile.low.value, profile.high.value, 1e3 * calibration.arrival_frames / profile.sample_rate.value,
+      calibration.polarity > 0 ? "not inverted" : "inverted");
+  if (const auto& resonance = calibration.resonance)
+    text += fmt::format(", resonance {:.1f} Hz, Q {:.2f}", resonance->frequency_hz, resonance->q);
+  return text + ".";
+}
+
 }  // namespace
 
 Result<Capture> read_capture(const CaptureFiles& files) {
@@ -91,6 +107,27 @@ Status write_recording(const std::string& path, const LoopRecording& recording) 
   Samples samples{recording.sample_rate, {recording.played}};
   samples.channels.insert(samples.channels.end(), recording.captured.begin(), recording.captured.end());
   return write_wav(path, samples);
+}
+
+Status write_profile(const std::filesystem::path& file, const Calibration& calibration,
+                     const std::string& device) {
+  const auto& profile = calibration.profile;
+  std::ofstream text{file};
+  text << to_text(PathFile{file.stem().string(), description_of(calibration, device),
+                           "tactus latency calibrate", profile.sample_rate, profile.taps});
+  text.close();
+  if (text) return {};
+  return fail(Errc::BadFile, file.string(), "cannot be written",
+              "choose a folder that exists and can be written");
+}
+
+Result<PathProfile> read_profile(const std::filesystem::path& file, Hertz sample_rate) {
+  const auto path = load_path(file);
+  if (!path) return tl::unexpected(path.error().front());
+  PathProfile profile;
+  profile.sample_rate = sample_rate;
+  profile.taps = taps_at_rate(path->taps, path->rate, sample_rate);
+  return profile;
 }
 
 }  // namespace tactus::app

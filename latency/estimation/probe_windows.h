@@ -7,14 +7,27 @@
 
 #include "engine/core/units.h"
 #include "latency/estimation/fourier.h"
-#include "latency/path/noise_floor.h"
 #include "latency/path/path_model.h"
 #include "latency/probe/bursts.h"
 
 namespace tactus {
 
+/// What is captured while nothing is played.
+struct NoiseFloor {
+  double mean = 0.0;              ///< DC
+  double variance = 0.0;          ///< without DC
+  std::vector<double> per_frame;  ///< power spectrum of one frame of it, from 0 to half the sample rate; its
+                                  ///< mean is `variance`
+
+  /// [control] By Welch's method, in windows of 1024 frames. A stretch of less than two of them has a flat
+  /// spectrum.
+  static NoiseFloor of(std::span<const double> quiet);
+  /// [any] The power that `frames` frames of it have in each bin of a transform of `size`.
+  std::vector<double> in_bins(std::size_t size, double frames) const;
+};
+
 /// One repeated burst as it was captured, beside what was expected.
-struct TrackedSweep {
+struct TrackedProbe {
   Burst burst;
   double delay_frames = 0.0;
   double deviation_frames = 0.0;  ///< as the noise makes it
@@ -24,13 +37,13 @@ struct TrackedSweep {
 };
 
 /// [any] Of all of them together, where one at full level has 1.
-double total_power(std::span<const TrackedSweep> sweeps);
+double total_power(std::span<const TrackedProbe> probes);
 
 /// Cuts what was captured of the repeated bursts out of a recording, and fits the path to it.
-class SweepWindows {
+class ProbeWindows {
  public:
   /// [control] `profile`: taps of the path, or empty.
-  SweepWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile);
+  ProbeWindows(const PlayedBursts& bursts, Hertz sample_rate, std::span<const double> profile);
 
   /// [control] What is only noise; its spectrum must not be zero anywhere.
   void set_noise(const NoiseFloor& floor);
@@ -38,7 +51,7 @@ class SweepWindows {
   /// [control] Each burst by itself, cut out at the delay `near` and compared with `expected`, what a burst
   /// of gain 1 should look like there: how much later it is (first to the frame within `search`, then
   /// exactly) and how much stronger.
-  std::vector<TrackedSweep> track(std::span<const Burst> bursts, std::span<const double> captured,
+  std::vector<TrackedProbe> track(std::span<const Burst> bursts, std::span<const double> captured,
                                   std::int64_t near, std::int64_t search, const Spectrum& expected);
   /// [control] What a burst looks like behind a path of that model.
   Spectrum expected(const PathModel& model) const;
@@ -48,17 +61,17 @@ class SweepWindows {
   PathModel start_of(const CapturedWindow& window, double sign, std::int64_t search);
   /// [control] The mean of the bursts `which`, all cut out at the delay `frames`, for a burst of gain 1.
   CapturedWindow mean(std::span<const double> captured, std::int64_t frames,
-                      std::span<const TrackedSweep> which);
+                      std::span<const TrackedProbe> which);
   /// [control] The variance of a frame that differs between bursts that were equal, of at least two: in the
   /// middle one of them, so that one with a click does not count.
-  double scatter(std::span<const double> captured, std::int64_t frames, std::span<const TrackedSweep> which,
+  double scatter(std::span<const double> captured, std::int64_t frames, std::span<const TrackedProbe> which,
                  const CapturedWindow& mean);
 
-  /// [control] Where in a sweep less than 20 ms of what is captured at the delay `frames` is something else
+  /// [control] Where in a probe less than 20 ms of what is captured at the delay `frames` is something else
   /// than in the others, and no noise of that `variance`: the driver put silence or old sound in its place.
   /// Frames of the recording that played.
   std::vector<std::int64_t> damage(std::span<const double> captured, std::int64_t frames,
-                                   const TrackedSweep& sweep, const CapturedWindow& mean, double variance);
+                                   const TrackedProbe& probe, const CapturedWindow& mean, double variance);
 
   Fourier& fourier() { return fourier_; }
 
