@@ -5,8 +5,8 @@
 #include <unordered_map>
 
 #include "engine/core/index.h"
-#include "engine/graph/file/mistakes.h"
-#include "engine/graph/semantics/bind.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/graph/semantics/scope.h"
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/solver_names.h"
 
@@ -236,7 +236,7 @@ class LayoutReader {
 
   const NetworkSpec& spec_;
   NetworkLayout layout_;
-  Mistakes errors_;
+  ErrorList errors_;
   std::unordered_map<std::string, int> index_;
 };
 

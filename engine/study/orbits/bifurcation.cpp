@@ -6,8 +6,8 @@
 
 #include "engine/core/index.h"
 #include "engine/core/median.h"
-#include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/scene/file/roles.h"
 #include "engine/scene/play_scene.h"
 #include "engine/study/orbits/bouncing_ball.h"
