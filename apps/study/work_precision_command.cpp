@@ -15,7 +15,6 @@
 #include "engine/graph/file/error_list.h"
 #include "engine/nodes/table.h"
 #include "engine/study/sweep/scene_variants.h"
-#include "engine/study/work_precision/work_precision_plot.h"
 
 namespace tactus::app {
 namespace {

@@ -65,7 +65,7 @@ Row row_of(const ElementField& field) {
           field.fallback   ? short_number(*field.fallback)
           : field.optional ? "optional"
                            : "required",
-          field.doc + (field.signal ? " (signal)" : "")};
+          field.doc + (field.late ? " (signal)" : "")};
 }
 
 Row row_of(const ElementQuantity& quantity) {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "engine/guard/guarded.h"
-#include "engine/nodes/networks/network_node.h"
+#include "engine/nodes/networks/network.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/guard_report.h"
 
