@@ -7,7 +7,7 @@
 #include <cmath>
 #include <complex>
 
-#include "engine/dsp/delays/lagrange.h"
+#include "engine/dsp/delays/taps.h"
 #include "engine/graph/node.h"
 
 namespace tactus {

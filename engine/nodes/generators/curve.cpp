@@ -1,6 +1,7 @@
+#include "engine/dsp/curves/curve.h"
+
 #include <cmath>
 
-#include "engine/dsp/curves/breakpoints.h"
 #include "engine/dsp/envelopes/rise_kernel.h"
 #include "engine/nodes/declare.h"
 

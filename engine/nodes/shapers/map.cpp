@@ -1,4 +1,4 @@
-#include "engine/dsp/curves/breakpoints.h"
+#include "engine/dsp/curves/curve.h"
 #include "engine/nodes/kernel_node.h"
 
 namespace tactus {

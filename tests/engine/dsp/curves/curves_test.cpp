@@ -1,8 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/dsp/curves/breakpoints.h"
-#include "engine/dsp/curves/cubic_curve.h"
+#include "engine/dsp/curves/curve.h"
 
 using namespace tactus;
 

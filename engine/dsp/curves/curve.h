@@ -3,9 +3,37 @@
 #include <utility>
 #include <vector>
 
-#include "engine/dsp/curves/cubic_curve.h"
+#include "engine/dsp/curves/curve_kernel.h"
 
 namespace tactus {
+
+/// A smooth curve through points (x ascending): a cubic in each interval, given by the values and slopes at
+/// its ends, so that value and slope are continuous. Outside the points it is level, at the end values.
+class CubicCurve {
+ public:
+  using Points = std::vector<std::pair<double, double>>;
+
+  /// [control] No overshoot: between two points the curve stays between their values; level at both ends.
+  /// Fritsch & Butland, "A method for constructing local monotone piecewise cubic interpolants", SIAM 1984.
+  static CubicCurve monotone(const Points& points);
+  /// [control] Second derivative continuous as well; level at both ends (clamped spline). It may overshoot.
+  /// de Boor, "A practical guide to splines", 1978, chapter IV.
+  static CubicCurve spline(const Points& points);
+
+  /// [control] All slopes are 0.
+  explicit CubicCurve(const Points& points);
+
+  /// [realtime] Value, slope and second derivative at x.
+  tactus_cubic_point at(double x) const {
+    const auto curve = view();
+    return tactus_cubic_at(&curve, x);
+  }
+  /// [realtime] Valid as long as this object.
+  tactus_curve view() const { return {static_cast<int>(x_.size()), x_.data(), value_.data(), slope_.data()}; }
+
+ private:
+  std::vector<double> x_, value_, slope_;
+};
 
 /// A function given by points (x not descending), held at the end values outside them. `Step` holds each
 /// value up to the next point, `Exponential` moves by equal factors (values of one sign), `Smooth` is the
