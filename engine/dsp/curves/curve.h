@@ -48,9 +48,9 @@ class Breakpoints {
   };
   using Points = std::vector<std::pair<double, double>>;
 
-  /// [control] What keeps `points` from being such a function, in words; nullptr: nothing does.
-  static const char* mistake(const Points& points, Shape shape);
-  /// [control] `points` has no mistake.
+  /// [control] Why `points` are no such function, as part of a message; nullptr: they are one.
+  static const char* error_in(const Points& points, Shape shape);
+  /// [control] `points` without error.
   Breakpoints(const Points& points, Shape shape);
 
   /// [realtime]

@@ -37,7 +37,7 @@ double at(const std::vector<double>& table, double u) {
   return table[i] + (table[i + 1] - table[i]) * (position - static_cast<double>(i));
 }
 
-/// Where an output frame lies among the input's, and how wide the kernel is.
+/// Where an output frame lies among the input's, and the width of the kernel.
 struct Grid {
   double step;   ///< input frames an output frame
   double scale;  ///< below 1 the kernel is wider: the rate falls
@@ -71,8 +71,8 @@ class Weights {
  public:
   Weights(const Grid& grid, Hertz from, Hertz to)
       : grid_(grid), phases_(phases(from, to)), from_(from), to_(to) {
-    const auto kept = std::max<std::int64_t>(1, phases_);
-    weights_.resize(static_cast<std::size_t>(kept) * grid.taps());
+    const auto stored = std::max<std::int64_t>(1, phases_);
+    weights_.resize(static_cast<std::size_t>(stored) * grid.taps());
     for (std::int64_t p = 0; p < phases_; ++p) grid_.weigh(position(p).second, row(p));
   }
 

@@ -49,8 +49,8 @@ std::array<double, Order + 1> lagrange_weights(double t) noexcept {
   return w;
 }
 
-/// start + sum over k of weight(k) * tap(k) in two chains, even and odd taps, so that a single frame waits
-/// for half the additions. `Number` is double or Lanes.
+/// start + sum over k of weight(k) * tap(k) in two chains, even and odd taps, which halves the
+/// latency of a single frame. `Number` is double or Lanes.
 template <std::size_t Count, class Number, class Weight, class Tap>
 Number tap_sum(Weight weight, Tap tap, Number start) noexcept {
   Number even = fused_multiply_add(weight(0), tap(0), start), odd{};
@@ -69,8 +69,8 @@ double tap_sum(const double* newest, const std::array<double, Count>& weight, do
                         [&](std::size_t k) { return *(newest - k); }, start);
 }
 
-/// The same for `frames` frames in a row: y[n] = start[n] + sum of weight[k] * newest[n - k], with the same
-/// bits. `start` may be nullptr for 0. `y` overlaps nothing.
+/// The same for `frames` consecutive frames: y[n] = start[n] + sum of weight[k] * newest[n - k], with the
+/// same bits. `start` may be nullptr for 0. `y` overlaps nothing.
 template <std::size_t Count>
 void tap_sums(const double* newest, const std::array<double, Count>& weight, const double* start, double* y,
               int frames) noexcept {

@@ -15,7 +15,7 @@ namespace tactus {
 
 enum class LossFilter { OneZero, OnePole };
 
-/// What a string is asked for. Out of range is clamped: pitch to [10 Hz, 0.3 fs], gain to [0, 0.9999] (on a
+/// Parameters of a string. Out of range is clamped: pitch to [10 Hz, 0.3 fs], gain to [0, 0.9999] (on a
 /// loop), loss to [0, 1] (one zero) or [0, 0.99] (one pole).
 struct StringParameters {
   double pitch_hz = 220;
@@ -115,7 +115,7 @@ class VectorStringLoop {
   /// [realtime] From the next frame on. Does nothing when nothing changed.
   void tune(const StringParameters& parameters, int lane) noexcept;
   void reset() noexcept;
-  /// [realtime] Goes on sounding as `other` did.
+  /// [realtime] Continues from the state of `other`.
   void adopt(VectorStringLoop& other) noexcept {
     line_.adopt(other.line_);
     if (filter_ == other.filter_) loss_ = other.loss_;

@@ -118,7 +118,7 @@ class AlignNode final : public Node {
     note_ |= tactus_rise_step(&rise_, block.in[kTrigger][n]) != 0 || jumped;
     period_ = period;
     const bool moves = !started_ || note_ || on != on_ || !pad_.serves(turns_, period, rest);
-    // While one move is under way, a new note waits where the note before it was.
+    // While one move is under way, a new note has to wait.
     if (moves && fading_ == 0) move(on, period, rest);
     if (!note_) aim(on_ ? turns_ * period - rest : 0);
   }

@@ -12,7 +12,7 @@
 
 namespace tactus {
 
-/// The times that a delay can be asked for.
+/// The range of the times of a delay.
 struct TimeRange {
   double low_s, high_s;
 };
