@@ -40,7 +40,7 @@ Row row_of(const OutputPort& port) {
   return {port.name, port.kind == OutputKind::Trigger ? "trigger" : unit_text(port.unit), "", "", port.doc};
 }
 
-/// "points, of s and as unit": what stands in the brackets.
+/// "points, of s and as unit": the text in brackets.
 std::string units_text(const std::vector<std::string>& units) {
   std::string text;
   for (const auto& unit : units) text += (text.empty() ? " of " : " and ") + unit_text(unit);
@@ -258,9 +258,10 @@ std::string reference_overview(const NodeTable& table) {
   for (const auto& element : network_elements())
     text += wrapped("  " + padded(element.name, kNameWidth), element.doc);
   return text + "\n" +
-         wrapped("",
-                 "`tactus nodes NAME` tells all about one type, `tactus nodes network` about the elements of "
-                 "networks.");
+         wrapped(
+             "",
+             "`tactus nodes NAME` describes one type in full, `tactus nodes network` about the elements of "
+             "networks.");
 }
 
 std::string reference_text(const NodeType& type) {
@@ -281,7 +282,7 @@ std::string reference_markdown(const NodeTable& table) {
   page.paragraph(
       "Everything that a graph file can name behind `type`. Made from the declarations in `engine/nodes` by "
       "`scripts/renew_docs`; a test keeps it up to date. Numbers are in SI units unless a unit is given; how "
-      "graph files are written is told in [graph_files.md](graph_files.md).");
+      "graph files are written is described in [graph_files.md](graph_files.md).");
   for (const auto& group : groups_of(table)) {
     std::string heading = group;
     heading[0] = static_cast<char>(std::toupper(heading[0]));

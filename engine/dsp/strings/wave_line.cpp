@@ -8,13 +8,13 @@
 namespace tactus {
 namespace {
 
-WaveLine::Pitches possible(WaveLine::Pitches asked, Hertz sample_rate) {
+WaveLine::Pitches possible(WaveLine::Pitches requested, Hertz sample_rate) {
   const double top = 0.2 * sample_rate.value;
-  const double lowest = std::clamp(asked.lowest, StringLoop::kLowestPitch, top);
-  return {lowest, std::clamp(asked.highest, lowest, top)};
+  const double lowest = std::clamp(requested.lowest, StringLoop::kLowestPitch, top);
+  return {lowest, std::clamp(requested.highest, lowest, top)};
 }
 
-/// Whatever is asked for, within the pitches.
+/// The pitch is clamped to `pitches`.
 StringDesign design_within(const WaveLine::Pitches& pitches, StringParameters parameters, LossFilter filter,
                            Hertz sample_rate) {
   const double pitch = parameters.pitch_hz;

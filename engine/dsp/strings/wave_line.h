@@ -6,8 +6,8 @@
 
 namespace tactus {
 
-/// What holds the far end of a line. Waves of force come back from a fixed end as they went, from a free end
-/// upside down.
+/// Termination of the far end of a line. Waves of force come back from a fixed end as they went, from a free
+/// end upside down.
 enum class FarEnd { Fixed, Free };
 
 /// A string or a rod seen from one end: waves of force go in, travel to the far end and come back.
@@ -18,11 +18,11 @@ enum class FarEnd { Fixed, Free };
 /// are left to what the line hangs on, so that both together, N frames around, are in tune: with a rigid near
 /// end the line sounds at the pitch (fixed), or at odd multiples of half the pitch (free). It reflects at
 /// most `gain`: |out / in| = gain |H_LP| |interpolator| <= 1 at every frequency, as long as pitch and loss
-/// rest. At least `least_delay` frames lie between in and out whatever is asked for. Source: J. O. Smith,
+/// rest. At least `least_delay` frames lie between in and out for all parameters. Source: J. O. Smith,
 /// Physical Audio Signal Processing, W3K, 2010.
 class WaveLine : public DesignedLine {
  public:
-  /// The pitches that it may be asked for; others are clamped to these and to [10 Hz, 0.2 fs].
+  /// The range of its pitch; others are clamped to these and to [10 Hz, 0.2 fs].
   struct Pitches {
     double lowest, highest;
   };

@@ -1,7 +1,7 @@
 #include <cmath>
+#include <numbers>
 
 #include "engine/dsp/delays/delay_line.h"
-#include "engine/dsp/delays/loop_pad.h"
 #include "engine/dsp/delays/taps.h"
 #include "engine/dsp/envelopes/rise_kernel.h"
 #include "engine/nodes/declare.h"
@@ -14,6 +14,31 @@ namespace {
 constexpr double kLongestPeriod_s = 0.1;  // 10 Hz, the lowest string
 constexpr double kAlignFade_s = 0.010;
 constexpr double kHalfSemitone = 0.0293;  // 2^(1/24) - 1
+
+/// Delay that makes a loop a whole number of periods long at its pitch:
+///
+///   pad = k P − rest,   rest = delay − phase P / 2π
+///
+/// P [s] is one period, `delay` [s] what the loop takes without the pad, `phase` [rad] what turns in it
+/// besides (below 0 it lags). k is chosen when a note starts, the least with a pad of at least `shortest`;
+/// after that the pad follows P with the same k, from `shortest` to `shortest` + 1.5 P: so wide that a
+/// vibrato at one end of it moves to the middle and stays there. Source: Berdahl, Steiner & Oldham, NIME
+/// 2008, section 7.2, for the loop; k P from the condition of oscillation (Barkhausen).
+struct LoopPad {
+  double shortest;  ///< [s]
+
+  static double rest(double period, double delay, double phase) noexcept {
+    return delay - phase * period / (2 * std::numbers::pi);
+  }
+  /// k of a new note.
+  double turns(double period, double rest) const noexcept { return std::ceil((rest + shortest) / period); }
+  /// Whether k still serves.
+  bool serves(double turns, double period, double rest) const noexcept {
+    const double pad = turns * period - rest;
+    return pad >= shortest && pad <= longest(period);
+  }
+  double longest(double period) const noexcept { return shortest + 1.5 * period; }
+};
 
 /// Two taps on one line: where the pad is, and, while it moves from one number of periods to another, where
 /// it was. Their gains add up to 1: at the pitch both are in phase.
@@ -93,7 +118,7 @@ class AlignNode final : public Node {
     note_ |= tactus_rise_step(&rise_, block.in[kTrigger][n]) != 0 || jumped;
     period_ = period;
     const bool moves = !started_ || note_ || on != on_ || !pad_.serves(turns_, period, rest);
-    // While one move is under way, a new note waits where the note before it was.
+    // While one move is under way, a new note has to wait.
     if (moves && fading_ == 0) move(on, period, rest);
     if (!note_) aim(on_ ? turns_ * period - rest : 0);
   }

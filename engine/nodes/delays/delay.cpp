@@ -97,9 +97,9 @@ class DelayNode final : public DelayMemory<Width> {
     else
       for (std::size_t k = 0; k <= Order; ++k) weights_[k][lane] = aim.weights[k];
   }
-  double inside(std::size_t lane, double asked, int frames) noexcept {
-    const double seconds = taps_[lane].inside(asked);
-    if (seconds != asked && used_[lane]) this->clamped_ += frames;
+  double inside(std::size_t lane, double wanted, int frames) noexcept {
+    const double seconds = taps_[lane].inside(wanted);
+    if (seconds != wanted && used_[lane]) this->clamped_ += frames;
     return seconds;
   }
   void set_aims(const VectorSignal& time, int frame, int frames) noexcept {
@@ -235,7 +235,7 @@ NodeType delay_type() {
           "out[n] = in(n - time fs), between frames the polynomial through 2, 4 or 6 of them.\n"
           "Below 1 frame (linear), 2 (lagrange3) or 3 (lagrange5) the polynomial is taken outside its middle "
           "interval, since later frames do not exist yet: high frequencies are then passed less exactly and "
-          "up to some dB too loud.\n"
+          "with a gain of up to some dB.\n"
           "Least delay = floor(shortest time fs) less 1 for lagrange3, 2 for lagrange5; at least 1 where the "
           "time is never below a frame",
       .source = "Laakso, Valimaki, Karjalainen & Laine, IEEE SP Magazine 13, 1996",
@@ -247,8 +247,8 @@ NodeType delay_type() {
                   "between frames; none rounds to whole ones. lagrange3 is within 0.1 dB up to fs/8, with "
                   "a tap that is one frame newer; lagrange5 up to fs/6 with two, linear up to fs/21",
                   {"none", "linear", "lagrange3", "lagrange5"}, "lagrange3"),
-           optional({"min", Setting::Kind::Text, "shortest time, where the graph does not tell"}),
-           optional({"max", Setting::Kind::Text, "longest time, where the graph does not tell"}),
+           optional({"min", Setting::Kind::Text, "shortest time, where the graph does not determine it"}),
+           optional({"max", Setting::Kind::Text, "longest time, where the graph does not determine it"}),
            optional({"compensate", Setting::Kind::Names,
                      "filters in the same loop; their phase delays at the frequency 1/time are taken "
                      "off the time, so that the loop is in tune"})},

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <complex>
 
-#include "engine/dsp/delays/lagrange.h"
+#include "engine/dsp/delays/taps.h"
 #include "engine/graph/node.h"
 
 namespace tactus {
 
-/// The times that a delay can be asked for.
+/// The range of the times of a delay.
 struct TimeRange {
   double low_s, high_s;
 };

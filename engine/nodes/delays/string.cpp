@@ -1,4 +1,3 @@
-#include "engine/dsp/strings/vector_string_loop.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/delays/string_setup.h"
 #include "engine/nodes/process.h"

@@ -43,8 +43,7 @@ class OnsetNode final : public Node {
 NodeType onset_type() {
   return {
       .name = "onset",
-      .summary =
-          "Triggers at each hit that a microphone hears: soft ones after loud ones, ringing ones once.",
+      .summary = "Triggers at each hit in a microphone signal: soft ones after loud ones, ringing ones once.",
       .equation =
           "e = fast envelope of in above 30 Hz, 400 Hz, 2 kHz and 7 kHz; a hit when e > threshold in the "
           "first, and in any e > margin * last hit's mask, e > margin * highest e of the last ringing, and e "
@@ -68,10 +67,10 @@ NodeType onset_type() {
                         "time in which the mask of a hit falls by 20 dB, from 10 ms after its hold", 0.020,
                         0.001, 10}),
                  fixed({"high_pass", "Hz",
-                        "hits are told only from what lies above: raise it where an actuator is heard too",
+                        "hits are detected only above it: raise it where the microphone picks up an actuator",
                         30, 1, 4000}),
                  fixed({"ringing", "s",
-                        "how long what is struck rings: shorter hears denser strokes, longer doubles less",
+                        "how long what is struck rings: shorter detects denser strokes, longer doubles less",
                         0.028, 0.008, 0.031})},
       .outputs = {{.name = "hit",
                    .unit = "",

@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "engine/dsp/filters/linear_filter.h"
-#include "engine/dsp/filters/vector_filter.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/process.h"
 

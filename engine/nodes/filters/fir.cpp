@@ -1,6 +1,6 @@
 #include "engine/dsp/filters/fir.h"
 
-#include "engine/dsp/delays/taps_at_rate.h"
+#include "engine/dsp/delays/resample.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/process.h"
 

@@ -100,8 +100,7 @@ Result<std::unique_ptr<Node>> make_modal(const NodeSetup& setup) {
 NodeType modal_type() {
   return {
       .name = "modal",
-      .summary =
-          "Many resonators side by side, summed: rings like what has these modes. It may close a loop.",
+      .summary = "A bank of resonators in parallel: rings like a body with these modes. It may close a loop.",
       .equation =
           "out = sum of y_k;  an impulse of 1 (one frame) gives y_k = gain_k e^(-6.91 t / decay_k) sin(2 "
           "pi f_k t)\n"
@@ -121,7 +120,7 @@ NodeType modal_type() {
                  mode_decay_input(false)},
       .outputs = {filtered_output("out", "all modes together")},
       .settings = mode_settings({optional({"gains", Setting::Kind::Numbers,
-                                           "how loud each mode is; one for all, or one a mode; left out: 1"}),
+                                           "gain of each mode; one for all, or one a mode; left out: 1"}),
                                  within(-4, 4,
                                         {"gain_slope",
                                          Setting::Kind::Quantity,

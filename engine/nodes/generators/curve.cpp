@@ -1,6 +1,7 @@
+#include "engine/dsp/curves/curve.h"
+
 #include <cmath>
 
-#include "engine/dsp/curves/breakpoints.h"
 #include "engine/dsp/envelopes/rise_kernel.h"
 #include "engine/nodes/declare.h"
 
@@ -57,8 +58,8 @@ class CurveNode final : public Node {
 
 Result<std::unique_ptr<Node>> make_curve(const NodeSetup& setup) {
   const auto& points = setup.setting("points").points;
-  if (const char* mistake = Breakpoints::mistake(in_frames(points, setup.sample_rate), curve_shape(setup)))
-    return fail(Errc::BadArgument, {}, std::string{"'points' is not a curve: "} + mistake,
+  if (const char* error = Breakpoints::error_in(in_frames(points, setup.sample_rate), curve_shape(setup)))
+    return fail(Errc::BadArgument, {}, std::string{"'points' is not a curve: "} + error,
                 "write [[time, value], ...] with ascending times");
   return std::make_unique<CurveNode>(setup, points);
 }

@@ -115,8 +115,9 @@ NodeType modal_body_type() {
           "integral\n"
           "Each mode rings at f_k and falls by 60 dB in decay_k exactly (trapezoidal rule, c_k and k_k to "
           "match); one at half the sample rate or above is left out. Energy only goes in through the port: "
-          "sum of (wave_in^2 - wave^2) / (impedance fs) is what the body holds and has lost.\n"
-          "Wired to a port of the same impedance, each end hears the other a frame later at most: like a "
+          "sum of (wave_in^2 - wave^2) / (impedance fs) is the energy stored and lost in the body.\n"
+          "Wired to a port of the same impedance, each end responds to the other a frame later at most: like "
+          "a "
           "thin rod of mass impedance / (2 fs) and stiffness 2 impedance fs between them",
       .source =
           "Bilbao, Wave and Scattering Methods for Numerical Simulation, 2004, chapter 2; series: Fletcher & "

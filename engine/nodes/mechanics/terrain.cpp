@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "engine/dsp/curves/cubic_curve.h"
+#include "engine/dsp/curves/curve.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/mechanics/terrain_kernel.h"
 

@@ -1,4 +1,4 @@
-#include "engine/dsp/curves/breakpoints.h"
+#include "engine/dsp/curves/curve.h"
 #include "engine/nodes/kernel_node.h"
 
 namespace tactus {
@@ -18,15 +18,15 @@ Breakpoints::Shape map_shape(const NodeSetup& setup) {
 
 Result<std::unique_ptr<Node>> make_map(const NodeSetup& setup) {
   const auto& points = setup.setting("points").points;
-  if (const char* mistake = Breakpoints::mistake(points, map_shape(setup)))
-    return fail(Errc::BadArgument, {}, std::string{"'points' is not a curve: "} + mistake,
+  if (const char* error = Breakpoints::error_in(points, map_shape(setup)))
+    return fail(Errc::BadArgument, {}, std::string{"'points' is not a curve: "} + error,
                 "write [[x, y], ...] with ascending x");
   return std::make_unique<ElementwiseNode<MapFunction>>(MapFunction{Breakpoints{points, map_shape(setup)}});
 }
 
 Interval map_range(int, const NodeSetup& setup) {
   const auto& points = setup.setting("points").points;
-  if (Breakpoints::mistake(points, map_shape(setup)) != nullptr) return {};
+  if (Breakpoints::error_in(points, map_shape(setup)) != nullptr) return {};
   const Breakpoints curve{points, map_shape(setup)};
   return {curve.least(), curve.most()};
 }

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/dsp/delays/taps_at_rate.h"
+#include "engine/dsp/delays/resample.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/measured_response.h"
 

@@ -1,5 +1,6 @@
-#include "engine/dsp/curves/cubic_curve.h"
+#include "engine/dsp/curves/curve.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace tactus {
@@ -35,14 +36,35 @@ CubicCurve CubicCurve::spline(const Points& points) {
   for (std::size_t i = 1; i + 1 < count; ++i) {
     const double left = 1.0 / (curve.x_[i] - curve.x_[i - 1]);
     const double right = 1.0 / (curve.x_[i + 1] - curve.x_[i]);
-    const double bend = 3.0 * ((curve.value_[i] - curve.value_[i - 1]) * left * left +
-                               (curve.value_[i + 1] - curve.value_[i]) * right * right);
+    const double curvature = 3.0 * ((curve.value_[i] - curve.value_[i - 1]) * left * left +
+                                    (curve.value_[i + 1] - curve.value_[i]) * right * right);
     const double pivot = 2.0 * (left + right) - left * factor[i - 1];
     factor[i] = right / pivot;
-    curve.slope_[i] = (bend - left * curve.slope_[i - 1]) / pivot;
+    curve.slope_[i] = (curvature - left * curve.slope_[i - 1]) / pivot;
   }
   for (std::size_t i = count - 2; i > 0; --i) curve.slope_[i] -= factor[i] * curve.slope_[i + 1];
   return curve;
+}
+
+const char* Breakpoints::error_in(const Points& points, Shape shape) {
+  if (points.empty()) return "there is no point";
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (points[i].first < points[i - 1].first) return "the points are not in ascending order";
+    if (shape == Shape::Smooth && points[i].first == points[i - 1].first)
+      return "two points lie at the same place, and a smooth curve cannot jump";
+    if (shape == Shape::Exponential && !(points[i].second * points[0].second > 0))
+      return "an exponential curve cannot reach or cross zero";
+  }
+  return nullptr;
+}
+
+Breakpoints::Breakpoints(const Points& points, Shape shape)
+    : shape_(shape), curve_(shape == Shape::Smooth ? CubicCurve::monotone(points) : CubicCurve{points}) {
+  least_ = most_ = points.front().second;
+  for (const auto& [x, y] : points) {
+    least_ = std::min(least_, y);
+    most_ = std::max(most_, y);
+  }
 }
 
 }  // namespace tactus
