@@ -1,23 +1,19 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <optional>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/cli/writable.h"
-#include "apps/study/bifurcation_report.h"
-#include "apps/study/study_commands.h"
+#include "apps/study/reports.h"
+#include "apps/study/sweep_options.h"
 #include "engine/nodes/table.h"
 
 namespace tactus::app {
 namespace {
 
-struct BifurcationOptions {
-  std::string target, picture;
+struct BifurcationOptions : StudyOptions {
   BifurcationPlan plan;
   double restitution = 0;
-  bool json = false;
 };
 
 /// A scene without an instrument has its controls in the plant.
@@ -32,23 +28,15 @@ int run_bifurcation(const BifurcationOptions& options) {
                         "give --from less than --to"}),
            kUsage;
   if (options.restitution > 0) plan.restitution = options.restitution;
-  const auto file = resolve_target(options.target, "scene.toml");
-  const auto scene = load_scene(file, root_of(file));
+  const auto scene = load_target(options);
   if (!scene) return report(scene.error());
   if (plan.control.empty()) plan.control = default_control(*scene);
-  std::optional<Progress> progress{std::in_place, "sweeping " + scene->name};
-  const auto study =
-      study_bifurcation(*scene, standard_nodes(), plan, [&](double share) { (*progress)(share); });
-  progress.reset();
+  const auto study = [&] {
+    Progress progress{"sweeping " + scene->name};
+    return study_bifurcation(*scene, standard_nodes(), plan, [&](double share) { progress(share); });
+  }();
   if (!study) return report(study.error());
-  if (!options.picture.empty())
-    if (const auto written = write_svg(options.picture, picture_of(*study)); !written)
-      return report(written.error());
-  if (options.json)
-    fmt::print("{}\n", json_of(*study).dump(2));
-  else
-    fmt::print("{}", text_of(*study));
-  if (!options.picture.empty() && !options.json) fmt::print("{}: the diagram\n", options.picture);
+  if (const int failed = publish(options, text_of(*study), json_of(*study), plots_of(*study))) return failed;
   return study->measured_restitution > 0 ? kDone : kNo;
 }
 
@@ -61,7 +49,7 @@ void add_study_bifurcation(CLI::App& study, int& exit_code) {
   auto& plan = options->plan;
   plan.from = 0.9;
   plan.to = 1.6;
-  command->add_option("SCENE", options->target, "its plant gives out 'ball' and 'table'")->required();
+  add_study_options(*command, *options, "scene with the roles 'ball' and 'table'")->required();
   command->add_option("--control", plan.control, "such as gamma, or plant.gamma of another part; [gamma]");
   command->add_option("--from", plan.from, "first value, SI")->capture_default_str();
   command->add_option("--to", plan.to, "last value, SI")->capture_default_str();
@@ -74,8 +62,6 @@ void add_study_bifurcation(CLI::App& study, int& exit_code) {
       ->capture_default_str();
   command->add_option("--restitution", options->restitution, "of the ideal ball; [as measured]")
       ->check(CLI::Range(0.01, 0.99));
-  command->add_option("--report", options->picture, "the diagram, an SVG file")->check(writable_file());
-  command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n"
       "  tactus study bifurcation instruments/bouncing_ball/table_scene.toml --from 1.3 --to 1.75 --values "

@@ -1,6 +1,6 @@
-#include "apps/study/bifurcation_report.h"
-
 #include <fmt/format.h>
+
+#include "apps/study/reports.h"
 
 namespace tactus::app {
 namespace {
@@ -19,34 +19,33 @@ Json part_json(const std::vector<BifurcationColumn>& columns) {
 
 Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
-std::string period_name(int period) { return period == 0 ? "none" : fmt::format("{}", period); }
-
-/// Neighbouring columns that do the same, on one line.
+/// Neighbouring columns of one period in one line.
 std::string columns_text(const std::vector<BifurcationColumn>& columns) {
-  std::string text = "  from        to          landings until it repeats\n";
+  Table table{{{"from", "to", "landings until it repeats"}}};
   for (std::size_t i = 0; i < columns.size();) {
     std::size_t end = i;
     while (end < columns.size() && columns[end].period == columns[i].period) ++end;
-    text += fmt::format("  {:<11.5g} {:<11.5g} {}\n", columns[i].value, columns[end - 1].value,
-                        period_name(columns[i].period));
+    table.rows.push_back({fmt::format("{:.5g}", columns[i].value),
+                          fmt::format("{:.5g}", columns[end - 1].value),
+                          columns[i].period == 0 ? "none" : std::to_string(columns[i].period)});
     i = end;
   }
-  return text;
+  return table.text();
 }
 
-std::string found(const std::optional<double>& value, double exact) {
+std::string doubling_text(const std::optional<double>& value, double exact) {
   return value ? fmt::format("{:.4f} ({:+.2f} %)", *value, 100 * (*value / exact - 1)) : "not seen";
 }
 
 std::string doublings_text(const Bifurcation& study) {
   if (study.doublings.empty()) return {};
-  auto text =
-      fmt::format("\n  {:<10} {:>10} {:>22} {:>22}\n", "landings", "exact", "simulated", "exact map, swept");
+  Table table{{{"landings", "exact", "simulated", "exact map, swept"}}};
   for (const auto& doubling : study.doublings)
-    text += fmt::format("  {:<10} {:>10.6f} {:>22} {:>22}\n",
-                        fmt::format("{} to {}", doubling.bounces, 2 * doubling.bounces), doubling.exact,
-                        found(doubling.simulated, doubling.exact), found(doubling.swept, doubling.exact));
-  return text;
+    table.rows.push_back({fmt::format("{} to {}", doubling.bounces, 2 * doubling.bounces),
+                          fmt::format("{:.6f}", doubling.exact),
+                          doubling_text(doubling.simulated, doubling.exact),
+                          doubling_text(doubling.swept, doubling.exact)});
+  return "\n" + table.text();
 }
 
 PlotSeries points(const std::vector<BifurcationColumn>& columns, const std::string& label, PlotColor color,
@@ -95,7 +94,7 @@ std::string text_of(const Bifurcation& study) {
   return text + columns_text(study.simulated) + doublings_text(study);
 }
 
-std::vector<Plot> picture_of(const Bifurcation& study) {
+std::vector<Plot> plots_of(const Bifurcation& study) {
   return {
       {.title = study.scene,
        .subtitle = fmt::format("{} swept up; restitution {:.3f}", study.control, study.restitution),

@@ -8,7 +8,7 @@
 #include "engine/core/median.h"
 #include "engine/study/orbits/bifurcation_sweep.h"
 #include "engine/study/orbits/bouncing_cascade.h"
-#include "engine/study/sweep/parallel_for.h"
+#include "engine/study/sweep/evaluate_runs.h"
 
 namespace tactus {
 namespace {
