@@ -12,8 +12,8 @@ double depth_of(const Contact& contact, double push) {
   return std::pow(push / contact.stiffness, 1.0 / contact.exponent);
 }
 
-/// The same network with its closed contacts pressed in while everything that moves is at 0: what its outputs
-/// show is then looked at where it is bent.
+/// The same network with its closed contacts pressed in while everything that moves is at 0: its outputs are
+/// then linearised at the indentation.
 NetworkElements pressed(NetworkElements elements, const Touching& touching) {
   const auto place = [&](int point) {
     const auto& p = elements.points[index(point)];
@@ -39,8 +39,7 @@ Eigen::MatrixXd slopes(const Network& network, const NetworkElements& elements, 
   return slopes;
 }
 
-}  // namespace
-
+/// The first mass with a force or a coil that a signal reaches; -1: none.
 int driven_point(const NetworkElements& elements) {
   const auto mass = [&](int point) { return elements.points[index(point)].kind == Point::Kind::Mass; };
   for (const auto& coil : elements.coils)
@@ -52,6 +51,8 @@ int driven_point(const NetworkElements& elements) {
         return force.on;
   return -1;
 }
+
+}  // namespace
 
 std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view, const NodeType& type,
                                                          const Touching& touching,

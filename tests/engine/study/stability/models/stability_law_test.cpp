@@ -1,11 +1,10 @@
-#include "engine/study/stability/models/stability_law.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/nodes/mechanics/mechanics.h"
 #include "engine/nodes/shapers/shapers.h"
 #include "engine/nodes/table.h"
+#include "engine/study/stability/models/nonlinearities.h"
 
 using namespace tactus;
 
