@@ -28,6 +28,10 @@ std::string text_of(const Bifurcation& study);
 nlohmann::ordered_json json_of(const Bifurcation& study);
 std::vector<Plot> plots_of(const Bifurcation& study);
 
+/// A row per setting: swept values, then measures.
+std::string text_of(const SweepTable& table);
+nlohmann::ordered_json json_of(const SweepTable& table);
+
 /// One line per delay: score, kind, measures; if something is swept, also maps of letters; the verdict.
 std::string text_of(const PlayabilityStudy& study);
 nlohmann::ordered_json json_of(const PlayabilityStudy& study);

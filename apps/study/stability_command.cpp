@@ -1,9 +1,5 @@
-#include <fmt/format.h>
-
 #include <array>
-#include <cmath>
 #include <memory>
-#include <optional>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
@@ -36,18 +32,6 @@ struct StabilityOptions : RunOptions {
 constexpr double kLightMass = 5e-3, kFirmMass = 10e-3;     // [kg]
 constexpr double kLightDamping = 1.0, kFirmDamping = 5.0;  // [N s/m]
 
-/// Reads "9 g" into `value` if it is given. Errors: of the text; OutOfRange below `least`.
-Status take(const std::string& text, const char* unit, const char* name, double least, double& value) {
-  if (text.empty()) return {};
-  const auto given = parse_option(text, unit, name);
-  if (!given) return tl::unexpected(given.error());
-  if (!(*given >= least) || !std::isfinite(*given))
-    return fail(Errc::OutOfRange, std::string{"--"} + name,
-                "must be at least " + fmt::format("{:g} {}", least, unit), "");
-  value = *given;
-  return {};
-}
-
 /// The device and the loop of the options and the scene.
 Checked<WallStudy> study_of(const StabilityOptions& options) {
   WallStudy study;
@@ -66,7 +50,8 @@ Checked<WallStudy> study_of(const StabilityOptions& options) {
   std::vector<Error> errors;
   const auto read = [&](const std::string& text, const char* unit, const char* name, double least,
                         double& value) {
-    if (const auto status = take(text, unit, name, least, value); !status) errors.push_back(status.error());
+    const auto status = read_option(text, unit, name, least, 1e9, value);
+    if (!status) errors.push_back(status.error());
   };
   for (std::size_t i = 0; i < kDeviceOptions.size(); ++i) {
     const auto& option = kDeviceOptions[i];

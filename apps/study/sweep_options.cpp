@@ -178,22 +178,9 @@ Status check_swept_once(const SweepPlan& plan) {
 Status read_variants(const SweepOptions& options, SweepPlan& plan) {
   plan.draws = options.draws;
   plan.seed = options.seed;
-  const auto within = parse_option(options.within, "", "within");
-  if (!within) return tl::unexpected(within.error());
-  if (!(*within > 0 && *within < 1))
-    return fail(Errc::OutOfRange, "--within", "must lie above 0 and below 100 %", "");
-  plan.within = *within;
+  if (auto status = read_option(options.within, "", "within", 1e-6, 0.999999, plan.within); !status)
+    return status;
   return read_gain(options.gain, plan);
-}
-
-Status read_duration(const SweepOptions& options, SceneSpec& scene) {
-  if (options.duration.empty()) return {};
-  const auto duration = parse_option(options.duration, "s", "duration");
-  if (!duration) return tl::unexpected(duration.error());
-  if (!(*duration >= 1e-3 && *duration <= 3600))
-    return fail(Errc::OutOfRange, "--duration", "is too short or too long", "choose 1 ms to an hour");
-  scene.duration = Seconds{*duration};
-  return {};
 }
 
 std::string remaining_text(double seconds) {
@@ -203,6 +190,18 @@ std::string remaining_text(double seconds) {
 }
 
 }  // namespace
+
+Status read_option(const std::string& text, const char* unit, const char* name, double least, double most,
+                   double& value) {
+  if (text.empty()) return {};
+  const auto given = parse_option(text, unit, name);
+  if (!given) return tl::unexpected(given.error());
+  if (!(*given >= least && *given <= most))
+    return fail(Errc::OutOfRange, std::string{"--"} + name, "'" + text + "' is out of range",
+                fmt::format("choose {:g} {} to {:g} {}", least, unit, most, unit));
+  value = *given;
+  return {};
+}
 
 CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const std::string& scene) {
   command.add_option("--svg,--report", options.picture, "the plots, an SVG file")->check(writable_file());
@@ -270,7 +269,7 @@ Result<SweepPlan> read_plan(const SweepOptions& options, SceneSpec& scene) {
   if (!set) return tl::unexpected(set.error());
   plan.set = std::move(*set);
   auto status = check_swept_once(plan);
-  if (status) status = read_duration(options, scene);
+  if (status) status = read_option(options.duration, "s", "duration", 1e-3, 3600, scene.duration.value);
   if (status) status = read_run_plan(options, plan);
   if (status) status = read_variants(options, plan);
   if (!status) return tl::unexpected(status.error());

@@ -28,6 +28,10 @@ void add_study_stability(CLI::App& study, int& exit_code);
 void add_study_playability(CLI::App& study, int& exit_code);
 void add_study_bifurcation(CLI::App& study, int& exit_code);
 
+/// Reads a quantity such as "9 g" of --name into `value`, if it is given. Errors: of the text; OutOfRange.
+Status read_option(const std::string& text, const char* unit, const char* name, double least, double most,
+                   double& value);
+
 /// Options of every study.
 struct StudyOptions {
   std::string target, picture;

@@ -43,11 +43,9 @@ Status write_files(const WorkPrecision& study, const fs::path& folder) {
 Result<std::vector<Hertz>> rates_of(const std::vector<std::string>& texts) {
   std::vector<Hertz> rates;
   for (const auto& text : texts) {
-    const auto rate = parse_option(text, "Hz", "rates");
-    if (!rate) return tl::unexpected(rate.error());
-    if (!(*rate >= 1e3 && *rate <= 768e3))
-      return fail(Errc::OutOfRange, "--rates", text + " is out of range", "choose 1 kHz to 768 kHz");
-    rates.push_back(Hertz{*rate});
+    auto& rate = rates.emplace_back();
+    if (auto status = read_option(text, "Hz", "rates", 1e3, 768e3, rate.value); !status)
+      return tl::unexpected(status.error());
   }
   return rates;
 }

@@ -31,7 +31,8 @@ std::string cell_text(const SweepTable& table, std::size_t first, std::size_t me
   return text + fmt::format(" ({:.5g} to {:.5g})", low, high);
 }
 
-/// A row per setting: swept values, then measures.
+}  // namespace
+
 std::string text_of(const SweepTable& table) {
   Table text{{{}}};
   for (const auto& swept : table.over) text.rows[0].push_back(swept.name);
@@ -68,6 +69,8 @@ Json json_of(const SweepTable& table) {
   }
   return json;
 }
+
+namespace {
 
 Result<std::vector<SweptMeasure>> read_measures(const Options& options, const SceneSpec& scene) {
   std::vector<SweptMeasure> measures;

@@ -105,23 +105,16 @@ void LoopGroup::choose_cuts(const std::vector<int>& wanted) {
   }
 }
 
+/// Without the cuts there is no loop: every component is one signal, behind all that it reads.
 void LoopGroup::put_in_order() {
-  std::vector<int> waiting(signals_.size(), 0);
-  std::vector<std::vector<int>> readers(signals_.size());
+  std::vector<std::vector<int>> reads(signals_.size());
   for (const auto e : edges_) {
     const auto& edge = graph_->edges[e];
-    if (cut(edge.from) >= 0 || cut(edge.to) >= 0) continue;
-    ++waiting[index(place_[index(edge.to)])];
-    readers[index(place_[index(edge.from)])].push_back(edge.to);
+    if (cut(edge.from) < 0 && cut(edge.to) < 0)
+      reads[index(place_[index(edge.to)])].push_back(place_[index(edge.from)]);
   }
-  std::deque<int> ready;
-  for (const int s : signals_)
-    if (cut(s) < 0 && waiting[index(place_[index(s)])] == 0) ready.push_back(s);
-  for (; !ready.empty(); ready.pop_front()) {
-    order_.push_back(ready.front());
-    for (const int to : readers[index(place_[index(ready.front())])])
-      if (--waiting[index(place_[index(to)])] == 0) ready.push_back(to);
-  }
+  for (const auto& component : strong_components(reads, Roots::FirstToLast))
+    if (const int signal = signals_[index(component.front())]; cut(signal) < 0) order_.push_back(signal);
 }
 
 Eigen::MatrixXcd LoopGroup::returned(std::complex<double> z) const {

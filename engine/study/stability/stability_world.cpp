@@ -116,15 +116,17 @@ Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOpti
 /// for the rest.
 LoadedScene without_friction(LoadedScene loaded) {
   if (!loaded.scene) return loaded;
-  loaded.scene =
-      with_networks_changed(std::move(*loaded.scene), [](NetworkSpec& network, const std::string&) {
+  loaded.scene = with_networks_changed(
+      std::move(*loaded.scene),
+      [](NetworkSpec& network, const std::string&) {
         for (auto& element : network.elements) {
           const auto* type = find_element(element.type);
           if (type == nullptr || type->force_field.empty()) continue;
           std::erase_if(element.fields, [&](const Field& field) { return field.key == type->force_field; });
           element.fields.push_back({type->force_field, element.at, {0.0, element.at}});
         }
-      });
+      },
+      true);
   return loaded;
 }
 

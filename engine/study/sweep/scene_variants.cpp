@@ -78,10 +78,6 @@ std::shared_ptr<const GraphSpec> changed(const GraphSpec& graph, const std::stri
   return copy;
 }
 
-void change_part(ScenePart& part, const NetworkChange& change) {
-  if (part.graph != nullptr) part.graph = changed(*part.graph, part.name, change);
-}
-
 bool any_network(const GraphSpec& graph, const std::function<bool(const NetworkSpec&)>& condition) {
   return std::any_of(graph.networks.begin(), graph.networks.end(), condition) ||
          std::any_of(graph.parts.begin(), graph.parts.end(),
@@ -122,16 +118,12 @@ bool visit_constants(GraphSpec& graph, const std::string& path, const ConstantVi
   return false;
 }
 
-SceneSpec with_world_changed(SceneSpec scene, const NetworkChange& change) {
-  for (auto& part : scene.parts)
-    if (part.name != "instrument") change_part(part, change);
-  return scene;
-}
-
 }  // namespace
 
-SceneSpec with_networks_changed(SceneSpec scene, const NetworkChange& change) {
-  for (auto& part : scene.parts) change_part(part, change);
+SceneSpec with_networks_changed(SceneSpec scene, const NetworkChange& change, bool instrument) {
+  for (auto& part : scene.parts)
+    if (part.graph != nullptr && (instrument || part.name != "instrument"))
+      part.graph = changed(*part.graph, part.name, change);
   return scene;
 }
 
@@ -143,9 +135,12 @@ SceneSpec with_actuator_gain(SceneSpec scene, double gain) {
 }
 
 SceneSpec with_plant_drawn(SceneSpec scene, double within, std::uint64_t seed) {
-  return with_world_changed(std::move(scene), [&](NetworkSpec& network, const std::string& path) {
-    for (auto& element : network.elements) redraw(element, path + "." + element.name, {within, seed});
-  });
+  return with_networks_changed(
+      std::move(scene),
+      [&](NetworkSpec& network, const std::string& path) {
+        for (auto& element : network.elements) redraw(element, path + "." + element.name, {within, seed});
+      },
+      false);
 }
 
 SceneSpec with_gesture_scaled(SceneSpec scene, const std::string& gesture, double factor) {
@@ -192,10 +187,13 @@ SceneSpec with_constant(SceneSpec scene, const std::string& name, const ControlV
 }
 
 SceneSpec with_network_option(SceneSpec scene, const std::string& key, decltype(Value::data) value) {
-  return with_world_changed(std::move(scene), [&](NetworkSpec& network, const std::string&) {
-    std::erase_if(network.options, [&](const Field& field) { return field.key == key; });
-    network.options.push_back({key, network.at, {value, network.at}});
-  });
+  return with_networks_changed(
+      std::move(scene),
+      [&](NetworkSpec& network, const std::string&) {
+        std::erase_if(network.options, [&](const Field& field) { return field.key == key; });
+        network.options.push_back({key, network.at, {value, network.at}});
+      },
+      false);
 }
 
 std::vector<std::string> stepping_solvers() {

@@ -15,9 +15,9 @@ namespace tactus {
 
 /// A change of a network. `path` leads to it through the parts: "plant.drum".
 using NetworkChange = std::function<void(NetworkSpec& network, const std::string& path)>;
-/// A scene with every network changed, those of parts of parts too. Graphs are copied, since other scenes may
-/// share them.
-SceneSpec with_networks_changed(SceneSpec scene, const NetworkChange& change);
+/// A scene with every network changed, those of parts of parts too, and those of the instrument or not.
+/// Graphs are copied, since other scenes may share them.
+SceneSpec with_networks_changed(SceneSpec scene, const NetworkChange& change, bool instrument);
 
 /// A scene with an actuator that is `gain` times as strong: the outputs of the instrument reach every other
 /// part times that.
