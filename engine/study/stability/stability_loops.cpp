@@ -8,7 +8,7 @@
 #include <set>
 
 #include "engine/core/index.h"
-#include "engine/graph/plan/strong_components.h"
+#include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "engine/core/decibels.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/study/stability/stability.h"
 
 namespace tactus {
