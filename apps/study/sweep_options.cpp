@@ -294,7 +294,7 @@ std::optional<int> SweepMonitor::end(std::ptrdiff_t finished, std::ptrdiff_t run
   if (interrupted() && finished < runs) {
     fmt::print(stderr, "interrupted after {} of {} runs; {}\n", finished, runs,
                plan_.cache.empty()
-                   ? "nothing was kept: with --keep FOLDER an interrupted sweep can be resumed"
+                   ? "no runs were stored: with --keep FOLDER an interrupted sweep can be resumed"
                    : "the same command resumes it");
     return kInterrupted;
   }

@@ -62,7 +62,7 @@ struct PlayabilityStudy {
 /// Two: a map of the kind over both, for up to twelve delays.
 std::vector<Plot> plots_of(const PlayabilityStudy& study);
 
-/// [control] A sweep over the delay and other quantities, in which each run is judged. Errors: those of the
+/// [control] A sweep over the delay and other quantities, in which each run is scored. Errors: those of the
 /// scene; Missing without [playability]; UnknownName, OutOfRange of a swept quantity; BadFile of the cache.
 Checked<PlayabilityStudy> study_playability(const SceneSpec& scene, const NodeTable& table,
                                             const PlayabilityOptions& options);

@@ -54,9 +54,8 @@ struct ExtremePlan {
 
 /// [control] Extreme conditions: rates, delays, controls at both ends, disturbances.
 std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& instrument);
-/// [control] A fiftieth below and above the border of the loop at rest that one drive closes, long enough to
-/// see the root grow or die; none where no such loop can grow, where a law bends, or where an event stands on
-/// it.
+/// [control] 2 % below and above the border of the loop at rest that one drive closes, long enough for the
+/// root to grow or decay; none if no such loop can grow, or with nonlinearities or events in it.
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict);
 /// [control] Errors: of the graph at that rate, with those controls.
 Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePlan& plan);

@@ -110,10 +110,10 @@ Eigen::MatrixXd LinearNetwork::readings(const Network& network, const NetworkVie
     double least = 1.0;
     for (const int i : touching.contacts)
       least = std::min(least, depth_of(recipe_.elements.contacts[index(i)], touching.push));
-    const auto bent_elements = pressed(recipe_.elements, touching);
-    if (const auto bent_network =
-            Network::make(bent_elements, recipe_.signals, recipe_.rate, recipe_.solver, recipe_.oversample)) {
-      const auto bent = slopes(*bent_network, bent_elements, view, outputs, 1e-6 * least);
+    const auto pressed_elements = pressed(recipe_.elements, touching);
+    if (const auto pressed_network = Network::make(pressed_elements, recipe_.signals, recipe_.rate,
+                                                   recipe_.solver, recipe_.oversample)) {
+      const auto bent = slopes(*pressed_network, pressed_elements, view, outputs, 1e-6 * least);
       for (Eigen::Index o = 0; o < c.rows(); ++o)
         if ((bent.row(o) - c.row(o)).norm() > 1e-3 * bent.row(o).norm()) c.row(o) = bent.row(o);
     }

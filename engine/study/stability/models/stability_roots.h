@@ -82,8 +82,8 @@ class LoopScan {
   std::vector<double> heights_;  ///< of each cut's L among the first points, at most 1: what counts as near 0
 };
 
-/// What a force law does to a held device that is sampled and held (Colgate & Schenkel, J. Robotic Systems
-/// 14(1), 1997): it takes out no more energy than the device loses by itself, whoever holds it, while
+/// The passivity of a force law on a sampled and held device (Colgate & Schenkel, J. Robotic Systems
+/// 14(1), 1997): it adds no more energy than the device dissipates, whoever holds it, while
 ///     b > (T/2) / (1 - cos wT) Re{(1 - e^-jwT) H(e^jwT)}    for 0 < w <= pi/T,
 /// with H the force on the device against its position, delays included. Here H = -L / G: L what comes back
 /// to the cut at the drive, G from a force on the device to its position.
@@ -93,7 +93,7 @@ class PassivityTest {
   PassivityTest(const LoopGroup& group, int drive,
                 std::function<std::complex<double>(std::complex<double>)> mobility, Hertz rate);
 
-  /// b of the device: Re{1 / (jw G)} near 0 Hz, half a step of hold taken off [N s/m].
+  /// b of the device: Re{1 / (jw G)} near 0 Hz, minus half a step of the hold [N s/m].
   double device_damping() const;
   /// The largest factor on what goes through `cut` for which the device loses enough; 0: none.
   double largest_factor(int cut) const;
