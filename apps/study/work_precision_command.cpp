@@ -11,7 +11,6 @@
 #include "apps/study/reports.h"
 #include "apps/study/sweep_options.h"
 #include "engine/nodes/table.h"
-#include "engine/study/work_precision/work_precision_plot.h"
 
 namespace tactus::app {
 namespace {

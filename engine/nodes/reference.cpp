@@ -65,7 +65,7 @@ Row row_of(const ElementField& field) {
           field.fallback   ? short_number(*field.fallback)
           : field.optional ? "optional"
                            : "required",
-          field.doc + (field.signal ? " (signal)" : "")};
+          field.doc + (field.late ? " (signal)" : "")};
 }
 
 Row row_of(const ElementQuantity& quantity) {
@@ -206,29 +206,20 @@ void write_type(Page& page, const NodeType& type) {
   page.paragraph("Source: " + type.source + ".");
 }
 
-/// The fields that name other elements.
-std::string ends_text(ElementType::Ends ends) {
-  using Ends = ElementType::Ends;
-  switch (ends) {
-    case Ends::On:
-      return " `on` names the mass.";
-    case Ends::Against:
-      return " `on` names the point that it acts on.";
-    case Ends::Between:
-      return " `between` names its two points, the lower one first.";
-    case Ends::None:
-      break;
-  }
-  return "";
+/// The fields that name other elements, by ElementType::Ends.
+const char* ends_text(ElementType::Ends ends) {
+  static constexpr const char* kTexts[] = {"", " `on` names the mass.",
+                                           " `on` names the point that it acts on.",
+                                           " `between` names its two points, the lower one first."};
+  return kTexts[static_cast<int>(ends)];
 }
 
 void write_networks(Page& page) {
   page.title("Networks", 2);
   page.paragraph(
       "Elements of `[networks.<name>]`. Up is positive. Outputs at a frame are the state at that frame; "
-      "inputs "
-      "act on the step to the next one. An output is named `network.element.output`; `network.element` alone "
-      "is its first one.");
+      "inputs act on the step to the next one. An output is named `network.element.output`; "
+      "`network.element` alone is its first one.");
   for (const auto& element : network_elements()) {
     page.title(element.name, 3);
     page.paragraph(element.doc + ends_text(element.ends));

@@ -40,7 +40,7 @@ template <int Order>
 class LinearFilter {
  public:
   /// [realtime] At the start of a group only (see Recurrence).
-  void design(const FilterCoefficients<Order>& c) noexcept {
+  void design(const FilterCoefficients<Order>& c, int /*lane*/ = 0) noexcept {
     b_ = c.b;
     recurrence_.design(c.a);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "engine/dsp/delays/lagrange.h"
 #include "engine/dsp/delays/taps.h"
@@ -58,32 +59,49 @@ int StringLoop::longest_delay(Hertz sample_rate, double lowest_pitch) {
   return static_cast<int>(sample_rate.value / std::max(kLowestPitch, lowest_pitch)) + StringDesign::kTaps;
 }
 
-StringLoop::StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)
-    : filter_(filter),
-      sample_rate_(sample_rate),
-      design_(parameters_, filter, sample_rate),
-      line_(longest_delay(sample_rate, lowest_pitch), kLongest + StringDesign::kTaps) {
-  losses_.design({design_.pole});
+DesignedLine::DesignedLine(LossFilter filter, int longest)
+    : filter_(filter), line_(longest, kMostFrames + StringDesign::kTaps) {}
+
+bool DesignedLine::changed(const StringParameters& parameters) noexcept {
+  return std::exchange(parameters_, parameters) != parameters;
 }
 
-void StringLoop::tune(const StringParameters& parameters) noexcept {
-  if (parameters == parameters_) return;
-  parameters_ = parameters;
-  design_ = StringDesign{parameters, filter_, sample_rate_};
-  losses_.design({design_.pole});
+void DesignedLine::set(const StringDesign& design) noexcept {
+  design_ = design;
+  losses_.design({design.pole});
+}
+
+const double* DesignedLine::newest_tap(int written) const noexcept {
+  constexpr int kOlder = StringDesign::kTaps - 1;
+  return line_.behind(design_.newest + kOlder + written) + kOlder;
+}
+
+void DesignedLine::reset() noexcept {
+  line_.reset();
+  losses_.reset();
+}
+
+void DesignedLine::adopt(DesignedLine& other) noexcept {
+  line_.adopt(other.line_);
+  if (filter_ == other.filter_) losses_.adopt(other.losses_);
+}
+
+StringLoop::StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)
+    : DesignedLine(filter, longest_delay(sample_rate, lowest_pitch)), sample_rate_(sample_rate) {
+  set({parameters_, filter, sample_rate});
+}
+
+void StringLoop::tune(const StringParameters& parameters, int /*lane*/) noexcept {
+  if (changed(parameters)) set({parameters, filter_, sample_rate_});
 }
 
 /// As long as the newest tap lies before it, and ending with a group where that is possible: a cut group
 /// costs nearly as much as a whole one.
 int StringLoop::sub_block(int frames, int position) const noexcept {
-  const int most = std::min(kLongest, design_.newest);
+  const int most = std::min(kMostFrames, design_.newest);
   if (frames <= most) return frames;
   const int whole = most - (position + most) % kGroup;
   return whole > 0 ? whole : most;
-}
-
-const double* StringLoop::newest_tap() const noexcept {
-  return line_.behind(design_.newest + StringDesign::kTaps - 1) + StringDesign::kTaps - 1;
 }
 
 double StringLoop::run_single(double x, int position) noexcept {
@@ -102,7 +120,7 @@ void StringLoop::run(const double* x, double* y, int frames, int position) noexc
     if (filter_ == LossFilter::OneZero) {
       tap_sums(newest, design_.taps, x, y, count);
     } else {
-      std::array<double, kLongest> around;
+      std::array<double, kMostFrames> around;
       tap_sums(newest, design_.taps, nullptr, around.data(), count);
       losses_.run(around.data(), around.data(), count, position);
       for (int n = 0; n < count; ++n) y[n] = x[n] + around[static_cast<std::size_t>(n)];
@@ -111,11 +129,6 @@ void StringLoop::run(const double* x, double* y, int frames, int position) noexc
     x += count, y += count, frames -= count;
     position = (position + count) % kGroup;
   }
-}
-
-void StringLoop::reset() noexcept {
-  line_.reset();
-  losses_.reset();
 }
 
 }  // namespace tactus

@@ -42,6 +42,7 @@ struct StringParameters {
 struct StringDesign {
   static constexpr int kTaps = 7;  ///< six of the interpolator; the one-zero filter is folded in and adds one
 
+  StringDesign() = default;
   /// `most_gain` is 1 where the string is not itself a loop, `frames_outside` what the rest of its loop
   /// takes.
   StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain = 0.9999,
@@ -56,23 +57,41 @@ struct StringDesign {
   double pole = 0;
 };
 
-class StringLoop {
+/// What a string and one end of a waveguide have in common: a line that is read through a design.
+class DesignedLine {
+ public:
+  void reset() noexcept;
+  /// [realtime] Continues from the state of `other`.
+  void adopt(DesignedLine& other) noexcept;
+
+ protected:
+  DesignedLine(LossFilter filter, int longest);
+  /// Whether the parameters are new.
+  bool changed(const StringParameters& parameters) noexcept;
+  void set(const StringDesign& design) noexcept;
+  /// Where the newest tap lies, `written` frames before the last that was written.
+  const double* newest_tap(int written = 0) const noexcept;
+
+  static constexpr int kMostFrames = 64;  ///< written or read at once
+
+  LossFilter filter_;
+  StringParameters parameters_;
+  StringDesign design_;
+  DelayLine line_;
+  Recurrence<1> losses_;
+};
+
+class StringLoop : public DesignedLine {
  public:
   /// [control] Allocates for `lowest_pitch`, below which it is never tuned.
   StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch = kLowestPitch);
 
   /// [realtime] At the start of a group only (see Recurrence). Does nothing when nothing changed.
-  void tune(const StringParameters& parameters) noexcept;
+  void tune(const StringParameters& parameters, int lane = 0) noexcept;
   /// [realtime] `position` is the group_position of the first frame; `x` and `y` do not overlap.
   void run(const double* x, double* y, int frames, int position) noexcept;
   /// [realtime] `run` for one frame.
   double run_single(double x, int position) noexcept;
-  void reset() noexcept;
-  /// [realtime] Goes on sounding as `other` did.
-  void adopt(StringLoop& other) noexcept {
-    line_.adopt(other.line_);
-    if (filter_ == other.filter_) losses_.adopt(other.losses_);
-  }
 
   static constexpr double kLowestPitch = 10;
   /// Frames that a string of this pitch remembers.
@@ -80,16 +99,8 @@ class StringLoop {
 
  private:
   int sub_block(int frames, int position) const noexcept;
-  const double* newest_tap() const noexcept;
 
-  static constexpr int kLongest = 64;  ///< frames worked on at once
-
-  LossFilter filter_;
   Hertz sample_rate_;
-  StringParameters parameters_;
-  StringDesign design_;
-  DelayLine line_;
-  Recurrence<1> losses_;
 };
 
 }  // namespace tactus

@@ -20,7 +20,7 @@ enum class FarEnd { Fixed, Free };
 /// most `gain`: |out / in| = gain |H_LP| |interpolator| <= 1 at every frequency, as long as pitch and loss
 /// rest. At least `least_delay` frames lie between in and out whatever is asked for. Source: J. O. Smith,
 /// Physical Audio Signal Processing, W3K, 2010.
-class WaveLine {
+class WaveLine : public DesignedLine {
  public:
   /// The pitches that it may be asked for; others are clamped to these and to [10 Hz, 0.2 fs].
   struct Pitches {
@@ -29,7 +29,7 @@ class WaveLine {
   static constexpr double kMostGain = 1;
   /// What a network's port takes to answer.
   static constexpr double kPortFrames = 1.0;
-  static constexpr int kLongest = 64;  ///< frames that may be written or read at once
+  using DesignedLine::kMostFrames;
 
   /// [control] Allocates for the lowest pitch.
   WaveLine(LossFilter filter, FarEnd end, Hertz sample_rate, Pitches pitches);
@@ -41,34 +41,18 @@ class WaveLine {
   /// [realtime] What comes back, beginning `written` frames before the last that was written. `position` is
   /// the group_position of the first frame. Not before the line's delay: frames - written <= least_delay().
   void read(double* out, int frames, int written, int position) noexcept;
-  void reset() noexcept;
-  /// [realtime] Goes on sounding as `other` did.
-  void adopt(WaveLine& other) noexcept;
-
   int least_delay() const noexcept { return least_; }
   int most_delay() const noexcept { return most_; }
   /// [any] out / in at any z^-1.
   std::complex<double> response(const StringParameters& parameters, std::complex<double> delay) const;
 
  private:
-  using Taps = std::array<double, StringDesign::kTaps>;
-  struct Aim {
-    int newest;
-    Taps taps;
-    double pole;
-  };
-  StringDesign designed(StringParameters parameters) const;
-  Aim aim_at(const StringParameters& parameters) const;
+  StringDesign designed(const StringParameters& parameters) const;
 
-  LossFilter filter_;
   double sign_;
   Hertz sample_rate_;
   Pitches pitches_;
   int least_, most_;
-  StringParameters parameters_;
-  Aim aim_;
-  DelayLine line_;
-  Recurrence<1> losses_;
 };
 
 }  // namespace tactus

@@ -8,7 +8,7 @@
 
 #include "engine/core/channels.h"
 #include "engine/guard/guarded.h"
-#include "engine/nodes/networks/network_node.h"
+#include "engine/nodes/networks/network.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/guard_report.h"
 

@@ -58,7 +58,7 @@ struct Draw {
 bool is_material(const ElementType& type, const std::string& field) {
   const auto found = std::find_if(type.fields.begin(), type.fields.end(),
                                   [&](const ElementField& known) { return known.name == field; });
-  return found != type.fields.end() && !found->signal &&
+  return found != type.fields.end() && !found->late &&
          std::find(kPlaces.begin(), kPlaces.end(), field) == kPlaces.end();
 }
 

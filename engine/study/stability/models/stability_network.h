@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/nodes/networks/network_node.h"
+#include "engine/nodes/networks/network.h"
 #include "engine/physics/linearised.h"
 
 namespace tactus {

@@ -1,11 +1,10 @@
-#include "engine/physics/couplings/contact_demand.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "engine/physics/network.h"
+#include "engine/physics/solvers/solver_choice.h"
 
 using namespace tactus;
 

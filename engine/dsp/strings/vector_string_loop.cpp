@@ -1,25 +1,26 @@
-#include "engine/dsp/strings/wide_string_loop.h"
+#include "engine/dsp/strings/vector_string_loop.h"
 
 #include <algorithm>
 
 namespace tactus {
 
-WideStringLoop::WideStringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)
+VectorStringLoop::VectorStringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)
     : filter_(filter),
       sample_rate_(sample_rate),
-      line_(StringLoop::longest_delay(sample_rate, lowest_pitch), kLongest + StringDesign::kTaps) {
+      line_(StringLoop::longest_delay(sample_rate, lowest_pitch) * Lanes::kCount,
+            (kMostFrames + StringDesign::kTaps) * Lanes::kCount) {
   const StringDesign design{{}, filter, sample_rate};
   for (int lane = 0; lane < Lanes::kCount; ++lane) take(lane, design);
 }
 
-void WideStringLoop::tune(int lane, const StringParameters& parameters) noexcept {
+void VectorStringLoop::tune(const StringParameters& parameters, int lane) noexcept {
   auto& before = parameters_[static_cast<std::size_t>(lane)];
   if (parameters == before) return;
   before = parameters;
   take(lane, StringDesign{parameters, filter_, sample_rate_});
 }
 
-void WideStringLoop::take(int lane, const StringDesign& design) noexcept {
+void VectorStringLoop::take(int lane, const StringDesign& design) noexcept {
   const auto l = static_cast<std::size_t>(lane);
   newest_[l] = design.newest;
   pole_[l] = design.pole;
@@ -27,7 +28,7 @@ void WideStringLoop::take(int lane, const StringDesign& design) noexcept {
   shortest_ = *std::min_element(newest_.begin(), newest_.end());
 }
 
-void WideStringLoop::reset() noexcept {
+void VectorStringLoop::reset() noexcept {
   line_.reset();
   loss_.fill(0.0);
 }

@@ -8,15 +8,15 @@
 
 namespace tactus {
 
-/// Eight filters of order 1 or 2 side by side, each with its own coefficients, in direct form I like
+/// Eight filters of order 1 or 2, each with its own coefficients, in direct form I like
 /// LinearFilter. The recurrence runs frame by frame in all lanes at once: one multiply-add a frame on the
 /// chain, for eight voices. The output is the same for any cutting into blocks; against LinearFilter it
 /// differs by rounding.
 template <int Order>
-class WideFilter {
+class VectorFilter {
  public:
   /// [realtime] From the next frame on.
-  void design(int lane, const FilterCoefficients<Order>& c) noexcept {
+  void design(const FilterCoefficients<Order>& c, int lane) noexcept {
     for (std::size_t i = 0; i <= Order; ++i) b_[i][static_cast<std::size_t>(lane)] = c.b[i];
     for (std::size_t i = 0; i < Order; ++i) a_[i][static_cast<std::size_t>(lane)] = c.a[i];
   }
@@ -25,7 +25,7 @@ class WideFilter {
 
   /// [realtime] `x` gives the Lanes of a frame, `y` is interleaved.
   template <class Input>
-  void run(const Input& x, double* y, int frames) noexcept {
+  void run(const Input& x, double* y, int frames, int /*position*/) noexcept {
     const auto b = loaded(b_);
     const auto a = loaded(a_);
     auto xs = loaded(x_), ys = loaded(y_);
