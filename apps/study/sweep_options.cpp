@@ -198,7 +198,7 @@ Status read_option(const std::string& text, const char* unit, const char* name, 
   if (!given) return tl::unexpected(given.error());
   if (!(*given >= least && *given <= most))
     return fail(Errc::OutOfRange, std::string{"--"} + name, "'" + text + "' is out of range",
-                fmt::format("choose {:g} {} to {:g} {}", least, unit, most, unit));
+                fmt::format("choose {:g} to {:g} {}", least, most, unit));
   value = *given;
   return {};
 }

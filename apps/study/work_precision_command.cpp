@@ -50,7 +50,8 @@ Result<std::vector<Hertz>> rates_of(const std::vector<std::string>& texts) {
 }
 
 int run_work_precision(const WorkPrecisionArguments& options) {
-  if (const auto solvers = swept_solvers(options.solvers); !solvers) return report(solvers.error());
+  if (const auto solvers = swept_solvers(options.solvers, "--solvers"); !solvers)
+    return report(solvers.error());
   const auto rates = rates_of(options.rates);
   if (!rates) return report(rates.error()), kUsage;
   const auto scene = load_target(options);

@@ -157,13 +157,13 @@ Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
   return swept;
 }
 
-Result<SweptValue> swept_solvers(const std::vector<std::string>& names) {
+Result<SweptValue> swept_solvers(const std::vector<std::string>& names, const char* option) {
   const auto known = stepping_solvers();
   SweptValue swept{"solver", {}, What::Solver, names};
   for (std::size_t i = 0; i < names.size(); ++i) {
     swept.values.emplace_back(static_cast<double>(i));
     if (std::find(known.begin(), known.end(), names[i]) == known.end())
-      return fail(Errc::UnknownName, "--over", "there is no solver '" + names[i] + "'",
+      return fail(Errc::UnknownName, option, "there is no solver '" + names[i] + "'",
                   "the solvers are " + listed(known));
   }
   return swept;

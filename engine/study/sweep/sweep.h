@@ -43,8 +43,8 @@ struct SweptValue {
 /// gesture moves; UnitMismatch; OutOfRange.
 Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
                               std::vector<ControlValue> values);
-/// The solvers of these names. Errors: UnknownName.
-Result<SweptValue> swept_solvers(const std::vector<std::string>& names);
+/// The solvers of these names. Errors, at `option`: UnknownName.
+Result<SweptValue> swept_solvers(const std::vector<std::string>& names, const char* option = "--over");
 /// Errors: BadArgument of a control that a gesture moves; UnitMismatch of a held gesture.
 Status check_swept(const SceneSpec& scene, const SweptValue& swept);
 
