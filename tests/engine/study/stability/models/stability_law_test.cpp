@@ -1,9 +1,8 @@
-#include "engine/study/stability/models/stability_law.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/nodes/table.h"
+#include "engine/study/stability/models/nonlinearities.h"
 #include "tests/support/node_runner.h"
 
 using namespace tactus;
