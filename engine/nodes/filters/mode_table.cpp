@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/dsp/resonators/mode_series.h"
+#include "engine/nodes/declare.h"
 
 namespace tactus {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engine/nodes/declare.h"
 #include "engine/nodes/filters/mode_table.h"
 #include "engine/nodes/process.h"
 
