@@ -1,9 +1,8 @@
-#include "apps/nodes/file_reference.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "apps/nodes/schema.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"

@@ -5,7 +5,6 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/nodes/file_reference.h"
 #include "apps/nodes/schema.h"
 #include "engine/graph/file/nearest.h"
 #include "engine/nodes/networks/network_elements.h"
@@ -30,10 +29,17 @@ void add_range(Json& json, double low, double high) {
   if (std::isfinite(high)) json["high"] = high;
 }
 
+/// What ports and fields have in common.
+template <class Entry>
+Json number_json(const Entry& entry, bool required) {
+  Json json{{"name", entry.name}, {"unit", entry.unit}, {"doc", entry.doc}, {"required", required}};
+  if (entry.fallback) json["default"] = *entry.fallback;
+  add_range(json, entry.low, entry.high);
+  return json;
+}
+
 Json entry_json(const InputPort& port) {
-  Json json{{"name", port.name}, {"unit", port.unit}, {"doc", port.doc}, {"required", !port.fallback}};
-  if (port.fallback) json["default"] = *port.fallback;
-  add_range(json, port.low, port.high);
+  auto json = number_json(port, !port.fallback);
   json["constant"] = port.fixed;
   json["closes_loops"] = port.late;
   return json;
@@ -49,25 +55,19 @@ Json entry_json(const OutputPort& port) {
 }
 
 Json entry_json(const Setting& setting) {
-  using Kind = Setting::Kind;
+  const bool choice = setting.kind == Setting::Kind::Choice;
   Json json{{"name", setting.name},
             {"kind", setting_kind_name(setting.kind)},
             {"doc", setting.doc},
             {"required", setting.fallback.empty() && !setting.optional}};
-  if (setting.kind == Kind::Choice) json["choices"] = setting.choices;
-  if (setting.kind != Kind::Choice && !setting.choices.empty()) json["units"] = setting.choices;
+  if (choice || !setting.choices.empty()) json[choice ? "choices" : "units"] = setting.choices;
   if (!setting.fallback.empty()) json["default"] = setting.fallback;
   add_range(json, setting.low, setting.high);
   return json;
 }
 
 Json entry_json(const ElementField& field) {
-  Json json{{"name", field.name},
-            {"unit", field.unit},
-            {"doc", field.doc},
-            {"required", !field.fallback && !field.optional}};
-  if (field.fallback) json["default"] = *field.fallback;
-  add_range(json, field.low, field.high);
+  auto json = number_json(field, !field.fallback && !field.optional);
   json["constant"] = !field.signal;
   return json;
 }
