@@ -45,7 +45,7 @@ std::string latency_text(const Device& device) {
 std::string measured_text(const Device& device, const MeasuredDelays& delays) {
   const auto* measured = delays.newest(device.id, device.id);
   if (measured == nullptr) return "";
-  return fmt::format("\n      measured here: {:.3f} ms, block {} frames, {:g} kHz, {}",
+  return fmt::format("\n      measured on this machine: {:.3f} ms, block {} frames, {:g} kHz, {}",
                      1e3 * measured->delay.value, measured->key.block_frames,
                      measured->key.sample_rate.value / 1e3, measured->when);
 }
@@ -63,31 +63,27 @@ void print(const Device& device, const MeasuredDelays& delays) {
 }
 
 int run_devices(const std::string& backend, bool as_json) {
-  if (!backend.empty())
-    if (const auto known = make_card_backend(backend); !known) return report(known.error()), kUsage;
-  const auto all = list_devices(backend);
+  const auto backends = or_exit(backends_called(backend), backend.empty() ? kDevice : kUsage);
   const auto delays = MeasuredDelays::load();
   if (delays.complaint()) fmt::print(stderr, "{}\n", to_string(*delays.complaint()));
-  bool any = false;
   Json json{{"devices", Json::array()}, {"unavailable", Json::array()}};
-  for (const auto& [name, devices] : all) {
-    if (!as_json) fmt::print("{}\n", name);
+  for (const auto& called : backends) {
+    const auto devices = called.make()->devices();
+    if (!as_json) fmt::print("{}\n", called.name);
     if (!devices) {
       json["unavailable"].push_back(
-          {{"backend", name}, {"reason", devices.error().what}, {"remedy", devices.error().remedy}});
+          {{"backend", called.name}, {"reason", devices.error().what}, {"remedy", devices.error().remedy}});
       if (!as_json) fmt::print("  unavailable: {}\n", to_string(devices.error()));
       continue;
     }
     if (!as_json && devices->empty()) fmt::print("  no device\n");
     for (const auto& device : *devices) {
-      any = true;
       json["devices"].push_back(json_of(device, delays));
       if (!as_json) print(device, delays);
     }
   }
   if (as_json) fmt::print("{}\n", json.dump(2));
-  if (all.empty()) fmt::print(stderr, "{}\n", no_card_backend());
-  return any ? kDone : kDevice;
+  return json["devices"].empty() ? kDevice : kDone;
 }
 
 }  // namespace
@@ -104,7 +100,7 @@ void add_devices(CLI::App& app, int& exit_code) {
       "Examples:\n  tactus devices\n  tactus devices --backend jack --json\n"
       "An id, or a part of a name that only one device has, goes into:\n"
       "  tactus play instruments/haptic_drum --device jack:system\n"
-      "Exit code 4: there is none.");
+      "Exit code 4: no device.");
   command->callback([=, &exit_code] { exit_code = run_devices(*backend, *as_json); });
 }
 

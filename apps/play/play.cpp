@@ -17,22 +17,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct PlayOptions {
-  std::string target;
-  PlayFiles files;
-  SceneRun run;
-  LiveOptions live;
-  std::optional<int> block;
-  bool json = false;
+struct PlayOptions : LiveOptions {
+  std::string folder = "out";
+  std::vector<std::string> show;
 };
 
 /// What is reported of a played scene, for machines and for people.
 struct Report {
   const PlayedScene& played;
-  std::vector<std::unique_ptr<ReportSection>> sections;
+  std::vector<ReportSection> sections;
   std::vector<Outcome> outcomes;
 
-  bool holds() const {
+  bool passed() const {
     return played.recording.faults.empty() &&
            std::all_of(outcomes.begin(), outcomes.end(),
                        [](const Outcome& outcome) { return outcome.holds; });
@@ -46,10 +42,8 @@ Json json_of(const Report& report) {
   Json json{{"scene", report.played.scene.name}, {"sample_rate_hz", recording.sample_rate.value},
             {"delay_ms", report.delay_ms()},     {"duration_s", recording.seconds()},
             {"run_s", recording.run_seconds},    {"real_time_factor", report.times_real_time()}};
-  for (const auto& section : report.sections) section->add_to(json);
-  json["faults"] = Json::array();
-  for (const auto& fault : recording.faults)
-    json["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
+  for (const auto& section : report.sections) json.update(section.json);
+  json["faults"] = faults_json(recording.faults);
   json["bad_input_samples"] = recording.bad_inputs;
   json["guard"] = guard_json(recording.guard, recording.sample_rate);
   json["ports"] = ports_json(recording.ports);
@@ -70,7 +64,7 @@ void print(const Report& report) {
       "  played              {:g} s at {:g} Hz with {:g} ms of delay, in {:.2f} s: {:.0f} times real time\n",
       recording.seconds(), recording.sample_rate.value, report.delay_ms(), recording.run_seconds,
       report.times_real_time());
-  for (const auto& section : report.sections) fmt::print("{}", section->text());
+  for (const auto& section : report.sections) fmt::print("{}", section.text);
   print_guard(recording.guard, recording.sample_rate);
   print_ports(recording.ports);
   fmt::print("  faults              {}\n",
@@ -85,94 +79,65 @@ void print(const Report& report) {
                outcome.unit.empty() ? "" : " " + outcome.unit, outcome.wanted);
 }
 
-/// On a sound card the options that both ways have mean the same.
-int play_on_card(const PlayOptions& options) {
-  auto live = options.live;
-  live.target = options.target;
-  live.rate = options.run.rate;
-  live.duration = options.run.duration;
-  live.delay = options.run.delay;
-  live.block = options.block;
-  live.set = options.run.set;
-  live.guard = options.run.guard;
-  live.json = options.json;
-  return play_live(live);
+/// Options for sound cards only must not be given without one.
+void refuse_card_options(const CLI::App& command) {
+  for (const auto* option : {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs",
+                             "--outputs", "--periods", "--arm"})
+    if (command.count(option) > 0)
+      exit_with({Errc::BadArgument, option, "is for sound cards", "give --device, --backend or --rig too"});
 }
 
 int run_play(const PlayOptions& options) {
-  if (options.live.live()) return play_on_card(options);
-  if (const auto stray = options.live.stray(); !stray.empty())
-    return report(
-        Error{Errc::BadArgument, stray, "is for sound cards", "give --device, --backend or --rig too"});
-  auto scene_run = options.run;
-  scene_run.block = options.block.value_or(scene_run.block);
-  scene_run.file = resolve_target(options.target, "scene.toml");
-  const auto played = play_file(scene_run);
-  if (!played) return report(played.error());
-  const auto outcomes = check_expectations(played->scene, played->recording);
-  if (!outcomes) return report(outcomes.error());
+  const auto file = resolve_target(options.target, "scene.toml");
+  const auto played = play_file(file, options);
+  auto outcomes = or_exit(check_expectations(played.scene, played.recording));
   std::optional<PlayedScene> compared;
-  if (played->scene.compare) {
-    scene_run.overrides = played->scene.compare->set;
-    scene_run.said = true;
-    auto other = play_file(scene_run);
-    if (!other) return report(other.error());
-    compared = std::move(*other);
-  }
-  const Report finished{*played, sections_of(*played, compared ? &*compared : nullptr), *outcomes};
-  auto json = json_of(finished);
-  auto written = write_files(options.files, *played);
-  if (!written) return report(written.error());
-  const auto kept = base_of(options.files, *played) + ".json";
-  if (auto status = write_json(kept, json); !status) return report(status.error());
-  written->push_back(kept + "  this report, with what the guard did");
+  if (played.scene.compare) compared = play_file(file, options, &played.scene.compare->set);
+  const Report report{played, sections_of(played, compared ? &*compared : nullptr), std::move(outcomes)};
+  auto json = json_of(report);
+  auto written = or_exit(write_files(options.folder, options.show, played));
+  const auto report_file = base_of(options.folder, played) + ".json";
+  or_exit(write_json(report_file, json));
+  written.push_back(report_file + "  this report, with what the guard did");
   if (options.json) {
-    json["written"] = *written;
+    json["written"] = written;
     fmt::print("{}\n", json.dump(2));
   } else {
-    print(finished);
-    fmt::print("\n  written\n");
-    for (const auto& line : *written) fmt::print("    {}\n", line);
+    print(report);
+    fmt::print("\n  written\n    {}\n", fmt::join(written, "\n    "));
   }
-  return finished.holds() ? kDone : kNo;
+  return report.passed() ? kDone : kNo;
 }
 
 }  // namespace
 
 void add_play(CLI::App& app, int& exit_code) {
-  auto* command =
-      app.add_subcommand("play", "Play an instrument on a sound card, or a scene in the simulated world");
+  auto* command = app.add_subcommand("play", "Play an instrument on a sound card, or a scene in simulation");
   auto options = std::make_shared<PlayOptions>();
   command
       ->add_option(
           "FILE", options->target,
           "instrument or scene; a folder means its instrument.toml on a card, otherwise its scene.toml")
       ->required();
-  command->add_option("--delay", options->run.delay,
-                      "system delay instead of the scene's, such as \"10 ms\"");
-  command->add_option("--rate", options->run.rate, "sample rate instead of the scene's");
-  command->add_option("--duration", options->run.duration, "duration instead of the scene's");
-  command->add_option("--block", options->block, "frames a block (the result does not depend on it); [64]")
-      ->check(CLI::Range(1, 8192));
-  command->add_option("--set", options->run.set,
-                      "NAME=VALUE: a control of the instrument, or plant.NAME=VALUE");
-  add_guard_options(*command, options->run.guard);
-  command->add_option("--out", options->files.folder, "folder for the WAV files and the picture")
+  add_run_options(*command, *options);
+  command->add_option("--out", options->folder, "folder for the WAV files and the plot")
       ->check(writable_folder())
       ->capture_default_str();
   command
-      ->add_option("--show", options->files.show,
-                   "FROM TO: times that the picture shows, such as --show \"2 s\" \"3 s\"")
+      ->add_option("--show", options->show,
+                   "FROM TO: times that the plot shows, such as --show \"2 s\" \"3 s\"")
       ->expected(2);
-  command->add_flag("--json", options->json, "for machines");
-  add_live_options(*command, options->live);
+  add_live_options(*command, *options);
   command->footer(
       "Examples:\n  tactus play instruments/haptic_drum\n  tactus play instruments/haptic_drum --device "
-      "jack:system\n  tactus play instruments/haptic_drum --delay \"40 "
-      "ms\" --set strength=0.5\n"
+      "jack:system\n"
+      "  tactus play instruments/haptic_drum --delay \"40 ms\" --set strength=0.5\n"
       "  tactus play instruments/haptic_drum/galloping.toml --show \"2 s\" \"3 s\"\n"
-      "Exit code 1: it ran, and did not do what the scene expects.");
-  command->callback([options, &exit_code] { exit_code = run_play(*options); });
+      "Exit code 1: it ran, and an expectation of the scene was not met.");
+  command->callback([command, options, &exit_code] {
+    if (!options->live()) refuse_card_options(*command);
+    exit_code = options->live() ? play_live(*options) : run_play(*options);
+  });
 }
 
 }  // namespace tactus::app

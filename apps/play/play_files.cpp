@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 
 #include "apps/cli/console.h"
@@ -16,16 +17,16 @@ using Signals = std::vector<const RecordedSignal*>;
 
 std::string slug(const std::string& name) {
   std::string text;
-  for (const char c : name)
-    text += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '_';
+  for (const unsigned char c : name) text += std::isalnum(c) != 0 ? static_cast<char>(c) : '_';
   return text.empty() ? "scene" : text;
 }
 
-Result<std::pair<double, double>> shown_times(const PlayFiles& files, const SceneRecording& recording) {
+Result<std::pair<double, double>> shown_times(const std::vector<std::string>& show,
+                                              const SceneRecording& recording) {
   const double shown = melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds());
-  if (files.show.empty()) return std::pair{0.0, shown};
-  const auto from = parse_option(files.show[0], "s", "show");
-  const auto to = parse_option(files.show[1], "s", "show");
+  if (show.empty()) return std::pair{0.0, shown};
+  const auto from = parse_option(show[0], "s", "show");
+  const auto to = parse_option(show[1], "s", "show");
   if (!from) return tl::unexpected(from.error());
   if (!to) return tl::unexpected(to.error());
   if (*from >= *to || *from >= recording.seconds())
@@ -68,17 +69,18 @@ Status write_sound(const std::string& path, const Signals& signals, Hertz rate,
 
 }  // namespace
 
-std::string base_of(const PlayFiles& files, const PlayedScene& played) {
-  return (std::filesystem::path{files.folder} / slug(played.scene.name)).string();
+std::string base_of(const std::string& folder, const PlayedScene& played) {
+  return (std::filesystem::path{folder} / slug(played.scene.name)).string();
 }
 
-Result<std::vector<std::string>> write_files(const PlayFiles& files, const PlayedScene& played) {
+Result<std::vector<std::string>> write_files(const std::string& folder, const std::vector<std::string>& show,
+                                             const PlayedScene& played) {
   const auto& recording = played.recording;
-  const auto times = shown_times(files, recording);
+  const auto times = shown_times(show, recording);
   if (!times) return tl::unexpected(times.error());
   std::error_code ignored;
-  std::filesystem::create_directories(files.folder, ignored);
-  const auto base = base_of(files, played);
+  std::filesystem::create_directories(folder, ignored);
+  const auto base = base_of(folder, played);
   std::vector<std::string> written;
   const std::pair<const char*, Signals> sounds[] = {
       {"_sound.wav", of_instrument(recording, recording.sounds)},
@@ -92,7 +94,7 @@ Result<std::vector<std::string>> write_files(const PlayFiles& files, const Playe
   if (auto status = write_svg(picture, {scene_plot(played.scene, recording, times->first, times->second)});
       !status)
     return tl::unexpected(status.error());
-  written.push_back(picture + fmt::format("  the picture, {:g} s to {:g} s", times->first, times->second));
+  written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", times->first, times->second));
   return written;
 }
 

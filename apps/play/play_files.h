@@ -1,5 +1,4 @@
 #pragma once
-
 // Thread: [control]
 
 #include <string>
@@ -9,18 +8,14 @@
 
 namespace tactus::app {
 
-/// Where the files of a run go, and what the picture shows.
-struct PlayFiles {
-  std::string folder = "out";
-  std::vector<std::string> show;  ///< two times; empty: a melody as a whole, of the rest the first second
-};
+/// What the names of all files of a run begin with.
+std::string base_of(const std::string& folder, const PlayedScene& played);
 
-/// What all files of a run begin with.
-std::string base_of(const PlayFiles& files, const PlayedScene& played);
-
-/// What is heard, the drives and the sensors as a sound file each, unscaled and unclipped; what moved as
-/// another, in metres and newtons; the picture. No empty files. A line each: the path and its
-/// contents. Errors: BadFile; OutOfRange for the times.
-Result<std::vector<std::string>> write_files(const PlayFiles& files, const PlayedScene& played);
+/// The monitor output, the drives and the sensors as a sound file each, unscaled and unclipped; what moved as
+/// another, in metres and newtons; the plot. `show`: the two times that it shows; empty: a melody as a whole,
+/// otherwise the first second. No empty files. A line each: the path and its contents. Errors: BadFile;
+/// OutOfRange for the times.
+Result<std::vector<std::string>> write_files(const std::string& folder, const std::vector<std::string>& show,
+                                             const PlayedScene& played);
 
 }  // namespace tactus::app

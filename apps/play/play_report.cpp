@@ -19,57 +19,45 @@ using Json = nlohmann::ordered_json;
 /// Levels count the highest envelope of a hit's first 5 ms.
 constexpr double kLevelAfter_s = 5e-3;
 
-Result<SceneOptions> scene_options(const SceneRun& run) {
-  SceneOptions options;
-  auto set = parse_settings(run.set);
-  if (!set) return tl::unexpected(set.error());
-  options.set = std::move(*set);
-  for (const auto& [name, value] : run.overrides) options.set[name] = value;
-  if (!run.delay.empty()) {
-    const auto delay = parse_option(run.delay, "s", "delay");
-    if (!delay) return tl::unexpected(delay.error());
-    if (*delay < 0 || *delay > 10)
-      return fail(Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", "");
-    options.delay = Seconds{*delay};
-  }
-  if (!run.rate.empty()) {
-    const auto rate = parse_rate(run.rate);
-    if (!rate) return tl::unexpected(rate.error());
-    options.rate = *rate;
-  }
-  return options;
-}
-
 }  // namespace
 
-Checked<PlayedScene> play_file(const SceneRun& run) {
-  auto loaded = load_scene_leniently(run.file, root_of(run.file));
-  if (!loaded.scene) return tl::unexpected(std::move(loaded.mistakes));
-  auto& scene = loaded.scene;
-  if (!run.duration.empty()) {
-    const auto duration = parse_option(run.duration, "s", "duration");
-    if (!duration) return tl::unexpected(std::vector{duration.error()});
-    if (!(*duration > 0) || *duration > 3600)
-      return tl::unexpected(
-          std::vector{Error{Errc::OutOfRange, "--duration", "must be above 0 s and at most an hour", ""}});
-    scene->duration = Seconds{*duration};
-  }
-  const auto options = scene_options(run);
-  if (!options) return tl::unexpected(std::vector{options.error()});
-  auto drives = apply(run.guard, std::move(scene->drives), root_of(run.file), run.said);
-  if (!drives) return tl::unexpected(drives.error());
-  scene->drives = std::move(*drives);
-  auto built = build_scene(loaded, standard_nodes(), *options);
-  if (!built) return tl::unexpected(built.error());
-  const auto* instrument = scene->part("instrument");
-  if (!run.said && options->delay && instrument != nullptr && instrument->graph != nullptr)
-    announce_delay(*instrument->graph, options->delay->value);
-  Progress progress{"playing " + scene->name};
-  auto recording = play_scene(*scene, *built, run.block, [&](double share) {
-    if (run.show_progress) progress(share);
-  });
-  if (!recording) return tl::unexpected(std::vector{recording.error()});
-  return PlayedScene{std::move(*scene), std::move(*recording)};
+void add_run_options(CLI::App& command, RunOptions& options) {
+  command.add_option("--delay", options.delay, "system delay instead of the scene's, such as \"10 ms\"");
+  command.add_option("--rate", options.rate,
+                     "sample rate instead of the scene's or the input file's, which is then resampled");
+  command.add_option("--duration", options.duration,
+                     "instead of the scene's or the input file's, such as \"10 s\"");
+  command.add_option("--set", options.set,
+                     "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene also "
+                     "plant.NAME=VALUE");
+  command.add_option("--block", options.block, "frames a block (the result does not depend on it)")
+      ->check(CLI::Range(1, 8192));
+  add_guard_options(command, options.guard);
+  command.add_flag("--json", options.json, "for machines");
+}
+
+PlayedScene play_file(const std::filesystem::path& file, const RunOptions& options,
+                      const std::map<std::string, double>* compared) {
+  const bool first = compared == nullptr;
+  auto loaded = load_scene_leniently(file, root_of(file));
+  if (!loaded.scene) throw CommandError{std::move(loaded.mistakes)};
+  auto& scene = *loaded.scene;
+  if (!options.duration.empty()) scene.duration = or_exit(parse_duration(options.duration, 3600_s));
+  SceneOptions changes;
+  changes.set = or_exit(parse_settings(options.set));
+  if (!first)
+    for (const auto& [name, value] : *compared) changes.set[name] = value;
+  if (!options.delay.empty()) changes.delay = or_exit(parse_delay(options.delay));
+  if (!options.rate.empty()) changes.rate = or_exit(parse_rate(options.rate));
+  scene.drives = or_exit(apply(options.guard, std::move(scene.drives), root_of(file), !first));
+  auto built = or_exit(build_scene(loaded, standard_nodes(), changes));
+  const auto* instrument = scene.part("instrument");
+  if (first && changes.delay && instrument != nullptr && instrument->graph != nullptr)
+    announce_delay(*instrument->graph, changes.delay->value);
+  Progress progress{"playing " + scene.name};
+  auto recording =
+      or_exit(play_scene(scene, built, options.block.value_or(64), [&](double share) { progress(share); }));
+  return {std::move(scene), std::move(recording)};
 }
 
 Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps,
@@ -107,6 +95,12 @@ Json events_json(const std::vector<std::string>& names, const std::vector<std::v
   return json;
 }
 
+Json faults_json(const std::vector<FaultCount>& faults) {
+  auto json = Json::array();
+  for (const auto& fault : faults) json.push_back({{"node", fault.path}, {"count", fault.count}});
+  return json;
+}
+
 Json ports_json(const std::vector<PortEnergy>& ports) {
   auto json = Json::array();
   for (const auto& port : ports) {
@@ -134,25 +128,17 @@ Status write_json(const std::string& path, const Json& json) {
   return fail(Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written");
 }
 
-Json events_of(const PlayedScene& played) {
+Json events_of(const SceneRecording& recording) {
   std::vector<std::string> names;
   std::vector<std::vector<double>> taps;
   const std::string prefix = "instrument.";
-  for (const auto& signal : played.recording.signals) {
+  for (const auto& signal : recording.signals) {
     if (!signal.name.starts_with(prefix) || signal.name.find('.', prefix.size()) == std::string::npos)
       continue;
     names.push_back(signal.name.substr(prefix.size()));
     taps.push_back(signal.samples);
   }
-  return events_json(names, taps, played.recording.sample_rate);
-}
-
-Samples outputs_of(const PlayedScene& played, const std::vector<std::string>& names) {
-  Samples samples;
-  samples.sample_rate = played.recording.sample_rate;
-  for (const auto& name : names)
-    samples.channels.push_back(played.recording.find("instrument." + name)->samples);
-  return samples;
+  return events_json(names, taps, recording.sample_rate);
 }
 
 }  // namespace tactus::app

@@ -1,4 +1,4 @@
-#include "apps/play/live/learn_sensor.h"
+#include "engine/rig/learn_sensor.h"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,11 @@
 #include <cmath>
 #include <thread>
 
+#include "apps/play/live/plan.h"
 #include "engine/core/decibels.h"
 #include "engine/core/spsc_queue.h"
 #include "engine/graph/file/nearest.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/rig/learn_sensor.h"
 
 namespace tactus::app {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// Hands the first input to the control thread; it has no outputs, so nothing moves.
-class Listener final : public BlockProcessor {
+class InputReader final : public BlockProcessor {
  public:
   Status prepare(const StreamFormat&) override { return {}; }
   void process(const BlockIo& io) noexcept override {
@@ -67,8 +67,8 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   request.in_map = {(*input)->channels.front() - 1};
   request.out_channels = 0;
   request.out_map.clear();
-  Listener listener;
-  Guarded guarded{listener, {}};
+  InputReader reader;
+  Guarded guarded{reader, {}};
   guarded.disable_sensor_watch();
   auto stream = backend.open(request, guarded);
   if (!stream) return tl::unexpected(stream.error());
@@ -78,7 +78,7 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   const auto deadline = std::chrono::steady_clock::now() + 60s;
   for (int reported = 0; !learner.done() && std::chrono::steady_clock::now() < deadline;) {
     std::this_thread::sleep_for(20ms);
-    learner.hear(listener.take());
+    learner.hear(reader.take());
     if ((*stream)->state() == StreamState::Lost)
       return fail(Errc::Device, "", "the device was disconnected", "try again");
     for (; reported < learner.hits(); ++reported) fmt::print(stderr, "{} ", reported + 1);

@@ -22,10 +22,10 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
       ->check(CLI::Range(1, 1024));
   group->add_option("--periods", options.periods, "blocks in the driver's buffer")->check(CLI::Range(1, 64));
   group->add_option("--pad-delay", options.pad_delay,
-                    "hold the system delay at this, such as \"20 ms\", from session to session");
-  group->add_option("--record", options.record, "keep sensors, drives and controls in this WAV file");
+                    "extend the system delay to this in every session, such as \"20 ms\"");
+  group->add_option("--record", options.record, "record sensors, drives and controls to this WAV file");
   group->add_option("--save-rig", options.save_rig,
-                    "ask what cannot be known, and write it to this rig file");
+                    "ask what is connected where, and write it to this rig file");
   group->add_flag(
       "--learn{*}", options.learn,
       "set the sensitivity of the first sensor, or with --learn=NAME of another, from five soft hits");
@@ -35,7 +35,7 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
       ->check(CLI::IsMember({"alsa", "jack", "core", "winmm"}));
   group->add_flag("--listen", options.listen, "play a scene's simulated world to the sound card");
   group->add_flag("--arm", options.arm, "drives move at once, instead of when 'a' is pressed");
-  group->add_flag("--yes", options.yes, "answer every question with what is proposed");
+  group->add_flag("--yes", options.yes, "answer every question with its default");
   group->add_flag("--force", options.force, "overwrite files");
 }
 

@@ -1,11 +1,9 @@
-#include "apps/play/live/session_report.h"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "apps/cli/guard_options.h"
 #include "apps/play/live/controls/status_line.h"
+#include "apps/play/live/session.h"
 #include "apps/play/play_report.h"
 
 namespace tactus::app {
@@ -35,14 +33,7 @@ Json json_of(const std::vector<SessionView::Level>& levels) {
   return json;
 }
 
-Json takes_json(const Session& session) {
-  Json json = Json::array();
-  for (const auto& take : session.takes()) json.push_back(take.string());
-  return json;
-}
-
-void print_json(const Session& session, const SessionView& view, const Performer& performer,
-                const GuardReport& guard) {
+Json json_of(Session& session, const SessionView& view, const Performer& performer) {
   const auto& granted = session.granted();
   Json json{{"instrument", performer.name()},
             {"device", granted.device},
@@ -51,36 +42,27 @@ void print_json(const Session& session, const SessionView& view, const Performer
             {"highest_input", json_of(view.highest_inputs)},
             {"highest_output", json_of(view.highest_outputs)},
             {"health", json_of(view.health)},
-            {"takes", takes_json(session)},
-            {"guard", guard_json(guard, granted.format.sample_rate)}};
+            {"takes", Json::array()},
+            {"guard", guard_json(session.guard_report(), granted.format.sample_rate)}};
+  for (const auto& take : session.takes()) json["takes"].push_back(take.string());
   if (const auto ports = performer.ports(); !ports.empty()) json["ports"] = ports_json(ports);
-  fmt::print("{}\n", json.dump(2));
-}
-
-void print_text(const Session& session, const SessionView& view, const Performer& performer,
-                const GuardReport& guard) {
-  for (const auto& level : view.highest_inputs)
-    fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
-  for (const auto& level : view.highest_outputs)
-    fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
-  fmt::print("  load                {}\n", load_text(view.health));
-  fmt::print("  gaps                {}\n", xrun_text(view.health));
-  if (view.health.bad_input > 0)
-    fmt::print("  bad input           {} samples were no numbers and counted as silence\n",
-               view.health.bad_input);
-  print_guard(guard, session.granted().format.sample_rate);
-  print_ports(performer.ports());
-  for (const auto& take : session.takes()) fmt::print("  take                {}\n", take.string());
+  return json;
 }
 
 }  // namespace
 
 void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json) {
-  const auto guard = session.guard_report();
-  if (as_json)
-    print_json(session, view, performer, guard);
-  else
-    print_text(session, view, performer, guard);
+  if (as_json) return fmt::print("{}\n", json_of(session, view, performer).dump(2));
+  for (const auto* levels : {&view.highest_inputs, &view.highest_outputs})
+    for (const auto& level : *levels)
+      fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
+  fmt::print("  load                {}\n", load_text(view.health));
+  fmt::print("  gaps                {}\n", xrun_text(view.health));
+  if (view.health.bad_input > 0)
+    fmt::print("  bad input           {} non-finite samples replaced by zero\n", view.health.bad_input);
+  print_guard(session.guard_report(), session.granted().format.sample_rate);
+  print_ports(performer.ports());
+  for (const auto& take : session.takes()) fmt::print("  take                {}\n", take.string());
 }
 
 }  // namespace tactus::app

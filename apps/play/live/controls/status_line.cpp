@@ -57,14 +57,14 @@ std::string load_text(const Health& health) {
                      100 * health.high_load, 100 * health.peak_load);
 }
 
-std::string status_line(const SessionView& view, const std::string& knob, int columns) {
+std::string status_line(const SessionView& view, const std::string& control, int columns) {
   std::string first =
       fmt::format("{} | load {:.2g}, {:.2g}, {:.2g} % | {}", state_text(view), 100 * view.health.median_load,
                   100 * view.health.high_load, 100 * view.health.peak_load, xrun_text(view.health));
   for (std::size_t g = 0; g < view.guard.size(); ++g) first += (g == 0 ? " | guard: " : ", ") + view.guard[g];
   if (view.faults > 0) first += fmt::format(" | {} faults", view.faults);
   auto second = levels_text(view.inputs) + (view.inputs.empty() ? "" : " > ") + levels_text(view.outputs);
-  if (!knob.empty()) second += " | " + knob;
+  if (!control.empty()) second += " | " + control;
   if (view.recorded_s) second += fmt::format(" | recorded {:.0f} s", *view.recorded_s);
   return cut(first, columns) + "\n" + cut(second, columns);
 }
@@ -78,17 +78,17 @@ void StatusLine::clear() {
   drawn_ = false;
 }
 
-void StatusLine::draw(const SessionView& view, const std::string& knob) {
+void StatusLine::draw(const SessionView& view, const std::string& control) {
   if (columns_ == 0) return;
   columns_ = terminal_columns();
-  fmt::print(stderr, "\r\x1b[J{}\x1b[A\r", status_line(view, knob, columns_ - 1));
+  fmt::print(stderr, "\r\x1b[J{}\x1b[A\r", status_line(view, control, columns_ - 1));
   std::fflush(stderr);
   drawn_ = true;
 }
 
-void StatusLine::say(const std::string& words) {
+void StatusLine::print(const std::string& message) {
   clear();
-  fmt::print(stderr, "{}\n", words);
+  fmt::print(stderr, "{}\n", message);
 }
 
 }  // namespace tactus::app
