@@ -140,19 +140,6 @@ int run_check(const CheckOptions& options) {
   return report.passed() ? kDone : kNo;
 }
 
-void add_device_options(CLI::App& command, CheckOptions& options) {
-  command.add_option("--hand-damping", options.hand_damping, "what a fingertip adds to the device")
-      ->capture_default_str();
-  command.add_option("--hand-mass", options.hand_mass, "what a fingertip adds to the device")
-      ->capture_default_str();
-  command.add_option("--push", options.push, "force in contacts that are analysed closed")
-      ->capture_default_str();
-  command
-      .add_option("--device-mass", options.device_mass, "an instrument without a scene pushes such a device")
-      ->capture_default_str();
-  command.add_option("--device-damping", options.device_damping, "its damping")->capture_default_str();
-}
-
 }  // namespace
 
 void add_check(CLI::App& app, int& exit_code) {
@@ -167,7 +154,13 @@ void add_check(CLI::App& app, int& exit_code) {
   command->add_option("--delay", options->delay, "system delay, instead of the scene's or the rig's");
   command->add_option("--rig", options->rig, "rig file: its measured delay");
   command->add_option("--set", options->set, "NAME=VALUE of a control");
-  add_device_options(*command, *options);
+  for (const auto& [name, value, help] :
+       {std::tuple{"--hand-damping", &options->hand_damping, "added to the device by a fingertip"},
+        {"--hand-mass", &options->hand_mass, "added to the device by a fingertip"},
+        {"--push", &options->push, "force in contacts that are analysed closed"},
+        {"--device-mass", &options->device_mass, "of the device that an instrument without a scene pushes"},
+        {"--device-damping", &options->device_damping, "of that device"}})
+    command->add_option(name, *value, help)->capture_default_str();
   command->add_flag("--quick", options->quick, "only the analysis of the graph, without the runs");
   command->add_flag("--verbose", options->verbose, "every loop, network, control and run as a table");
   command->add_flag("--json", options->json, "every number, for machines");

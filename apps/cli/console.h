@@ -52,7 +52,7 @@ class Progress {
   explicit Progress(std::string what);
   ~Progress();
   void operator()(double share);
-  /// Says what is done now, too.
+  /// Shows what is being done, too.
   void operator()(double share, const std::string& what);
 
  private:

@@ -52,14 +52,13 @@ std::string measured_text(const Device& device, const MeasuredDelays& delays) {
 
 void print(const Device& device, const MeasuredDelays& delays) {
   fmt::print("  {}{}\n", device.id, device.is_default ? "  (default)" : "");
-  std::string rates;
-  for (const auto& rate : device.sample_rates)
-    rates += fmt::format("{}{:g}", rates.empty() ? "" : ", ", rate.value / 1e3);
-  fmt::print(
-      "      {}: {} in, {} out, {}{}{}{}\n", device.name, device.in_channels, device.out_channels,
-      rates.empty() ? fmt::format("{:g} kHz, others too", device.default_rate.value / 1e3) : rates + " kHz",
-      device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
-      latency_text(device), measured_text(device, delays));
+  std::vector<double> rates;
+  for (const auto& rate : device.sample_rates) rates.push_back(rate.value / 1e3);
+  fmt::print("      {}: {} in, {} out, {}{}{}{}\n", device.name, device.in_channels, device.out_channels,
+             rates.empty() ? fmt::format("{:g} kHz, others too", device.default_rate.value / 1e3)
+                           : fmt::format("{:g} kHz", fmt::join(rates, ", ")),
+             device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
+             latency_text(device), measured_text(device, delays));
 }
 
 int run_devices(const std::string& backend, bool as_json) {

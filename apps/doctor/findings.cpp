@@ -109,36 +109,25 @@ Finding check_pipewire(const std::string& settings) {
                      frames, rate, "pw-metadata -n settings 0 clock.force-quantum 64   # 0 undoes it");
 }
 
-struct UsbDevice {
-  std::string path;  ///< "1-2.3": port 3 of the hub at port 2 of bus 1
-  std::string product;
-  bool sleeps;  ///< is suspended when it is idle
-  bool audio, hub;
-
-  std::string name() const { return product.empty() ? path : product; }
-  /// "1-2" of "1-2.3"; empty for a device at a port of the machine itself.
-  std::string parent() const {
-    const auto dot = path.rfind('.');
-    return dot == std::string::npos ? "" : path.substr(0, dot);
-  }
-};
+const std::string kUsb = "sys/bus/usb/devices/";  // "1-2.3": port 3 of the hub at port 2 of bus 1
 
 /// An interface of class 1 is audio, a device of class 9 a hub: USB-IF, "Defined class codes".
-std::vector<UsbDevice> usb_devices(const SystemFiles& system) {
-  const std::string all = "sys/bus/usb/devices";
-  std::vector<UsbDevice> found;
-  for (const auto& path : system.names(all)) {
-    if (path.find('-') == std::string::npos || path.find(':') != std::string::npos) continue;
-    const auto folder = all + "/" + path + "/";
-    const auto interfaces = system.names(folder);
-    found.push_back({path, system.line(folder + "product"), system.line(folder + "power/control") == "auto",
-                     std::any_of(interfaces.begin(), interfaces.end(),
-                                 [&](const std::string& name) {
-                                   return system.line(folder + name + "/bInterfaceClass") == "01";
-                                 }),
-                     system.line(folder + "bDeviceClass") == "09"});
-  }
-  return found;
+bool is_usb_audio(const SystemFiles& system, const std::string& device) {
+  const auto interfaces = system.names(kUsb + device);
+  return std::any_of(interfaces.begin(), interfaces.end(), [&](const std::string& name) {
+    return system.line(kUsb + device + "/" + name + "/bInterfaceClass") == "01";
+  });
+}
+
+std::string usb_name(const SystemFiles& system, const std::string& device) {
+  const auto product = system.line(kUsb + device + "/product");
+  return "'" + (product.empty() ? device : product) + "'";
+}
+
+/// "1-2" of "1-2.3"; empty for a device at a port of the machine itself.
+std::string usb_parent(const std::string& device) {
+  const auto dot = device.rfind('.');
+  return dot == std::string::npos ? "" : device.substr(0, dot);
 }
 
 bool is_realtime(const SystemFiles& system) {
@@ -271,32 +260,35 @@ Finding check_machine(const SystemFiles& system) {
 Finding check_cards(const SystemFiles& system) {
   const auto cards = system.text("proc/asound/cards");
   if (!cards) return unknown("the kernel shows no sound cards at all (no ALSA)");
-  std::string names;
+  std::vector<std::string> names;
   std::istringstream lines{*cards};
   for (std::string line; std::getline(lines, line);) {
     const auto open = line.find('['), dash = line.find(" - ", open);
-    if (open == std::string::npos || dash == std::string::npos) continue;
-    names += (names.empty() ? "" : ", ") + line.substr(dash + 3);
+    if (open != std::string::npos && dash != std::string::npos) names.push_back(line.substr(dash + 3));
   }
-  if (!names.empty()) return ok(names);
+  if (!names.empty()) return ok(fmt::format("{}", fmt::join(names, ", ")));
   return warn("no sound card is connected",
               "sudo dmesg | tail   # shows what happened when it was connected");
 }
 
 std::vector<Finding> check_usb(const SystemFiles& system) {
   std::vector<Finding> findings;
-  const auto devices = usb_devices(system);
+  auto devices = system.names(kUsb);
+  std::erase_if(devices, [](const std::string& name) {
+    return name.find('-') == std::string::npos || name.find(':') != std::string::npos;
+  });
   for (const auto& device : devices) {
-    if (!device.audio) continue;
-    const auto name = "'" + device.name() + "'";
-    const auto neighbour = std::find_if(devices.begin(), devices.end(), [&](const UsbDevice& other) {
-      return &other != &device && !other.hub && !device.parent().empty() && other.parent() == device.parent();
+    if (!is_usb_audio(system, device)) continue;
+    const auto name = usb_name(system, device), parent = usb_parent(device);
+    const auto neighbour = std::find_if(devices.begin(), devices.end(), [&](const std::string& other) {
+      return other != device && !parent.empty() && usb_parent(other) == parent &&
+             system.line(kUsb + other + "/bDeviceClass") != "09";
     });
-    findings.push_back(device.sleeps
+    findings.push_back(system.line(kUsb + device + "/power/control") == "auto"
                            ? warn(name + " may be suspended when it is idle",
-                                  "echo on | sudo tee /sys/bus/usb/devices/" + device.path + "/power/control")
+                                  "echo on | sudo tee /sys/bus/usb/devices/" + device + "/power/control")
                        : neighbour != devices.end()
-                           ? warn(name + " shares a hub with '" + neighbour->name() + "'",
+                           ? warn(name + " shares a hub with " + usb_name(system, *neighbour),
                                   "lsusb -t   # shows the ports; connect it to one of the machine itself")
                            : ok(name + " is never suspended, and has a port of its own"));
   }

@@ -48,8 +48,8 @@ Json whole_number(const std::string& description, double low, double high) {
   return joined({{"description", description}, {"type", "integer"}}, bounds(low, high));
 }
 
-Json choice(const std::string& description, const std::vector<std::string>& words) {
-  return {{"description", description}, {"enum", words}};
+Json choice(const std::string& description, const std::vector<std::string>& choices) {
+  return {{"description", description}, {"enum", choices}};
 }
 
 Json list(const std::string& description, Json items, int least = 1, int most = 0) {

@@ -30,7 +30,6 @@ class MidiMap {
   /// The next controller, note or pitch wheel that is moved will move `control`. A controller must come at
   /// least `kLearnSteps` of its 127 steps away from where it was first: worn ones jitter by one or two.
   void learn(const std::string& control);
-  void stop_learning() { learning_.clear(); }
   bool learning() const { return !learning_.empty(); }
   /// The binding that was learnt, once. It is among `bindings` already, instead of the former one of the
   /// control.

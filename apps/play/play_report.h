@@ -52,4 +52,25 @@ void print_ports(const std::vector<PortEnergy>& ports);
 /// Errors: BadFile.
 Status write_json(const std::string& path, const nlohmann::ordered_json& json);
 
+/// A section of the report of a played scene: what the signal with one role did, for machines and for people.
+struct ReportSection {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< part of the report
+  std::string text{};
+};
+
+/// The sections of the roles that [roles] gives, in its order; without it, of those that ports play by name.
+/// `contact`: a roll; `ball`: its orbit; `monitor`: notes (see melody_of). `compared`: the other run of a
+/// scene with [compare], or nullptr.
+std::vector<ReportSection> sections_of(const PlayedScene& played, const PlayedScene* compared);
+
+/// What the names of all files of a run begin with.
+std::string base_of(const std::string& folder, const PlayedScene& played);
+
+/// The monitor output, the drives and the sensors as a sound file each, unscaled and unclipped; what moved as
+/// another, in metres and newtons; the plot. `show`: the two times that it shows; empty: a melody as a whole,
+/// otherwise the first second. No empty files. A line each: the path and its contents. Errors: BadFile;
+/// OutOfRange for the times.
+Result<std::vector<std::string>> write_files(const std::string& folder, const std::vector<std::string>& show,
+                                             const PlayedScene& played);
+
 }  // namespace tactus::app

@@ -1,11 +1,10 @@
-#include "apps/play/report_sections.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
+#include "apps/play/play_report.h"
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
 #include "engine/scene/file/roles.h"

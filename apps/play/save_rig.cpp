@@ -199,8 +199,7 @@ class Interview {
     if (text == "unknown" || text == kNone) return {};
     const auto file = find_profile(text, root_, "");
     if (!file) return tl::unexpected(file.error());
-    const auto profile = load_profile(*file);
-    if (!profile) return tl::unexpected(profile.error().front());
+    if (const auto profile = load_profile(*file); !profile) return tl::unexpected(profile.error().front());
     output.drive.profile = text;
     return {};
   }

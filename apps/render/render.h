@@ -1,7 +1,6 @@
 #pragma once
 // Thread: [control]
 
-#include <filesystem>
 #include <string>
 
 #include "apps/play/play_report.h"
@@ -21,11 +20,8 @@ struct RenderOptions : RunOptions {
 /// All channels at another rate: see engine/dsp/delays/resample.h.
 Samples resample(const Samples& samples, Hertz to);
 
-// Each gives the exit code, or throws a CommandError.
-
-/// `tactus render SCENE --error`: prints the errors of one run and its time a frame.
-int render_error(const RenderOptions& options, const std::filesystem::path& scene);
-/// `tactus render --replay`: replays a take and reports whether its drives are the same.
+/// `tactus render --replay`: replays a take and reports whether its drives are the same. Gives the
+/// exit code, or throws a CommandError.
 int render_take(const RenderOptions& options);
 
 }  // namespace tactus::app

@@ -12,6 +12,7 @@
 #include "apps/cli/take_files.h"
 #include "apps/render/render.h"
 #include "backends/take/replay.h"
+#include "engine/core/index.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/check_rig.h"
 #include "engine/rig/rig_inputs.h"
@@ -33,66 +34,44 @@ Rig leaving_out(const std::vector<std::string>& ports) {
   return rig;
 }
 
-fs::path new_folder() {
-  static std::atomic<int> count{0};
-  const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
-  return fs::temp_directory_path() / fmt::format("tactus_replay_{}_{}", ticks, count++);
-}
-
-/// A graph that was built again from the files in a take, as it was when it was recorded.
-class RebuiltGraph {
+/// Compiles versions of the graph of a take, unpacked below a temporary folder.
+class TakeCompiler {
  public:
+  explicit TakeCompiler(const TakeHeader& header) : header_(header) {
+    static std::atomic<int> count{0};
+    const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
+    folder_ = fs::temp_directory_path() / fmt::format("tactus_replay_{}_{}", ticks, count++);
+  }
+  ~TakeCompiler() { clear(); }
+  TakeCompiler(const TakeCompiler&) = delete;
+  TakeCompiler& operator=(const TakeCompiler&) = delete;
+
   /// Errors: of the texts; BadFile for sound files that have changed.
-  explicit RebuiltGraph(const TakeHeader& header) : RebuiltGraph(header, new_folder()) {
-    engine_ = std::make_unique<Player>(or_exit(compile_version(header.files, header.settings)));
-    if (RigInputs::needed(header.input_scales, header.padding_frames))
-      rig_.emplace(*engine_, header.input_scales, header.padding_frames);
-  }
-  /// Removes the texts that it unpacked.
-  ~RebuiltGraph() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  RebuiltGraph(const RebuiltGraph&) = delete;
-  RebuiltGraph& operator=(const RebuiltGraph&) = delete;
-
-  const std::string& name() const { return name_; }
-  Player& engine() { return *engine_; }
-  /// What the guard takes: the engine, and before it what the rig did to the inputs.
-  BlockProcessor& processor() { return rig_ ? static_cast<BlockProcessor&>(*rig_) : *engine_; }
-  Status replace(const TakeEdit& edit) {
-    auto plan = compile_version(edit.files, edit.settings);
-    if (!plan) return tl::unexpected(plan.error().front());
-    return engine_->replace(std::move(*plan));
-  }
-
- private:
-  RebuiltGraph(const TakeHeader& header, fs::path folder) : header_(header), folder_(std::move(folder)) {}
-
-  Checked<std::unique_ptr<Plan>> compile_version(const TakeFiles& files,
-                                                 const std::map<std::string, double>& settings) {
+  Checked<std::unique_ptr<Plan>> compile(const TakeFiles& files,
+                                         const std::map<std::string, double>& settings) const {
     // All versions in one place: a node that plays a sound file is another one if the path is another one.
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
+    clear();
     const auto file = unpack(files, folder_);
     if (!file) return tl::unexpected(std::vector{file.error()});
     auto loaded = load_graph_leniently(*file, folder_);
     if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
     loaded.spec = without_left_out(leaving_out(header_.left_out), loaded.spec);
-    name_ = loaded.spec->name;
     CompileOptions options;
     options.sample_rate = header_.sample_rate;
     options.system_delay = header_.system_delay;
     options.taps = header_.taps;
-    for (const auto& [control, value] : settings) options.controls[control] = value;
-    return compile(loaded, standard_nodes(), options);
+    options.controls.insert(settings.begin(), settings.end());
+    return tactus::compile(loaded, standard_nodes(), options);
+  }
+
+ private:
+  void clear() const {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
   }
 
   const TakeHeader& header_;
   fs::path folder_;
-  std::string name_;
-  std::unique_ptr<Player> engine_;
-  std::optional<RigInputs> rig_;
 };
 
 /// The changes of controls of a take as another graph counts them, by name; those that it does not have are
@@ -103,7 +82,7 @@ std::vector<JournalEntry> journal_for(const Take& take, const Player& engine) {
   std::vector<JournalEntry> entries;
   for (auto entry : take.engine) {
     if (entry.kind == JournalEntry::Kind::ControlChange) {
-      const auto number = static_cast<std::size_t>(entry.index);
+      const auto number = index(entry.index);
       entry.index = number < names.size() ? engine.control_index(names[number]) : -1;
       if (entry.index < 0) continue;
     }
@@ -126,8 +105,8 @@ std::vector<int> sensors_for(const TakeHeader& header, const std::vector<std::st
 std::vector<double> scales_for(const TakeHeader& header, const std::vector<int>& sensors) {
   std::vector<double> scales;
   for (const int sensor : sensors) {
-    const auto known = sensor >= 0 && static_cast<std::size_t>(sensor) < header.input_scales.size();
-    scales.push_back(known ? header.input_scales[static_cast<std::size_t>(sensor)] : 1.0);
+    const bool known = sensor >= 0 && sensor < std::ssize(header.input_scales);
+    scales.push_back(known ? header.input_scales[index(sensor)] : 1.0);
   }
   return scales;
 }
@@ -146,12 +125,11 @@ std::string verdict(const Take& take, const Replayed& replayed) {
     return fmt::format("the drives are the same, bit for bit, for {:.3f} s", seconds(replayed.frames));
   const auto why = why_not_exact(take);
   const auto reason = why.empty() ? "" : fmt::format("this take cannot be replayed bit for bit: {}; ", why);
-  if (!replayed.first_difference) return reason + "what is there is the same";
+  if (!replayed.first_difference) return reason + "the recorded part is the same";
   const auto& first = *replayed.first_difference;
   return reason + fmt::format("the drives differ from {:.4f} s on (frame {}): '{}' is {:.9g} and was {:.9g}",
-                              seconds(first.frame), first.frame,
-                              take.header.outputs[static_cast<std::size_t>(first.channel)], first.replayed,
-                              first.recorded);
+                              seconds(first.frame), first.frame, take.header.outputs[index(first.channel)],
+                              first.replayed, first.recorded);
 }
 
 struct OpenTake {
@@ -196,24 +174,29 @@ Json take_json(const OpenTake& open, const Replayed& replayed, const std::string
 
 int render_recorded(const RenderOptions& options, OpenTake& open) {
   const auto& header = open.take.header;
-  RebuiltGraph graph{header};
-  auto& engine = graph.engine();
+  const TakeCompiler compiler{header};
+  Player engine{or_exit(compiler.compile(header.files, header.settings))};
   engine.set_journal(open.take.engine);
-  Guarded guarded{graph.processor(), header.guard, header.armed};
-  const auto replace = [&](const TakeEdit& edit) { return graph.replace(edit); };
+  RigInputs rig{engine, header.input_scales, header.padding_frames};
+  Guarded guarded{rig, header.guard, header.armed};
+  const auto replace = [&](const TakeEdit& edit) -> Status {
+    auto plan = compiler.compile(edit.files, edit.settings);
+    if (!plan) return tl::unexpected(plan.error().front());
+    return engine.replace(std::move(*plan));
+  };
   const auto replayed = play_into(
       options, open, {guarded, sensors_for(header, header.inputs), engine.out_channels(), replace, true});
   const auto result = verdict(open.take, replayed);
   const bool same = is_same(open.take, replayed);
   if (options.json) {
-    auto json = take_json(open, replayed, graph.name());
+    auto json = take_json(open, replayed, engine.plan().name);
     json["same"] = same;
     json["verdict"] = result;
     if (const auto& first = replayed.first_difference)
       json["first_difference"] = {{"frame", first->frame}, {"output", first->channel}};
     fmt::print("{}\n", json.dump(2));
   } else {
-    fmt::print("{}: {}\n", graph.name(), result);
+    fmt::print("{}: {}\n", engine.plan().name, result);
     print_rest(options, open);
   }
   return same ? kDone : kNo;

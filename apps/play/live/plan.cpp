@@ -14,9 +14,10 @@
 namespace tactus::app {
 namespace {
 
-std::vector<int> from_zero(std::vector<int> channels) {
-  for (auto& channel : channels) --channel;
-  return channels;
+/// The channels of the command line, from 0 on; without any those of the rig.
+std::vector<int> channels_or(std::vector<int> given, const std::vector<int>& of_rig) {
+  for (auto& channel : given) --channel;
+  return given.empty() ? of_rig : given;
 }
 
 /// Makes a plan, step by step; each step leaves what it found in `plan_`.
@@ -39,18 +40,18 @@ class Planner {
   }
 
  private:
-  static void refuse_if(bool given, const char* option, const char* what, const char* remedy) {
+  static void error_if(bool given, const char* option, const char* what, const char* remedy) {
     if (given) exit_with({Errc::BadArgument, option, what, remedy});
   }
 
   void read_rig() {
     plan_.rig_file = options_.rig.empty() ? options_.save_rig : options_.rig;
-    refuse_if(options_.listen && !plan_.rig_file.empty(), "--listen", "a simulated world needs no rig",
-              "leave one of them out");
-    refuse_if(options_.listen && !options_.record.empty(), "--record", "does not go with --listen",
-              "tactus play without --listen writes what a scene does");
-    refuse_if(!options_.rig.empty() && !options_.save_rig.empty(), "--save-rig", "there is a rig already",
-              "leave --rig out, or change its file");
+    error_if(options_.listen && !plan_.rig_file.empty(), "--listen", "a simulated world needs no rig",
+             "leave one of them out");
+    error_if(options_.listen && !options_.record.empty(), "--record", "does not go with --listen",
+             "tactus play without --listen writes what a scene does");
+    error_if(!options_.rig.empty() && !options_.save_rig.empty(), "--save-rig", "there is a rig already",
+             "leave --rig out, or change its file");
     if (options_.rig.empty()) return;
     plan_.rig = or_exit(load_rig(options_.rig, root_), kBadFile);
     device_ = plan_.rig->device;
@@ -60,8 +61,8 @@ class Planner {
           {!options_.out.empty(), "--outputs"},
           {!options_.device.empty() && options_.device != device_.output, "--device"},
           {!options_.input_device.empty() && options_.input_device != device_.input, "--input-device"}})
-      refuse_if(given, option, "cannot be combined with --rig, which assigns the channels",
-                "change the rig file, or make another with --save-rig");
+      error_if(given, option, "cannot be combined with --rig, which assigns the channels",
+               "change the rig file, or make another with --save-rig");
   }
 
   void choose_devices() {
@@ -181,8 +182,8 @@ class Planner {
     const auto& performer = *plan_.performer;
     request.in_channels = static_cast<int>(performer.inputs().size());
     request.out_channels = static_cast<int>(performer.outputs().size());
-    request.in_map = options_.in.empty() ? performer.in_map() : from_zero(options_.in);
-    request.out_map = options_.out.empty() ? performer.out_map() : from_zero(options_.out);
+    request.in_map = channels_or(options_.in, performer.in_map());
+    request.out_map = channels_or(options_.out, performer.out_map());
   }
 
   const LiveOptions& options_;
@@ -198,22 +199,22 @@ LivePlan make_plan(const LiveOptions& options) { return Planner{options}.run(); 
 
 std::string granted_text(const LivePlan& plan, const StreamGranted& granted) {
   const auto& asked = plan.request;
-  const auto& format = granted.format;
-  const double ms = 1e3 / format.sample_rate.value;
-  std::string text = fmt::format("device    {}", granted.device);
-  if (!granted.input_device.empty()) text += fmt::format(", inputs from {}", granted.input_device);
-  text += fmt::format("\nrate      {:g} Hz{}", format.sample_rate.value,
-                      asked.sample_rate && !(*asked.sample_rate == format.sample_rate)
-                          ? fmt::format(" ({:g} were asked for)", asked.sample_rate->value)
-                          : "");
-  text += granted.block_frames > 0 ? fmt::format("\nblock     {} frames, {:.2f} ms", granted.block_frames,
-                                                 granted.block_frames * ms)
-                                   : "\nblock     changes from block to block";
-  if (asked.block_frames && *asked.block_frames != granted.block_frames)
-    text += fmt::format(" ({} were asked for)", *asked.block_frames);
+  const double rate = granted.format.sample_rate.value, ms = 1e3 / rate;
+  const auto unless_asked = [](const auto& wanted, auto is, const char* unit) {
+    return wanted && *wanted != is
+               ? fmt::format(" ({:g}{} were asked for)", static_cast<double>(*wanted), unit)
+               : "";
+  };
+  const auto asked_rate = asked.sample_rate ? std::optional{asked.sample_rate->value} : std::nullopt;
+  auto text = "device    " + granted.device;
+  if (!granted.input_device.empty()) text += ", inputs from " + granted.input_device;
+  text += fmt::format("\nrate      {:g} Hz{}\nblock     ", rate, unless_asked(asked_rate, rate, ""));
+  text += granted.block_frames > 0
+              ? fmt::format("{} frames, {:.2f} ms", granted.block_frames, granted.block_frames * ms)
+              : "changes from block to block";
+  text += unless_asked(asked.block_frames, granted.block_frames, "");
   if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
-  if (asked.periods && *asked.periods != granted.periods)
-    text += fmt::format(" ({} periods were asked for)", *asked.periods);
+  text += unless_asked(asked.periods, granted.periods, " periods");
   if (granted.input_latency_frames && granted.output_latency_frames)
     text += fmt::format("\ndriver    reports {:.2f} ms in and {:.2f} ms out (not measured)",
                         *granted.input_latency_frames * ms, *granted.output_latency_frames * ms);

@@ -4,12 +4,32 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/cli/backends.h"
-#include "apps/play/live/live_options.h"
 #include "apps/play/live/performer.h"
+#include "apps/play/play_report.h"
 
 namespace tactus::app {
+
+/// Options of playing on a sound card.
+struct LiveOptions : RunOptions {
+  std::string rig, backend, device, input_device;
+  std::vector<int> in, out;  ///< channels, from 1
+  std::string pad_delay;
+  std::optional<int> periods;
+  std::string record, save_rig, midi;
+  std::string learn;  ///< an input, "*" for the first one; empty: no sensitivity is learnt
+  bool arm = false, listen = false, yes = false, force = false;
+
+  /// Is a sound card asked for at all?
+  bool live() const {
+    return listen || !rig.empty() || !backend.empty() || !device.empty() || !input_device.empty();
+  }
+};
+
+/// Plays until the user, the duration or the device ends it. The program's exit status.
+int play_live(const LiveOptions& options);
 
 /// What a session is made from.
 struct LivePlan {

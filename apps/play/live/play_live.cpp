@@ -56,42 +56,18 @@ class LivePlay {
   }
 
   /// False: the user wants to end it.
-  bool press(char key) {
-    switch (key) {
-      case 'q':
-        return false;
-      case 'a':
-        arm();
-        break;
-      case 'm':
-        session_.mute(!session_.muted());
-        line_.print(session_.muted() ? "muted" : "unmuted");
-        break;
-      case ' ':
-        if (!plan_.performer->strike()) line_.print("this scene has no strike; m mutes, a arms");
-        break;
-      case kUpKey:
-      case kDownKey:
-        select(key == kUpKey ? -1 : 1);
-        break;
-      case kLeftKey:
-      case kRightKey:
-        turn(key == kLeftKey ? -0.05 : 0.05);
-        break;
-      case 'l':
-        learn();
-        break;
-      case 's':
-        save();
-        break;
-      case '?':
-      case 'h':
-        line_.print(kHelp);
-        break;
-      default:
-        break;
-    }
-    return true;
+  bool press(char pressed) {
+    for (const auto& [key, act] : {std::pair{'a', &LivePlay::arm},
+                                   {'m', &LivePlay::mute},
+                                   {' ', &LivePlay::strike},
+                                   {'l', &LivePlay::learn},
+                                   {'s', &LivePlay::save},
+                                   {'?', &LivePlay::help},
+                                   {'h', &LivePlay::help}})
+      if (key == pressed) (this->*act)();
+    if (pressed == kUpKey || pressed == kDownKey) select(pressed == kUpKey ? -1 : 1);
+    if (pressed == kLeftKey || pressed == kRightKey) turn(pressed == kLeftKey ? -0.05 : 0.05);
+    return pressed != 'q';
   }
 
   std::string selected_control() const { return any() ? controls_.text(selected_) : ""; }
@@ -110,6 +86,14 @@ class LivePlay {
     session_.arm(!session_.armed());
     line_.print(session_.armed() ? "drives armed" : "drives disarmed");
   }
+  void mute() {
+    session_.mute(!session_.muted());
+    line_.print(session_.muted() ? "muted" : "unmuted");
+  }
+  void strike() {
+    if (!plan_.performer->strike()) line_.print("this scene has no strike; m mutes, a arms");
+  }
+  void help() { line_.print(kHelp); }
   void select(int step) {
     const auto count = static_cast<int>(controls_.all().size());
     if (count > 0) selected_ = index((static_cast<int>(selected_) + step + count) % count);

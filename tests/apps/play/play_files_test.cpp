@@ -1,9 +1,8 @@
-#include "apps/play/play_files.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
 
+#include "apps/play/play_report.h"
 #include "engine/scene/measures/measure.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,7 +1,7 @@
-#include "apps/play/report_sections.h"
-
 #include <catch2/catch.hpp>
 #include <filesystem>
+
+#include "apps/play/play_report.h"
 
 using namespace tactus;
 using namespace tactus::app;
