@@ -34,48 +34,36 @@ Rig leaving_out(const std::vector<std::string>& ports) {
   return rig;
 }
 
-/// Compiles versions of the graph of a take, unpacked below a temporary folder.
-class TakeCompiler {
- public:
-  explicit TakeCompiler(const TakeHeader& header) : header_(header) {
-    static std::atomic<int> count{0};
-    const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
-    folder_ = fs::temp_directory_path() / fmt::format("tactus_replay_{}_{}", ticks, count++);
-  }
-  ~TakeCompiler() { clear(); }
-  TakeCompiler(const TakeCompiler&) = delete;
-  TakeCompiler& operator=(const TakeCompiler&) = delete;
+}  // namespace
 
-  /// Errors: of the texts; BadFile for sound files that have changed.
-  Checked<std::unique_ptr<Plan>> compile(const TakeFiles& files,
-                                         const std::map<std::string, double>& settings) const {
-    // All versions in one place: a node that plays a sound file is another one if the path is another one.
-    clear();
-    const auto file = unpack(files, folder_);
-    if (!file) return tl::unexpected(std::vector{file.error()});
-    auto loaded = load_graph_leniently(*file, folder_);
-    if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
-    loaded.spec = without_left_out(leaving_out(header_.left_out), loaded.spec);
-    CompileOptions options;
-    options.sample_rate = header_.sample_rate;
-    options.system_delay = header_.system_delay;
-    options.taps = header_.taps;
-    options.controls.insert(settings.begin(), settings.end());
-    return tactus::compile(loaded, standard_nodes(), options);
-  }
+TakeCompiler::TakeCompiler(const TakeHeader& header) : header_(header) {
+  static std::atomic<int> count{0};
+  const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
+  folder_ = fs::temp_directory_path() / fmt::format("tactus_replay_{}_{}", ticks, count++);
+}
 
- private:
-  void clear() const {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
+Checked<std::unique_ptr<Plan>> TakeCompiler::compile(const TakeFiles& files,
+                                                     const std::map<std::string, double>& settings) const {
+  // All versions in one place: a node that plays a sound file is another one if the path is another one.
+  clear();
+  const auto file = unpack(files, folder_);
+  if (!file) return tl::unexpected(std::vector{file.error()});
+  auto loaded = load_graph_leniently(*file, folder_);
+  if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
+  loaded.spec = without_left_out(leaving_out(header_.left_out), loaded.spec);
+  CompileOptions options;
+  options.sample_rate = header_.sample_rate;
+  options.system_delay = header_.system_delay;
+  options.taps = header_.taps;
+  options.controls.insert(settings.begin(), settings.end());
+  return tactus::compile(loaded, standard_nodes(), options);
+}
 
-  const TakeHeader& header_;
-  fs::path folder_;
-};
+void TakeCompiler::clear() const {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
 
-/// The changes of controls of a take as another graph counts them, by name; those that it does not have are
-/// left out, like edits.
 std::vector<JournalEntry> journal_for(const Take& take, const Player& engine) {
   // Numbers stay; edits only add some.
   const auto& names = take.edits.empty() ? take.header.controls : take.edits.back().controls;
@@ -91,7 +79,6 @@ std::vector<JournalEntry> journal_for(const Take& take, const Player& engine) {
   return entries;
 }
 
-/// Which recorded sensor goes into each input of a graph, by name; -1: none.
 std::vector<int> sensors_for(const TakeHeader& header, const std::vector<std::string>& inputs) {
   std::vector<int> sensors;
   for (const auto& input : inputs) {
@@ -101,22 +88,10 @@ std::vector<int> sensors_for(const TakeHeader& header, const std::vector<std::st
   return sensors;
 }
 
-/// The scales that the rig gave these sensors.
-std::vector<double> scales_for(const TakeHeader& header, const std::vector<int>& sensors) {
-  std::vector<double> scales;
-  for (const int sensor : sensors) {
-    const bool known = sensor >= 0 && sensor < std::ssize(header.input_scales);
-    scales.push_back(known ? header.input_scales[index(sensor)] : 1.0);
-  }
-  return scales;
-}
-
-/// It can be replayed bit for bit, and it is the same.
 bool is_same(const Take& take, const Replayed& replayed) {
   return !replayed.first_difference && why_not_exact(take).empty();
 }
 
-/// "the drives are the same, bit for bit, for 12.345 s", or where they differ, or why that is unknown.
 std::string verdict(const Take& take, const Replayed& replayed) {
   const auto seconds = [&](std::int64_t frame) {
     return static_cast<double>(frame) / take.header.sample_rate.value;
@@ -130,6 +105,18 @@ std::string verdict(const Take& take, const Replayed& replayed) {
   return reason + fmt::format("the drives differ from {:.4f} s on (frame {}): '{}' is {:.9g} and was {:.9g}",
                               seconds(first.frame), first.frame, take.header.outputs[index(first.channel)],
                               first.replayed, first.recorded);
+}
+
+namespace {
+
+/// The scales that the rig gave these sensors.
+std::vector<double> scales_for(const TakeHeader& header, const std::vector<int>& sensors) {
+  std::vector<double> scales;
+  for (const int sensor : sensors) {
+    const bool known = sensor >= 0 && sensor < std::ssize(header.input_scales);
+    scales.push_back(known ? header.input_scales[index(sensor)] : 1.0);
+  }
+  return scales;
 }
 
 struct OpenTake {
