@@ -87,7 +87,7 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
 }
 
 /// Gives the source of the delay.
-std::string read(const CheckOptions& options, CheckJob& job) {
+std::string read_options(const CheckOptions& options, CheckJob& job) {
   auto& world = job.options.world;
   if (!options.rate.empty()) world.rate = or_exit(parse_rate(options.rate), kUsage);
   job.options.hand = {above_zero(options.hand_damping, "N s/m", "hand-damping"),
@@ -130,7 +130,7 @@ int run_check(const CheckOptions& options) {
   CheckJob job;
   CheckReport report;
   report.name = load(options, job);
-  report.delay_source = read(options, job);
+  report.delay_source = read_options(options, job);
   report.verdict = analyse(job);
   if (!options.quick) report.runs = run_all(job, report.verdict);
   if (options.json)

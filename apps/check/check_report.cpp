@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 // JSON has no infinity and no NaN: they are written as null.
 
-Json json_of(const std::optional<double>& number) { return number ? Json(*number) : Json(); }
+Json or_null(const std::optional<double>& number) { return number ? Json(*number) : Json(); }
 
 template <class List, class Convert>
 Json list_of(const List& list, Convert convert) {
@@ -48,7 +48,7 @@ Json loop_json(const LoopVerdict& loop) {
 Json stiff_json(const StiffVerdict& stiff) {
   return {{"name", stiff.path},           {"type", stiff.type},
           {"n_per_m", stiff.stiffness},   {"stable_up_to_n_per_m", stiff.stable_up_to},
-          {"border_hz", stiff.border_hz}, {"passive_up_to_n_per_m", json_of(stiff.passive_up_to)}};
+          {"border_hz", stiff.border_hz}, {"passive_up_to_n_per_m", or_null(stiff.passive_up_to)}};
 }
 
 Json regime_json(const RegimeVerdict& regime) {
@@ -62,7 +62,7 @@ Json regime_json(const RegimeVerdict& regime) {
           {"loops", list_of(regime.loops, loop_json)},
           {"stiff", list_of(regime.stiff, stiff_json)},
           {"crests", regime.unstable_equilibria},
-          {"device_damping_n_s_per_m", json_of(regime.device_damping)}};
+          {"device_damping_n_s_per_m", or_null(regime.device_damping)}};
 }
 
 Json network_json(const NetworkVerdict& network) {
@@ -72,7 +72,7 @@ Json network_json(const NetworkVerdict& network) {
           {"spectral_radius", network.radius},
           {"rate_hz", network.rate_hz},
           {"holds_at_every_rate", !network.needed_hz.has_value()},
-          {"needs_hz", json_of(network.needed_hz)},
+          {"needs_hz", or_null(network.needed_hz)},
           {"weakest", network.weakest},
           {"contact_steps", network.contact_steps},
           {"contact_too_deep", network.too_deep},
@@ -98,13 +98,13 @@ Json control_json(const ControlVerdict& control) {
   return {{"name", control.control.name},       {"value", control.control.value},
           {"low", control.control.range.low},   {"high", control.control.range.high},
           {"holds_at_low", control.stable_low}, {"holds_at_high", control.stable_high},
-          {"border", json_of(control.border)}};
+          {"border", or_null(control.border)}};
 }
 
 Json event_json(const EventVerdict& event) {
   return {{"name", event.place.path},
           {"type", event.place.type},
-          {"hold_s", json_of(event.place.hold_s)},
+          {"hold_s", or_null(event.place.hold_s)},
           {"on_loop", event.on_loop}};
 }
 

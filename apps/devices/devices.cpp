@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const Device& device, const MeasuredDelays& delays) {
+Json device_json(const Device& device, const MeasuredDelays& delays) {
   Json rates = Json::array();
   for (const auto& rate : device.sample_rates) rates.push_back(rate.value);
   Json json{{"id", device.id},
@@ -77,7 +77,7 @@ int run_devices(const std::string& backend, bool as_json) {
     }
     if (!as_json && devices->empty()) fmt::print("  no device\n");
     for (const auto& device : *devices) {
-      json["devices"].push_back(json_of(device, delays));
+      json["devices"].push_back(device_json(device, delays));
       if (!as_json) print(device, delays);
     }
   }

@@ -39,7 +39,7 @@ std::string pipewire_settings([[maybe_unused]] const SystemFiles& system) {
   return text;
 }
 
-void print(const Finding& finding) {
+void print(const SystemFinding& finding) {
   fmt::print("{:8} {:18}  {}\n", name_of(finding.state), finding.name, finding.what);
   if (!finding.command.empty()) fmt::print("{:29}{}\n", "", finding.command);
 }
@@ -49,8 +49,8 @@ int run_doctor(bool json) {
   const auto memory = lock_memory();
   const SystemFiles system;
   const auto findings = check_system(system, priority, memory, pipewire_settings(system));
-  const auto warnings = std::count_if(findings.begin(), findings.end(), [](const Finding& finding) {
-    return finding.state == Finding::State::Warn;
+  const auto warnings = std::count_if(findings.begin(), findings.end(), [](const SystemFinding& finding) {
+    return finding.state == SystemFinding::State::Warn;
   });
   if (json) {
     Json all{{"ok", warnings == 0}, {"findings", Json::array()}};

@@ -16,14 +16,14 @@ constexpr int kSlowWake_us = 100;  // a tenth of a block of 64 frames at 48 kHz
 constexpr int kLongQuantum = 256;  // frames: 5 ms at 48 kHz
 constexpr int kLowSwappiness = 10;
 
-Finding ok(std::string what) { return {Finding::State::Ok, std::move(what)}; }
-Finding warn(std::string what, std::string command) {
-  return {Finding::State::Warn, std::move(what), std::move(command)};
+SystemFinding ok(std::string what) { return {SystemFinding::State::Ok, std::move(what)}; }
+SystemFinding warn(std::string what, std::string command) {
+  return {SystemFinding::State::Warn, std::move(what), std::move(command)};
 }
-Finding unknown(std::string what, std::string command = "") {
-  return {Finding::State::Unknown, std::move(what), std::move(command)};
+SystemFinding unknown(std::string what, std::string command = "") {
+  return {SystemFinding::State::Unknown, std::move(what), std::move(command)};
 }
-Finding named(std::string name, Finding finding) {
+SystemFinding named(std::string name, SystemFinding finding) {
   finding.name = std::move(name);
   return finding;
 }
@@ -70,12 +70,12 @@ std::optional<int> option_in(const std::vector<std::string>& arguments, std::siz
 }
 
 /// Warns of a block of a sound server that is long.
-Finding check_block(const std::string& what, int frames, int rate, const char* command) {
+SystemFinding check_block(const std::string& what, int frames, int rate, const char* command) {
   if (frames <= kLongQuantum) return ok(what);
   return warn(what + fmt::format(": {:.1f} ms each way", 1e3 * frames / rate), command);
 }
 
-Finding check_jack(const std::vector<std::string>& all) {
+SystemFinding check_jack(const std::vector<std::string>& all) {
   const auto driver = std::find_if(all.begin(), all.end(), [](const std::string& argument) {
     return argument.starts_with("-d") || argument.starts_with("--driver");
   });
@@ -98,7 +98,7 @@ std::optional<int> pipewire_setting(const std::string& text, const std::string& 
   return value == std::string::npos ? std::nullopt : number_in(text.substr(value + 7));
 }
 
-Finding check_pipewire(const std::string& settings) {
+SystemFinding check_pipewire(const std::string& settings) {
   const auto quantum = pipewire_setting(settings, "clock.quantum");
   const int rate = pipewire_setting(settings, "clock.rate").value_or(48000);
   if (!quantum) return unknown("PipeWire runs and does not report its quantum", "pw-metadata -n settings 0");
@@ -144,8 +144,8 @@ void for_each_processor(const SystemFiles& system, const std::string& file, Use 
 
 }  // namespace
 
-const char* name_of(Finding::State state) {
-  return state == Finding::State::Ok ? "ok" : state == Finding::State::Warn ? "warn" : "unknown";
+const char* name_of(SystemFinding::State state) {
+  return state == SystemFinding::State::Ok ? "ok" : state == SystemFinding::State::Warn ? "warn" : "unknown";
 }
 
 std::vector<Process> processes_of(const SystemFiles& system) {
@@ -160,7 +160,7 @@ std::vector<Process> processes_of(const SystemFiles& system) {
   return all;
 }
 
-Finding check_right(const SystemFiles& system, const Status& tried, const char* item) {
+SystemFinding check_right(const SystemFiles& system, const Status& tried, const char* item) {
   if (tried)
     return ok(item == std::string{"rtprio"} ? "threads of this user get SCHED_FIFO"
                                             : "the program can stay in memory");
@@ -175,7 +175,7 @@ Finding check_right(const SystemFiles& system, const Status& tried, const char* 
               "exec su - $USER   # or log in again: the limits of this session are older than their file");
 }
 
-Finding check_governor(const SystemFiles& system) {
+SystemFinding check_governor(const SystemFiles& system) {
   std::set<std::string> governors;
   for_each_processor(system, "cpufreq/scaling_governor",
                      [&](const std::string& file) { governors.insert(system.line(file)); });
@@ -187,7 +187,7 @@ Finding check_governor(const SystemFiles& system) {
               "sudo cpupower frequency-set -g performance");
 }
 
-Finding check_idle(const SystemFiles& system) {
+SystemFinding check_idle(const SystemFiles& system) {
   int longest = -1;
   for_each_processor(system, "cpuidle", [&](const std::string& folder) {
     for (const auto& state : system.names(folder))
@@ -201,7 +201,7 @@ Finding check_idle(const SystemFiles& system) {
               fmt::format("sudo cpupower idle-set -D {}", kSlowWake_us + 1));
 }
 
-Finding check_kernel(const SystemFiles& system) {
+SystemFinding check_kernel(const SystemFiles& system) {
   constexpr auto* kFull = "echo full | sudo tee /sys/kernel/debug/sched/preempt";
   const auto version = system.text("proc/version"), command_line = system.text("proc/cmdline"),
              preemption = system.text("sys/kernel/debug/sched/preempt");
@@ -221,7 +221,7 @@ Finding check_kernel(const SystemFiles& system) {
               "sudo apt-get install linux-image-rt-amd64   # then boot it");
 }
 
-Finding check_interrupts(const SystemFiles& system) {
+SystemFinding check_interrupts(const SystemFiles& system) {
   const auto command_line = system.text("proc/cmdline");
   if (!system.text("proc/version") || !command_line) return unknown("how interrupts run cannot be read");
   if (!is_realtime(system) && !contains(command_line, "threadirqs"))
@@ -235,7 +235,7 @@ Finding check_interrupts(const SystemFiles& system) {
               "sudo apt-get install rtirq-init");
 }
 
-Finding check_swap(const SystemFiles& system, bool memory_locked) {
+SystemFinding check_swap(const SystemFiles& system, bool memory_locked) {
   const auto swaps = system.text("proc/swaps");
   if (!swaps) return unknown("swap cannot be read");
   if (std::count(swaps->begin(), swaps->end(), '\n') <= 1) return ok("there is no swap");
@@ -249,7 +249,7 @@ Finding check_swap(const SystemFiles& system, bool memory_locked) {
                   kLowSwappiness));
 }
 
-Finding check_machine(const SystemFiles& system) {
+SystemFinding check_machine(const SystemFiles& system) {
   const auto processors = system.text("proc/cpuinfo");
   if (!processors) return unknown("the processor cannot be read");
   if (!contains(processors, " hypervisor")) return ok("no virtual machine");
@@ -257,7 +257,7 @@ Finding check_machine(const SystemFiles& system) {
               "systemd-detect-virt   # shows which; play on the machine itself");
 }
 
-Finding check_cards(const SystemFiles& system) {
+SystemFinding check_cards(const SystemFiles& system) {
   const auto cards = system.text("proc/asound/cards");
   if (!cards) return unknown("the kernel shows no sound cards at all (no ALSA)");
   std::vector<std::string> names;
@@ -271,8 +271,8 @@ Finding check_cards(const SystemFiles& system) {
               "sudo dmesg | tail   # shows what happened when it was connected");
 }
 
-std::vector<Finding> check_usb(const SystemFiles& system) {
-  std::vector<Finding> findings;
+std::vector<SystemFinding> check_usb(const SystemFiles& system) {
+  std::vector<SystemFinding> findings;
   auto devices = system.names(kUsb);
   std::erase_if(devices, [](const std::string& name) {
     return name.find('-') == std::string::npos || name.find(':') != std::string::npos;
@@ -298,8 +298,8 @@ std::vector<Finding> check_usb(const SystemFiles& system) {
   return findings;
 }
 
-std::vector<Finding> check_servers(const std::vector<Process>& processes, const std::string& pipewire) {
-  std::vector<Finding> findings;
+std::vector<SystemFinding> check_servers(const std::vector<Process>& processes, const std::string& pipewire) {
+  std::vector<SystemFinding> findings;
   std::set<std::string> seen;
   for (const auto& [name, arguments] : processes) {
     const bool first = seen.insert(name).second;
@@ -317,10 +317,10 @@ std::vector<Finding> check_servers(const std::vector<Process>& processes, const 
   return findings;
 }
 
-std::vector<Finding> check_system(const SystemFiles& system, const Status& priority, const Status& memory,
-                                  const std::string& pipewire) {
-  std::vector<Finding> all{named("real-time priority", check_right(system, priority, "rtprio")),
-                           named("memory lock", check_right(system, memory, "memlock"))};
+std::vector<SystemFinding> check_system(const SystemFiles& system, const Status& priority,
+                                        const Status& memory, const std::string& pipewire) {
+  std::vector<SystemFinding> all{named("real-time priority", check_right(system, priority, "rtprio")),
+                                 named("memory lock", check_right(system, memory, "memlock"))};
   if (!system.exists("proc")) {
     all.push_back(
         named("system", unknown("processors, kernel, sound servers and USB can only be checked on Linux")));

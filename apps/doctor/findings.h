@@ -56,7 +56,7 @@ class SystemFiles {
 };
 
 /// One result of `tactus doctor`.
-struct Finding {
+struct SystemFinding {
   enum class State {
     Ok,
     Warn,
@@ -69,7 +69,7 @@ struct Finding {
 };
 
 /// "ok", "warn", "unknown"
-const char* name_of(Finding::State state);
+const char* name_of(SystemFinding::State state);
 
 struct Process {
   std::string name;
@@ -81,22 +81,22 @@ std::vector<Process> processes_of(const SystemFiles& system);
 
 /// `tried`: a thread asked for real-time priority, or the program asked to stay in memory; `item`: "rtprio",
 /// "memlock".
-Finding check_right(const SystemFiles& system, const Status& tried, const char* item);
-Finding check_governor(const SystemFiles& system);
-Finding check_idle(const SystemFiles& system);
-Finding check_kernel(const SystemFiles& system);
-Finding check_interrupts(const SystemFiles& system);
-Finding check_swap(const SystemFiles& system, bool memory_locked);
-Finding check_machine(const SystemFiles& system);
-Finding check_cards(const SystemFiles& system);
+SystemFinding check_right(const SystemFiles& system, const Status& tried, const char* item);
+SystemFinding check_governor(const SystemFiles& system);
+SystemFinding check_idle(const SystemFiles& system);
+SystemFinding check_kernel(const SystemFiles& system);
+SystemFinding check_interrupts(const SystemFiles& system);
+SystemFinding check_swap(const SystemFiles& system, bool memory_locked);
+SystemFinding check_machine(const SystemFiles& system);
+SystemFinding check_cards(const SystemFiles& system);
 /// One for each sound card on USB, or one that says that there is none.
-std::vector<Finding> check_usb(const SystemFiles& system);
+std::vector<SystemFinding> check_usb(const SystemFiles& system);
 /// With names: one for each sound server that runs, or one that says that there is none. `pipewire`: what
 /// `pw-metadata -n settings 0` prints.
-std::vector<Finding> check_servers(const std::vector<Process>& processes, const std::string& pipewire);
+std::vector<SystemFinding> check_servers(const std::vector<Process>& processes, const std::string& pipewire);
 
 /// All of them, the most important first. `priority`, `memory`: see check_right.
-std::vector<Finding> check_system(const SystemFiles& system, const Status& priority, const Status& memory,
-                                  const std::string& pipewire);
+std::vector<SystemFinding> check_system(const SystemFiles& system, const Status& priority,
+                                        const Status& memory, const std::string& pipewire);
 
 }  // namespace tactus::app

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/render/resample.h"
+#include "apps/render/render.h"
 #include "backends/wav_file.h"
 
 namespace tactus::app {

@@ -35,7 +35,7 @@ struct Report {
   double times_real_time() const { return played.recording.seconds() / played.recording.run_seconds; }
 };
 
-Json json_of(const Report& report) {
+Json report_json(const Report& report) {
   const auto& recording = report.played.recording;
   Json json{{"scene", report.played.scene.name}, {"sample_rate_hz", recording.sample_rate.value},
             {"delay_ms", report.delay_ms()},     {"duration_s", recording.seconds()},
@@ -126,7 +126,7 @@ int run_play(const PlayOptions& options) {
   std::optional<PlayedScene> compared;
   if (played.scene.compare) compared = play_file(file, options, &played.scene.compare->set);
   const Report report{played, sections_of(played, compared ? &*compared : nullptr), std::move(outcomes)};
-  auto json = json_of(report);
+  auto json = report_json(report);
   auto written = or_exit(write_files(options.folder, options.show, played));
   const auto report_file = base_of(options.folder, played) + ".json";
   or_exit(write_json(report_file, json));

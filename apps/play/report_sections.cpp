@@ -143,7 +143,7 @@ ReportSection roll_section(const PlayedScene& played, const PlayedScene* compare
 
 // ---- notes ----
 
-Json json_of(const DetectedNote& note) {
+Json note_json(const DetectedNote& note) {
   const auto& expected = note.expected;
   Json json{{"from_s", expected.from_s},
             {"to_s", expected.to_s},
@@ -170,7 +170,7 @@ ReportSection notes_of(const std::string& title, const std::vector<DetectedNote>
   section.json["notes"] = Json::array();
   section.text = fmt::format("  {:<19} {}\n", title, in_words(notes));
   for (const auto& note : notes) {
-    section.json["notes"].push_back(json_of(note));
+    section.json["notes"].push_back(note_json(note));
     section.text += fmt::format("    {:5.2f} s           {}\n", note.expected.from_s, in_words(note));
   }
   section.json["notes_in_words"] = in_words(notes);

@@ -196,7 +196,7 @@ int render_error(const RenderOptions& options, const std::filesystem::path& file
   if (!options.duration.empty()) scene.duration = or_exit(parse_duration(options.duration, 3600_s));
   const auto result = or_exit(judge_as_written(scene, standard_nodes()));
   if (options.json)
-    fmt::print("{}\n", json_of(result).dump(2));
+    fmt::print("{}\n", app::json_of(result).dump(2));
   else
     fmt::print("{}", error_text(result));
   return result.points.front().known() ? kDone : kNo;

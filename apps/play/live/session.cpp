@@ -37,7 +37,7 @@ void raise(std::vector<double>& highest, const std::vector<double>& peaks) {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const Health& health) {
+Json session_health(const Health& health) {
   Json gaps = Json::object();
   for (std::size_t g = 0; g < kGaps; ++g) gaps[name_of(static_cast<Gap>(g))] = health.gaps[g];
   return {{"blocks", health.blocks},
@@ -53,21 +53,21 @@ Json json_of(const Health& health) {
           {"realtime_priority", health.realtime_priority}};
 }
 
-Json json_of(const std::vector<SessionView::Level>& levels) {
+Json levels_json(const std::vector<SessionView::Level>& levels) {
   Json json = Json::object();
   for (const auto& level : levels) json[level.name] = level.peak;
   return json;
 }
 
-Json json_of(Session& session, const SessionView& view, const Performer& performer) {
+Json report_json(Session& session, const SessionView& view, const Performer& performer) {
   const auto& granted = session.granted();
   Json json{{"instrument", performer.name()},
             {"device", granted.device},
             {"sample_rate_hz", granted.format.sample_rate.value},
             {"block_frames", granted.block_frames},
-            {"highest_input", json_of(view.highest_inputs)},
-            {"highest_output", json_of(view.highest_outputs)},
-            {"health", json_of(view.health)},
+            {"highest_input", levels_json(view.highest_inputs)},
+            {"highest_output", levels_json(view.highest_outputs)},
+            {"health", session_health(view.health)},
             {"takes", Json::array()},
             {"guard", guard_json(session.guard_report(), granted.format.sample_rate)}};
   for (const auto& take : session.takes()) json["takes"].push_back(take.string());
@@ -286,7 +286,7 @@ GuardReport Session::guard_report() {
 }
 
 void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json) {
-  if (as_json) return fmt::print("{}\n", json_of(session, view, performer).dump(2));
+  if (as_json) return fmt::print("{}\n", report_json(session, view, performer).dump(2));
   for (const auto* levels : {&view.highest_inputs, &view.highest_outputs})
     for (const auto& level : *levels)
       fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));

@@ -14,7 +14,7 @@ using namespace tactus::app;
 
 namespace {
 
-using State = Finding::State;
+using State = SystemFinding::State;
 
 const Status kGranted = {};
 const Status kRefused = fail(Errc::Device, "", "Operation not permitted");
@@ -55,8 +55,8 @@ State interrupts(const char* version, const char* command_line, bool rtirq) {
   return check_interrupts(system).state;
 }
 
-Finding server(const std::string& name, std::vector<std::string> arguments,
-               const std::string& pipewire = "") {
+SystemFinding server(const std::string& name, std::vector<std::string> arguments,
+                     const std::string& pipewire = "") {
   const auto findings = check_servers({{"bash", {"-bash"}}, {name, std::move(arguments)}}, pipewire);
   REQUIRE(findings.size() == 1);
   return findings[0];
@@ -211,7 +211,7 @@ TEST_CASE("doctor: checks a system by its files", "[doctor]") {
   CHECK(processes[0].arguments == std::vector<std::string>{"jackd", "-d", "dummy", "-p", "64"});
   const auto all = check_system(system, kGranted, kGranted, "");
   CHECK(std::count_if(all.begin(), all.end(),
-                      [](const Finding& finding) { return finding.name == "JACK"; }) == 1);
+                      [](const SystemFinding& finding) { return finding.name == "JACK"; }) == 1);
 }
 
 TEST_CASE("doctor: of a system that it cannot read it says so", "[doctor]") {

@@ -12,6 +12,7 @@
 #include "backends/take/take_recorder.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
+#include "engine/rig/rig_inputs.h"
 
 namespace tactus::test {
 

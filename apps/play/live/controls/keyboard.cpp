@@ -22,7 +22,7 @@ struct Keyboard::Terminal {
   }
   std::optional<char> next() {
     char c = 0;
-    if (read(STDIN_FILENO, &c, 1) == 1) return c;
+    if (::read(STDIN_FILENO, &c, 1) == 1) return c;
     ended = true;
     return std::nullopt;
   }
