@@ -4,7 +4,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "engine/core/index.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig.h"
 #include "engine/study/sweep/parallel_for.h"
@@ -47,7 +47,7 @@ std::string load(const CheckOptions& options, CheckJob& job) {
     return job.scene->scene->name;
   }
   job.instrument = load_graph_leniently(file, root_of(file));
-  if (job.instrument->spec == nullptr) throw CommandError{job.instrument->mistakes, kBadFile};
+  if (job.instrument->spec == nullptr) throw CommandError{job.instrument->errors, kBadFile};
   return job.instrument->spec->name;
 }
 

@@ -8,8 +8,8 @@
 
 #include "apps/cli/commands.h"
 #include "apps/play/live/controls/keyboard.h"
-#include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
 
 namespace tactus::app {
 int report(const std::vector<Error>& errors) {

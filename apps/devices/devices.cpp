@@ -64,7 +64,7 @@ void print(const Device& device, const MeasuredDelays& delays) {
 int run_devices(const std::string& backend, bool as_json) {
   const auto backends = or_exit(backends_called(backend), backend.empty() ? kDevice : kUsage);
   const auto delays = MeasuredDelays::load();
-  if (delays.complaint()) fmt::print(stderr, "{}\n", to_string(*delays.complaint()));
+  if (delays.load_error()) fmt::print(stderr, "{}\n", to_string(*delays.load_error()));
   Json json{{"devices", Json::array()}, {"unavailable", Json::array()}};
   for (const auto& called : backends) {
     const auto devices = called.make()->devices();

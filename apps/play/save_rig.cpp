@@ -10,7 +10,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig_text.h"
 
@@ -52,7 +52,7 @@ Dimension volt() { return parse_unit("V")->dimension; }
 
 /// "'name' (what `about` says)"
 std::string title_of(const EntrySpec& port) {
-  Mistakes reported_elsewhere;
+  ErrorList reported_elsewhere;
   const auto about = reported_elsewhere.text(port.fields, "about");
   return "'" + port.name + "'" + (about.empty() ? "" : " (" + about + ")");
 }
@@ -145,7 +145,7 @@ class Interview {
 
  private:
   void ask_sensitivity(const EntrySpec& port, RigInput& input) {
-    Mistakes reported_elsewhere;
+    ErrorList reported_elsewhere;
     const auto dimension = read_unit(port, reported_elsewhere).value_or(Unit{}).dimension;
     const auto per_volt = volt() / dimension;
     const auto unit = dimension.plain() ? std::string{"V"} : volts_per(per_volt);

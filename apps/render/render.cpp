@@ -9,7 +9,7 @@
 #include "apps/cli/console.h"
 #include "apps/cli/writable.h"
 #include "apps/study/work_precision_report.h"
-#include "backends/offline/offline.h"
+#include "backends/offline.h"
 #include "engine/core/index.h"
 #include "engine/dsp/delays/resample.h"
 #include "engine/nodes/table.h"
@@ -64,24 +64,17 @@ Rendered run(Player& engine, const Samples& input, const std::vector<std::string
   Rendered rendered{{input.sample_rate, {}}, output_names(plan), sound_names(plan), {}, {}};
   rendered.output.channels.resize(rendered.outputs.size());
   std::vector<std::vector<double>> tapped(taps.size());
-  const auto sink = sink_into(rendered.output);
   Progress progress{"rendering"};
-  OfflineJob job;
-  job.sample_rate = input.sample_rate;
-  job.in_channels = static_cast<int>(input.channels.size());
-  job.out_channels = static_cast<int>(rendered.outputs.size());
-  job.frames = input.frames();
-  job.block_frames = {block};
-  job.source = source_of(input);
-  job.sink = {job.out_channels, [&](const double* const* channels, int count) {
-                for (std::size_t t = 0; t < tapped.size(); ++t)
-                  tapped[t].insert(tapped[t].end(), engine.tap(static_cast<int>(t)),
-                                   engine.tap(static_cast<int>(t)) + count);
-                const auto status = sink.write(channels, count);
-                progress(static_cast<double>(rendered.output.frames()) / static_cast<double>(job.frames));
-                return status;
-              }};
-  or_exit(run_offline(guarded, job));
+  const auto take = [&](const double* const* channels, int count) -> Status {
+    for (std::size_t t = 0; t < tapped.size(); ++t)
+      tapped[t].insert(tapped[t].end(), engine.tap(static_cast<int>(t)),
+                       engine.tap(static_cast<int>(t)) + count);
+    for (std::size_t c = 0; c < rendered.outputs.size(); ++c)
+      rendered.output.channels[c].insert(rendered.output.channels[c].end(), channels[c], channels[c] + count);
+    progress(static_cast<double>(rendered.output.frames()) / static_cast<double>(input.frames()));
+    return {};
+  };
+  or_exit(run_offline(guarded, input, static_cast<int>(rendered.outputs.size()), {block}, take));
   rendered.events = events_json(taps, tapped, input.sample_rate);
   rendered.guard = report_of(guarded, plan, drives);
   return rendered;
@@ -124,7 +117,7 @@ void print(const RenderOptions& options, const std::string& name, const Samples&
 int render_instrument(const RenderOptions& options, const std::filesystem::path& file) {
   check_overwriting(options);
   const auto loaded = load_graph_leniently(file, root_of(file));
-  if (loaded.spec == nullptr) throw CommandError{loaded.mistakes};
+  if (loaded.spec == nullptr) throw CommandError{loaded.errors};
   const auto input = read_input(options);
   CompileOptions compiling;
   compiling.sample_rate = input.sample_rate;

@@ -49,7 +49,7 @@ Checked<std::unique_ptr<Plan>> TakeCompiler::compile(const TakeFiles& files,
   const auto file = unpack(files, folder_);
   if (!file) return tl::unexpected(std::vector{file.error()});
   auto loaded = load_graph_leniently(*file, folder_);
-  if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
+  if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
   loaded.spec = without_left_out(leaving_out(header_.left_out), loaded.spec);
   CompileOptions options;
   options.sample_rate = header_.sample_rate;
@@ -202,7 +202,7 @@ int render_other(const RenderOptions& options, OpenTake& open) {
   const auto& header = open.take.header;
   const auto file = resolve_target(options.target, "instrument.toml");
   const auto loaded = load_graph_leniently(file, root_of(file));
-  if (loaded.spec == nullptr) throw CommandError{loaded.mistakes};
+  if (loaded.spec == nullptr) throw CommandError{loaded.errors};
   CompileOptions compiling;
   compiling.sample_rate = header.sample_rate;
   compiling.system_delay = options.delay.empty() ? header.system_delay : or_exit(parse_delay(options.delay));

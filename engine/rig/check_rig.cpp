@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/graph/file/entry_fields.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/rig/rig_text.h"
 
 namespace tactus {
@@ -35,13 +35,13 @@ bool is_audio(const EntrySpec& output) {
 
 /// Volts for one unit of the port.
 Unit sensitivity_unit(const EntrySpec& input) {
-  Mistakes told_elsewhere;
+  ErrorList told_elsewhere;
   auto unit = *parse_unit("V");
   unit.dimension = unit.dimension / read_unit(input, told_elsewhere).value_or(Unit{}).dimension;
   return unit;
 }
 
-void complain_lanes(const RigPort& port, std::size_t lanes, Mistakes& mistakes) {
+void complain_lanes(const RigPort& port, std::size_t lanes, ErrorList& mistakes) {
   std::string example;
   for (std::size_t lane = 0; lane < std::min<std::size_t>(lanes, 3); ++lane)
     example += (lane > 0 ? ", " : "") + std::to_string(lane + 1);
@@ -119,7 +119,7 @@ class RigCheck {
   }
 
   void check_lanes(const RigInput& input, const EntrySpec& port) {
-    Mistakes told_elsewhere;
+    ErrorList told_elsewhere;
     const auto lanes = static_cast<std::size_t>(read_input(port, told_elsewhere).lanes);
     if (lanes != input.channels.size()) complain_lanes(input, lanes, mistakes_);
   }
@@ -143,7 +143,7 @@ class RigCheck {
   void check_control(const Rig::Control& set) {
     const auto entry = find_named(instrument_.controls, set.name);
     if (entry == instrument_.controls.end()) return;
-    Mistakes told_elsewhere;
+    ErrorList told_elsewhere;
     const auto read = read_control(*entry, told_elsewhere);
     if (!read.unit_known || told_elsewhere.any()) return;
     const auto& control = read.control;
@@ -174,14 +174,14 @@ class RigCheck {
 
   const Rig& rig_;
   const GraphSpec& instrument_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
 };
 
 bool left_out(const RigPort& port) { return port.channels.empty(); }
 
 /// 0 in the unit of a port, in each of its lanes, under its name.
 NodeSpec resting(const EntrySpec& input) {
-  Mistakes told_elsewhere;
+  ErrorList told_elsewhere;
   const auto unit = to_string(read_unit(input, told_elsewhere).value_or(Unit{}).dimension);
   const Value zero{unit.empty() ? std::string{"0"} : "0 " + unit, input.at};
   const auto lanes = static_cast<std::size_t>(read_input(input, told_elsewhere).lanes);
@@ -205,7 +205,7 @@ class Lanes {
     return port.channels[lane] - 1;
   }
   template <class Ports>
-  void check(const Ports& ports, Mistakes& mistakes) const {
+  void check(const Ports& ports, ErrorList& mistakes) const {
     for (const auto& port : ports) {
       const auto used = used_.find(port.name);
       if (used == used_.end() || static_cast<std::size_t>(used->second) == port.channels.size()) continue;
@@ -244,7 +244,7 @@ std::shared_ptr<const GraphSpec> without_left_out(const Rig& rig,
 
 Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule) {
   RigWiring wiring;
-  Mistakes mistakes{rig.file};
+  ErrorList mistakes{rig.file};
   Lanes lanes;
   for (const auto& name : schedule.input_names) {
     const auto input = find_named(rig.inputs, port_of(name));

@@ -1,15 +1,15 @@
 #include "engine/rig/drive_entry.h"
 
 #include "engine/graph/file/field.h"
+#include "engine/graph/file/load.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/semantics/part_path.h"
 
 namespace tactus {
 namespace {
 
 class DriveReader {
  public:
-  DriveReader(const EntrySpec& entry, const ProfilePlaces& places, Mistakes& mistakes)
+  DriveReader(const EntrySpec& entry, const ProfilePlaces& places, ErrorList& mistakes)
       : entry_(entry), places_(places), mistakes_(mistakes) {}
 
   DriveEntry read() {
@@ -70,7 +70,7 @@ class DriveReader {
 
   const EntrySpec& entry_;
   const ProfilePlaces& places_;
-  Mistakes& mistakes_;
+  ErrorList& mistakes_;
   DriveEntry drive_;
 };
 
@@ -83,7 +83,7 @@ std::vector<FieldType> actuator_fields() {
           about_field()};
 }
 
-DriveEntry read_drive(const EntrySpec& entry, const ProfilePlaces& places, Mistakes& mistakes) {
+DriveEntry read_drive(const EntrySpec& entry, const ProfilePlaces& places, ErrorList& mistakes) {
   return DriveReader{entry, places, mistakes}.read();
 }
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/field.h"
-#include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/spec.h"
 #include "engine/rig/profile.h"
 
@@ -32,6 +32,6 @@ struct DriveEntry {
 /// The keys of an actuator.
 std::vector<FieldType> actuator_fields();
 /// Reads these three keys of `entry`; a ceiling may be lower than it is anyway, never higher.
-DriveEntry read_drive(const EntrySpec& entry, const ProfilePlaces& places, Mistakes& mistakes);
+DriveEntry read_drive(const EntrySpec& entry, const ProfilePlaces& places, ErrorList& mistakes);
 
 }  // namespace tactus

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/field.h"
 #include "engine/graph/file/load.h"
-#include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 
@@ -99,7 +99,7 @@ class ProfileReader {
   const Value::Table* section_ = nullptr;
   const SectionType* type_ = nullptr;
   std::string name_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
   ActuatorProfile profile_;
 };
 

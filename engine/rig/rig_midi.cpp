@@ -9,7 +9,7 @@
 namespace tactus {
 namespace {
 
-RigMidi read_one(const EntrySpec& entry, Mistakes& mistakes) {
+RigMidi read_one(const EntrySpec& entry, ErrorList& mistakes) {
   FieldReader fields{entry.fields, midi_fields(), mistakes};
   const auto number = [&](const char* key, double most = kNoBound) {
     return static_cast<int>(fields.number(key, most).value_or(midi_fields()[key].low));
@@ -58,7 +58,7 @@ bool RigMidi::same_source(const RigMidi& other) const {
   return device == other.device && channel == other.channel && kind == other.kind && number == other.number;
 }
 
-std::vector<RigMidi> read_midi(const Value::Table& rig, Mistakes& mistakes) {
+std::vector<RigMidi> read_midi(const Value::Table& rig, ErrorList& mistakes) {
   std::vector<RigMidi> all;
   for (const auto& entry : read_entries(rig, "midi", "{ control = 7 }", mistakes))
     if (!entry.broken) all.push_back(read_one(entry, mistakes));

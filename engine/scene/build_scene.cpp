@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/scene/file/scene_checks.h"
@@ -246,7 +246,7 @@ class SceneBuilder {
   std::map<std::string, ControlValue> controls_;
   std::map<std::string, std::map<std::string, ControlValue>> overwritten_;
   std::vector<MovedControl> moved_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
   CompiledScene built_;
 };
 

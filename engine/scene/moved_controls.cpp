@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 
 namespace tactus {
 namespace {
 
-void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at, Mistakes& mistakes) {
+void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at,
+                   ErrorList& mistakes) {
   if (!gesture.bare && !(gesture.unit.dimension == control.unit.dimension))
     return mistakes.add(Errc::UnitMismatch, at,
                         "control '" + control.name + "' is like " + in_unit(control.value, control.unit) +
@@ -41,7 +42,7 @@ void add_slope(const Gesture::Point& from, const Gesture::Point& to, Gesture::Cu
 
 }  // namespace
 
-void complain_range(const FlatControl& control, double value, const Source& at, Mistakes& mistakes) {
+void complain_range(const FlatControl& control, double value, const Source& at, ErrorList& mistakes) {
   mistakes.add(Errc::OutOfRange, at,
                "control '" + control.name + "' cannot be set to " + in_unit(value, control.unit),
                "it goes from " + in_unit(control.range.low, control.unit) + " to " +
@@ -49,9 +50,9 @@ void complain_range(const FlatControl& control, double value, const Source& at, 
 }
 
 std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
-                                         Mistakes& mistakes) {
+                                         ErrorList& mistakes) {
   if (control.broken) return std::nullopt;
-  Mistakes told_by_the_graph;
+  ErrorList told_by_the_graph;
   const auto read = read_control(control, told_by_the_graph);
   const auto* text = field.value.text();
   if (const auto* gesture = text != nullptr ? scene.gesture(*text) : nullptr) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/journal.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/plan/plan.h"
 #include "engine/scene/file/scene_spec.h"
 
@@ -20,10 +20,10 @@ struct WiredControl {
 };
 /// `field` is what the scene writes beside the control. Nothing after a mistake.
 std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
-                                         Mistakes& mistakes);
+                                         ErrorList& mistakes);
 
 /// "control 'strength' cannot be set to 7; it goes from 0 to 1"
-void complain_range(const FlatControl& control, double value, const Source& at, Mistakes& mistakes);
+void complain_range(const FlatControl& control, double value, const Source& at, ErrorList& mistakes);
 
 struct MovedControl {
   std::string control;

@@ -10,7 +10,7 @@
 #include "apps/play/live/plan.h"
 #include "engine/core/decibels.h"
 #include "engine/core/spsc_queue.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 
 namespace tactus::app {
 namespace {
@@ -48,7 +48,7 @@ Result<const RigInput*> find_input(const Rig& rig, const std::string& name) {
 }
 
 Dimension dimension_of(const GraphSpec& instrument, const std::string& input) {
-  Mistakes reported_elsewhere;
+  ErrorList reported_elsewhere;
   for (const auto& entry : instrument.inputs)
     if (entry.name == input) return read_unit(entry, reported_elsewhere).value_or(Unit{}).dimension;
   return {};

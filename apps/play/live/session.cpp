@@ -245,8 +245,8 @@ void Session::note_edit() {
 void Session::report_recording() {
   if (recorder_ == nullptr) return;
   const auto status = recorder_->status();
-  if (!status.trouble.empty() && !std::exchange(reported_error_, true))
-    messages_.push_back("recording stopped: " + status.trouble + "; the instrument keeps playing");
+  if (!status.error.empty() && !std::exchange(reported_error_, true))
+    messages_.push_back("recording stopped: " + status.error + "; the instrument keeps playing");
   if (std::exchange(reported_dropped_, status.dropped_frames) < status.dropped_frames)
     messages_.push_back(fmt::format("the disk is too slow: {} frames dropped from the recording so far",
                                     status.dropped_frames));

@@ -15,7 +15,7 @@ const Measure* type_of(const Accuracy& accuracy) {
   return type != nullptr && type->error != nullptr ? type : nullptr;
 }
 
-void read_measure(const EntrySpec& entry, Accuracy& accuracy, Mistakes& mistakes) {
+void read_measure(const EntrySpec& entry, Accuracy& accuracy, ErrorList& mistakes) {
   accuracy.measure = mistakes.text(entry.fields, "measure");
   const auto* measure = find(entry.fields, "measure");
   if (measure == nullptr)
@@ -28,7 +28,7 @@ void read_measure(const EntrySpec& entry, Accuracy& accuracy, Mistakes& mistakes
                suggest(accuracy.measure, names));
 }
 
-void check_exact(const Accuracy& accuracy, const Value::Table& fields, Mistakes& mistakes) {
+void check_exact(const Accuracy& accuracy, const Value::Table& fields, ErrorList& mistakes) {
   const auto* type = type_of(accuracy);
   const auto* exact = find(fields, "exact");
   if (type != nullptr && exact != nullptr && !type->has_exact)
@@ -39,7 +39,7 @@ void check_exact(const Accuracy& accuracy, const Value::Table& fields, Mistakes&
                  "give what an error of 1 is");
 }
 
-Accuracy read_entry(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
+Accuracy read_entry(const EntrySpec& entry, Seconds duration, ErrorList& mistakes) {
   FieldReader fields{entry.fields, accuracy_fields(), mistakes};
   Accuracy accuracy;
   accuracy.name = entry.name;
@@ -59,7 +59,7 @@ Accuracy read_entry(const EntrySpec& entry, Seconds duration, Mistakes& mistakes
 
 }  // namespace
 
-std::vector<Accuracy> read_accuracy(const Value::Table& scene, Seconds duration, Mistakes& mistakes) {
+std::vector<Accuracy> read_accuracy(const Value::Table& scene, Seconds duration, ErrorList& mistakes) {
   std::vector<Accuracy> accuracies;
   NameSpace names;
   for (const auto& entry :

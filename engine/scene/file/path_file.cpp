@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/graph/plan/compile.h"
-#include "engine/graph/semantics/bind.h"
+#include "engine/graph/semantics/scope.h"
 #include "engine/nodes/filters/filters.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig_text.h"
@@ -80,12 +80,12 @@ class PathReader {
   }
 
   const GraphSpec& graph_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
   PathFile path_;
 };
 
 Checked<PathFile> read(LoadedGraph loaded) {
-  auto wrong = std::move(loaded.mistakes);
+  auto wrong = std::move(loaded.errors);
   if (wrong.empty()) wrong = check(*loaded.spec, standard_nodes(), {});
   if (!wrong.empty()) return tl::unexpected(std::move(wrong));
   return PathReader{*loaded.spec}.read();

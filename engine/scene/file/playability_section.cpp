@@ -10,7 +10,7 @@ constexpr double kShortest_s = 1;  // of what is judged: a roll has a worst seco
 
 using Kind = Playability::Kind;
 
-std::optional<Kind> read_kind(FieldReader& fields, const Source& section, Mistakes& mistakes) {
+std::optional<Kind> read_kind(FieldReader& fields, const Source& section, ErrorList& mistakes) {
   if (!fields.has("kind"))
     mistakes.add(Errc::Missing, section, "[playability] lacks 'kind'",
                  "there are " + listed(playability_fields()["kind"].choices));
@@ -18,7 +18,7 @@ std::optional<Kind> read_kind(FieldReader& fields, const Source& section, Mistak
   return kind ? std::optional{static_cast<Kind>(*kind)} : std::nullopt;
 }
 
-void read_times(FieldReader& fields, double end_s, Playability& judged, Mistakes& mistakes) {
+void read_times(FieldReader& fields, double end_s, Playability& judged, ErrorList& mistakes) {
   judged.from_s = fields.number("from", end_s).value_or(judged.from_s);
   judged.to_s = fields.number("to", end_s);
   if (judged.to_s.value_or(end_s) - judged.from_s >= kShortest_s) return;
@@ -37,7 +37,7 @@ void read_roll(FieldReader& fields, Playability& judged) {
 }
 
 /// "110 Hz", or "wanted.pitch": what a part gives out.
-void read_pitch(FieldReader& fields, Playability& judged, Mistakes& mistakes) {
+void read_pitch(FieldReader& fields, Playability& judged, ErrorList& mistakes) {
   if (!fields.has("pitch"))
     return mistakes.add(Errc::Missing, judged.at, "a tone needs the 'pitch' that is expected",
                         "give it as in pitch = \"110 Hz\", or as what a part gives out: \"wanted.pitch\"");
@@ -47,7 +47,7 @@ void read_pitch(FieldReader& fields, Playability& judged, Mistakes& mistakes) {
   judged.pitch_hz = fields.number("pitch").value_or(judged.pitch_hz);
 }
 
-void read_tone(FieldReader& fields, double end_s, Playability& judged, Mistakes& mistakes) {
+void read_tone(FieldReader& fields, double end_s, Playability& judged, ErrorList& mistakes) {
   read_signal(fields, "sound", judged.sound);
   judged.begin_s = fields.number("begin", end_s).value_or(judged.begin_s);
   judged.quiet = fields.number("quiet").value_or(judged.quiet);
@@ -61,7 +61,7 @@ void read_tone(FieldReader& fields, double end_s, Playability& judged, Mistakes&
 }  // namespace
 
 std::optional<Playability> read_playability(const Value::Table& scene, Seconds duration,
-                                            const std::vector<Role>& roles, Mistakes& mistakes) {
+                                            const std::vector<Role>& roles, ErrorList& mistakes) {
   const auto* section = read_section(scene, "playability", mistakes);
   if (section == nullptr) return std::nullopt;
   Playability judged;

@@ -35,7 +35,7 @@ const std::vector<RoleType>& role_types() {
 }
 
 std::vector<Role> read_roles(const Value::Table& scene, const std::vector<ScenePart>& parts,
-                             Mistakes& mistakes) {
+                             ErrorList& mistakes) {
   std::vector<Role> roles;
   std::vector<std::string> known;
   for (const auto& type : role_types()) known.push_back(type.name);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/scene/file/scene_spec.h"
 
 // Thread: [control]
@@ -18,7 +18,7 @@ const std::vector<RoleType>& role_types();
 /// `[roles]` of a scene, whose parts have been read: first those that it names, in its order, then those that
 /// ports play by their name.
 std::vector<Role> read_roles(const Value::Table& scene, const std::vector<ScenePart>& parts,
-                             Mistakes& mistakes);
+                             ErrorList& mistakes);
 
 /// The signal that plays a role; empty if there is none.
 std::string signal_of(const std::vector<Role>& roles, std::string_view role);

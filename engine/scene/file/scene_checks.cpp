@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/roles.h"
 #include "engine/scene/measures/measure.h"
@@ -51,13 +51,13 @@ bool may_have_more(const SceneSpec& scene, const std::string& name) {
   return scene.incomplete || (part != nullptr && (part->graph == nullptr || part->graph->incomplete));
 }
 
-void complain_unknown(const Expectation& expectation, Mistakes& mistakes) {
+void complain_unknown(const Expectation& expectation, ErrorList& mistakes) {
   const auto names = value_names();
   mistakes.add(Errc::UnknownName, expectation.measure_at, "there is no measure '" + expectation.measure + "'",
                suggest(expectation.measure, names));
 }
 
-void check_limits(const Expectation& expectation, const Measure& type, Mistakes& mistakes) {
+void check_limits(const Expectation& expectation, const Measure& type, ErrorList& mistakes) {
   if (type.unit == Measure::kUnitOfSubject) return;
   for (const auto& limit : {expectation.min, expectation.max})
     if (limit && !limit->bare && !(limit->unit.dimension == parse_unit(type.unit)->dimension))
@@ -69,7 +69,7 @@ void check_limits(const Expectation& expectation, const Measure& type, Mistakes&
 }
 
 void check_subject(const Expectation& expectation, const std::string& of, const SceneSpec& scene,
-                   const std::vector<std::string>& recorded, Mistakes& mistakes) {
+                   const std::vector<std::string>& recorded, ErrorList& mistakes) {
   if (may_have_more(scene, of) || is_recorded(of, recorded)) return;
   auto names = recorded;  // with "instrument.hit" for its first output
   for (const auto& name : recorded)
@@ -82,7 +82,7 @@ void check_subject(const Expectation& expectation, const std::string& of, const 
 }
 
 void check_recorded(const std::string& of, const Source& at, const SceneSpec& scene,
-                    const std::vector<std::string>& recorded, Mistakes& mistakes) {
+                    const std::vector<std::string>& recorded, ErrorList& mistakes) {
   Expectation subject;
   subject.of = of;
   subject.of_at = at;
@@ -90,7 +90,7 @@ void check_recorded(const std::string& of, const Source& at, const SceneSpec& sc
 }
 
 void report_role(const std::string& needed_by, const Source& at, const std::string& role,
-                 const SceneSpec& scene, Mistakes& mistakes) {
+                 const SceneSpec& scene, ErrorList& mistakes) {
   const bool unknown = std::any_of(scene.parts.begin(), scene.parts.end(), [&](const ScenePart& part) {
     return part.graph == nullptr || part.graph->incomplete;
   });
@@ -99,7 +99,7 @@ void report_role(const std::string& needed_by, const Source& at, const std::stri
                "name one under [roles], as in " + role + " = \"plant." + role + "\"");
 }
 
-void check_port(const Expectation& expectation, const SceneSpec& scene, Mistakes& mistakes) {
+void check_port(const Expectation& expectation, const SceneSpec& scene, ErrorList& mistakes) {
   if (scene.port(expectation.of) != nullptr) return;
   std::vector<std::string> names;
   for (const auto& port : scene.ports) names.push_back(port.name);
@@ -116,7 +116,7 @@ const EntrySpec* find_entry(const std::vector<EntrySpec>& entries, std::string_v
   return it == entries.end() ? nullptr : &*it;
 }
 
-void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+void check_measures(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
   const auto recorded = recorded_names(scene, table);
   for (const auto& role : scene.roles)
     if (role.written) check_recorded(role.signal, role.at, scene, recorded, mistakes);
@@ -154,7 +154,7 @@ void check_measures(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
   }
 }
 
-void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+void check_accuracy(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
   const auto recorded = recorded_names(scene, table);
   for (const auto& accuracy : scene.accuracy) {
     const auto* type = find_measure(accuracy.measure);
@@ -174,7 +174,7 @@ void check_accuracy(const SceneSpec& scene, const NodeTable& table, Mistakes& mi
   }
 }
 
-void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+void check_playability(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
   if (!scene.playability) return;
   const auto recorded = recorded_names(scene, table);
   const auto& judged = *scene.playability;
@@ -192,7 +192,7 @@ void check_playability(const SceneSpec& scene, const NodeTable& table, Mistakes&
       check_recorded(signal->name, signal->at, scene, recorded, mistakes);
 }
 
-void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes) {
+void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, ErrorList& mistakes) {
   if (!scene.playability) return;
   const auto& pitch = scene.playability->pitch;
   static const auto kHertz = parse_unit("Hz")->dimension;
@@ -205,7 +205,7 @@ void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& t
                    "name an output in Hz, or give it a unit in its part");
 }
 
-void check_comparison(const SceneSpec& scene, Mistakes& mistakes) {
+void check_comparison(const SceneSpec& scene, ErrorList& mistakes) {
   if (!scene.compare) return;
   for (const auto& [name, at] : scene.compare->places) {
     const auto dot = name.find('.');
@@ -220,7 +220,7 @@ void check_comparison(const SceneSpec& scene, Mistakes& mistakes) {
       for (const auto& input : part->graph->inputs) known.push_back(input.name);
     if (const auto* control = find_entry(part->graph->controls, port);
         control != nullptr && !control->broken) {
-      Mistakes told_by_the_graph;
+      ErrorList told_by_the_graph;
       const auto read = read_control(*control, told_by_the_graph);
       if (const double value = scene.compare->set.at(name);
           read.unit_known && !read.control.range.contains(value))

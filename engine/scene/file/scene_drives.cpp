@@ -10,7 +10,7 @@
 namespace tactus {
 
 void read_drives(const Value::Table& scene, const std::filesystem::path& folder,
-                 const std::filesystem::path& root, SceneSpec& spec, Mistakes& mistakes) {
+                 const std::filesystem::path& root, SceneSpec& spec, ErrorList& mistakes) {
   for (const auto& entry :
        read_entries(scene, "drives", "{ profile = \"woofer\", volts_per_full_scale = \"10 V\" }", mistakes)) {
     spec.drive_places[entry.name] = entry.at;
@@ -20,7 +20,7 @@ void read_drives(const Value::Table& scene, const std::filesystem::path& folder,
   }
 }
 
-void check_drives(const SceneSpec& scene, Mistakes& mistakes) {
+void check_drives(const SceneSpec& scene, ErrorList& mistakes) {
   const auto* instrument = scene.part("instrument");
   if (instrument == nullptr || instrument->graph == nullptr || instrument->graph->incomplete) return;
   std::vector<std::string> names;

@@ -11,7 +11,7 @@
 namespace tactus {
 namespace {
 
-std::string signal_called(const EntrySpec& entry, const char* key, Source& at, Mistakes& mistakes) {
+std::string signal_called(const EntrySpec& entry, const char* key, Source& at, ErrorList& mistakes) {
   const auto* value = find(entry.fields, key);
   if (value == nullptr) {
     if (!entry.broken)
@@ -23,7 +23,7 @@ std::string signal_called(const EntrySpec& entry, const char* key, Source& at, M
   return mistakes.text(entry.fields, key);
 }
 
-Port read_port(const EntrySpec& entry, Mistakes& mistakes) {
+Port read_port(const EntrySpec& entry, ErrorList& mistakes) {
   Port port;
   port.name = entry.name;
   port.at = port.force_at = port.position_at = entry.at;
@@ -48,7 +48,7 @@ std::vector<std::string> outputs_around(const SceneSpec& scene) {
 
 /// The unit of an output; nothing, and a mistake where that is certain, if there is none of that name.
 std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string& signal, const Source& at,
-                                      Mistakes& mistakes) {
+                                      ErrorList& mistakes) {
   if (signal.empty()) return std::nullopt;
   const auto dot = signal.find('.');
   const auto* part = scene.part(signal.substr(0, dot));
@@ -70,7 +70,7 @@ std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string&
 
 }  // namespace
 
-std::vector<Port> read_ports(const Value::Table& scene, Mistakes& mistakes) {
+std::vector<Port> read_ports(const Value::Table& scene, ErrorList& mistakes) {
   std::vector<Port> ports;
   NameSpace names;
   for (const auto& entry : read_entries(
@@ -82,7 +82,7 @@ std::vector<Port> read_ports(const Value::Table& scene, Mistakes& mistakes) {
   return ports;
 }
 
-void check_ports(const SceneSpec& scene, Mistakes& mistakes) {
+void check_ports(const SceneSpec& scene, ErrorList& mistakes) {
   for (const auto& port : scene.ports) {
     const auto force = dimension_of(scene, port.force, port.force_at, mistakes);
     const auto position = dimension_of(scene, port.position, port.position_at, mistakes);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/scene_fields.h"
@@ -21,7 +21,7 @@ std::string seconds_text(double seconds) {
 /// Reads the points of one gesture; each point with a mistake is reported and left out.
 class PointReader {
  public:
-  PointReader(Gesture& gesture, Mistakes& mistakes) : gesture_(gesture), mistakes_(mistakes) {
+  PointReader(Gesture& gesture, ErrorList& mistakes) : gesture_(gesture), mistakes_(mistakes) {
     gesture_.bare = true;
   }
 
@@ -61,11 +61,11 @@ class PointReader {
   }
 
   Gesture& gesture_;
-  Mistakes& mistakes_;
+  ErrorList& mistakes_;
   double last_s_ = -1;
 };
 
-Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
+Gesture read_gesture(const EntrySpec& entry, ErrorList& mistakes) {
   Gesture gesture;
   gesture.name = entry.name;
   gesture.at = entry.at;
@@ -85,7 +85,7 @@ Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
 
 // ---- expectations ----
 
-void check_limits(const Expectation& expectation, const Value::Table& fields, Mistakes& mistakes) {
+void check_limits(const Expectation& expectation, const Value::Table& fields, ErrorList& mistakes) {
   const auto &min = expectation.min, &max = expectation.max;
   if (find(fields, "min") == nullptr && find(fields, "max") == nullptr)
     mistakes.add(Errc::Missing, expectation.at, "'" + expectation.name + "' expects nothing",
@@ -98,7 +98,7 @@ void check_limits(const Expectation& expectation, const Value::Table& fields, Mi
     mistakes.add(Errc::OutOfRange, find(fields, "max")->at, "'max' lies below 'min'", "swap them");
 }
 
-Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
+Expectation read_expectation(const EntrySpec& entry, Seconds duration, ErrorList& mistakes) {
   FieldReader fields{entry.fields, expectation_fields(), mistakes};
   Expectation expectation;
   expectation.name = entry.name;
@@ -117,7 +117,7 @@ Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes&
   return expectation;
 }
 
-void read_compared(const Field& field, const std::string& name, Comparison& comparison, Mistakes& mistakes) {
+void read_compared(const Field& field, const std::string& name, Comparison& comparison, ErrorList& mistakes) {
   const auto value = read_quantity(field.value);
   if (mistakes.keep(value) == nullptr) return;
   comparison.set[name] = value->si;
@@ -126,7 +126,7 @@ void read_compared(const Field& field, const std::string& name, Comparison& comp
 
 }  // namespace
 
-std::vector<Gesture> read_gestures(const Value::Table& scene, Mistakes& mistakes) {
+std::vector<Gesture> read_gestures(const Value::Table& scene, ErrorList& mistakes) {
   std::vector<Gesture> gestures;
   for (const auto& entry :
        read_entries(scene, "gestures", "{ points = [[\"0 s\", 0], [\"1 s\", 1]] }", mistakes))
@@ -134,7 +134,7 @@ std::vector<Gesture> read_gestures(const Value::Table& scene, Mistakes& mistakes
   return gestures;
 }
 
-Converters read_converters(const Value::Table& scene, Mistakes& mistakes) {
+Converters read_converters(const Value::Table& scene, ErrorList& mistakes) {
   Converters converters;
   const auto* section = read_section(scene, "converters", mistakes);
   if (section == nullptr) return converters;
@@ -147,7 +147,7 @@ Converters read_converters(const Value::Table& scene, Mistakes& mistakes) {
   return converters;
 }
 
-std::vector<Expectation> read_expectations(const Value::Table& scene, Seconds duration, Mistakes& mistakes) {
+std::vector<Expectation> read_expectations(const Value::Table& scene, Seconds duration, ErrorList& mistakes) {
   std::vector<Expectation> expectations;
   NameSpace names;
   for (const auto& entry : read_entries(scene, "expect", "{ measure = \"…\", max = 1 }", mistakes)) {
@@ -157,7 +157,7 @@ std::vector<Expectation> read_expectations(const Value::Table& scene, Seconds du
   return expectations;
 }
 
-std::optional<Comparison> read_comparison(const Value::Table& scene, Mistakes& mistakes) {
+std::optional<Comparison> read_comparison(const Value::Table& scene, ErrorList& mistakes) {
   const auto* fields = read_section(scene, "compare", mistakes);
   if (fields == nullptr) return std::nullopt;
   Comparison comparison{mistakes.text(*fields, "name"), find(scene, "compare")->at, {}, {}};

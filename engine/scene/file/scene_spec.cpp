@@ -7,7 +7,6 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/expression.h"
-#include "engine/graph/semantics/part_path.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/roles.h"
 #include "engine/scene/file/scene_fields.h"
@@ -17,7 +16,7 @@ namespace tactus {
 namespace {
 
 /// False if there is a key that may have been meant as a section, or a section that is none.
-bool check_keys(const Value::Table& table, Mistakes& mistakes) {
+bool check_keys(const Value::Table& table, ErrorList& mistakes) {
   const auto keys = scene_fields().keys(), graph_keys = graph_fields().keys();
   const auto among = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -40,7 +39,7 @@ bool check_keys(const Value::Table& table, Mistakes& mistakes) {
 }
 
 /// A wire's grammar; what it names is looked up when the scene is put together.
-void check_wire(const Value& value, Mistakes& mistakes) {
+void check_wire(const Value& value, ErrorList& mistakes) {
   if (const auto* text = value.text()) mistakes.keep(parse_expression(*text, text_start(value)));
   if (const auto* lanes = value.list())
     for (const auto& lane : *lanes) check_wire(lane, mistakes);
@@ -57,7 +56,7 @@ class SceneReader {
   SceneReader(const std::filesystem::path& file, const std::filesystem::path& root)
       : folder_(file.parent_path()), root_(root.empty() ? folder_ : root) {
     scene_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
-    mistakes_ = Mistakes{scene_.file};
+    mistakes_ = ErrorList{scene_.file};
   }
 
   LoadedScene read(const Result<Value::Table>& table) {
@@ -133,13 +132,13 @@ class SceneReader {
       return nullptr;
     }
     auto loaded = load_graph_leniently(path->name, root_);
-    mistakes_.add(std::move(loaded.mistakes));
+    mistakes_.add(std::move(loaded.errors));
     return loaded.spec;
   }
 
   std::filesystem::path folder_, root_;
   SceneSpec scene_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
 };
 
 template <class Items>

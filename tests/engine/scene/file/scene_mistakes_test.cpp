@@ -107,7 +107,7 @@ plant = { use = "plant.toml", drive = "instrument.anything", lift = "1 s" }
 some = { measure = "count", of = "instrument.anything", max = 3 }
 )") ==
         R"(scene.toml:5:70: 'lift' is in m, but this is in s; give a quantity in m
-broken.toml:2:8: in this table header: expected ']', saw '\n'; mend it to see what else there is)");
+broken.toml:2:8: in this table header: expected ']', saw '\n'; fix it to see further errors)");
   CHECK(folder.mistakes(R"(format = 1
 duration = "1 s"
 [parts]
