@@ -117,13 +117,13 @@ std::vector<ExtremeRun> run_all(const CheckJob& job, const StabilityVerdict& ver
       [&](double share) { progress(share); });
   std::vector<ExtremeRun> runs;
   for (auto& run : made) runs.push_back(or_exit(std::move(run)));
-  leave_out_play(runs);
+  exclude_player_energy(runs);
   return runs;
 }
 
 StabilityVerdict analyse(const CheckJob& job) {
   Progress progress{"analysing the loops"};
-  return or_exit(judge_stability(job.subject(), job.options, [&](double share) { progress(share); }));
+  return or_exit(analyse_stability(job.subject(), job.options, [&](double share) { progress(share); }));
 }
 
 int run_check(const CheckOptions& options) {

@@ -68,7 +68,7 @@ Json entry_json(const Setting& setting) {
 
 Json entry_json(const ElementField& field) {
   auto json = number_json(field, !field.fallback && !field.optional);
-  json["constant"] = !field.signal;
+  json["constant"] = field.fixed;
   return json;
 }
 

@@ -8,7 +8,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/writable.h"
-#include "apps/study/work_precision_report.h"
+#include "apps/study/reports.h"
 #include "backends/offline.h"
 #include "engine/core/index.h"
 #include "engine/dsp/delays/resample.h"
