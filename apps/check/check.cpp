@@ -7,7 +7,7 @@
 #include "engine/graph/file/read_graph.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig.h"
-#include "engine/study/sweep/parallel_for.h"
+#include "engine/study/sweep/evaluate_runs.h"
 
 namespace tactus::app {
 namespace {

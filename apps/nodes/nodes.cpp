@@ -30,20 +30,21 @@ void add_range(Json& json, double low, double high) {
 }
 
 /// What ports and fields have in common.
-template <class Entry>
-Json number_json(const Entry& entry, bool required) {
-  Json json{{"name", entry.name}, {"unit", entry.unit}, {"doc", entry.doc}, {"required", required}};
-  if (entry.fallback) json["default"] = *entry.fallback;
-  add_range(json, entry.low, entry.high);
+Json number_json(const InputPort& port, bool required) {
+  Json json{{"name", port.name}, {"unit", port.unit}, {"doc", port.doc}, {"required", required}};
+  if (port.fallback) json["default"] = *port.fallback;
+  add_range(json, port.low, port.high);
+  json["constant"] = port.fixed;
   return json;
 }
 
 Json entry_json(const InputPort& port) {
   auto json = number_json(port, !port.fallback);
-  json["constant"] = port.fixed;
   json["closes_loops"] = port.late;
   return json;
 }
+
+Json entry_json(const ElementField& field) { return number_json(field, !field.fallback && !field.optional); }
 
 Json entry_json(const OutputPort& port) {
   Json json{{"name", port.name},
@@ -63,12 +64,6 @@ Json entry_json(const Setting& setting) {
   if (choice || !setting.choices.empty()) json[choice ? "choices" : "units"] = setting.choices;
   if (!setting.fallback.empty()) json["default"] = setting.fallback;
   add_range(json, setting.low, setting.high);
-  return json;
-}
-
-Json entry_json(const ElementField& field) {
-  auto json = number_json(field, !field.fallback && !field.optional);
-  json["constant"] = field.fixed;
   return json;
 }
 

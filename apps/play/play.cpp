@@ -151,7 +151,7 @@ void add_play(CLI::App& app, int& exit_code) {
           "FILE", options->target,
           "instrument or scene; a folder means its instrument.toml on a card, otherwise its scene.toml")
       ->required();
-  add_run_options(*command, *options);
+  add_player_options(*command, *options);
   command->add_option("--out", options->folder, "folder for the WAV files and the plot")
       ->check(writable_folder())
       ->capture_default_str();

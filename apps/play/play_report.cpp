@@ -79,7 +79,7 @@ Status write_sound(const std::string& path, const Signals& signals, Hertz rate,
 
 }  // namespace
 
-void add_run_options(CLI::App& command, RunOptions& options) {
+void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_option("--delay", options.delay, "system delay instead of the scene's, such as \"10 ms\"");
   command.add_option("--rate", options.rate,
                      "sample rate instead of the scene's or the input file's, which is then resampled");
@@ -94,7 +94,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_flag("--json", options.json, "for machines");
 }
 
-PlayedScene play_file(const std::filesystem::path& file, const RunOptions& options,
+PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,
                       const std::map<std::string, double>* compared) {
   const bool first = compared == nullptr;
   auto loaded = load_scene_leniently(file, root_of(file));

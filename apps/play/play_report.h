@@ -17,7 +17,7 @@
 namespace tactus::app {
 
 /// Options of every run of an instrument or a scene.
-struct RunOptions {
+struct PlayerOptions {
   std::string target;
   std::string rate, delay, duration;  ///< empty: as the file says
   std::optional<int> block;
@@ -26,7 +26,7 @@ struct RunOptions {
   bool json = false;
 };
 /// All but FILE.
-void add_run_options(CLI::App& command, RunOptions& options);
+void add_player_options(CLI::App& command, PlayerOptions& options);
 
 struct PlayedScene {
   SceneSpec scene;
@@ -35,7 +35,7 @@ struct PlayedScene {
 
 /// Loads, builds and plays a scene. `compared`: control values [SI] on top of the options, for a second run,
 /// which does not repeat the warnings of the first. Throws a CommandError with all errors of its files.
-PlayedScene play_file(const std::filesystem::path& file, const RunOptions& options,
+PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,
                       const std::map<std::string, double>* compared = nullptr);
 
 /// {"events": [{"time_s", "node", "level_db"}]} from taps "node.output" and "node.level".

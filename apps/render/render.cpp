@@ -243,7 +243,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--format", options->format, "of the WAV files")
       ->check(CLI::IsMember({"float", "24"}))
       ->capture_default_str();
-  add_run_options(*command, *options);
+  add_player_options(*command, *options);
   command
       ->add_flag("--error", options->error,
                  "of a scene with [accuracy]: reports its errors and the time of a frame")

@@ -14,7 +14,7 @@
 
 namespace tactus::app {
 
-struct RenderOptions : RunOptions {
+struct RenderOptions : PlayerOptions {
   std::string replay;                  ///< a take's WAV file
   std::string in, out, sound, events;  ///< files; empty: none
   std::string format = "float";        ///< or "24"

@@ -13,7 +13,7 @@
 namespace tactus::app {
 
 /// Options of playing on a sound card.
-struct LiveOptions : RunOptions {
+struct LiveOptions : PlayerOptions {
   std::string rig, backend, device, input_device;
   std::vector<int> in, out;  ///< channels, from 1
   std::string pad_delay;

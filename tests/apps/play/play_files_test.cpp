@@ -16,7 +16,7 @@ using namespace tactus::app;
 namespace {
 
 PlayedScene play(const char* scene, const char* duration) {
-  RunOptions options;
+  PlayerOptions options;
   options.duration = duration;
   return play_file(std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene, options);
 }

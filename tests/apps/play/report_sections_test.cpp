@@ -10,7 +10,7 @@ namespace {
 
 /// What is reported of a scene; null where no ball bounces.
 nlohmann::ordered_json ball_of(const char* scene, const char* duration = "") {
-  RunOptions options;
+  PlayerOptions options;
   options.duration = duration;
   const auto played = play_file(std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene, options);
   nlohmann::ordered_json json;
