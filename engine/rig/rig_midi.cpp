@@ -11,7 +11,7 @@ namespace {
 
 RigMidi read_one(const EntrySpec& entry, ErrorList& mistakes) {
   FieldReader fields{entry.fields, midi_fields(), mistakes};
-  const auto number = [&](const char* key, double most = kNoBound) {
+  const auto number = [&](const char* key, double most = kUnlimited) {
     return static_cast<int>(fields.number(key, most).value_or(midi_fields()[key].low));
   };
   RigMidi midi;

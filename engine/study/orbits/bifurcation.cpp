@@ -11,7 +11,7 @@
 #include "engine/scene/file/roles.h"
 #include "engine/scene/play_scene.h"
 #include "engine/study/orbits/bouncing_ball.h"
-#include "engine/study/sweep/parallel_for.h"
+#include "engine/study/sweep/evaluate_runs.h"
 
 namespace tactus {
 namespace {
