@@ -90,6 +90,10 @@ FieldType only(std::string kind, FieldType field) {
   return field;
 }
 FieldType about_field() { return text_field("about", "for people"); }
+std::vector<FieldType> joined(std::vector<FieldType> fields, const std::vector<FieldType>& more) {
+  fields.insert(fields.end(), more.begin(), more.end());
+  return fields;
+}
 
 FieldReader::FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes)
     : FieldReader(table, section, mistakes, kKeysChecked) {
@@ -103,6 +107,40 @@ FieldReader::FieldReader(const Value::Table& table, const SectionType& section, 
     if (!decides || field.only.empty() || field.only == *chosen) known.push_back(field.key);
   mistakes.unknown_keys(table, known);
   if (has("about")) mistakes.text(table, "about");
+}
+
+FieldReader::FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes,
+                         const std::string& owner, const Source& at)
+    : FieldReader(table, section, mistakes) {
+  report_missing(owner, at);
+}
+
+FieldReader::FieldReader(const EntrySpec& entry, const SectionType& section, Mistakes& mistakes,
+                         const std::string& what)
+    : FieldReader(entry.fields, section, mistakes) {
+  if (!entry.broken) report_missing(what + " '" + entry.name + "'", entry.at);
+}
+
+void FieldReader::report_missing(const std::string& owner, const Source& at) {
+  const auto missing = [&](const std::string& keys, const std::string& remedy) {
+    mistakes_.add(Errc::Missing, at, owner + " lacks " + keys, remedy);
+  };
+  const auto given = [this](const std::string& key) { return has(key); };
+  const auto* kind = value("kind");
+  for (const auto& field : section_.fields) {
+    // Those two are checked by code of their own.
+    if (!field.required || field.kind == Kind::Format || field.kind == Kind::Reference || given(field.key))
+      continue;
+    if (field.only.empty() || (kind != nullptr && kind->text() != nullptr && *kind->text() == field.only))
+      missing("'" + field.key + "'",
+              "give '" + field.key + "': " + field.doc + (field.unit.empty() ? "" : ", in " + field.unit));
+  }
+  const auto &one_of = section_.one_of, &together = section_.together;
+  if (!one_of.empty() && std::none_of(one_of.begin(), one_of.end(), given))
+    missing(listed(one_of), "give at least one of them");
+  if (std::any_of(together.begin(), together.end(), given))
+    for (const auto& key : together)
+      if (!has(key)) missing("'" + key + "'", "give both " + listed(together) + ", or neither");
 }
 
 Source FieldReader::at(std::string_view key, const Source& otherwise) const {

@@ -10,6 +10,7 @@
 #include "engine/core/units.h"
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/spec.h"
 
 // Thread: [control]
 
@@ -80,6 +81,7 @@ FieldType field(std::string key, FieldType::Kind kind, std::string doc);
 FieldType required(FieldType field);
 FieldType only(std::string kind, FieldType field);
 FieldType about_field();
+std::vector<FieldType> joined(std::vector<FieldType> fields, const std::vector<FieldType>& more);
 
 /// Reads one table as its section says; each mistake is reported by its place. What is left out or wrong is
 /// nothing. The table and the section must outlive it.
@@ -87,6 +89,13 @@ class FieldReader {
  public:
   /// Reports unknown keys, those that belong to another `kind`, and an `about` that is no text.
   FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes);
+  /// The same, and reports what `section` requires and the table lacks; `owner` ("port 'arm'") stands at
+  /// `at`.
+  FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes,
+              const std::string& owner, const Source& at);
+  /// The same of an entry, with `what` it is: "port". One that is broken lacks nothing.
+  FieldReader(const EntrySpec& entry, const SectionType& section, Mistakes& mistakes,
+              const std::string& what);
   /// Reports nothing: for tables whose keys were checked before.
   enum Checked { kKeysChecked };
   FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes, Checked)
@@ -108,6 +117,8 @@ class FieldReader {
   std::pair<std::optional<double>, std::optional<double>> window(Seconds duration);
 
  private:
+  void report_missing(const std::string& owner, const Source& at);
+
   const Value::Table& table_;
   const SectionType& section_;
   Mistakes& mistakes_;

@@ -1,8 +1,8 @@
 #include "engine/scene/file/scene_fields.h"
 
 #include "engine/graph/file/read_graph.h"
-#include "engine/rig/drive_entry.h"
-#include "engine/scene/file/roles.h"
+#include "engine/rig/profile.h"
+#include "engine/scene/file/scene_spec.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {
@@ -79,7 +79,7 @@ const SectionType& playability_fields() {
       "what playing well means, for tactus study playability",
       {required(
            choice_field("kind", {"roll", "tone"}, "what is played")),  // in the order of Playability::Kind
-       from_field("start of the window that is judged", "1 s"), to_field(),
+       from_field("start of the evaluated window", "1 s"), to_field(),
        only("roll", text_field("hits", "the trigger of a detected strike", "the role hit")),
        only("roll", text_field("contact", "the contact force of the strikes", "the role contact")),
        only("roll", whole_field("fewest", 1, 100, "strikes in its worst second", "10")),
@@ -94,7 +94,7 @@ const SectionType& playability_fields() {
 
 const SectionType& role_fields() {
   static const SectionType section = [] {
-    SectionType roles{"which signal is what to measures and reports", {}};
+    SectionType roles{"the signals that measures and reports use", {}};
     for (const auto& type : role_types()) roles.fields.push_back(text_field(type.name, type.doc));
     return roles;
   }();
@@ -104,28 +104,25 @@ const SectionType& role_fields() {
 const SectionType& scene_fields() {
   static const SectionType comparison{"the scene once more with some controls elsewhere",
                                       {required(text_field("name", "as in \"without the pulse\""))}};
-  static const SectionType section = [] {
-    SectionType scene{"a scene", heading_fields()};
-    for (auto& field : std::vector<FieldType>{
-             quantity_field("rate", "Hz", 1e3, 768e3, "sample rate", "48 kHz"),
-             quantity_field("delay", "s", 0, 10, "system delay", "0 s"),
-             required(quantity_field("duration", "s", 1e-3, kLongestTime_s, "how long it lasts")),
-             whole_field("seed", 0, kMaxSeed, "of everything random"),
-             required({.key = "parts",
-             .kind = FieldKind::Reference,
-             .doc = "graphs and how they are wired",
-             .unit = "part"}),
-             entries_field("gestures", gesture_fields(), "how the player moves"),
-             section_field("converters", converter_fields()),
-             entries_field("drives", drive_fields(), "what the instrument's outputs move"),
-             entries_field("ports", port_fields(), "where energy goes between instrument and plant"),
-             section_field("roles", role_fields()),
-             entries_field("expect", expectation_fields(), "what must hold"),
-             entries_field("accuracy", accuracy_fields(), "what a study of solvers compares"),
-             section_field("playability", playability_fields()), section_field("compare", comparison)})
-      scene.fields.push_back(std::move(field));
-    return scene;
-  }();
+  static const SectionType section{
+      "a scene",
+      joined(heading_fields(),
+             {quantity_field("rate", "Hz", 1e3, 768e3, "sample rate", "48 kHz"),
+              quantity_field("delay", "s", 0, 10, "system delay", "0 s"),
+              required(quantity_field("duration", "s", 1e-3, kLongestTime_s, "how long it lasts")),
+              whole_field("seed", 0, kMaxSeed, "of everything random"),
+              required({.key = "parts",
+                        .kind = FieldKind::Reference,
+                        .doc = "graphs and how they are wired",
+                        .unit = "part"}),
+              entries_field("gestures", gesture_fields(), "how the player moves"),
+              section_field("converters", converter_fields()),
+              entries_field("drives", drive_fields(), "what the instrument's outputs move"),
+              entries_field("ports", port_fields(), "where energy goes between instrument and plant"),
+              section_field("roles", role_fields()),
+              entries_field("expect", expectation_fields(), "what must hold"),
+              entries_field("accuracy", accuracy_fields(), "what a study of solvers compares"),
+              section_field("playability", playability_fields()), section_field("compare", comparison)})};
   return section;
 }
 

@@ -2,19 +2,22 @@
 
 #include <algorithm>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/part_path.h"
 #include "engine/graph/semantics/scope.h"
-#include "engine/scene/file/roles.h"
 #include "engine/scene/file/scene_fields.h"
-#include "engine/scene/file/scene_sections.h"
+#include "engine/scene/measures/measure.h"
 
 namespace tactus {
 namespace {
+
+constexpr double kMinPlayabilityWindow_s = 1;  // a roll has a worst second
 
 /// False if there is a key that may have been meant as a section, or a section that is none.
 bool check_keys(const Value::Table& table, Mistakes& mistakes) {
@@ -52,6 +55,246 @@ std::string name_of_file(const std::filesystem::path& file) {
   return (file.filename() == "scene.toml" && !folder.empty() ? folder : file.stem()).string();
 }
 
+std::string seconds_text(double seconds) {
+  return short_quantity(seconds, parse_unit("s").value().dimension);
+}
+
+// ---- gestures ----
+
+/// Reads the points of one gesture; each point with a mistake is reported and left out.
+class PointReader {
+ public:
+  PointReader(Gesture& gesture, Mistakes& mistakes) : gesture_(gesture), mistakes_(mistakes) {
+    gesture_.bare = true;
+  }
+
+  void read(const Value& point) {
+    const auto* pair = point.list();
+    if (pair == nullptr || pair->size() != 2)
+      return mistakes_.add(Errc::WrongType, point.at, "a point is a time and a value",
+                           "write it as in [\"0.1 s\", \"2 m/s\"]");
+    const auto time = read_time((*pair)[0]);
+    const auto value = read_value((*pair)[1]);
+    if (time && value) gesture_.points.push_back({*time, *value});
+  }
+
+ private:
+  std::optional<double> read_time(const Value& value) {
+    const auto time = read_quantity(value, parse_unit("s").value(), "time");
+    if (mistakes_.keep(time) == nullptr) return std::nullopt;
+    if (*time < 0 || *time > kLongestTime_s) {
+      mistakes_.add(Errc::OutOfRange, value.at, "a gesture cannot be at " + seconds_text(*time),
+                    "times run from 0 s to a day");
+    } else if (*time <= last_s_) {
+      mistakes_.add(Errc::OutOfRange, value.at,
+                    seconds_text(*time) + " does not come after " + seconds_text(last_s_) + " before it",
+                    "the times of a gesture increase");
+    }
+    last_s_ = std::max(last_s_, *time);
+    return *time;
+  }
+
+  std::optional<double> read_value(const Value& value) {
+    const auto quantity = read_quantity(value);
+    if (mistakes_.keep(quantity) == nullptr) return std::nullopt;
+    if (quantity->bare) return quantity->si;
+    if (std::exchange(gesture_.bare, false)) gesture_.unit = quantity->unit;
+    const auto checked = read_quantity(value, gesture_.unit, gesture_.name);
+    return mistakes_.keep(checked) == nullptr ? std::nullopt : std::optional{*checked};
+  }
+
+  Gesture& gesture_;
+  Mistakes& mistakes_;
+  double last_s_ = -1;
+};
+
+Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
+  FieldReader fields{entry, gesture_fields(), mistakes, "gesture"};
+  Gesture gesture{entry.name, entry.at, static_cast<Gesture::Curve>(fields.choice("curve").value_or(0))};
+  const auto* points = fields.value("points");
+  if (points == nullptr) return gesture;
+  if (points->list() == nullptr || points->list()->empty()) {
+    mistakes.add(Errc::Missing, points->at, "gesture '" + entry.name + "' has no points",
+                 "write points = [[\"0 s\", 0], [\"1 s\", 1]]");
+    return gesture;
+  }
+  PointReader reader{gesture, mistakes};
+  for (const auto& point : *points->list()) reader.read(point);
+  return gesture;
+}
+
+Converters read_converters(const Value::Table& section, Mistakes& mistakes) {
+  Converters converters;
+  FieldReader fields{section, converter_fields(), mistakes};
+  if (const auto bits = fields.number("bits")) converters.bits = static_cast<int>(*bits);
+  converters.on = !fields.flag("off");
+  if (!converters.on && fields.has("bits"))
+    mistakes.add(Errc::Duplicate, fields.value("off")->at, "converters that are off have no bits",
+                 "remove 'off' or 'bits'");
+  return converters;
+}
+
+Port read_port(const EntrySpec& entry, Mistakes& mistakes) {
+  FieldReader fields{entry, port_fields(), mistakes, "port"};
+  return {entry.name,
+          entry.at,
+          fields.text("force"),
+          fields.text("position"),
+          fields.at("force", entry.at),
+          fields.at("position", entry.at),
+          fields.number("active_up_to").value_or(0)};
+}
+
+// ---- [expect] and [accuracy] ----
+
+MeasureEntry read_measure(const EntrySpec& entry, FieldReader& fields, Seconds duration) {
+  MeasureEntry read{entry.name, entry.at};
+  read.measure_at = fields.at("measure", entry.at);
+  if (fields.choice("measure")) read.measure = fields.text("measure");
+  read.of = fields.text("of");
+  read.of_at = fields.at("of", entry.at);
+  std::tie(read.from_s, read.to_s) = fields.window(duration);
+  return read;
+}
+
+Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
+  FieldReader fields{entry, expectation_fields(), mistakes, "expectation"};
+  const Expectation expectation{read_measure(entry, fields, duration), fields.any("min"), fields.any("max")};
+  const auto &min = expectation.min, &max = expectation.max;
+  if (!min || !max) return expectation;
+  if (!min->bare && !max->bare && !(min->unit.dimension == max->unit.dimension))
+    mistakes.add(Errc::UnitMismatch, fields.value("max")->at, "'min' and 'max' are in different units",
+                 "give both in the same");
+  else if (min->si > max->si)
+    mistakes.add(Errc::OutOfRange, fields.value("max")->at, "'max' is below 'min'", "swap them");
+  return expectation;
+}
+
+Accuracy read_accuracy(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
+  FieldReader fields{entry, accuracy_fields(), mistakes, "accuracy"};
+  const Accuracy accuracy{read_measure(entry, fields, duration), fields.any("exact"), fields.any("scale")};
+  if (const auto* type = find_measure(accuracy.measure);
+      type != nullptr && fields.has("exact") && !type->has_exact)
+    mistakes.add(Errc::BadArgument, fields.value("exact")->at,
+                 "'" + type->name + "' is not a single number that could be exact", "remove 'exact'");
+  if (accuracy.scale && !(accuracy.scale->si > 0.0))
+    mistakes.add(Errc::OutOfRange, fields.value("scale")->at, "'scale' must be above 0",
+                 "give the value of an error of 1");
+  return accuracy;
+}
+
+// ---- [roles] ----
+
+/// A node of the instrument counts too: its events are recorded.
+bool has_port(const ScenePart& part, const std::string& name) {
+  return part.graph != nullptr &&
+         (find_named(part.graph->outputs, name) != nullptr ||
+          (part.name == "instrument" && find_named(part.graph->nodes, name) != nullptr));
+}
+
+std::vector<Role> read_roles(const Value::Table& scene, const std::vector<ScenePart>& parts,
+                             Mistakes& mistakes) {
+  std::vector<Role> roles;
+  if (const auto* section = read_section(scene, "roles", mistakes)) {
+    FieldReader fields{*section, role_fields(), mistakes};
+    for (const auto& field : *section)
+      if (auto signal = fields.text(field.key); !signal.empty())
+        roles.push_back({field.key, std::move(signal), field.value.at, true});
+  }
+  for (const auto& type : role_types())
+    for (const auto& part : parts)
+      if (signal_of(roles, type.name).empty() && has_port(part, type.port))
+        roles.push_back({type.name, part.name + "." + type.port, part.at});
+  return roles;
+}
+
+// ---- [playability] ----
+
+using Kind = Playability::Kind;
+
+void read_times(FieldReader& fields, double end_s, Playability& playability, Mistakes& mistakes) {
+  playability.from_s = fields.number("from", end_s).value_or(playability.from_s);
+  playability.to_s = fields.number("to", end_s);
+  if (playability.to_s.value_or(end_s) - playability.from_s < kMinPlayabilityWindow_s)
+    mistakes.add(Errc::OutOfRange, fields.at("from", playability.at),
+                 "the window to evaluate is shorter than a second",
+                 "lower 'from', or raise 'to' or 'duration'");
+}
+
+void read_signal(FieldReader& fields, const char* key, Playability::Signal& signal) {
+  if (fields.has(key)) signal = {fields.text(key), fields.value(key)->at};
+}
+
+/// "110 Hz", or "wanted.pitch": an output of a part.
+void read_pitch(FieldReader& fields, Playability& playability, Mistakes& mistakes) {
+  if (!fields.has("pitch"))
+    return mistakes.add(Errc::Missing, playability.at, "a tone needs the expected 'pitch'",
+                        "give it as in pitch = \"110 Hz\", or as an output of a part: \"wanted.pitch\"");
+  const auto* text = fields.value("pitch")->text();
+  if (text != nullptr && !text->empty() && text->front() >= 'a' && text->front() <= 'z')
+    return read_signal(fields, "pitch", playability.pitch);
+  playability.pitch_hz = fields.number("pitch").value_or(playability.pitch_hz);
+}
+
+void read_tone(FieldReader& fields, double end_s, Playability& playability, Mistakes& mistakes) {
+  read_signal(fields, "sound", playability.sound);
+  playability.begin_s = fields.number("begin", end_s).value_or(playability.begin_s);
+  playability.quiet = fields.number("quiet").value_or(playability.quiet);
+  read_pitch(fields, playability, mistakes);
+  if (playability.begin_s > playability.from_s)
+    mistakes.add(Errc::OutOfRange, fields.value("begin")->at,
+                 "the tone begins after 'from', where it should be steady",
+                 "raise 'from', which is 1 s if left out");
+}
+
+std::optional<Playability> read_playability(const Value::Table& section, const Source& at, Seconds duration,
+                                            const std::vector<Role>& roles, Mistakes& mistakes) {
+  FieldReader fields{section, playability_fields(), mistakes, "[playability]", at};
+  Playability playability;
+  playability.at = at;
+  playability.hits = {signal_of(roles, "hit"), at};
+  playability.contact = {signal_of(roles, "contact"), at};
+  playability.sound = {signal_of(roles, "monitor"), at};
+  const auto kind = fields.choice("kind");
+  const double end_s = duration.value > 0 ? duration.value : kLongestTime_s;
+  read_times(fields, end_s, playability, mistakes);
+  if (!kind) return std::nullopt;
+  playability.kind = static_cast<Kind>(*kind);
+  if (playability.kind == Kind::Tone) {
+    read_tone(fields, end_s, playability, mistakes);
+  } else {
+    read_signal(fields, "hits", playability.hits);
+    read_signal(fields, "contact", playability.contact);
+    playability.fewest = fields.number("fewest").value_or(playability.fewest);
+  }
+  return playability;
+}
+
+// ---- [compare] ----
+
+void read_compared(const Field& field, const std::string& name, Comparison& comparison, Mistakes& mistakes) {
+  const auto value = read_quantity(field.value);
+  if (mistakes.keep(value) == nullptr) return;
+  comparison.set[name] = value->si;
+  comparison.places[name] = field.at;
+}
+
+Comparison read_comparison(const Value::Table& section, const Source& at, Mistakes& mistakes) {
+  Comparison comparison{mistakes.text(section, "name"), at, {}, {}};
+  if (comparison.name.empty())
+    mistakes.add(Errc::Missing, at, "[compare] lacks 'name'", "write name = \"without the pulse\"");
+  for (const auto& field : section) {
+    if (field.key == "name") continue;
+    const auto* part = field.value.table();  // plant.gain = 1
+    if (part == nullptr) read_compared(field, field.key, comparison, mistakes);
+    for (const auto& inner : part != nullptr ? *part : Value::Table{})
+      read_compared(inner, field.key + "." + inner.key, comparison, mistakes);
+  }
+  return comparison;
+}
+
+// ---- the whole file ----
+
 class SceneReader {
  public:
   SceneReader(const std::filesystem::path& file, const std::filesystem::path& root)
@@ -76,18 +319,48 @@ class SceneReader {
     scene_.source = mistakes_.text(table, "source");
     read_times(table);
     read_parts(table);
-    scene_.gestures = read_gestures(table, mistakes_);
-    scene_.converters = read_converters(table, mistakes_);
-    read_drives(table, folder_, root_, scene_, mistakes_);
-    scene_.ports = read_ports(table, mistakes_);
-    scene_.expect = read_expectations(table, scene_.duration, mistakes_);
-    scene_.accuracy = read_accuracy(table, scene_.duration, mistakes_);
+    const auto entries = [&](const char* section, const char* example, const auto& read) {
+      for (const auto& entry : read_entries(table, section, example, mistakes_)) read(entry);
+    };
+    const auto duration = scene_.duration;
+    entries("gestures", "{ points = [[\"0 s\", 0], [\"1 s\", 1]] }",
+            [&](auto& entry) { scene_.gestures.push_back(read_gesture(entry, mistakes_)); });
+    entries("drives", "{ profile = \"woofer\", volts_per_full_scale = \"10 V\" }",
+            [&](auto& entry) { read_drive_entry(entry); });
+    entries("ports", "{ force = \"plant.motor\", position = \"plant.arm\", active_up_to = \"10 mJ\" }",
+            [&](auto& entry) { scene_.ports.push_back(read_port(entry, mistakes_)); });
+    entries("expect", "{ measure = \"…\", max = 1 }",
+            [&](auto& entry) { scene_.expect.push_back(read_expectation(entry, duration, mistakes_)); });
+    entries("accuracy", "{ measure = \"position\", of = \"plant.stick\" }",
+            [&](auto& entry) { scene_.accuracy.push_back(read_accuracy(entry, duration, mistakes_)); });
     scene_.roles = read_roles(table, scene_.parts, mistakes_);
-    scene_.playability = read_playability(table, scene_.duration, scene_.roles, mistakes_);
-    scene_.compare = read_comparison(table, mistakes_);
-    NameSpace names;
-    for (const auto& part : scene_.parts) names.add(part.name, "a part", part.at, mistakes_);
-    for (const auto& gesture : scene_.gestures) names.add(gesture.name, "a gesture", gesture.at, mistakes_);
+    if (const auto* section = read_section(table, "converters", mistakes_))
+      scene_.converters = read_converters(*section, mistakes_);
+    if (const auto* section = read_section(table, "playability", mistakes_))
+      scene_.playability =
+          read_playability(*section, find(table, "playability")->at, duration, scene_.roles, mistakes_);
+    if (const auto* section = read_section(table, "compare", mistakes_))
+      scene_.compare = read_comparison(*section, find(table, "compare")->at, mistakes_);
+    check_names();
+  }
+
+  void check_names() {
+    const auto check = [this](const auto& entries, const char* kind, NameSpace& names) {
+      for (const auto& entry : entries) names.add(entry.name, kind, entry.at, mistakes_);
+    };
+    NameSpace names, ports, expectations, accuracies;
+    check(scene_.parts, "a part", names);
+    check(scene_.gestures, "a gesture", names);
+    check(scene_.ports, "a port", ports);
+    check(scene_.expect, "an expectation", expectations);
+    check(scene_.accuracy, "a line of [accuracy]", accuracies);
+  }
+
+  void read_drive_entry(const EntrySpec& entry) {
+    scene_.drive_places[entry.name] = entry.at;
+    if (entry.broken) return;
+    FieldReader fields{entry, drive_fields(), mistakes_, "drive"};
+    scene_.drives.named[entry.name] = read_drive(entry, fields, {folder_, root_, root_}, mistakes_).limits;
   }
 
   void read_times(const Value::Table& table) {
@@ -96,9 +369,9 @@ class SceneReader {
     if (const auto rate = fields.number("rate")) scene_.rate = Hertz{*rate};
     if (const auto delay = fields.number("delay")) scene_.delay = Seconds{*delay};
     if (const auto duration = fields.number("duration")) scene_.duration = Seconds{*duration};
-    if (find(table, "duration") == nullptr)
+    if (!fields.has("duration"))
       mistakes_.add(Errc::Missing, {scene_.file.file, 1, 1}, "'duration' is missing",
-                    "say how long the scene lasts, as in duration = \"6 s\"");
+                    "give the length of the scene, as in duration = \"6 s\"");
   }
 
   void read_parts(const Value::Table& table) {
@@ -142,19 +415,29 @@ class SceneReader {
   Mistakes mistakes_;
 };
 
-template <class Items>
-auto* find_named(const Items& items, std::string_view name) {
-  const auto found =
-      std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
-  return found == items.end() ? nullptr : &*found;
-}
-
 Checked<SceneSpec> without_mistakes(LoadedScene loaded) {
   if (!loaded.mistakes.empty()) return tl::unexpected(std::move(loaded.mistakes));
   return std::move(*loaded.scene);
 }
 
 }  // namespace
+
+const std::vector<RoleType>& role_types() {
+  static const std::vector<RoleType> types = {
+      {"monitor", "sound", "the output meant for ears"},
+      {"hit", "hit", "the trigger of a detected strike"},
+      {"contact", "contact", "the contact force of strikes"},
+      {"stick", "stick", "the position of what strikes"},
+      {"ball", "ball", "the position of what bounces"},
+      {"table", "table", "the position of what it bounces on"},
+  };
+  return types;
+}
+
+std::string signal_of(const std::vector<Role>& roles, std::string_view role) {
+  const auto* found = find_named(roles, role);
+  return found != nullptr ? found->signal : "";
+}
 
 const ScenePart* SceneSpec::part(std::string_view called) const { return find_named(parts, called); }
 const Gesture* SceneSpec::gesture(std::string_view called) const { return find_named(gestures, called); }

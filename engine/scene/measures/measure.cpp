@@ -5,7 +5,7 @@
 
 #include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/scene/file/roles.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 namespace {

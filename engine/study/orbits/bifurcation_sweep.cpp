@@ -5,7 +5,7 @@
 
 #include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/scene/file/roles.h"
+#include "engine/scene/file/scene_spec.h"
 #include "engine/scene/play_scene.h"
 
 namespace tactus {

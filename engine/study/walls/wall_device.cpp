@@ -2,9 +2,9 @@
 
 #include <string>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/scene/file/scene_checks.h"
 
 namespace tactus {
 namespace {
@@ -17,7 +17,7 @@ struct DeviceControl {
 
 /// What a control is set to. Nothing where the plant has none of that name.
 Result<std::optional<double>> setting_of(const ScenePart& plant, const DeviceControl& expected) {
-  const auto* control = find_entry(plant.graph->controls, expected.name);
+  const auto* control = find_named(plant.graph->controls, expected.name);
   if (control == nullptr) return std::nullopt;
   const auto* wire = find(plant.wires, expected.name);
   if (wire == nullptr) {

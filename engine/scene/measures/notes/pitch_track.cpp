@@ -8,7 +8,7 @@
 #include "engine/core/dimension.h"
 #include "engine/core/median.h"
 #include "engine/graph/node_type.h"
-#include "engine/scene/file/roles.h"
+#include "engine/scene/file/scene_spec.h"
 #include "engine/scene/measures/notes/steady_tone.h"
 
 namespace tactus {

@@ -8,22 +8,31 @@
 
 #include "engine/core/journal.h"
 #include "engine/graph/file/mistakes.h"
-#include "engine/graph/plan/plan.h"
+#include "engine/graph/plan/compile.h"
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 
-/// What a scene does with a control of the instrument: sets where it starts, and may move it.
+/// A gesture as a node of the graph around the instrument.
+NodeSpec gesture_node(const Gesture& gesture);
+
+/// Sets the field `port` to a value from outside, replacing what `fields` say about it.
+void overwrite(Value::Table& fields, const std::string& port, const ControlValue& value, const Source& at);
+
+/// Where `part` has a control `strike`, its `node` follows one of this name of the `world`, from 0 to 1.
+void strike_by_hand(const GraphSpec& part, NodeSpec& node, GraphSpec& world);
+
+/// What a scene does with a control of the instrument: sets its initial value, and may move it.
 struct WiredControl {
   double start = 0;                  ///< SI
   const Gesture* gesture = nullptr;  ///< of the scene
 };
-/// `field` is what the scene writes beside the control. Nothing after a mistake.
+/// `field` is what the scene writes beside the control. Nothing after an error.
 std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
                                          Mistakes& mistakes);
 
-/// "control 'strength' cannot be set to 7; it goes from 0 to 1"
-void complain_range(const FlatControl& control, double value, const Source& at, Mistakes& mistakes);
+/// False after an error: "control 'strength' cannot be set to 7; it goes from 0 to 1"
+bool check_range(const FlatControl& control, double value, const Source& at, Mistakes& mistakes);
 
 struct MovedControl {
   std::string control;
