@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "engine/core/named.h"
 #include "engine/scene/closed_loop.h"
 
 namespace tactus {
@@ -53,10 +54,7 @@ void collect_faults(SceneRecording& recording, const Player& engine, const std::
 
 }  // namespace
 
-const RecordedSignal* SceneRecording::find(std::string_view name) const {
-  const auto it = std::find_if(signals.begin(), signals.end(), [&](const auto& s) { return s.name == name; });
-  return it == signals.end() ? nullptr : &*it;
-}
+const RecordedSignal* SceneRecording::find(std::string_view name) const { return find_named(signals, name); }
 
 double SceneRecording::seconds() const {
   return signals.empty() ? 0 : static_cast<double>(signals.front().samples.size()) / sample_rate.value;

@@ -79,7 +79,8 @@ NodeSpec gesture_node(const Gesture& gesture) {
   }
   node.fields.push_back({"points", gesture.at, {std::move(points), gesture.at}});
   node.fields.push_back(
-      {"curve", gesture.at, text_value(gesture_fields()["curve"].choices[curve], gesture.at)});
+      {"curve", gesture.at,
+       text_value((*scene_fields()["gestures"].inside)["curve"].choices[curve], gesture.at)});
   if (!gesture.bare)
     node.fields.push_back({"unit", gesture.at, text_value(to_string(gesture.unit.dimension), gesture.at)});
   node.broken = gesture.points.empty();

@@ -15,6 +15,10 @@ std::string in_unit(double si, const std::string& unit) {
   return short_quantity(si, unit_called(unit).dimension);
 }
 
+std::string quoted(const FieldType& field) {
+  return field.kind == Kind::Section ? "[" + field.key + "]" : "'" + field.key + "'";
+}
+
 std::optional<double> read_whole(const Value& value, const FieldType& field, double high,
                                  Mistakes& mistakes) {
   const auto* number = value.number();

@@ -43,11 +43,12 @@ class PathReader {
       if (node.name == "path" && node.type == fir_type().name)
         path = &node;
       else
-        other(node.at, "'" + node.name + "' is more than a path");
-    for (const auto& network : graph_.networks)
-      other(network.at, "'" + network.name + "' is more than a path");
-    for (const auto& control : graph_.controls)
-      other(control.at, "'" + control.name + "' is more than a path");
+        other(node.at, "'" + node.name + "' is not part of a measured path");
+    const auto others = [this](const auto& items) {
+      for (const auto& item : items) other(item.at, "'" + item.name + "' is not part of a measured path");
+    };
+    others(graph_.networks);
+    others(graph_.controls);
     if (path == nullptr) other({graph_.file.file, 1, 1}, "there is no fir node called 'path'");
     return path;
   }

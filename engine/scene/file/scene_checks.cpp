@@ -176,7 +176,7 @@ std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string&
   const bool around = part != nullptr && part->name != "instrument" && dot != std::string::npos;
   const auto* output = around ? find_named(part->graph->outputs, signal.substr(dot + 1)) : nullptr;
   if (output == nullptr) {
-    mistakes.add(Errc::UnknownName, at, "no part but the instrument has an output '" + signal + "'",
+    mistakes.add(Errc::UnknownName, at, "no part other than the instrument has an output '" + signal + "'",
                  suggest(signal, outputs_around(scene)));
     return std::nullopt;
   }

@@ -19,6 +19,8 @@ namespace {
 
 constexpr double kMinPlayabilityWindow_s = 1;  // a roll has a worst second
 
+const SectionType& section_fields(std::string_view section) { return *scene_fields()[section].inside; }
+
 /// False if there is a key that may have been meant as a section, or a section that is none.
 bool check_keys(const Value::Table& table, Mistakes& mistakes) {
   const auto keys = scene_fields().keys(), graph_keys = graph_fields().keys();
@@ -109,7 +111,7 @@ class PointReader {
 };
 
 Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
-  FieldReader fields{entry, gesture_fields(), mistakes, "gesture"};
+  FieldReader fields{entry, section_fields("gestures"), mistakes, "gesture"};
   Gesture gesture{entry.name, entry.at, static_cast<Gesture::Curve>(fields.choice("curve").value_or(0))};
   const auto* points = fields.value("points");
   if (points == nullptr) return gesture;
@@ -125,7 +127,7 @@ Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
 
 Converters read_converters(const Value::Table& section, Mistakes& mistakes) {
   Converters converters;
-  FieldReader fields{section, converter_fields(), mistakes};
+  FieldReader fields{section, section_fields("converters"), mistakes};
   if (const auto bits = fields.number("bits")) converters.bits = static_cast<int>(*bits);
   converters.on = !fields.flag("off");
   if (!converters.on && fields.has("bits"))
@@ -135,7 +137,7 @@ Converters read_converters(const Value::Table& section, Mistakes& mistakes) {
 }
 
 Port read_port(const EntrySpec& entry, Mistakes& mistakes) {
-  FieldReader fields{entry, port_fields(), mistakes, "port"};
+  FieldReader fields{entry, section_fields("ports"), mistakes, "port"};
   return {entry.name,
           entry.at,
           fields.text("force"),
@@ -158,7 +160,7 @@ MeasureEntry read_measure(const EntrySpec& entry, FieldReader& fields, Seconds d
 }
 
 Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
-  FieldReader fields{entry, expectation_fields(), mistakes, "expectation"};
+  FieldReader fields{entry, section_fields("expect"), mistakes, "expectation"};
   const Expectation expectation{read_measure(entry, fields, duration), fields.any("min"), fields.any("max")};
   const auto &min = expectation.min, &max = expectation.max;
   if (!min || !max) return expectation;
@@ -171,7 +173,7 @@ Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes&
 }
 
 Accuracy read_accuracy(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
-  FieldReader fields{entry, accuracy_fields(), mistakes, "accuracy"};
+  FieldReader fields{entry, section_fields("accuracy"), mistakes, "accuracy"};
   const Accuracy accuracy{read_measure(entry, fields, duration), fields.any("exact"), fields.any("scale")};
   if (const auto* type = find_measure(accuracy.measure);
       type != nullptr && fields.has("exact") && !type->has_exact)
@@ -196,7 +198,7 @@ std::vector<Role> read_roles(const Value::Table& scene, const std::vector<SceneP
                              Mistakes& mistakes) {
   std::vector<Role> roles;
   if (const auto* section = read_section(scene, "roles", mistakes)) {
-    FieldReader fields{*section, role_fields(), mistakes};
+    FieldReader fields{*section, section_fields("roles"), mistakes};
     for (const auto& field : *section)
       if (auto signal = fields.text(field.key); !signal.empty())
         roles.push_back({field.key, std::move(signal), field.value.at, true});
@@ -249,7 +251,7 @@ void read_tone(FieldReader& fields, double end_s, Playability& playability, Mist
 
 std::optional<Playability> read_playability(const Value::Table& section, const Source& at, Seconds duration,
                                             const std::vector<Role>& roles, Mistakes& mistakes) {
-  FieldReader fields{section, playability_fields(), mistakes, "[playability]", at};
+  FieldReader fields{section, section_fields("playability"), mistakes, "[playability]", at};
   Playability playability;
   playability.at = at;
   playability.hits = {signal_of(roles, "hit"), at};
@@ -359,7 +361,7 @@ class SceneReader {
   void read_drive_entry(const EntrySpec& entry) {
     scene_.drive_places[entry.name] = entry.at;
     if (entry.broken) return;
-    FieldReader fields{entry, drive_fields(), mistakes_, "drive"};
+    FieldReader fields{entry, section_fields("drives"), mistakes_, "drive"};
     scene_.drives.named[entry.name] = read_drive(entry, fields, {folder_, root_, root_}, mistakes_).limits;
   }
 

@@ -1,9 +1,9 @@
-#include "engine/scene/measures/roll.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
+
+#include "engine/scene/measures/judged_run.h"
 
 using namespace tactus;
 

@@ -1,9 +1,9 @@
-#include "engine/scene/measures/tone.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 #include <numbers>
+
+#include "engine/scene/measures/judged_run.h"
 
 using namespace tactus;
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/scene/measures/judged_run.h"
 #include "engine/scene/measures/notes/format_note.h"
 #include "engine/scene/measures/notes/steady_tone.h"
-#include "engine/scene/measures/tone.h"
 
 using namespace tactus;
 

@@ -11,12 +11,12 @@ namespace {
 std::vector<ToneMoment> moments(const std::vector<std::pair<double, double>>& off_and_rms) {
   std::vector<ToneMoment> all;
   for (const auto& [off, rms] : off_and_rms)
-    all.push_back({1 + kPitchHop_s * static_cast<double>(all.size()), off, rms});
+    all.push_back({1 + kPitchHop_s * static_cast<double>(all.size()), 110 * std::exp2(off / 1200), 110, rms});
   return all;
 }
 
 std::vector<std::pair<double, double>> held(int moments, double off, double rms) {
-  return std::vector(static_cast<std::size_t>(moments), std::pair{off, rms});
+  return std::vector(static_cast<std::size_t>(moments), std::pair{110 * std::exp2(off / 1200), 110, rms});
 }
 
 }  // namespace
