@@ -130,14 +130,14 @@ void FieldReader::report_missing(const std::string& owner, const Source& at) {
     mistakes_.add(Errc::Missing, at, owner + " lacks " + keys, remedy);
   };
   const auto given = [this](const std::string& key) { return has(key); };
-  const auto* kind = value("kind");
   for (const auto& field : section_.fields) {
     // Those two are checked by code of their own.
     if (!field.required || field.kind == Kind::Format || field.kind == Kind::Reference || given(field.key))
       continue;
-    if (field.only.empty() || (kind != nullptr && kind->text() != nullptr && *kind->text() == field.only))
-      missing("'" + field.key + "'",
-              "give '" + field.key + "': " + field.doc + (field.unit.empty() ? "" : ", in " + field.unit));
+    const bool few = !field.choices.empty() && field.choices.size() < 6;
+    missing(quoted(field), "give " + quoted(field) + ": " + field.doc +
+                               (field.unit.empty() ? "" : ", in " + field.unit) +
+                               (few ? ", one of " + listed(field.choices) : ""));
   }
   const auto &one_of = section_.one_of, &together = section_.together;
   if (!one_of.empty() && std::none_of(one_of.begin(), one_of.end(), given))

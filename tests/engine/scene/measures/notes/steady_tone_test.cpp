@@ -16,7 +16,7 @@ std::vector<ToneMoment> moments(const std::vector<std::pair<double, double>>& of
 }
 
 std::vector<std::pair<double, double>> held(int moments, double off, double rms) {
-  return std::vector(static_cast<std::size_t>(moments), std::pair{110 * std::exp2(off / 1200), 110, rms});
+  return std::vector(static_cast<std::size_t>(moments), std::pair{off, rms});
 }
 
 }  // namespace
