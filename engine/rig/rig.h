@@ -28,7 +28,7 @@ struct RigPort {
 struct RigInput : RigPort {
   std::optional<double> volts;  ///< at the connector, for a sample of 1
   /// Volts for one SI unit of the port; for a port in full scale, the volts that count as its full scale.
-  /// A sensor that is wired the other way round has a negative one.
+  /// A sensor that is wired with inverted polarity has a negative one.
   std::optional<QuantityValue> sensitivity;
   Source sensitivity_at;
 

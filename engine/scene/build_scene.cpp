@@ -148,7 +148,7 @@ class SceneBuilder {
 
   // ---- compiling
 
-  /// Nodes are made only of what is right; nullptr and mistakes otherwise.
+  /// Makes nodes only if there is no error; nullptr and errors otherwise.
   std::unique_ptr<Plan> compile_or_check(const GraphSpec& graph, const CompileOptions& options) {
     if (mistakes_.any()) {
       mistakes_.add(check(graph, table_, options));

@@ -21,13 +21,13 @@ class Recorder {
     for (const auto& tap : built.instrument_taps) add(tap.name, tap.dimension, frames);
   }
 
-  void take(const ClosedLoop::Piece& piece) {
+  void take(const ClosedLoop::Block& io) {
     std::size_t next = 0;
-    for (const auto* sensor : piece.sensors) append(next++, sensor, piece.frames);
-    for (const auto* drive : piece.drives) append(next++, drive, piece.frames);
-    for (int t = 0; t < built_.plant->tap_count(); ++t) append(next++, built_.plant->tap(t), piece.frames);
+    for (const auto* sensor : io.sensors) append(next++, sensor, io.frames);
+    for (const auto* drive : io.drives) append(next++, drive, io.frames);
+    for (int t = 0; t < built_.plant->tap_count(); ++t) append(next++, built_.plant->tap(t), io.frames);
     for (int t = 0; t < built_.instrument->tap_count(); ++t)
-      append(next++, built_.instrument->tap(t), piece.frames);
+      append(next++, built_.instrument->tap(t), io.frames);
   }
 
  private:
@@ -90,9 +90,9 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   const auto started = std::chrono::steady_clock::now();
   const int part = std::max(block, frames / 100);
   for (int done = 0; done < frames; done += part) {
-    loop.run(std::min(part, frames - done), [&](const ClosedLoop::Piece& piece) {
-      recorder.take(piece);
-      ports.take(*built.plant, piece.frames);
+    loop.run(std::min(part, frames - done), [&](const ClosedLoop::Block& io) {
+      recorder.take(io);
+      ports.take(*built.plant, io.frames);
     });
     if (progress) progress(std::min(1.0, static_cast<double>(done + part) / frames));
   }

@@ -16,7 +16,7 @@ namespace tactus {
 /// A gesture as a node of the graph around the instrument.
 NodeSpec gesture_node(const Gesture& gesture);
 
-/// Sets the field `port` to a value from outside, replacing what `fields` say about it.
+/// Sets the field `port` to a value from outside, replacing its value in `fields`.
 void overwrite(Value::Table& fields, const std::string& port, const ControlValue& value, const Source& at);
 
 /// Where `part` has a control `strike`, its `node` follows one of this name of the `world`, from 0 to 1.

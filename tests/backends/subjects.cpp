@@ -47,7 +47,7 @@ ribbon     = { from = "cone" }
 )");
   Subject subject;
   subject.heard = std::make_shared<std::vector<double>>();
-  const auto listener = [heard = subject.heard](const ClosedLoop::Piece& piece) {
+  const auto listener = [heard = subject.heard](const ClosedLoop::Block& piece) {
     heard->insert(heard->end(), piece.drives[0], piece.drives[0] + piece.frames);
   };
   subject.backend = std::make_unique<SimulatedBackend>(

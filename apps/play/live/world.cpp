@@ -86,7 +86,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
         monitor_(monitor_of(*built_.instrument, setup_.speakers)),
-        listener_([this](const ClosedLoop::Piece& piece) { copy_monitor(piece); }) {}
+        listener_([this](const ClosedLoop::Block& piece) { copy_monitor(piece); }) {}
 
   const std::string& name() const override { return scene_.name; }
   BlockProcessor& processor() override { return *this; }
@@ -150,7 +150,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
     loop_.run(io.frames, listener_);
   }
 
-  void copy_monitor(const ClosedLoop::Piece& piece) noexcept {
+  void copy_monitor(const ClosedLoop::Block& piece) noexcept {
     const auto& from = monitor_.sensors ? piece.sensors : piece.drives;
     for (std::size_t c = 0; c < monitor_.channels.size(); ++c)
       std::copy_n(from[static_cast<int>(monitor_.channels[c])], piece.frames, io_->out[c] + done_);

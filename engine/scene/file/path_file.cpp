@@ -16,7 +16,7 @@ constexpr const char* kForm =
 
 enum FirSetting { kTaps, kRate };
 
-/// Reads the one node of a graph without mistakes.
+/// Reads the one node of a graph without errors.
 class PathReader {
  public:
   explicit PathReader(const GraphSpec& graph) : graph_(graph), mistakes_(graph.file) {}

@@ -63,7 +63,7 @@ std::string seconds_text(double seconds) {
 
 // ---- gestures ----
 
-/// Reads the points of one gesture; each point with a mistake is reported and left out.
+/// Reads the points of one gesture; points with errors are reported and left out.
 class PointReader {
  public:
   PointReader(Gesture& gesture, Mistakes& mistakes) : gesture_(gesture), mistakes_(mistakes) {

@@ -22,7 +22,7 @@ namespace tactus {
 struct ScenePart {
   std::string name;
   Source at;
-  std::shared_ptr<const GraphSpec> graph;  ///< nullptr only after a mistake
+  std::shared_ptr<const GraphSpec> graph;  ///< nullptr only after an error
   Value::Table wires;
 };
 
@@ -103,7 +103,7 @@ struct Accuracy : MeasureEntry {
 /// What playing this scene well means: `[playability]`, which `tactus study playability` evaluates.
 struct Playability {
   enum class Kind {
-    Roll,  ///< strikes that keep coming
+    Roll,  ///< repeated strikes
     Tone,  ///< a note that is held, or several
   };
   struct Signal {
@@ -175,7 +175,7 @@ LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::f
 LoadedScene parse_scene_leniently(std::string_view text, const std::string& file_name,
                                   const std::filesystem::path& root = {});
 
-/// [control] The same for those who only want a scene whose text is right.
+/// [control] The same; a scene with errors in its text is an error.
 Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
 Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
                                const std::filesystem::path& root = {});

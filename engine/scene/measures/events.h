@@ -11,7 +11,7 @@ namespace tactus {
 /// Frames at which a trigger signal rises through 0.5.
 std::vector<double> trigger_times(const std::vector<double>& samples, Hertz sample_rate);
 
-/// One touch of a stick: from the first push to the last, short gaps included.
+/// One strike, from the first contact to the last, short gaps included.
 struct Strike {
   double start_s, end_s;
   double peak;  ///< largest force
@@ -22,7 +22,7 @@ struct Strike {
 std::vector<Strike> find_strikes(const std::vector<double>& force, Hertz sample_rate, Seconds gap,
                                  double least);
 
-/// What the times of events say about rhythm; zeros where there are too few.
+/// The rhythm of event times; zeros where there are too few.
 struct Rhythm {
   int count = 0;
   double first_s = 0, last_s = 0;

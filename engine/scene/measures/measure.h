@@ -102,7 +102,7 @@ struct Outcome {
 /// Of a scene that `build_scene` accepted. Errors: UnknownName for what was not recorded all the same.
 Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const SceneRecording& recording);
 
-/// Relative error of what `accuracy` names in `run`: against what theory says if it says so, else against
+/// Relative error of what `accuracy` names in `run`: against its exact value if it has one, else against
 /// `reference`, played at the same rate. What should oscillate, or happen, and does not is wrong by 1.
 /// Errors: UnknownName if it was not recorded.
 Result<double> accuracy_error(const Accuracy& accuracy, const SceneRecording& run,

@@ -30,7 +30,7 @@ class Half final : public BlockProcessor {
 /// The drives of a run.
 struct Listener {
   std::vector<double> drives;
-  void operator()(const ClosedLoop::Piece& piece) {
+  void operator()(const ClosedLoop::Block& piece) {
     drives.insert(drives.end(), piece.drives[0], piece.drives[0] + piece.frames);
   }
 };
@@ -84,7 +84,7 @@ TEST_CASE("simulated: stopped by its listener it hears zeros, and goes on with t
   Stream* playing = nullptr;
   std::vector<double> drives;
   SimulatedBackend backend{
-      {.plant = *plant, .delay_frames = 50, .frames = 300, .listener = [&](const ClosedLoop::Piece& piece) {
+      {.plant = *plant, .delay_frames = 50, .frames = 300, .listener = [&](const ClosedLoop::Block& piece) {
          drives.insert(drives.end(), piece.drives[0], piece.drives[0] + piece.frames);
          if (drives.size() == 100) CHECK(playing->stop());
        }}};
