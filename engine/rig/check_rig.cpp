@@ -8,7 +8,7 @@
 
 #include "engine/core/index.h"
 #include "engine/core/named.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/rig/rig_text.h"
 
 namespace tactus {
@@ -21,13 +21,13 @@ bool is_audio(const EntrySpec& output) {
 
 /// Volts for one unit of the port.
 Unit sensitivity_unit(const EntrySpec& input) {
-  Mistakes reported_elsewhere;
+  ErrorList reported_elsewhere;
   auto unit = *parse_unit("V");
   unit.dimension = unit.dimension / read_unit(input, reported_elsewhere).value_or(Unit{}).dimension;
   return unit;
 }
 
-void report_lanes(const RigPort& port, int lanes, Mistakes& mistakes) {
+void report_lanes(const RigPort& port, int lanes, ErrorList& mistakes) {
   std::string example;
   for (int lane = 1; lane <= std::min(lanes, 3); ++lane) example += fmt::format("{}, ", lane);
   mistakes.add(Errc::OutOfRange, port.at,
@@ -87,7 +87,7 @@ class RigCheck {
   void check_input(const EntrySpec& port) {
     const auto* input = find_named(rig_.inputs, port.name);
     if (input == nullptr || input->channels.empty()) return;
-    Mistakes reported_elsewhere;
+    ErrorList reported_elsewhere;
     const int lanes = read_input(port, reported_elsewhere).lanes;
     if (index(lanes) != input->channels.size()) report_lanes(*input, lanes, mistakes_);
     const auto wanted = sensitivity_unit(port);
@@ -122,7 +122,7 @@ class RigCheck {
   void check_control(const Rig::Control& set) {
     const auto* entry = find_named(instrument_.controls, set.name);
     if (entry == nullptr) return;
-    Mistakes reported_elsewhere;
+    ErrorList reported_elsewhere;
     const auto read = read_control(*entry, reported_elsewhere);
     if (!read.unit_known || reported_elsewhere.any()) return;
     const auto& control = read.control;
@@ -152,14 +152,14 @@ class RigCheck {
 
   const Rig& rig_;
   const GraphSpec& instrument_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
 };
 
 bool left_out(const RigPort& port) { return port.channels.empty(); }
 
 /// 0 in the unit of a port, in each of its lanes, under its name.
 NodeSpec resting(const EntrySpec& input) {
-  Mistakes reported_elsewhere;
+  ErrorList reported_elsewhere;
   const auto unit = to_string(read_unit(input, reported_elsewhere).value_or(Unit{}).dimension);
   const Value zero{unit.empty() ? std::string{"0"} : "0 " + unit, input.at};
   const auto lanes = static_cast<std::size_t>(read_input(input, reported_elsewhere).lanes);
@@ -181,7 +181,7 @@ class LaneCounter {
     const auto lane = index(used_[port.name]++);
     return lane < port.channels.size() ? port.channels[lane] - 1 : 0;
   }
-  void check(const RigPort& port, Mistakes& mistakes) const {
+  void check(const RigPort& port, ErrorList& mistakes) const {
     const auto used = used_.find(port.name);
     if (used != used_.end() && index(used->second) != port.channels.size())
       report_lanes(port, used->second, mistakes);
@@ -218,7 +218,7 @@ std::shared_ptr<const GraphSpec> without_left_out(const Rig& rig,
 
 Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule) {
   RigWiring wiring;
-  Mistakes mistakes{rig.file};
+  ErrorList mistakes{rig.file};
   LaneCounter lanes;
   for (const auto& name : schedule.input_names) {
     const auto* input = find_named(rig.inputs, port_of(name));

@@ -7,17 +7,16 @@
 #include <vector>
 
 #include "engine/core/named.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/load.h"
-#include "engine/graph/file/mistakes.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/graph/semantics/part_path.h"
 
 namespace tactus {
 namespace {
 
 void read_values(const Value::Table& profile, const FieldType& section, std::map<std::string, double>& values,
-                 Mistakes& mistakes) {
+                 ErrorList& mistakes) {
   const auto* table = read_section(profile, section.key, mistakes);
   if (table == nullptr) return;
   FieldReader fields{*table, *section.inside, mistakes, "[" + section.key + "]",
@@ -29,7 +28,7 @@ void read_values(const Value::Table& profile, const FieldType& section, std::map
 Checked<ActuatorProfile> read(const Result<Value::Table>& table, const std::string& file) {
   if (!table) return tl::unexpected(std::vector{table.error()});
   const Source start{std::make_shared<const std::string>(file), 1, 1};
-  Mistakes mistakes;
+  ErrorList mistakes;
   check_format(*table, start, mistakes);
   FieldReader fields{*table, profile_fields(), mistakes, "the profile", start};
   ActuatorProfile profile{fields.text("name"), fields.text("about"), fields.text("source"), {}};
@@ -58,7 +57,7 @@ Result<std::filesystem::path> path_of(const std::string& text, const ProfilePlac
 }
 
 std::optional<DriveLimits> read_limits(const DriveEntry& drive, const Source& entry_at, const Source& name_at,
-                                       const ProfilePlaces& places, Mistakes& mistakes) {
+                                       const ProfilePlaces& places, ErrorList& mistakes) {
   const auto file = path_of(drive.profile, places, name_at);
   if (mistakes.keep(file) == nullptr) return std::nullopt;
   const auto profile = load_profile(*file);
@@ -196,7 +195,7 @@ std::vector<FieldType> actuator_fields() {
 }
 
 DriveEntry read_drive(const EntrySpec& entry, FieldReader& fields, const ProfilePlaces& places,
-                      Mistakes& mistakes) {
+                      ErrorList& mistakes) {
   DriveEntry drive{fields.text("profile"), fields.number("volts_per_full_scale"), fields.number("ceiling")};
   if (!drive.profile.empty() && drive.volts)
     if (const auto limits = read_limits(drive, entry.at, fields.value("profile")->at, places, mistakes))

@@ -20,7 +20,7 @@ class RigReader {
   RigReader(const std::filesystem::path& file, const std::filesystem::path& root)
       : places_{file.parent_path(), file.parent_path(), root} {
     rig_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
-    mistakes_ = Mistakes{rig_.file};
+    mistakes_ = ErrorList{rig_.file};
   }
 
   Checked<Rig> read(const Result<Value::Table>& table) {
@@ -192,7 +192,7 @@ class RigReader {
 
   ProfilePlaces places_;
   Rig rig_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
 };
 
 /// format, name and about.

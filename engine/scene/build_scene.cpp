@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/core/named.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/scene/file/scene_checks.h"
 #include "engine/scene/guard_report.h"
@@ -242,7 +242,7 @@ class SceneBuilder {
   std::map<std::string, ControlValue> controls_;
   std::map<std::string, std::map<std::string, ControlValue>> overwritten_;
   std::vector<MovedControl> moved_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
   CompiledScene built_;
 };
 

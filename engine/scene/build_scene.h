@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/runtime/player.h"
 #include "engine/scene/file/scene_spec.h"

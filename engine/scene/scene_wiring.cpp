@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/core/named.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/scene/file/scene_fields.h"
 
 namespace tactus {
@@ -34,7 +34,8 @@ std::string range_text(const FlatControl& control) {
          in_unit(control.range.high, control.unit);
 }
 
-void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at, Mistakes& mistakes) {
+void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at,
+                   ErrorList& mistakes) {
   if (!gesture.bare && !(gesture.unit.dimension == control.unit.dimension))
     return mistakes.add(Errc::UnitMismatch, at,
                         "control '" + control.name + "' is like " + in_unit(control.value, control.unit) +
@@ -104,7 +105,7 @@ void strike_by_hand(const GraphSpec& part, NodeSpec& node, GraphSpec& world) {
   put(node.fields, kStrike, text_value(kStrike, at));
 }
 
-bool check_range(const FlatControl& control, double value, const Source& at, Mistakes& mistakes) {
+bool check_range(const FlatControl& control, double value, const Source& at, ErrorList& mistakes) {
   if (control.range.contains(value)) return true;
   mistakes.add(Errc::OutOfRange, at,
                "control '" + control.name + "' cannot be set to " + in_unit(value, control.unit),
@@ -113,9 +114,9 @@ bool check_range(const FlatControl& control, double value, const Source& at, Mis
 }
 
 std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
-                                         Mistakes& mistakes) {
+                                         ErrorList& mistakes) {
   if (control.broken) return std::nullopt;
-  Mistakes reported_elsewhere;
+  ErrorList reported_elsewhere;
   const auto read = read_control(control, reported_elsewhere);
   const auto* text = field.value.text();
   if (const auto* gesture = text != nullptr ? scene.gesture(*text) : nullptr) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/journal.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/scene/file/scene_spec.h"
 
@@ -29,10 +29,10 @@ struct WiredControl {
 };
 /// `field` is what the scene writes beside the control. Nothing after an error.
 std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
-                                         Mistakes& mistakes);
+                                         ErrorList& mistakes);
 
 /// False after an error: "control 'strength' cannot be set to 7; it goes from 0 to 1"
-bool check_range(const FlatControl& control, double value, const Source& at, Mistakes& mistakes);
+bool check_range(const FlatControl& control, double value, const Source& at, ErrorList& mistakes);
 
 struct MovedControl {
   std::string control;

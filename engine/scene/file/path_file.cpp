@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/graph/plan/compile.h"
-#include "engine/graph/semantics/bind.h"
+#include "engine/graph/semantics/scope.h"
 #include "engine/nodes/filters/filters.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig_text.h"
@@ -81,7 +81,7 @@ class PathReader {
   }
 
   const GraphSpec& graph_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
   PathFile path_;
 };
 

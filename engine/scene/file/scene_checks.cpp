@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/core/named.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/measures/measure.h"
 #include "engine/scene/scene_wiring.h"
@@ -48,7 +48,7 @@ bool may_have_more(const SceneSpec& scene, const std::string& name) {
 
 /// A number of [expect] or [accuracy] beside the measure that it is a value of.
 void check_unit(const std::optional<QuantityValue>& number, const MeasureEntry& entry, const Measure& type,
-                Mistakes& mistakes) {
+                ErrorList& mistakes) {
   if (!number || number->bare || type.unit == Measure::kUnitOfSubject) return;
   if (number->unit.dimension == parse_unit(type.unit)->dimension) return;
   mistakes.add(Errc::UnitMismatch, entry.at,
@@ -60,7 +60,7 @@ void check_unit(const std::optional<QuantityValue>& number, const MeasureEntry& 
 /// Checks that signals are recorded.
 class RecordedSignals {
  public:
-  RecordedSignals(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes)
+  RecordedSignals(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes)
       : scene_(scene), names_(recorded_names(scene, table)), mistakes_(mistakes) {}
 
   /// `measure`: what needs the signal, if the scene does not name it there.
@@ -91,10 +91,10 @@ class RecordedSignals {
  private:
   const SceneSpec& scene_;
   std::vector<std::string> names_;
-  Mistakes& mistakes_;
+  ErrorList& mistakes_;
 };
 
-void check_port(const Expectation& expectation, const SceneSpec& scene, Mistakes& mistakes) {
+void check_port(const Expectation& expectation, const SceneSpec& scene, ErrorList& mistakes) {
   if (scene.port(expectation.of) != nullptr) return;
   const auto names = names_of(scene.ports);
   mistakes.add(Errc::UnknownName, expectation.of_at, "there is no port '" + expectation.of + "'",
@@ -103,7 +103,7 @@ void check_port(const Expectation& expectation, const SceneSpec& scene, Mistakes
 }
 
 void check_subject(const Expectation& expectation, const Measure& type, const SceneSpec& scene,
-                   const RecordedSignals& recorded, Mistakes& mistakes) {
+                   const RecordedSignals& recorded, ErrorList& mistakes) {
   if (!expectation.of.empty() && type.subject == Measure::Subject::Port)
     check_port(expectation, scene, mistakes);
   else if (!expectation.of.empty())
@@ -118,7 +118,7 @@ void check_subject(const Expectation& expectation, const Measure& type, const Sc
 }
 
 void check_expectation(const Expectation& expectation, const SceneSpec& scene,
-                       const RecordedSignals& recorded, Mistakes& mistakes) {
+                       const RecordedSignals& recorded, ErrorList& mistakes) {
   const auto* type = find_measure(expectation.measure);
   if (type == nullptr) return;  // reported when the scene was read
   for (const auto& limit : {expectation.min, expectation.max})
@@ -131,7 +131,7 @@ void check_expectation(const Expectation& expectation, const SceneSpec& scene,
                  "add the section with kind = \"roll\" or kind = \"tone\"");
 }
 
-void check_signals(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+void check_signals(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
   const RecordedSignals recorded{scene, table, mistakes};
   for (const auto& role : scene.roles)
     if (role.written) recorded.check(role.signal, role.at);
@@ -167,7 +167,7 @@ std::vector<std::string> outputs_around(const SceneSpec& scene) {
 
 /// The unit of an output; nothing, and an error where that is certain, if there is none of that name.
 std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string& signal, const Source& at,
-                                      Mistakes& mistakes) {
+                                      ErrorList& mistakes) {
   if (signal.empty()) return std::nullopt;
   const auto dot = signal.find('.');
   const auto* part = scene.part(signal.substr(0, dot));
@@ -186,7 +186,7 @@ std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string&
   return parsed ? std::optional{parsed->dimension} : std::nullopt;
 }
 
-void check_ports(const SceneSpec& scene, Mistakes& mistakes) {
+void check_ports(const SceneSpec& scene, ErrorList& mistakes) {
   for (const auto& port : scene.ports) {
     const auto force = dimension_of(scene, port.force, port.force_at, mistakes);
     const auto position = dimension_of(scene, port.position, port.position_at, mistakes);
@@ -197,11 +197,11 @@ void check_ports(const SceneSpec& scene, Mistakes& mistakes) {
   }
 }
 
-void check_drives(const SceneSpec& scene, Mistakes& mistakes) {
+void check_drives(const SceneSpec& scene, ErrorList& mistakes) {
   const auto* instrument = scene.part("instrument");
   if (instrument == nullptr || instrument->graph == nullptr || instrument->graph->incomplete) return;
   std::vector<std::string> names;
-  Mistakes reported_elsewhere;
+  ErrorList reported_elsewhere;
   for (const auto& output : instrument->graph->outputs)
     if (read_use(output, reported_elsewhere) != OutputUse::Audio) names.push_back(output.name);
   for (const auto& [name, at] : scene.drive_places)
@@ -211,7 +211,7 @@ void check_drives(const SceneSpec& scene, Mistakes& mistakes) {
 }
 
 void check_comparison(const SceneSpec& scene, const std::string& name, double value, const Source& at,
-                      Mistakes& mistakes) {
+                      ErrorList& mistakes) {
   const auto dot = name.find('.');
   const auto owner = dot == std::string::npos ? "instrument" : name.substr(0, dot);
   const auto port = dot == std::string::npos ? name : name.substr(dot + 1);
@@ -220,7 +220,7 @@ void check_comparison(const SceneSpec& scene, const std::string& name, double va
     mistakes.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
   if (part == nullptr || part->graph == nullptr || part->graph->incomplete) return;
   if (const auto* control = find_named(part->graph->controls, port)) {
-    Mistakes reported_elsewhere;
+    ErrorList reported_elsewhere;
     const auto read = control->broken ? ReadControl{{}, false} : read_control(*control, reported_elsewhere);
     if (read.unit_known) check_range(read.control, value, at, mistakes);
     return;
@@ -235,7 +235,7 @@ void check_comparison(const SceneSpec& scene, const std::string& name, double va
 
 }  // namespace
 
-void check_scene(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes) {
+void check_scene(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
   check_signals(scene, table, mistakes);
   check_drives(scene, mistakes);
   check_ports(scene, mistakes);
@@ -244,7 +244,7 @@ void check_scene(const SceneSpec& scene, const NodeTable& table, Mistakes& mista
       check_comparison(scene, name, scene.compare->set.at(name), at, mistakes);
 }
 
-void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes) {
+void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, ErrorList& mistakes) {
   if (!scene.playability) return;
   const auto& pitch = scene.playability->pitch;
   static const auto kHertz = parse_unit("Hz")->dimension;

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "engine/graph/file/mistakes.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/graph/node_type.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/scene_spec.h"
 
@@ -13,8 +13,8 @@ namespace tactus {
 
 /// Whether the signals, drives, ports and controls that the sections of a scene name exist and have the right
 /// units; reported before anything is played.
-void check_scene(const SceneSpec& scene, const NodeTable& table, Mistakes& mistakes);
+void check_scene(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes);
 /// Whether the expected pitch is in Hz. `taps`: the recorded signals of the plant.
-void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, Mistakes& mistakes);
+void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, ErrorList& mistakes);
 
 }  // namespace tactus

@@ -9,7 +9,6 @@
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/expression.h"
-#include "engine/graph/semantics/part_path.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/scene/file/scene_fields.h"
 #include "engine/scene/measures/measure.h"
@@ -22,7 +21,7 @@ constexpr double kMinPlayabilityWindow_s = 1;  // a roll has a worst second
 const SectionType& section_fields(std::string_view section) { return *scene_fields()[section].inside; }
 
 /// False if there is a key that may have been meant as a section, or a section that is none.
-bool check_keys(const Value::Table& table, Mistakes& mistakes) {
+bool check_keys(const Value::Table& table, ErrorList& mistakes) {
   const auto keys = scene_fields().keys(), graph_keys = graph_fields().keys();
   const auto among = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -45,7 +44,7 @@ bool check_keys(const Value::Table& table, Mistakes& mistakes) {
 }
 
 /// A wire's grammar; what it names is looked up when the scene is put together.
-void check_wire(const Value& value, Mistakes& mistakes) {
+void check_wire(const Value& value, ErrorList& mistakes) {
   if (const auto* text = value.text()) mistakes.keep(parse_expression(*text, text_start(value)));
   if (const auto* lanes = value.list())
     for (const auto& lane : *lanes) check_wire(lane, mistakes);
@@ -66,7 +65,7 @@ std::string seconds_text(double seconds) {
 /// Reads the points of one gesture; points with errors are reported and left out.
 class PointReader {
  public:
-  PointReader(Gesture& gesture, Mistakes& mistakes) : gesture_(gesture), mistakes_(mistakes) {
+  PointReader(Gesture& gesture, ErrorList& mistakes) : gesture_(gesture), mistakes_(mistakes) {
     gesture_.bare = true;
   }
 
@@ -106,11 +105,11 @@ class PointReader {
   }
 
   Gesture& gesture_;
-  Mistakes& mistakes_;
+  ErrorList& mistakes_;
   double last_s_ = -1;
 };
 
-Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
+Gesture read_gesture(const EntrySpec& entry, ErrorList& mistakes) {
   FieldReader fields{entry, section_fields("gestures"), mistakes, "gesture"};
   Gesture gesture{entry.name, entry.at, static_cast<Gesture::Curve>(fields.choice("curve").value_or(0))};
   const auto* points = fields.value("points");
@@ -125,7 +124,7 @@ Gesture read_gesture(const EntrySpec& entry, Mistakes& mistakes) {
   return gesture;
 }
 
-Converters read_converters(const Value::Table& section, Mistakes& mistakes) {
+Converters read_converters(const Value::Table& section, ErrorList& mistakes) {
   Converters converters;
   FieldReader fields{section, section_fields("converters"), mistakes};
   if (const auto bits = fields.number("bits")) converters.bits = static_cast<int>(*bits);
@@ -136,7 +135,7 @@ Converters read_converters(const Value::Table& section, Mistakes& mistakes) {
   return converters;
 }
 
-Port read_port(const EntrySpec& entry, Mistakes& mistakes) {
+Port read_port(const EntrySpec& entry, ErrorList& mistakes) {
   FieldReader fields{entry, section_fields("ports"), mistakes, "port"};
   return {entry.name,
           entry.at,
@@ -159,7 +158,7 @@ MeasureEntry read_measure(const EntrySpec& entry, FieldReader& fields, Seconds d
   return read;
 }
 
-Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
+Expectation read_expectation(const EntrySpec& entry, Seconds duration, ErrorList& mistakes) {
   FieldReader fields{entry, section_fields("expect"), mistakes, "expectation"};
   const Expectation expectation{read_measure(entry, fields, duration), fields.any("min"), fields.any("max")};
   const auto &min = expectation.min, &max = expectation.max;
@@ -172,7 +171,7 @@ Expectation read_expectation(const EntrySpec& entry, Seconds duration, Mistakes&
   return expectation;
 }
 
-Accuracy read_accuracy(const EntrySpec& entry, Seconds duration, Mistakes& mistakes) {
+Accuracy read_accuracy(const EntrySpec& entry, Seconds duration, ErrorList& mistakes) {
   FieldReader fields{entry, section_fields("accuracy"), mistakes, "accuracy"};
   const Accuracy accuracy{read_measure(entry, fields, duration), fields.any("exact"), fields.any("scale")};
   if (const auto* type = find_measure(accuracy.measure);
@@ -195,7 +194,7 @@ bool has_port(const ScenePart& part, const std::string& name) {
 }
 
 std::vector<Role> read_roles(const Value::Table& scene, const std::vector<ScenePart>& parts,
-                             Mistakes& mistakes) {
+                             ErrorList& mistakes) {
   std::vector<Role> roles;
   if (const auto* section = read_section(scene, "roles", mistakes)) {
     FieldReader fields{*section, section_fields("roles"), mistakes};
@@ -214,7 +213,7 @@ std::vector<Role> read_roles(const Value::Table& scene, const std::vector<SceneP
 
 using Kind = Playability::Kind;
 
-void read_times(FieldReader& fields, double end_s, Playability& playability, Mistakes& mistakes) {
+void read_times(FieldReader& fields, double end_s, Playability& playability, ErrorList& mistakes) {
   playability.from_s = fields.number("from", end_s).value_or(playability.from_s);
   playability.to_s = fields.number("to", end_s);
   if (playability.to_s.value_or(end_s) - playability.from_s < kMinPlayabilityWindow_s)
@@ -228,7 +227,7 @@ void read_signal(FieldReader& fields, const char* key, Playability::Signal& sign
 }
 
 /// "110 Hz", or "wanted.pitch": an output of a part.
-void read_pitch(FieldReader& fields, Playability& playability, Mistakes& mistakes) {
+void read_pitch(FieldReader& fields, Playability& playability, ErrorList& mistakes) {
   if (!fields.has("pitch"))
     return mistakes.add(Errc::Missing, playability.at, "a tone needs the expected 'pitch'",
                         "give it as in pitch = \"110 Hz\", or as an output of a part: \"wanted.pitch\"");
@@ -238,7 +237,7 @@ void read_pitch(FieldReader& fields, Playability& playability, Mistakes& mistake
   playability.pitch_hz = fields.number("pitch").value_or(playability.pitch_hz);
 }
 
-void read_tone(FieldReader& fields, double end_s, Playability& playability, Mistakes& mistakes) {
+void read_tone(FieldReader& fields, double end_s, Playability& playability, ErrorList& mistakes) {
   read_signal(fields, "sound", playability.sound);
   playability.begin_s = fields.number("begin", end_s).value_or(playability.begin_s);
   playability.quiet = fields.number("quiet").value_or(playability.quiet);
@@ -250,7 +249,7 @@ void read_tone(FieldReader& fields, double end_s, Playability& playability, Mist
 }
 
 std::optional<Playability> read_playability(const Value::Table& section, const Source& at, Seconds duration,
-                                            const std::vector<Role>& roles, Mistakes& mistakes) {
+                                            const std::vector<Role>& roles, ErrorList& mistakes) {
   FieldReader fields{section, section_fields("playability"), mistakes, "[playability]", at};
   Playability playability;
   playability.at = at;
@@ -274,14 +273,14 @@ std::optional<Playability> read_playability(const Value::Table& section, const S
 
 // ---- [compare] ----
 
-void read_compared(const Field& field, const std::string& name, Comparison& comparison, Mistakes& mistakes) {
+void read_compared(const Field& field, const std::string& name, Comparison& comparison, ErrorList& mistakes) {
   const auto value = read_quantity(field.value);
   if (mistakes.keep(value) == nullptr) return;
   comparison.set[name] = value->si;
   comparison.places[name] = field.at;
 }
 
-Comparison read_comparison(const Value::Table& section, const Source& at, Mistakes& mistakes) {
+Comparison read_comparison(const Value::Table& section, const Source& at, ErrorList& mistakes) {
   Comparison comparison{mistakes.text(section, "name"), at, {}, {}};
   if (comparison.name.empty())
     mistakes.add(Errc::Missing, at, "[compare] lacks 'name'", "write name = \"without the pulse\"");
@@ -302,7 +301,7 @@ class SceneReader {
   SceneReader(const std::filesystem::path& file, const std::filesystem::path& root)
       : folder_(file.parent_path()), root_(root.empty() ? folder_ : root) {
     scene_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
-    mistakes_ = Mistakes{scene_.file};
+    mistakes_ = ErrorList{scene_.file};
   }
 
   LoadedScene read(const Result<Value::Table>& table) {
@@ -414,7 +413,7 @@ class SceneReader {
 
   std::filesystem::path folder_, root_;
   SceneSpec scene_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
 };
 
 Checked<SceneSpec> without_mistakes(LoadedScene loaded) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/core/named.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/scene/file/scene_spec.h"
 
