@@ -69,9 +69,8 @@ struct StreamGranted {
 enum class StreamState {
   Stopped,
   Running,
-  Stalled,   ///< no block for half a second; it may go on by itself
-  Finished,  ///< came to the end of what there was to do
-  Lost,      ///< the device or its server went away; only destroying the stream is left to do
+  Stalled,  ///< no block for half a second; it may go on by itself
+  Lost,     ///< the device or its server went away; only destroying the stream is left to do
 };
 
 /// An open device. Destroying it stops it and closes the device.

@@ -12,13 +12,7 @@
 namespace tactus {
 namespace {
 
-constexpr int kLongestBlock = 8192;
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
+constexpr int kMaxBlock = 8192;
 
 std::string listed(const std::vector<Device>& devices) {
   std::string text;
@@ -32,7 +26,7 @@ Status fits(int channels, const std::vector<int>& map, int there, const char* wh
   if (channels < 0) return fail(Errc::BadArgument, "", fmt::format("there are no {} {}", channels, what), "");
   if (!map.empty() && map.size() != index(channels))
     return fail(Errc::BadArgument, "", fmt::format("{} {} are named for {}", map.size(), what, channels), "");
-  const int last = map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
+  const int last = channels_to_open(channels, map);
   if (last > there || (!map.empty() && *std::min_element(map.begin(), map.end()) < 0))
     return fail(Errc::OutOfRange, "",
                 fmt::format("{} has {} {}, and number {} is asked for", at, there, what, last),
@@ -56,6 +50,16 @@ Status fits(const StreamRequest& request, const Device& device) {
 
 }  // namespace
 
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+int channels_to_open(int channels, const std::vector<int>& map) {
+  return map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
+}
+
 Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id) {
   const auto there = devices.empty()
                          ? std::string{"there is none; is it plugged in, is the sound server running?"}
@@ -72,7 +76,7 @@ Result<Device> find_device(const std::vector<Device>& devices, const std::string
   if (exact || text.empty()) return exact;
   std::vector<Device> meant;
   std::copy_if(devices.begin(), devices.end(), std::back_inserter(meant), [&](const Device& device) {
-    return lower(device.id + "\n" + device.name).find(lower(text)) != std::string::npos;
+    return lower_case(device.id + "\n" + device.name).find(lower_case(text)) != std::string::npos;
   });
   if (meant.size() == 1) return meant.front();
   if (meant.empty()) return exact;
@@ -90,9 +94,9 @@ Status fits(const StreamRequest& request, const Device& input, const Device& out
       used.size() != request.out_map.size())
     return fail(Errc::BadArgument, "", "two outputs share a channel, and would add up on it",
                 "give each output a channel of its own");
-  if (request.block_frames && (*request.block_frames < 1 || *request.block_frames > kLongestBlock))
+  if (request.block_frames && (*request.block_frames < 1 || *request.block_frames > kMaxBlock))
     return fail(Errc::OutOfRange, "", fmt::format("no block has {} frames", *request.block_frames),
-                fmt::format("choose 1 to {}", kLongestBlock));
+                fmt::format("choose 1 to {}", kMaxBlock));
   if (request.periods && (*request.periods < 1 || *request.periods > 64))
     return fail(Errc::OutOfRange, "", fmt::format("no buffer has {} periods", *request.periods),
                 "choose 2 or 3");
@@ -104,27 +108,47 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   if (request.in_channels == 0 && request.out_channels == 0)
     return fail(Errc::BadArgument, "", "a stream needs an input or an output", "ask for a channel");
   const auto at_input = request.input_device.empty() ? request.device : request.input_device;
-  const auto output = device_with_id(devices, request.out_channels == 0 ? at_input : request.device);
-  const auto input = request.in_channels == 0 ? output : device_with_id(devices, at_input);
+  auto output = device_with_id(devices, request.out_channels == 0 ? at_input : request.device);
+  auto input = request.in_channels == 0 ? output : device_with_id(devices, at_input);
   if (!output) return tl::unexpected(output.error());
   if (!input) return tl::unexpected(input.error());
-  DeviceChoice choice{
-      request.in_channels == 0 ? *output : *input, request.out_channels == 0 ? *input : *output, {}};
-  choice.sample_rate = request.sample_rate.value_or(choice.output.default_rate);
+  if (request.out_channels == 0) output = input;
   auto asked = request;
-  asked.sample_rate = choice.sample_rate;
-  if (auto status = fits(asked, choice.input, choice.output); !status) return tl::unexpected(status.error());
+  asked.sample_rate = request.sample_rate.value_or(output->default_rate);
+  if (auto status = fits(asked, *input, *output); !status) return tl::unexpected(status.error());
+  const auto place = [&](const std::string& id) {
+    return index(std::find_if(devices.begin(), devices.end(), [&](const Device& d) { return d.id == id; }) -
+                 devices.begin());
+  };
+  DeviceChoice choice{place(input->id), place(output->id), {}};
+  choice.granted.device = output->id;
+  if (input->id != output->id) choice.granted.input_device = input->id;
+  choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};
   return choice;
 }
 
-StreamGranted granted_for(const DeviceChoice& choice, const StreamRequest& request) {
-  StreamGranted granted;
-  granted.device = choice.output.id;
-  if (choice.input.id != choice.output.id) granted.input_device = choice.input.id;
-  granted.format.sample_rate = choice.sample_rate;
-  granted.format.in_channels = request.in_channels;
-  granted.format.out_channels = request.out_channels;
-  return granted;
+std::vector<Device> devices_of(const std::vector<LibraryDevice>& found) {
+  std::vector<Device> devices;
+  for (const auto& one : found) devices.push_back(one.device);
+  return devices;
+}
+
+void number_same_ids(std::vector<LibraryDevice>& devices) {
+  for (auto one = devices.end(); one != devices.begin();) {
+    --one;
+    const auto before = std::count_if(
+        devices.begin(), one, [&](const LibraryDevice& other) { return other.device.id == one->device.id; });
+    if (before > 0) one->device.id += " #" + std::to_string(before + 1);
+  }
+}
+
+Result<DeviceChoice> choose(const std::vector<LibraryDevice>& found, const StreamRequest& request) {
+  auto choice = choose(devices_of(found), request);
+  if (!choice || found[choice->input].api == found[choice->output].api) return choice;
+  return fail(
+      Errc::BadArgument, "",
+      "'" + choice->granted.input_device + "' and '" + choice->granted.device + "' cannot be opened together",
+      "choose devices of one API, or JACK");
 }
 
 }  // namespace tactus

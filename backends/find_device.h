@@ -7,6 +7,9 @@
 
 namespace tactus {
 
+/// [any] `text` without capital letters.
+std::string lower_case(std::string text);
+
 /// [any] The device with this id, or the default one where it is empty. Errors: UnknownName, listing what
 /// there is.
 Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id);
@@ -22,14 +25,30 @@ Status fits(const StreamRequest& request, const Device& input, const Device& out
 
 /// What a request comes to. Where one direction has no channels, both are the device of the other.
 struct DeviceChoice {
-  Device input, output;
-  Hertz sample_rate;
+  std::size_t input = 0, output = 0;  ///< places in the list
+  StreamGranted granted;              ///< but for what only the driver knows
 };
 
 /// [any] The devices that `request` means, at the rate it asks for or else at the default one of the outputs.
 /// Errors: those of `device_with_id` and `fits`; BadArgument when neither inputs nor outputs are asked for.
 Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequest& request);
-/// [any] What is granted for `choice`, but for what only the driver knows.
-StreamGranted granted_for(const DeviceChoice& choice, const StreamRequest& request);
+
+/// A device and where a library that reaches several driver interfaces ("APIs") has it.
+struct LibraryDevice {
+  Device device;
+  std::string api;   ///< "jack", "alsa"
+  std::string name;  ///< the library's, which two devices may have
+  int index = 0;     ///< the library's
+};
+
+/// [any]
+std::vector<Device> devices_of(const std::vector<LibraryDevice>& found);
+/// [any] Adds " #2" to the id of the second device of the same id, and so on.
+void number_same_ids(std::vector<LibraryDevice>& devices);
+/// [any] As above. Errors besides: BadArgument for devices of two APIs.
+Result<DeviceChoice> choose(const std::vector<LibraryDevice>& found, const StreamRequest& request);
+
+/// [any] Channels that a library must open to reach those of a map.
+int channels_to_open(int channels, const std::vector<int>& map);
 
 }  // namespace tactus

@@ -38,9 +38,9 @@ class MidiInputs {
   /// [control] Ids of the ports that are open now. They stay the same when others come and go, and when the
   /// same device is plugged in again.
   virtual std::vector<std::string> ports() = 0;
-  /// [control] What came since the last call, port by port, each in order.
+  /// [control] Messages since the last call, port by port, each in order.
   virtual std::vector<MidiEvent> poll() = 0;
-  /// [control] In words, once each: what came and what went, and why nothing can come.
+  /// [control] Messages, once each: ports that appeared or disappeared, and why there are none.
   virtual std::vector<std::string> news() = 0;
 };
 

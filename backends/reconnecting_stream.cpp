@@ -16,13 +16,13 @@ double seconds(ReconnectingStream::Clock::duration time) {
 Result<std::unique_ptr<ReconnectingStream>> ReconnectingStream::open(Backend& backend,
                                                                      const StreamRequest& request,
                                                                      Guarded& processor) {
-  std::unique_ptr<ReconnectingStream> kept{new ReconnectingStream{backend, request, processor}};
-  if (auto status = kept->reopen(); !status) return tl::unexpected(status.error());
+  std::unique_ptr<ReconnectingStream> opened{new ReconnectingStream{backend, request, processor}};
+  if (auto status = opened->reopen(); !status) return tl::unexpected(status.error());
   // From now on it is this device, whichever becomes the default.
-  kept->request_.device = kept->granted_.device;
-  kept->request_.input_device = kept->granted_.input_device;
-  kept->request_.sample_rate = kept->granted_.format.sample_rate;
-  return kept;
+  opened->request_.device = opened->granted_.device;
+  opened->request_.input_device = opened->granted_.input_device;
+  opened->request_.sample_rate = opened->granted_.format.sample_rate;
+  return opened;
 }
 
 Status ReconnectingStream::start() {
@@ -59,7 +59,7 @@ void ReconnectingStream::lose(Clock::time_point now) {
   before_ = health();
   stream_.reset();
   report("disconnected; outputs are silent until it is back");
-  last_refusal_.clear();
+  last_error_.clear();
   next_try_ = now;
 }
 
@@ -79,9 +79,9 @@ void ReconnectingStream::try_again(Clock::time_point now) {
     return;
   }
   stream_.reset();
-  if (auto why = to_string(status.error()); why != last_refusal_) {
+  if (auto why = to_string(status.error()); why != last_error_) {
     report("waiting for it: " + why);
-    last_refusal_ = std::move(why);
+    last_error_ = std::move(why);
   }
 }
 

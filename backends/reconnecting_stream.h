@@ -28,10 +28,10 @@ class ReconnectingStream {
   /// [control] As in Stream. What is stopped does not come back by itself.
   [[nodiscard]] Status start();
   [[nodiscard]] Status stop();
-  /// [control] Looks after the stream; to be called some 20 times a second, in any state. It may take as long
-  /// as Backend::open does. `now` never goes back.
+  /// [control] Checks the stream and reopens it; to be called some 20 times a second, in any state. It may
+  /// take as long as Backend::open does. `now` never goes back.
   void tick(Clock::time_point now = Clock::now());
-  /// [control] What happened since the last call, in words for the user, oldest first.
+  /// [control] What happened since the last call, as messages for the user, oldest first.
   std::optional<std::string> take_event();
 
   /// [any] What was granted last.
@@ -60,7 +60,7 @@ class ReconnectingStream {
   StreamGranted granted_;
   Health before_;  ///< of the streams that were lost
   std::deque<std::string> events_;
-  std::string last_refusal_;
+  std::string last_error_;
   Clock::time_point lost_at_, next_try_;
   std::optional<Clock::time_point> stalled_at_;
   std::function<void()> reopened_;

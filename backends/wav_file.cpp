@@ -22,10 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxChannels = 1024;  // libsndfile's own limit
 
-struct CloseSound {
-  void operator()(SNDFILE* file) const { sf_close(file); }
-};
-using Sound = std::unique_ptr<SNDFILE, CloseSound>;
+constexpr std::int64_t kBlock = 65536;
 
 std::uint32_t little_endian(const unsigned char* bytes) {
   return bytes[0] | (bytes[1] << 8) | (bytes[2] << 16) | (static_cast<std::uint32_t>(bytes[3]) << 24);
@@ -64,17 +61,9 @@ Status check_length(const fs::path& path) {
 }
 
 bool lossless(int format) {
-  switch (format & SF_FORMAT_SUBMASK) {
-    case SF_FORMAT_PCM_U8:
-    case SF_FORMAT_PCM_16:
-    case SF_FORMAT_PCM_24:
-    case SF_FORMAT_PCM_32:
-    case SF_FORMAT_FLOAT:
-    case SF_FORMAT_DOUBLE:
-      return true;
-    default:
-      return false;
-  }
+  constexpr std::array kLossless{SF_FORMAT_PCM_U8, SF_FORMAT_PCM_16, SF_FORMAT_PCM_24,
+                                 SF_FORMAT_PCM_32, SF_FORMAT_FLOAT,  SF_FORMAT_DOUBLE};
+  return std::count(kLossless.begin(), kLossless.end(), format & SF_FORMAT_SUBMASK) > 0;
 }
 
 bool is_wav(int format) {
@@ -82,28 +71,17 @@ bool is_wav(int format) {
   return type == SF_FORMAT_WAV || type == SF_FORMAT_WAVEX || type == SF_FORMAT_RF64;
 }
 
-/// Zero channels make libsndfile call the whole file malformed; say which number it was.
-bool says_zero_channels(const fs::path& path) {
-  std::ifstream file{path, std::ios::binary};
-  std::array<unsigned char, 24> head{};
-  file.read(reinterpret_cast<char*>(head.data()), head.size());
-  const std::string_view text{reinterpret_cast<const char*>(head.data()), head.size()};
-  return file && text.substr(0, 4) == "RIFF" && text.substr(12, 4) == "fmt " && head[22] == 0 &&
-         head[23] == 0;
+/// 24 bits in the upper part of 32, as libsndfile takes them. Not left to it, because it would scale by
+/// 2^23 - 1, and a file that was read and written again would not be the same.
+int to_pcm24(double sample) {
+  constexpr double kSteps = 8388608.0;  // 2^23
+  const double step = std::isnan(sample) ? 0.0 : std::nearbyint(sample * kSteps);
+  return static_cast<int>(std::clamp(step, -kSteps, kSteps - 1.0)) * 256;
 }
 
 }  // namespace
 
-struct WavReader::File {
-  Sound sound;
-  SF_INFO info;
-  std::vector<double> interleaved = {};
-};
-
-WavReader::WavReader(std::unique_ptr<File> file) : file_(std::move(file)) {}
-WavReader::~WavReader() = default;
-WavReader::WavReader(WavReader&&) noexcept = default;
-WavReader& WavReader::operator=(WavReader&&) noexcept = default;
+void CloseSound::operator()(sf_private_tag* file) const { sf_close(file); }
 
 Result<WavReader> WavReader::open(const fs::path& path) {
   std::error_code ignored;
@@ -114,11 +92,10 @@ Result<WavReader> WavReader::open(const fs::path& path) {
     return fail(Errc::BadFile, path.string(), "this is a folder", "name a WAV file in it");
 
   SF_INFO info{};
-  Sound sound{sf_open(path.string().c_str(), SFM_READ, &info)};
-  if (!sound && says_zero_channels(path))
-    return fail(Errc::BadFile, path.string(), "its header says zero channels", "record it again");
+  WavReader reader;
+  reader.sound_.reset(sf_open(path.string().c_str(), SFM_READ, &info));
   if (auto length = check_length(path); !length) return tl::unexpected(length.error());
-  if (!sound)
+  if (!reader.sound_)
     return fail(Errc::BadFile, path.string(),
                 fmt::format("it cannot be read as a WAV file ({})", sf_strerror(nullptr)),
                 "give a WAV file of PCM or float samples");
@@ -127,47 +104,20 @@ Result<WavReader> WavReader::open(const fs::path& path) {
   if (!lossless(info.format))
     return fail(Errc::BadFile, path.string(), "its samples are coded with loss",
                 "save it as WAV with PCM or float samples");
-  return WavReader{std::make_unique<File>(File{std::move(sound), info})};
+  reader.sample_rate_ = Hertz{static_cast<double>(info.samplerate)};
+  reader.channels_ = info.channels;
+  reader.frames_ = info.frames;
+  return reader;
 }
-
-Hertz WavReader::sample_rate() const { return Hertz{static_cast<double>(file_->info.samplerate)}; }
-int WavReader::channels() const { return file_->info.channels; }
-std::int64_t WavReader::frames() const { return file_->info.frames; }
 
 int WavReader::read(double* const* channels, int frames) {
-  auto& buffer = file_->interleaved;
-  const auto width = index(file_->info.channels);
-  buffer.assign(width * index(frames), 0.0);
-  const auto got = static_cast<int>(sf_readf_double(file_->sound.get(), buffer.data(), frames));
+  const auto width = index(channels_);
+  interleaved_.assign(width * index(frames), 0.0);
+  const auto got = static_cast<int>(sf_readf_double(sound_.get(), interleaved_.data(), frames));
   for (std::size_t c = 0; c < width; ++c)
-    for (int n = 0; n < frames; ++n) channels[c][n] = n < got ? buffer[index(n) * width + c] : 0.0;
+    for (int n = 0; n < frames; ++n) channels[c][n] = interleaved_[index(n) * width + c];
   return got;
 }
-
-struct WavWriter::File {
-  fs::path path;
-  int channels;
-  WavEncoding encoding;
-  Sound sound;
-  std::int64_t clipped = 0;
-  std::vector<float> floats = {};
-  std::vector<int> integers = {};
-
-  /// 24 bits in the upper part of 32, as libsndfile takes them. Not left to it, because it would scale by
-  /// 2^23 - 1, and a file that was read and written again would not be the same.
-  int to_pcm24(double sample) {
-    constexpr double kSteps = 8388608.0;  // 2^23
-    const double step = std::isnan(sample) ? 0.0 : std::nearbyint(sample * kSteps);
-    const double inside = std::clamp(step, -kSteps, kSteps - 1.0);
-    clipped += inside != step ? 1 : 0;
-    return static_cast<int>(inside) * 256;
-  }
-};
-
-WavWriter::WavWriter(std::unique_ptr<File> file) : file_(std::move(file)) {}
-WavWriter::~WavWriter() = default;
-WavWriter::WavWriter(WavWriter&&) noexcept = default;
-WavWriter& WavWriter::operator=(WavWriter&&) noexcept = default;
 
 Result<WavWriter> WavWriter::create(const fs::path& path, Hertz sample_rate, int channels,
                                     WavEncoding encoding) {
@@ -183,44 +133,43 @@ Result<WavWriter> WavWriter::create(const fs::path& path, Hertz sample_rate, int
   info.samplerate = static_cast<int>(sample_rate.value);
   info.channels = channels;
   info.format = SF_FORMAT_WAV | (encoding == WavEncoding::Float32 ? SF_FORMAT_FLOAT : SF_FORMAT_PCM_24);
-  Sound sound{sf_open(path.string().c_str(), SFM_WRITE, &info)};
-  if (!sound)
+  WavWriter writer;
+  writer.path_ = path;
+  writer.channels_ = channels;
+  writer.encoding_ = encoding;
+  writer.sound_.reset(sf_open(path.string().c_str(), SFM_WRITE, &info));
+  if (!writer.sound_)
     return fail(Errc::BadFile, path.string(), fmt::format("it cannot be written ({})", sf_strerror(nullptr)),
                 "check that the folder exists and may be written to");
   // The PEAK chunk carries the time of writing.
-  sf_command(sound.get(), SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
-  return WavWriter{std::make_unique<File>(File{path, channels, encoding, std::move(sound)})};
+  sf_command(writer.sound_.get(), SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
+  return writer;
 }
 
-int WavWriter::channels() const { return file_->channels; }
-
 Status WavWriter::write(const double* const* channels, int frames) {
-  auto& file = *file_;
-  const auto width = index(file.channels);
+  const auto width = index(channels_);
   const auto count = width * index(frames);
   const auto sample = [&](std::size_t i) { return channels[i % width][i / width]; };
   sf_count_t written = 0;
-  if (file.encoding == WavEncoding::Float32) {
-    file.floats.resize(count);
-    for (std::size_t i = 0; i < count; ++i) file.floats[i] = static_cast<float>(sample(i));
-    written = sf_writef_float(file.sound.get(), file.floats.data(), frames);
+  if (encoding_ == WavEncoding::Float32) {
+    floats_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) floats_[i] = static_cast<float>(sample(i));
+    written = sf_writef_float(sound_.get(), floats_.data(), frames);
   } else {
-    file.integers.resize(count);
-    for (std::size_t i = 0; i < count; ++i) file.integers[i] = file.to_pcm24(sample(i));
-    written = sf_writef_int(file.sound.get(), file.integers.data(), frames);
+    integers_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) integers_[i] = to_pcm24(sample(i));
+    written = sf_writef_int(sound_.get(), integers_.data(), frames);
   }
   if (written == frames) return {};
-  return fail(Errc::BadFile, file.path.string(),
-              fmt::format("it could not be written to the end ({})", sf_strerror(file.sound.get())),
+  return fail(Errc::BadFile, path_.string(),
+              fmt::format("it could not be written to the end ({})", sf_strerror(sound_.get())),
               "check the space on the disk");
 }
 
-std::int64_t WavWriter::clipped() const { return file_->clipped; }
-
 Status WavWriter::close() {
-  const auto path = file_->path;
-  if (sf_close(file_->sound.release()) == 0) return {};
-  return fail(Errc::BadFile, path.string(), "it could not be closed properly", "check the space on the disk");
+  if (sf_close(sound_.release()) == 0) return {};
+  return fail(Errc::BadFile, path_.string(), "it could not be closed properly",
+              "check the space on the disk");
 }
 
 Result<Samples> read_wav(const fs::path& path) {
@@ -228,11 +177,10 @@ Result<Samples> read_wav(const fs::path& path) {
   if (!reader) return tl::unexpected(reader.error());
   Samples samples{reader->sample_rate(), {}};
   samples.channels.resize(index(reader->channels()), std::vector<double>(index(reader->frames())));
-  constexpr std::int64_t kPiece = 65536;
   std::vector<double*> at(samples.channels.size());
-  for (std::int64_t done = 0; done < reader->frames(); done += kPiece) {
+  for (std::int64_t done = 0; done < reader->frames(); done += kBlock) {
     for (std::size_t c = 0; c < at.size(); ++c) at[c] = samples.channels[c].data() + done;
-    reader->read(at.data(), static_cast<int>(std::min(kPiece, reader->frames() - done)));
+    reader->read(at.data(), static_cast<int>(std::min(kBlock, reader->frames() - done)));
   }
   return samples;
 }
@@ -244,11 +192,10 @@ Status write_wav(const fs::path& path, const Samples& samples, WavEncoding encod
   auto writer =
       WavWriter::create(path, samples.sample_rate, static_cast<int>(samples.channels.size()), encoding);
   if (!writer) return tl::unexpected(writer.error());
-  constexpr std::int64_t kPiece = 65536;
   std::vector<const double*> at(samples.channels.size());
-  for (std::int64_t done = 0; done < samples.frames(); done += kPiece) {
+  for (std::int64_t done = 0; done < samples.frames(); done += kBlock) {
     for (std::size_t c = 0; c < at.size(); ++c) at[c] = samples.channels[c].data() + done;
-    if (auto status = writer->write(at.data(), static_cast<int>(std::min(kPiece, samples.frames() - done)));
+    if (auto status = writer->write(at.data(), static_cast<int>(std::min(kBlock, samples.frames() - done)));
         !status)
       return status;
   }

@@ -9,6 +9,8 @@
 #include "engine/core/error.h"
 #include "engine/core/units.h"
 
+struct sf_private_tag;  // as libsndfile calls it
+
 namespace tactus {
 
 /// Samples in memory, channel by channel, full scale = 1.
@@ -27,53 +29,54 @@ enum class WavEncoding {
   Pcm24,    ///< steps of 2^-23; clips at -1 and 1 - 2^-23
 };
 
-/// Reads a WAV file (RIFF, WAVE_FORMAT_EXTENSIBLE or RF64) piece by piece. Any PCM or float encoding comes
+/// A file of libsndfile that closes itself.
+struct CloseSound {
+  void operator()(sf_private_tag* file) const;
+};
+using SoundFile = std::unique_ptr<sf_private_tag, CloseSound>;
+
+/// Reads a WAV file (RIFF, WAVE_FORMAT_EXTENSIBLE or RF64) block by block. Any PCM or float encoding comes
 /// out as double without a change of value: a 24-bit sample k is k / 2^23.
 class WavReader {
  public:
   /// [control] Errors: BadFile if it is missing, no WAV file, coded with loss, or shorter than its header
   /// says.
   static Result<WavReader> open(const std::filesystem::path& path);
-  ~WavReader();
-  WavReader(WavReader&&) noexcept;
-  WavReader& operator=(WavReader&&) noexcept;
 
-  Hertz sample_rate() const;
-  int channels() const;
-  std::int64_t frames() const;
+  Hertz sample_rate() const { return sample_rate_; }
+  int channels() const { return channels_; }
+  std::int64_t frames() const { return frames_; }
   /// [control] The next `frames` frames into channels[c][0 …]; returns how many there were, zeros follow
   /// them.
   int read(double* const* channels, int frames);
 
  private:
-  struct File;
-  explicit WavReader(std::unique_ptr<File> file);
-  std::unique_ptr<File> file_;
+  SoundFile sound_;
+  Hertz sample_rate_;
+  int channels_ = 0;
+  std::int64_t frames_ = 0;
+  std::vector<double> interleaved_;
 };
 
-/// Writes a WAV file piece by piece. The same samples give the same bytes: no date and no name goes in.
+/// Writes a WAV file block by block. The same samples give the same bytes: no date and no name goes in.
 class WavWriter {
  public:
   /// [control] Overwrites. Errors: BadArgument for the channels or the rate; BadFile if it cannot be written.
   static Result<WavWriter> create(const std::filesystem::path& path, Hertz sample_rate, int channels,
                                   WavEncoding encoding);
-  /// Closes; call `close` to learn whether that went well.
-  ~WavWriter();
-  WavWriter(WavWriter&&) noexcept;
-  WavWriter& operator=(WavWriter&&) noexcept;
 
-  int channels() const;
   /// [control] Errors: BadFile, for instance when the disk is full.
   [[nodiscard]] Status write(const double* const* channels, int frames);
-  /// [control] Samples so far that did not fit into Pcm24.
-  std::int64_t clipped() const;
-  /// [control] Nothing can be written after it.
+  /// [control] Nothing can be written after it. Errors: BadFile; a writer that is destroyed reports none.
   [[nodiscard]] Status close();
 
  private:
-  struct File;
-  explicit WavWriter(std::unique_ptr<File> file);
-  std::unique_ptr<File> file_;
+  std::filesystem::path path_;
+  int channels_ = 0;
+  WavEncoding encoding_ = WavEncoding::Float32;
+  SoundFile sound_;
+  std::vector<float> floats_;
+  std::vector<int> integers_;
 };
 
 /// [control] The whole file. Errors as WavReader::open.

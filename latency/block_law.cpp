@@ -26,7 +26,7 @@ const SettingDelay* next_good(const std::vector<SettingDelay>& settings, const S
   return next;
 }
 
-/// The one with the largest block of those that are shorter than the best and did not hold.
+/// The one with the largest block of those that are shorter than the best and had gaps.
 const SettingDelay* nearest_bad(const std::vector<SettingDelay>& settings, const SettingDelay& best) {
   const SettingDelay* nearest = nullptr;
   for (const auto& setting : settings) {
@@ -82,7 +82,7 @@ const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings) {
   return best == good.end() ? nullptr : *best;
 }
 
-std::string in_words(const SettingDelay& setting) {
+std::string setting_text(const SettingDelay& setting) {
   return fmt::format("{} frames{}, {:g} kHz", setting.block_frames,
                      setting.periods > 0 ? fmt::format(", {} periods", setting.periods) : "",
                      setting.sample_rate.value / 1e3);
@@ -98,15 +98,15 @@ std::string recommendation(const std::vector<SettingDelay>& settings) {
     return fmt::format("No setting gave a reliable result ({}): {}.", code(last.finding.verdict),
                        last.finding.remedy.empty() ? last.finding.what : last.finding.remedy);
   }
-  auto text = fmt::format("Play with {}: {}, and not a frame was lost in {:.0f} s.", in_words(*best),
-                          ms(best->delay()), best->listened_s);
+  auto text = fmt::format("Play with {}: {}, and not a frame was lost in {:.0f} s.", setting_text(*best),
+                          ms(best->delay()), best->measured_s);
   if (const auto* bad = nearest_bad(settings, *best))
-    text += fmt::format(" Shorter than that, {} had {}.", in_words(*bad), fault_of(*bad));
+    text += fmt::format(" Shorter than that, {} had {}.", setting_text(*bad), fault_of(*bad));
   if (const auto* next = next_good(settings, *best))
     text += fmt::format(
         " An instrument makes the machine work harder than a measurement: if gaps come, take {}, which "
         "costs {} more.",
-        in_words(*next), ms(next->delay() - best->delay()));
+        setting_text(*next), ms(next->delay() - best->delay()));
   return text;
 }
 

@@ -20,7 +20,7 @@ struct SettingDelay {
   double delay_frames = 0.0;
   double standard_error_frames = 0.0;
   std::int64_t gaps = 0;    ///< reported by the driver, or detected
-  double listened_s = 0.0;  ///< how long it ran
+  double measured_s = 0.0;  ///< how long it ran
 
   /// Its delay is to be trusted, and not a frame was lost.
   bool good() const { return finding.verdict == Verdict::Ok && gaps == 0; }
@@ -47,7 +47,7 @@ std::optional<BlockLaw> fit_block_law(const std::vector<SettingDelay>& settings)
 const SettingDelay* shortest_good(const std::vector<SettingDelay>& settings);
 
 /// [any] "128 frames, 2 periods, 48 kHz"
-std::string in_words(const SettingDelay& setting);
+std::string setting_text(const SettingDelay& setting);
 /// [any] What to play with, and why, in sentences.
 std::string recommendation(const std::vector<SettingDelay>& settings);
 

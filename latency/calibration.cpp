@@ -4,14 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
-#include "latency/estimation/sweep_windows.h"
-#include "latency/estimation/toeplitz.h"
-#include "latency/path/noise_floor.h"
+#include "latency/estimation/probe_windows.h"
 #include "latency/path/response.h"
 #include "latency/probe/bursts.h"
 
@@ -25,15 +22,11 @@ constexpr double kFlattest = 1e-5;       // of the probe's power: where nothing 
 constexpr double kQuietest = 1e-18;      // variance: -180 dBFS
 constexpr double kFirstSwing = 1.0 / 3;  // of the highest
 
-double energy(const std::vector<double>& samples) {
-  return std::inner_product(samples.begin(), samples.end(), samples.begin(), 0.0);
-}
-
 /// The card's whole frames are taken off by cutting later, the rest by turning the phase.
-CapturedWindow without_delay(SweepWindows& windows, std::span<const double> captured, double delay,
-                             std::span<const TrackedSweep> sweeps) {
+CapturedWindow without_delay(ProbeWindows& windows, std::span<const double> captured, double delay,
+                             std::span<const TrackedProbe> probes) {
   const double whole = std::floor(delay);
-  auto window = windows.mean(captured, static_cast<std::int64_t>(whole), sweeps);
+  auto window = windows.mean(captured, static_cast<std::int64_t>(whole), probes);
   for (std::size_t b = 0; b < window.captured.size(); ++b)
     window.captured[b] *= std::polar(1.0, angular_frequency(b, window.size) * (delay - whole));
   return window;
@@ -55,7 +48,7 @@ std::vector<double> taps_of(const CapturedWindow& window, Fourier& fourier, std:
   const double of_tap = captured_power / played_power / static_cast<double>(length);
   r[0] += std::max(noise / of_tap, kFlattest * r[0]);
   auto taps = solve_toeplitz(std::span{r}.first(length), std::span{c}.first(length));
-  const double all = energy(taps);
+  const double all = product(taps, taps);
   for (double tail = 0.0; taps.size() > 1; taps.pop_back())
     if ((tail += taps.back() * taps.back()) > kTail * all) break;
   return taps;
@@ -108,8 +101,7 @@ std::optional<Resonance> resonance_of(const Spectrum& path, double hertz_per_bin
 }
 
 void describe_swing(const std::vector<double>& taps, Calibration& calibration) {
-  double highest = 0.0;
-  for (const double tap : taps) highest = std::max(highest, std::abs(tap));
+  const double highest = peak_of(taps);
   const auto first = std::find_if(taps.begin(), taps.end(),
                                   [&](double tap) { return std::abs(tap) >= kFirstSwing * highest; });
   if (first == taps.end()) return;
@@ -117,7 +109,7 @@ void describe_swing(const std::vector<double>& taps, Calibration& calibration) {
   calibration.arrival_frames = static_cast<double>(first - taps.begin());
 }
 
-Finding judge(const Calibration& calibration, double electrical_frames) {
+Finding verdict_of(const Calibration& calibration, double electrical_frames) {
   if (calibration.analysis.snr_db < kLeastSnr)
     return {Verdict::LowSnr, "the noise is too strong to determine the path's shape",
             "play louder (within the actuator's limits), raise the sensor's gain, or find the noise"};
@@ -129,7 +121,7 @@ Finding judge(const Calibration& calibration, double electrical_frames) {
             "the delay that is to be taken off is too long: measure it again over a cable, with the same "
             "setting"};
   return {Verdict::NotFlat,
-          "the path is no fixed linear response: part of what is captured changes from sweep to sweep or is "
+          "the path is no fixed linear response: part of what is captured changes from probe to probe or is "
           "distorted",
           "play softer, and make sure that nothing rattles or moves while it is measured"};
 }
@@ -163,22 +155,22 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   const auto& captured = recording.captured[index(settings.channel)];
   const auto rate = recording.sample_rate;
   const auto bursts = *find_bursts(recording.played, rate);
-  SweepWindows windows{bursts, rate, {}};
+  ProbeWindows windows{bursts, rate, {}};
   NoiseFloor floor;
   floor.mean = calibration.analysis.dc;
   floor.variance = std::max(kQuietest, power_from_db(calibration.analysis.noise_floor_dbfs));
   floor.per_frame = {floor.variance, floor.variance};
   windows.set_noise(floor);
-  std::vector<TrackedSweep> sweeps;
-  for (const auto& burst : bursts.repeated) sweeps.push_back({.burst = burst});
-  const auto window = without_delay(windows, captured, settings.electrical_frames, sweeps);
+  std::vector<TrackedProbe> probes;
+  for (const auto& burst : bursts.repeated) probes.push_back({.burst = burst});
+  const auto window = without_delay(windows, captured, settings.electrical_frames, probes);
   auto& fourier = windows.fourier();
   auto& profile = calibration.profile;
   profile.sample_rate = rate;
   profile.taps = taps_of(window, fourier, static_cast<std::size_t>(frames_in(settings.length, rate)),
-                         floor.variance / total_power(sweeps));
-  profile.low = measuring_sweep(rate).start;
-  profile.high = measuring_sweep(rate).stop;
+                         floor.variance / total_power(probes));
+  profile.low = measuring_probe(rate).start;
+  profile.high = measuring_probe(rate).stop;
 
   const auto path = fourier.forward(profile.taps);
   calibration.unexplained = unexplained(window, path);
@@ -191,7 +183,7 @@ Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationS
   const Response response{window, arrival, rate, fourier};
   calibration.spectrum = response.spectrum();
   calibration.group_delay = response.group_delay(0.0);
-  calibration.finding = judge(calibration, settings.electrical_frames);
+  calibration.finding = verdict_of(calibration, settings.electrical_frames);
   return calibration;
 }
 

@@ -6,7 +6,6 @@
 #include "engine/core/error.h"
 #include "latency/estimation/analysis.h"
 #include "latency/estimation/loop_recording.h"
-#include "latency/path_profile.h"
 #include "latency/verdict.h"
 
 namespace tactus {
@@ -40,7 +39,7 @@ struct CalibrationSettings {
 bool spoils(Verdict verdict);
 
 /// [control] The causal response h of `length` that minimises  |captured - h * played|² + λ |h|²  over the
-/// mean of all sweeps, once the card's delay is taken off: Toeplitz normal equations, by conjugate gradients
+/// mean of all probes, once the card's delay is taken off: Toeplitz normal equations, by conjugate gradients
 /// with a circulant preconditioner. λ is what the noise asks for. Errors as `analyze`.
 Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationSettings& settings);
 

@@ -11,15 +11,15 @@
 namespace tactus {
 namespace {
 
-constexpr double kFullScale = 0.99996;    // 16-bit converters end there
-constexpr int kClippedRun = 3;            // frames at the end in a row
-constexpr double kOverdriven = -20.0;     // dB of any harmonic
-constexpr double kTellsHarmonics = 10.0;  // dB of SNR
-constexpr double kLeastDrift = 0.5;       // ppm; one clock has none
-constexpr double kGainMoves = 0.5;        // dB
-constexpr double kGainRises = 1.0;        // dB
-constexpr double kCancelled = 3.0;        // dB
-constexpr double kUneven = 0.1;           // misfit
+constexpr double kFullScale = 0.99996;  // 16-bit converters end there
+constexpr int kClippedRun = 3;          // frames at the end in a row
+constexpr double kOverdriven = -20.0;   // dB of any harmonic
+constexpr double kHarmonicsSnr = 10.0;  // dB of SNR
+constexpr double kLeastDrift = 0.5;     // ppm; one clock has none
+constexpr double kGainMoves = 0.5;      // dB
+constexpr double kGainRises = 1.0;      // dB
+constexpr double kCancelled = 3.0;      // dB
+constexpr double kUneven = 0.1;         // misfit
 constexpr double kEchoShare = 0.6, kLeastEcho = -30.0;
 constexpr double kMisfit = 0.005;         // of the power: the phase is then wrong by 4 degrees somewhere
 constexpr double kGainRange = 6.0;        // dB; what is between converters has less
@@ -39,40 +39,38 @@ int longest_clipped_run(std::span<const double> captured) {
   return longest;
 }
 
-std::optional<Finding> clipping(const Analysis& analysis, std::span<const double> captured) {
+Finding clipping(const Analysis& analysis, std::span<const double> captured) {
   if (const int run = longest_clipped_run(captured); run >= kClippedRun)
-    return Finding{Verdict::Clipping,
-                   fmt::format("the input is at full scale for up to {} frames in a row", run),
-                   kAgainstOverload};
-  for (std::size_t k = 0; k < analysis.harmonics_db.size() && analysis.snr_db > kTellsHarmonics; ++k)
+    return {Verdict::Clipping, fmt::format("the input is at full scale for up to {} frames in a row", run),
+            kAgainstOverload};
+  for (std::size_t k = 0; k < analysis.harmonics_db.size() && analysis.snr_db > kHarmonicsSnr; ++k)
     if (analysis.harmonics_db[k].value_or(-1e9) > kOverdriven)
-      return Finding{
-          Verdict::Clipping,
-          fmt::format("harmonic {} is only {:.0f} dB below the sweep: something on the way is overdriven",
-                      k + 2, -*analysis.harmonics_db[k]),
-          kAgainstOverload};
-  return std::nullopt;
+      return {Verdict::Clipping,
+              fmt::format("harmonic {} is only {:.0f} dB below the probe: something on the way is overdriven",
+                          k + 2, -*analysis.harmonics_db[k]),
+              kAgainstOverload};
+  return {};
 }
 
-std::optional<Finding> lost_frames(const Analysis& analysis) {
-  if (analysis.steps.empty()) return std::nullopt;
+Finding lost_frames(const Analysis& analysis) {
+  if (analysis.steps.empty()) return {};
   const auto& first = analysis.steps.front();
   const auto seconds = static_cast<double>(first.frame) / analysis.sample_rate.value;
   const auto what =
       first.frames == 0.0
           ? fmt::format("what was captured at {:.2f} s is not what was played", seconds)
           : fmt::format("at {:.2f} s the delay changes by {:+.2f} frames", seconds, first.frames);
-  return Finding{
+  return {
       Verdict::LostFrames,
       what + (analysis.steps.size() > 1 ? fmt::format(", and {} times more", analysis.steps.size() - 1) : ""),
       kAgainstGaps};
 }
 
-std::optional<Finding> clocks_differ(const Analysis& analysis) {
+Finding clocks_differ(const Analysis& analysis) {
   if (std::abs(analysis.drift_ppm) < kLeastDrift ||
       std::abs(analysis.drift_ppm) < kFindingsCertain * analysis.drift_standard_error_ppm)
-    return std::nullopt;
-  return Finding{
+    return {};
+  return {
       Verdict::ClocksDiffer,
       fmt::format(
           "the delay moves by {:.2f} ppm ({:+.2f} frames in a second): input and output have clocks of their "
@@ -95,14 +93,14 @@ double deviation(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(values.size() - 1));
 }
 
-/// The gains of sweeps that were played at full level, and of those that were softer by a quarter and more.
+/// The gains of probes that were played at full level, and of those that were softer by a quarter and more.
 struct Gains {
   std::vector<double> loud, soft;
 
-  explicit Gains(const std::vector<SweepDelay>& sweeps) {
+  explicit Gains(const std::vector<ProbeDelay>& probes) {
     double highest = 0.0;
-    for (const auto& sweep : sweeps) highest = std::max(highest, sweep.level);
-    for (const auto& sweep : sweeps) (sweep.level > 0.75 * highest ? loud : soft).push_back(sweep.gain_db);
+    for (const auto& probe : probes) highest = std::max(highest, probe.level);
+    for (const auto& probe : probes) (probe.level > 0.75 * highest ? loud : soft).push_back(probe.gain_db);
   }
   /// How much more the soft ones are amplified, when that is certain.
   double by_level() const {
@@ -112,7 +110,7 @@ struct Gains {
                                     deviation(soft) / std::sqrt(static_cast<double>(soft.size())));
     return std::abs(difference) > kFindingsCertain * error ? difference : 0.0;
   }
-  /// By how much it rises from the first loud sweep to the last, along a straight line, when that is certain.
+  /// By how much it rises from the first loud probe to the last, along a straight line, when that is certain.
   double rise() const {
     const auto count = static_cast<double>(loud.size());
     if (count < 4) return 0.0;
@@ -131,36 +129,34 @@ struct Gains {
   double fall() const { return loud.empty() ? 0.0 : loud.front() - loud.back(); }
 };
 
-std::optional<Finding> moving_gain(const Analysis& analysis, const Evidence& evidence) {
-  const Gains gains{analysis.sweeps};
+Finding moving_gain(const Analysis& analysis, const Evidence& evidence) {
+  const Gains gains{analysis.probes};
   const double by_level = gains.by_level();
   const double before = evidence.level_probe_gain_db ? *evidence.level_probe_gain_db - mean(gains.loud) : 0.0;
   const double fall = std::max(gains.fall(), before);
   const bool falls = fall > kCancelled;
   if (!falls && gains.rise() > kGainRises)
-    return Finding{Verdict::Agc,
-                   fmt::format("the gain rises by {:.1f} dB while the same is played", gains.rise()),
-                   kAgainstAgc};
-  if (!falls && std::abs(by_level) < kGainMoves) return std::nullopt;
+    return {Verdict::Agc, fmt::format("the gain rises by {:.1f} dB while the same is played", gains.rise()),
+            kAgainstAgc};
+  if (!falls && std::abs(by_level) < kGainMoves) return {};
   // A gain that follows the level keeps the path's shape; a canceller takes away what it has learnt, part by
   // part.
   if (falls && (analysis.misfit > kUneven || std::abs(by_level) < kGainMoves))
-    return Finding{
+    return {
         Verdict::EchoCancel,
         fmt::format("the gain of the path falls by {:.1f} dB during the recording", fall),
         "switch echo cancellation off: in the driver's or the sound server's settings, or choose the device "
         "itself and not one for calls"};
-  return Finding{Verdict::Agc,
-                 fmt::format("lower levels are amplified by {:.1f} dB more: the gain depends on the level",
-                             std::abs(by_level) >= kGainMoves ? by_level : fall),
-                 kAgainstAgc};
+  return {Verdict::Agc,
+          fmt::format("lower levels are amplified by {:.1f} dB more: the gain depends on the level",
+                      std::abs(by_level) >= kGainMoves ? by_level : fall),
+          kAgainstAgc};
 }
 
-std::optional<Finding> overdriven(const Evidence& evidence) {
-  if (!evidence.overdriven) return std::nullopt;
-  return Finding{Verdict::Clipping,
-                 "loud and soft sweeps differ in shape: something on the way is overdriven",
-                 kAgainstOverload};
+Finding overdriven(const Evidence& evidence) {
+  if (!evidence.overdriven) return {};
+  return {Verdict::Clipping, "loud and soft probes differ in shape: something on the way is overdriven",
+          kAgainstOverload};
 }
 
 Finding detected_twice(std::int64_t frames, double level_db) {
@@ -172,29 +168,26 @@ Finding detected_twice(std::int64_t frames, double level_db) {
       "outputs"};
 }
 
-std::optional<Finding> far_path(const Evidence& evidence) {
-  if (!evidence.second) return std::nullopt;
+Finding far_path(const Evidence& evidence) {
+  if (!evidence.second) return {};
   return detected_twice(evidence.second->frames, evidence.second->level_db);
 }
 
-std::optional<Finding> near_path(const Evidence& evidence) {
+Finding near_path(const Evidence& evidence) {
   const auto& echo = evidence.echo;
-  if (echo.share < kEchoShare || echo.level_db < kLeastEcho) return std::nullopt;
+  if (echo.share < kEchoShare || echo.level_db < kLeastEcho) return {};
   return detected_twice(echo.frames, echo.level_db);
 }
 
-std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidence) {
-  if (evidence.coarse.clear() && analysis.standard_error_frames < evidence.widest_error_frames)
-    return std::nullopt;
+Finding low_snr(const Analysis& analysis, const Evidence& evidence) {
+  if (evidence.coarse.clear() && analysis.standard_error_frames < evidence.widest_error_frames) return {};
   if (!evidence.coarse.clear())
-    return Finding{
-        Verdict::LowSnr,
-        fmt::format(
-            "the noise is too strong: with {:.1f} dB of signal above it single sweeps cannot be separated "
-            "apart, so neither lost frames nor drift",
-            analysis.snr_db),
-        kAgainstNoise};
-  return Finding{
+    return {Verdict::LowSnr,
+            fmt::format("the noise is too strong: with {:.1f} dB of signal above it single probes cannot be "
+                        "separated, nor lost frames or drift found",
+                        analysis.snr_db),
+            kAgainstNoise};
+  return {
       Verdict::LowSnr,
       fmt::format("the noise is too strong: {:.1f} dB of signal above it leave the delay uncertain by {:.2f} "
                   "frames",
@@ -202,31 +195,29 @@ std::optional<Finding> low_snr(const Analysis& analysis, const Evidence& evidenc
       kAgainstNoise};
 }
 
-std::optional<Finding> not_flat(const Analysis& analysis, const Evidence& evidence) {
+Finding not_flat(const Analysis& analysis, const Evidence& evidence) {
   if (evidence.with_profile && analysis.misfit_frames > evidence.widest_error_frames)
-    return Finding{
-        Verdict::NotFlat,
-        fmt::format("{:.2g} % of what is captured does not fit the profile, so the delay may be wrong by "
-                    "{:.1f} frames",
-                    100.0 * analysis.misfit, analysis.misfit_frames),
-        "the actuator or the sensor is another than when it was calibrated: calibrate again"};
+    return {Verdict::NotFlat,
+            fmt::format("{:.2g} % of what is captured does not fit the profile, so the delay may be wrong by "
+                        "{:.1f} frames",
+                        100.0 * analysis.misfit, analysis.misfit_frames),
+            "the actuator or the sensor is another than when it was calibrated: calibrate again"};
   std::string what;
   if (analysis.misfit > kMisfit)
     what = fmt::format("{:.1f} % of what is captured does not fit any single delay", 100.0 * analysis.misfit);
   else if (evidence.gain_range_db > kGainRange)
     what = fmt::format("its gain differs by {:.0f} dB over the band", evidence.gain_range_db);
   else
-    return std::nullopt;
-  return Finding{
-      Verdict::NotFlat, "the path is no cable: " + what,
-      "join output and input by a cable, or measure the actuator and the sensor with `tactus latency "
-      "calibrate` and give its profile"};
+    return {};
+  return {Verdict::NotFlat, "the path is no cable: " + what,
+          "join output and input by a cable, or measure the actuator and the sensor with `tactus latency "
+          "calibrate` and give its profile"};
 }
 
 }  // namespace
 
-Finding not_whole() {
-  return {Verdict::NoSignal, "less than three sweeps were recorded from beginning to end",
+Finding too_few_probes() {
+  return {Verdict::NoSignal, "fewer than three probes were recorded completely",
           "record from before the probe begins until after it has ended"};
 }
 
@@ -245,20 +236,25 @@ Finding not_detected(const std::vector<CoarseDelay>& channels, int channel) {
             fmt::format("choose input {} (--in, of a file --channel), or move the cable to input {}",
                         loudest + 1, channel + 1)};
   return {Verdict::NoSignal, fmt::format("the probe is not detected on input {}", channel + 1),
-          "join the output to the input by a cable, and look whether one of them is muted or turned down"};
+          "join the output to the input by a cable, and check that neither is muted or turned down"};
 }
 
-Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured) {
-  if (const auto found = clipping(analysis, captured)) return *found;
-  // It overlaps the sweeps, so that nothing else can be told from them.
-  if (const auto found = far_path(evidence)) return *found;
-  if (const auto found = lost_frames(analysis)) return *found;
-  if (const auto found = moving_gain(analysis, evidence)) return *found;
-  if (const auto found = overdriven(evidence)) return *found;
-  if (const auto found = clocks_differ(analysis)) return *found;
-  if (const auto found = near_path(evidence)) return *found;
-  if (const auto found = not_flat(analysis, evidence); found && evidence.coarse.clear()) return *found;
-  if (const auto found = low_snr(analysis, evidence)) return *found;
+Finding first_of(const std::vector<Finding>& findings) {
+  Finding first;
+  for (const auto& finding : findings)
+    if (finding.verdict != Verdict::Ok && (first.verdict == Verdict::Ok || finding.verdict < first.verdict))
+      first = finding;
+  return first;
+}
+
+Finding verdict_of(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured) {
+  // A second path far away overlaps the probes, so that nothing else can be separated from them.
+  const auto shape = not_flat(analysis, evidence);
+  for (const auto& found :
+       {clipping(analysis, captured), far_path(evidence), lost_frames(analysis),
+        moving_gain(analysis, evidence), overdriven(evidence), clocks_differ(analysis), near_path(evidence),
+        evidence.coarse.clear() ? shape : Finding{}, low_snr(analysis, evidence)})
+    if (found.verdict != Verdict::Ok) return found;
   return {};
 }
 

@@ -7,14 +7,20 @@
 #include "latency/estimation/analysis.h"
 #include "latency/estimation/coarse.h"
 #include "latency/path/response.h"
-#include "latency/path/second_path.h"
 
 namespace tactus {
 
 /// What to do about lost frames.
 inline constexpr const char* kAgainstGaps =
-    "use a longer block or more periods (`tactus latency sweep` finds the smallest that holds), close other "
+    "use a longer block or more periods (`tactus latency sweep` finds the shortest that works), close other "
     "programs, and see `tactus doctor`";
+
+/// Another way by which what was played comes back, too far from the first one for the same window.
+struct SecondPath {
+  static constexpr std::int64_t kNear = 2048;  ///< frames: nearer ones are left to Response::echo
+  std::int64_t frames = 0;                     ///< from the path to it; negative: it is earlier
+  double level_db = 0.0;                       ///< beside the path
+};
 
 /// What an analysis knows that its reader need not.
 struct Evidence {
@@ -22,17 +28,20 @@ struct Evidence {
   Response::Echo echo;
   std::optional<SecondPath> second;  ///< further away
   bool with_profile = false;
-  bool overdriven = false;                    ///< loud and soft sweeps differ in shape
+  bool overdriven = false;                    ///< loud and soft probes differ in shape
   double gain_range_db = 0.0;                 ///< highest over lowest gain of the model in the band
   double widest_error_frames = 0.1;           ///< standard error that is still called a result
-  std::optional<double> level_probe_gain_db;  ///< highest gain of bursts before the sweeps
+  std::optional<double> level_probe_gain_db;  ///< highest gain of bursts before the probes
 };
 
-/// [control] The probe was captured, but fewer than three complete sweeps.
-Finding not_whole();
+/// [control] The probe was captured, but fewer than three complete probes.
+Finding too_few_probes();
 /// [control] The probe is not detected on its channel: the reason, from the other channels.
 Finding not_detected(const std::vector<CoarseDelay>& channels, int channel);
 /// [control] The first reason, in the order of Verdict, why `analysis` of `captured` is unreliable.
-Finding judge(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured);
+Finding verdict_of(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured);
+
+/// [any] The one that comes first in the order of Verdict; Ok if there is no other.
+Finding first_of(const std::vector<Finding>& findings);
 
 }  // namespace tactus

@@ -4,47 +4,38 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <system_error>
 #include <utility>
 
+#include "backends/json_fields.h"
+
 namespace tactus {
+
+template <class Io, Of<MeasuredDelay> T>
+void fields(Io& io, T& delay) {
+  io("input", delay.key.input);
+  io("output", delay.key.output);
+  io("sample_rate_hz", delay.key.sample_rate);
+  io("block_frames", delay.key.block_frames);
+  io("periods", delay.key.periods);
+  io("delay_s", delay.delay);
+  io("spread_s", delay.spread);
+  io("when", delay.when);
+}
+
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-Json json_of(const MeasuredDelay& delay) {
-  const auto& key = delay.key;
-  Json json{{"input", key.input},
-            {"output", key.output},
-            {"sample_rate_hz", key.sample_rate.value},
-            {"block_frames", key.block_frames},
-            {"periods", key.periods},
-            {"delay_s", delay.delay.value}};
-  if (delay.spread) json["spread_s"] = delay.spread->value;
-  json["when"] = delay.when;
-  return json;
-}
-
-MeasuredDelay delay_of(const Json& json) {
-  MeasuredDelay delay;
-  delay.key = {json.at("input").get<std::string>(), json.at("output").get<std::string>(),
-               Hertz{json.at("sample_rate_hz").get<double>()}, json.at("block_frames").get<int>(),
-               json.at("periods").get<int>()};
-  delay.delay = Seconds{json.at("delay_s").get<double>()};
-  if (json.contains("spread_s")) delay.spread = Seconds{json.at("spread_s").get<double>()};
-  delay.when = json.at("when").get<std::string>();
-  if (!(delay.delay.value >= 0 && delay.delay.value < 60)) throw std::runtime_error("a delay that cannot be");
-  return delay;
-}
-
 std::vector<MeasuredDelay> parse(std::istream& text) {
   const auto json = Json::parse(text);
   if (json.at("format") != 1) throw std::runtime_error("another format");
   std::vector<MeasuredDelay> delays;
-  for (const auto& entry : json.at("delays")) delays.push_back(delay_of(entry));
+  JsonReader{json}("delays", delays);
+  for (const auto& each : delays)
+    if (!(each.delay.value >= 0 && each.delay.value < 60)) throw std::runtime_error("an impossible delay");
   return delays;
 }
 
@@ -82,6 +73,11 @@ fs::path temporary_beside(const fs::path& file) {
 
 }  // namespace
 
+DelayKey key_of(const StreamGranted& granted) {
+  return {granted.input_device.empty() ? granted.device : granted.input_device, granted.device,
+          granted.format.sample_rate, granted.block_frames, granted.periods};
+}
+
 MeasuredDelays MeasuredDelays::load(const fs::path& file) {
   MeasuredDelays store;
   store.file_ = file;
@@ -96,7 +92,7 @@ MeasuredDelays MeasuredDelays::load(const fs::path& file) {
       reason = exception.what();
     }
   }
-  store.complaint_ = set_aside(file, reason);
+  store.load_error_ = set_aside(file, reason);
   return store;
 }
 
@@ -115,17 +111,16 @@ const MeasuredDelay* MeasuredDelays::newest(const std::string& input, const std:
   return newest;
 }
 
-Status MeasuredDelays::keep(MeasuredDelay delay) {
+Status MeasuredDelays::save(MeasuredDelay delay) {
   if (file_.empty())
-    return fail(Errc::BadFile, "", "there is no folder to keep what was measured", "set XDG_STATE_HOME");
+    return fail(Errc::BadFile, "", "there is no folder for measured delays", "set XDG_STATE_HOME");
   auto now = load(file_);  // another program may have written
-  if (now.complaint_) complaint_ = now.complaint_;
+  if (now.load_error_) load_error_ = now.load_error_;
   std::erase_if(now.delays_, [&](const MeasuredDelay& old) { return old.key == delay.key; });
   now.delays_.push_back(std::move(delay));
   delays_ = std::move(now.delays_);
 
-  Json json{{"format", 1}, {"delays", Json::array()}};
-  for (const auto& each : delays_) json["delays"].push_back(json_of(each));
+  const Json json{{"format", 1}, {"delays", JsonWriter::written(delays_)}};
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);
   const auto temporary = temporary_beside(file_);

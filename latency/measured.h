@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "backends/backend.h"
 #include "engine/core/error.h"
 #include "engine/core/units.h"
 
@@ -20,6 +21,9 @@ struct DelayKey {
   bool operator==(const DelayKey&) const = default;
 };
 
+/// [any] The key of the delay of a stream.
+DelayKey key_of(const StreamGranted& granted);
+
 /// A delay from sensor volts to actuator volts, measured on this machine.
 struct MeasuredDelay {
   DelayKey key;
@@ -32,7 +36,7 @@ struct MeasuredDelay {
 class MeasuredDelays {
  public:
   /// [control] No file is an empty store. A file that cannot be understood is set aside under another name,
-  /// which `complaint` tells; nothing in it is lost.
+  /// which `load_error` contains; nothing in it is lost.
   static MeasuredDelays load(const std::filesystem::path& file = default_file());
 
   /// [any] nullptr: never measured.
@@ -40,11 +44,11 @@ class MeasuredDelays {
   /// [any] The newest of a device in whatever setting, to show beside it; nullptr if there is none.
   const MeasuredDelay* newest(const std::string& input, const std::string& output) const;
   const std::vector<MeasuredDelay>& all() const { return delays_; }
-  const std::optional<Error>& complaint() const { return complaint_; }
+  const std::optional<Error>& load_error() const { return load_error_; }
 
   /// [control] Adds one, in the place of the last of the same key, and writes the file: whole or not at all.
   /// What another program wrote since `load` stays. Errors: BadFile.
-  Status keep(MeasuredDelay delay);
+  Status save(MeasuredDelay delay);
 
   /// [control] $XDG_STATE_HOME/tactus/delays.json, by default in ~/.local/state; elsewhere
   /// %LOCALAPPDATA%\tactus. Empty if the system says nothing.
@@ -53,7 +57,7 @@ class MeasuredDelays {
  private:
   std::filesystem::path file_;
   std::vector<MeasuredDelay> delays_;
-  std::optional<Error> complaint_;
+  std::optional<Error> load_error_;
 };
 
 }  // namespace tactus

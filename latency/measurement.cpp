@@ -13,30 +13,211 @@
 #include "backends/find_device.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
+#include "latency/findings.h"
 #include "latency/probe/probe.h"
 #include "latency/probe/probe_player.h"
-#include "latency/session.h"
 
 namespace tactus {
 namespace {
 
 constexpr std::chrono::milliseconds kTick{10};
 constexpr std::chrono::seconds kMeasurementPatience{3};  // with a stream that brings no block
-constexpr int kMostInputs = 16;                          // that are listened to: memory
+constexpr int kMaxInputs = 16;                           // that are recorded: memory
+constexpr double kRateError = 0.005;
+constexpr double kBlocksOfRate = 2.0;    // blocks that a clock cannot tell apart
+constexpr double kSameDelay = 0.5;       // frames
+constexpr double kSessionCertain = 5.0;  // standard errors
+constexpr std::size_t kEnoughGood = 3;
 
-/// As loud as the sweep may be before the guard changes its shape.
+using Findings = std::vector<Finding>;
+
+void add_result(Findings& findings, const ProbePlayer& player) {
+  if (player.outcome() == ProbePlayer::Outcome::Feedback)
+    findings.push_back({Verdict::Feedback,
+                        "the input came near full scale and stayed there although the output had been muted: "
+                        "what is captured is "
+                        "played again",
+                        "switch direct monitoring off, take away connections from inputs to outputs, turn "
+                        "the loudspeaker down "
+                        "or move the microphone away; then measure again"});
+  if (player.outcome() != ProbePlayer::Outcome::TooLoud) return;
+  const double level = player.level().level;
+  const auto when = level > 0.0 ? fmt::format("with an output of {:.1f} dBFS", amplitude_to_db(level))
+                                : std::string{"before anything was played"};
+  findings.push_back(
+      {Verdict::Clipping,
+       "the input came within 3 dB of full scale " + when + "; the output was muted, and then it was quiet",
+       "turn the input's gain or the amplifier down"});
+}
+
+void add_event(Findings& findings, const GuardEvent& event, int input, bool drive) {
+  switch (event.kind) {
+    case GuardEvent::Kind::Feedback:
+      findings.push_back({Verdict::Feedback,
+                          "the drive guard limited the output for more than 100 ms and faded it out",
+                          "measure at a lower level, or give the limits of the actuator that is there"});
+      return;
+    case GuardEvent::Kind::SensorRailed:
+      if (drive || event.channel == input)
+        findings.push_back(
+            {Verdict::Clipping,
+             fmt::format("input {} stood at the end of its range for 40 ms", event.channel + 1),
+             "look after its cable, its supply and its gain"});
+      return;
+    case GuardEvent::Kind::SensorStuck:
+      // A digital connection may be as silent as that, and sound does not stop for it.
+      if (drive)
+        findings.push_back(
+            {Verdict::NoSignal,
+             fmt::format("input {} gave the same value for 40 ms: it hangs", event.channel + 1),
+             "look after its cable, and open the device again"});
+      return;
+  }
+}
+
+void add_lost(Findings& findings, const Health& before, const Health& after) {
+  const auto gaps = after.xruns - before.xruns;
+  const auto lost = after.lost_frames - before.lost_frames;
+  if (gaps == 0 && lost == 0) return;
+  findings.push_back(
+      {Verdict::LostFrames,
+       fmt::format("the driver counted {} gap{} and {} lost frames while the probes were played", gaps,
+                   gaps == 1 ? "" : "s", lost),
+       kAgainstGaps});
+}
+
+void add_mismatch(Findings& findings, const StreamGranted& granted, const Health& before,
+                  const Health& after) {
+  const char* remedy =
+      "choose the rate and the block that the device itself is set to, or reach it through another backend";
+  const int block = granted.block_frames;
+  if (block > 0 && after.blocks > 0 && (after.shortest_block != block || after.longest_block != block))
+    findings.push_back({Verdict::ApiMismatch,
+                        fmt::format("blocks of {} frames were granted, and blocks of {} to {} came", block,
+                                    after.shortest_block, after.longest_block),
+                        remedy});
+  const double seconds = after.seconds - before.seconds;
+  const auto frames = static_cast<double>(after.frames - before.frames);
+  if (seconds <= 0.0 || frames <= 0.0) return;
+  const double granted_rate = granted.format.sample_rate.value;
+  const double error = frames / seconds / granted_rate - 1.0;
+  if (std::abs(error) <= std::max(kRateError, kBlocksOfRate * after.longest_block / frames)) return;
+  findings.push_back({Verdict::ApiMismatch,
+                      fmt::format("{:.0f} Hz were granted, and by the clock it runs at {:.0f} Hz",
+                                  granted_rate, frames / seconds),
+                      remedy});
+}
+
+std::vector<const Opening*> those(const Measurement& measurement, Verdict verdict) {
+  std::vector<const Opening*> found;
+  for (const auto& opening : measurement.openings)
+    if (opening.finding.verdict == verdict) found.push_back(&opening);
+  return found;
+}
+
+std::string delays_of(const std::vector<const Opening*>& openings) {
+  std::string text;
+  for (const auto* opening : openings)
+    text += fmt::format("{}{:.3f}", text.empty() ? "" : ", ", opening->analysis.delay_frames);
+  return text;
+}
+
+/// The mean; its error is that within the openings, or that by which they differ, whichever is larger.
+void combine(Measurement& measurement, const std::vector<const Opening*>& openings) {
+  const auto count = static_cast<double>(openings.size());
+  double sum = 0.0, within = 0.0, between = 0.0;
+  for (const auto* opening : openings) {
+    sum += opening->analysis.delay_frames;
+    within += opening->analysis.standard_error_frames * opening->analysis.standard_error_frames / count;
+  }
+  measurement.delay_frames = sum / count;
+  for (const auto* opening : openings)
+    between += std::pow(opening->analysis.delay_frames - measurement.delay_frames, 2);
+  between /= std::max(1.0, count - 1.0);
+  measurement.spread_frames = std::sqrt(between);
+  measurement.standard_error_frames = std::sqrt(std::max(within, between) / count);
+}
+
+Finding unstable(const std::vector<const Opening*>& openings) {
+  if (openings.size() < 2) return {};
+  double least = openings.front()->analysis.delay_frames, most = least, error = 0.0;
+  for (const auto* opening : openings) {
+    least = std::min(least, opening->analysis.delay_frames);
+    most = std::max(most, opening->analysis.delay_frames);
+    error = std::max(error, opening->analysis.standard_error_frames);
+  }
+  if (most - least <= std::max(kSameDelay, kSessionCertain * error)) return {};
+  return {
+      Verdict::UnstableStart,
+      fmt::format("the delay is another each time that the stream is opened: {} frames", delays_of(openings)),
+      "measure again each time that you start to play, or let a backend and a device that begin the "
+      "same way every time (JACK on the device itself) take its place"};
+}
+
+Finding tolerated(std::size_t lost, std::size_t all) {
+  return {Verdict::Ok,
+          fmt::format("{} of {} openings lost frames and do not count; the others agree", lost, all),
+          "use a longer block or more periods if that happens often"};
+}
+
+/// Why one opening is unreliable, apart from its recording: how it ended, what the guard did (`events`), what
+/// the driver counted while the probes were played, and whether the stream is as granted.
+Findings stream_findings(const ProbePlayer& player, const StreamGranted& granted,
+                         const std::vector<GuardEvent>& events, int input, bool drive) {
+  Findings findings;
+  add_result(findings, player);
+  for (const auto& event : events) add_event(findings, event, input, drive);
+  add_lost(findings, player.health_before(), player.health_after());
+  add_mismatch(findings, granted, player.health_before(), player.health_after());
+  return findings;
+}
+
+/// What all openings say together: the first finding against any of them; frames that were lost in fewer than
+/// half of them are only reported when at least three others agree.
+void conclude(Measurement& measurement) {
+  const auto good = those(measurement, Verdict::Ok);
+  const auto lost = those(measurement, Verdict::LostFrames);
+  auto usable = good;
+  if (usable.empty())
+    for (const auto& opening : measurement.openings)
+      if (opening.analysis.detected) usable.push_back(&opening);
+  if (!usable.empty()) combine(measurement, usable);
+
+  std::vector<Finding> findings;
+  const bool tolerable = good.size() >= kEnoughGood && lost.size() < good.size();
+  for (const auto& opening : measurement.openings)
+    if (opening.finding.verdict != Verdict::LostFrames || !tolerable) findings.push_back(opening.finding);
+  findings.push_back(unstable(good));
+  measurement.finding = first_of(findings);
+  if (measurement.finding.verdict == Verdict::Ok && !lost.empty())
+    measurement.finding = tolerated(lost.size(), measurement.openings.size());
+}
+
+/// Where a second arrival comes from: `again` was opened with another block. Empty: not known.
+std::string second_arrival(const Opening& before, const Opening& again) {
+  const int block = before.granted.block_frames, other_block = again.granted.block_frames;
+  if (block == other_block || !before.analysis.echo_frames || !again.analysis.echo_frames) return {};
+  const int spacing = *before.analysis.echo_frames, other_spacing = *again.analysis.echo_frames;
+  const bool stays = std::abs(spacing - other_spacing) <= 1;
+  return fmt::format(
+      "{:+d} frames with blocks of {}, {:+d} with blocks of {}: {}", spacing, block, other_spacing,
+      other_block,
+      stays ? "direct monitoring in the card" : "a connection in software, from its input to its output");
+}
+
+/// As loud as the probe may be before the guard changes its shape.
 double loudest(const MeasureSettings& settings, Hertz rate) {
   const auto& limits = settings.guard.limits;
   double level = std::min(amplitude_from_db(settings.loudest_dbfs), limits.ceiling);
   if (settings.guard.kind == DriveGuard::Kind::Drive)
     level =
-        std::min(level, limits.slew_per_second / (2 * std::numbers::pi * measuring_sweep(rate).stop.value));
+        std::min(level, limits.slew_per_second / (2 * std::numbers::pi * measuring_probe(rate).stop.value));
   return level;
 }
 
 Status check(const MeasureSettings& settings) {
-  if (settings.openings < 1 || settings.sweeps < 1 || settings.input < 0 || settings.output < 0)
-    return fail(Errc::BadArgument, "", "a measurement needs an opening, a sweep, an input and an output", "");
+  if (settings.openings < 1 || settings.probes < 1 || settings.input < 0 || settings.output < 0)
+    return fail(Errc::BadArgument, "", "a measurement needs an opening, a probe, an input and an output", "");
   if (!(settings.softest_dbfs > -150.0 && settings.softest_dbfs <= settings.loudest_dbfs &&
         settings.loudest_dbfs <= 0.0))
     return fail(Errc::OutOfRange, "",
@@ -59,10 +240,10 @@ class Session {
       auto opening = open(request_);
       if (!opening) return tl::unexpected(opening.error());
       measurement.openings.push_back(std::move(*opening));
-      if (!is_hopeful(measurement.openings.back())) break;
+      if (!worth_repeating(measurement.openings.back())) break;
     }
     conclude(measurement);
-    if (measurement.finding.verdict == Verdict::DirectMonitoring) tell_where_it_comes_from(measurement);
+    if (measurement.finding.verdict == Verdict::DirectMonitoring) locate_second_path(measurement);
     const auto& granted = measurement.openings.front().granted;
     if (granted.input_latency_frames && granted.output_latency_frames)
       measurement.reported_frames = *granted.input_latency_frames + *granted.output_latency_frames;
@@ -80,7 +261,7 @@ class Session {
     const auto output = device_with_id(*devices, request_.device);
     if (!output) return tl::unexpected(output.error());
     request_.sample_rate = request_.sample_rate.value_or(output->default_rate);
-    request_.in_map.resize(index(std::clamp(input->in_channels, 1, kMostInputs)));
+    request_.in_map.resize(index(std::clamp(input->in_channels, 1, kMaxInputs)));
     std::iota(request_.in_map.begin(), request_.in_map.end(), 0);
     input_ = settings_.input;
     if (input_ >= static_cast<int>(request_.in_map.size())) {
@@ -93,11 +274,11 @@ class Session {
     return {};
   }
 
-  /// Opens the stream, plays, and says what came of it.
+  /// Opens the stream, plays, and analyses the recording.
   Result<Opening> open(const StreamRequest& request) {
     ProbePlayer::Script script;
     script.input = input_;
-    script.sweeps = settings_.sweeps;
+    script.probes = settings_.probes;
     script.level.loudest = loudest(settings_, *request.sample_rate);
     script.level.softest = std::min(amplitude_from_db(settings_.softest_dbfs), script.level.loudest);
     script.level.quiet = settings_.guard.limits.soft_start + LevelSearch::kWindow;
@@ -107,7 +288,7 @@ class Session {
     if (!stream) return tl::unexpected(stream.error());
     player_.set_stream(stream->get());
     if (auto played = play(**stream); !played) return tl::unexpected(played.error());
-    return judged(**stream);
+    return result_of(**stream);
   }
 
   Status play(Stream& stream) {
@@ -116,7 +297,7 @@ class Session {
     auto last_alive = Clock::now();
     while (!player_.done()) {
       std::this_thread::sleep_for(kTick);
-      tell_progress();
+      report_progress();
       if (stream.state() == StreamState::Running) last_alive = Clock::now();
       if (player_.done() || Clock::now() - last_alive <= kMeasurementPatience) continue;
       (void)stream.stop();
@@ -127,13 +308,13 @@ class Session {
     return stream.stop();
   }
 
-  void tell_progress() const {
+  void report_progress() const {
     if (!progress_) return;
     const double share = (std::min(turn_, settings_.openings - 1) + player_.share()) / settings_.openings;
     progress_(share, fmt::format("opening {} of {}", turn_ + 1, settings_.openings));
   }
 
-  Result<Opening> judged(const Stream& stream) {
+  Result<Opening> result_of(const Stream& stream) {
     Opening opening;
     opening.granted = stream.granted();
     opening.health = stream.health();
@@ -163,12 +344,12 @@ class Session {
       known_->delay = Seconds{std::max(0.0, analysis.delay_frames) / analysis.sample_rate.value};
   }
 
-  /// Opening it again may tell something else.
-  static bool is_hopeful(const Opening& opening) {
+  /// Another opening may have another result.
+  static bool worth_repeating(const Opening& opening) {
     return opening.finding.verdict == Verdict::Ok || opening.finding.verdict == Verdict::LostFrames;
   }
 
-  void tell_where_it_comes_from(Measurement& measurement) {
+  void locate_second_path(Measurement& measurement) {
     const auto detected_twice = std::find_if(
         measurement.openings.begin(), measurement.openings.end(),
         [](const Opening& opening) { return opening.finding.verdict == Verdict::DirectMonitoring; });

@@ -20,7 +20,7 @@ struct MeasureSettings {
   double softest_dbfs = -50.0;  ///< where the level begins
   double loudest_dbfs = -6.0;   ///< and where it may end, however little is captured
   int openings = 5;             ///< of the stream, one after another
-  int sweeps = 8;               ///< each time
+  int probes = 8;               ///< each time
   std::optional<PathProfile> profile;
 };
 
@@ -28,7 +28,7 @@ struct MeasureSettings {
 struct Opening {
   StreamGranted granted;
   Health health;
-  double level_dbfs = 0.0;  ///< of the sweeps
+  double level_dbfs = 0.0;  ///< of the probes
   LoopRecording recording;
   Analysis analysis;
   Finding finding;  ///< of the analysis, or why there was nothing to analyse
@@ -48,7 +48,7 @@ struct Measurement {
 /// it: the stream is then stopped.
 using MeasureProgress = std::function<void(double share, const std::string& what)>;
 
-/// [control] Opens the device again and again: silence, the level, sweeps, the pilot. Whatever goes wrong
+/// [control] Opens the device again and again: silence, the level, probes, the pilot. Whatever goes wrong
 /// with the path is a finding. What another opening would not cure ends it. Errors: BadArgument and
 /// OutOfRange for settings that make no sense; those of Backend::open and Stream::start; Device when it goes
 /// away.

@@ -1,6 +1,7 @@
 #pragma once
 // Thread: [control]
 
+#include <array>
 #include <string>
 
 namespace tactus {
@@ -24,13 +25,17 @@ enum class Verdict {
   UnstableStart,     ///< another delay each time that the stream is opened
 };
 
-/// "ok", "NO_SIGNAL", …: what reports call it.
-const char* code(Verdict verdict);
+/// What reports call them.
+inline constexpr std::array<const char*, 14> kVerdictCodes{
+    "ok",           "NO_SIGNAL",     "WRONG_CHANNEL", "HOWL",          "CLIPPING",          "LOST_FRAMES",
+    "API_MISMATCH", "ECHO_CANCEL",   "AGC",           "CLOCKS_DIFFER", "DIRECT_MONITORING", "NOT_FLAT",
+    "LOW_SNR",      "UNSTABLE_START"};
+inline const char* code(Verdict verdict) { return kVerdictCodes[static_cast<std::size_t>(verdict)]; }
 
 /// A verdict about one measurement, with its evidence.
 struct Finding {
   Verdict verdict = Verdict::Ok;
-  std::string what;    ///< what was seen, in numbers
+  std::string what;    ///< with numbers
   std::string remedy;  ///< what to do
 };
 

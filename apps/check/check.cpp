@@ -7,7 +7,7 @@
 #include "apps/check/check_report.h"
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig.h"
 
@@ -99,7 +99,7 @@ std::optional<Refusal> load(const CheckOptions& options, CheckJob& job) {
     job.names.name = job.scene->scene->name;
   } else {
     job.instrument = load_graph_leniently(file, root_of(file));
-    if (job.instrument->spec == nullptr) return Refusal{job.instrument->mistakes, kBadFile};
+    if (job.instrument->spec == nullptr) return Refusal{job.instrument->errors, kBadFile};
     job.names.name = job.instrument->spec->name;
   }
   return std::nullopt;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/core/decibels.h"
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/nodes/networks/solver_names.h"
 
 namespace tactus::app {

@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "apps/cli/commands.h"
-#include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
 
 #if defined(_WIN32)
 #include <io.h>

@@ -7,8 +7,8 @@
 #include <iterator>
 #include <system_error>
 
+#include "engine/graph/file/load.h"
 #include "engine/graph/plan/fingerprint.h"
-#include "engine/graph/semantics/part_path.h"
 #include "engine/scene/guard_report.h"
 
 namespace tactus::app {

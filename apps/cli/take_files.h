@@ -5,7 +5,7 @@
 
 #include "backends/take/take.h"
 #include "engine/graph/file/load.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 #include "engine/rig/rig.h"
 #include "engine/runtime/player.h"
 

@@ -67,7 +67,7 @@ int run_devices(const std::string& backend, bool as_json) {
     if (const auto known = make_card_backend(backend); !known) return report(known.error()), kUsage;
   const auto all = list_devices(backend);
   const auto delays = MeasuredDelays::load();
-  if (delays.complaint()) fmt::print(stderr, "{}\n", to_string(*delays.complaint()));
+  if (delays.load_error()) fmt::print(stderr, "{}\n", to_string(*delays.load_error()));
   bool any = false;
   Json json{{"devices", Json::array()}, {"unavailable", Json::array()}};
   for (const auto& [name, devices] : all) {

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
+#include "engine/core/channels.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
@@ -29,22 +31,14 @@ std::vector<double> measure_steps(Player& engine, int block) {
   constexpr int kRounds = 7;
   constexpr int kBlocks = 400;
   constexpr std::chrono::milliseconds kRound{50};
-  const int ins = engine.in_channels();
-  const int outs = engine.out_channels();
-  std::vector<std::vector<double>> in(static_cast<std::size_t>(ins),
-                                      std::vector<double>(static_cast<std::size_t>(block), 1e-3));
-  std::vector<std::vector<double>> out(static_cast<std::size_t>(outs),
-                                       std::vector<double>(static_cast<std::size_t>(block)));
-  std::vector<const double*> in_ptr;
-  std::vector<double*> out_ptr;
-  for (auto& channel : in) in_ptr.push_back(channel.data());
-  for (auto& channel : out) out_ptr.push_back(channel.data());
+  const ChannelBuffers in{engine.in_channels(), block}, out{engine.out_channels(), block};
+  for (double* channel : in) std::fill_n(channel, block, 1e-3);
   std::vector<double> least(engine.plan().steps.size(), 1e300);
   std::vector<double> before = engine.step_nanoseconds();
   for (int round = 0; round < kRounds; ++round) {
     const auto end = std::chrono::steady_clock::now() + kRound;
     int blocks = 0;
-    do engine.process_timed({in_ptr.data(), out_ptr.data(), block});
+    do engine.process_timed({in.data(), out.data(), block});
     while (++blocks < kBlocks && std::chrono::steady_clock::now() < end);
     for (std::size_t s = 0; s < least.size(); ++s)
       least[s] = std::min(least[s], (engine.step_nanoseconds()[s] - before[s]) / (blocks * block));
@@ -58,9 +52,7 @@ const char* kind_of(const Step& step) {
   return kKinds[static_cast<int>(step.kind)];
 }
 
-const Vertex& vertex_of(const Plan& plan, const Step& step) {
-  return plan.vertices[static_cast<std::size_t>(step.vertex)];
-}
+const Vertex& vertex_of(const Plan& plan, const Step& step) { return plan.vertices[index(step.vertex)]; }
 
 std::string name_of(const Plan& plan, const Step& step) {
   return step.vertex < 0 ? "outside" : vertex_of(plan, step).path;
@@ -81,9 +73,8 @@ std::size_t memory_of(const Plan& plan) {
 
 /// Notes of a node on how it was made; of one that runs in two halves, once.
 std::string about_step(const Plan& plan, const Step& step) {
-  return step.node < 0 || step.kind == Step::Kind::Absorb
-             ? std::string{}
-             : plan.nodes[static_cast<std::size_t>(step.node)]->about();
+  return step.node < 0 || step.kind == Step::Kind::Absorb ? std::string{}
+                                                          : plan.nodes[index(step.node)]->about();
 }
 
 void add_left_out(Json& json, const std::vector<LeftOut>& left_out) {
@@ -101,13 +92,13 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
   for (const auto& section : plan.sections) {
     Json part{{"loop", section.loop}, {"sub_block_frames", section.sub_block}, {"steps", Json::array()}};
     for (int s = section.first_step; s < section.end_step; ++s) {
-      const auto& step = plan.steps[static_cast<std::size_t>(s)];
+      const auto& step = plan.steps[index(s)];
       if (const auto about = about_step(plan, step); !about.empty())
         json["about"].push_back({{"name", name_of(plan, step)}, {"what", about}});
       part["steps"].push_back({{"name", name_of(plan, step)},
                                {"what", what_runs(plan, step)},
                                {"how", kind_of(step)},
-                               {"ns_per_frame", costs[static_cast<std::size_t>(s)]}});
+                               {"ns_per_frame", costs[index(s)]}});
     }
     json["sections"].push_back(part);
   }
@@ -120,33 +111,33 @@ Json explain_engine(Player& engine, const std::string& title, int block) {
   return json;
 }
 
+std::string text_of(const Json& json, const char* key) { return json[key].get<std::string>(); }
+int frames_of(const Json& json, const char* key) { return json[key].get<int>(); }
+
 void print(const Json& json) {
-  fmt::print("{} at {:g} Hz, {} bytes of signals and steps\n\n", json["graph"].get<std::string>(),
+  fmt::print("{} at {:g} Hz, {} bytes of signals and steps\n\n", text_of(json, "graph"),
              json["sample_rate_hz"].get<double>(), json["signal_memory_bytes"].get<std::size_t>());
   fmt::print("  {:28} {:18} {:11} {:>12}\n", "step", "what", "how", "ns a frame");
   double total = 0;
   for (const auto& section : json["sections"]) {
-    if (section["loop"].get<bool>())
-      fmt::print("  loop, {} frames at a time:\n", section["sub_block_frames"].get<int>());
+    const bool loop = section["loop"].get<bool>();
+    if (loop) fmt::print("  loop, {} frames at a time:\n", frames_of(section, "sub_block_frames"));
     for (const auto& step : section["steps"]) {
-      total += step["ns_per_frame"].get<double>();
-      fmt::print("  {}{:28} {:18} {:11} {:12.2f}\n", section["loop"].get<bool>() ? "  " : "",
-                 step["name"].get<std::string>(), step["what"].get<std::string>(),
-                 step["how"].get<std::string>(), step["ns_per_frame"].get<double>());
+      const double cost = step["ns_per_frame"].get<double>();
+      total += cost;
+      fmt::print("  {}{:28} {:18} {:11} {:12.2f}\n", loop ? "  " : "", text_of(step, "name"),
+                 text_of(step, "what"), text_of(step, "how"), cost);
     }
   }
   fmt::print("  {:59} {:12.2f}   (the clock's own time included)\n\n", "all", total);
-  for (const auto& loop : json["loops"]) {
-    std::string through;
-    for (const auto& name : loop["through"])
-      through += (through.empty() ? "" : " -> ") + name.get<std::string>();
-    fmt::print("loop {}: at least {} frames of delay, runs {} at a time\n", through,
-               loop["delay_frames"].get<int>(), loop["sub_block_frames"].get<int>());
-  }
+  for (const auto& loop : json["loops"])
+    fmt::print("loop {}: at least {} frames of delay, runs {} at a time\n",
+               fmt::join(loop["through"].get<std::vector<std::string>>(), " -> "),
+               frames_of(loop, "delay_frames"), frames_of(loop, "sub_block_frames"));
   for (const auto& about : json["about"])
-    fmt::print("{}: {}\n", about["name"].get<std::string>(), about["what"].get<std::string>());
+    fmt::print("{}: {}\n", text_of(about, "name"), text_of(about, "what"));
   for (const auto& left : json["left_out"])
-    fmt::print("left out: {} {}\n", left["name"].get<std::string>(), left["why"].get<std::string>());
+    fmt::print("left out: {} {}\n", text_of(left, "name"), text_of(left, "why"));
   if (json["left_out"].empty()) fmt::print("left out: nothing\n");
 }
 

@@ -5,9 +5,8 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/latency/latency_commands.h"
+#include "apps/latency/latency_files.h"
 #include "apps/latency/loop_options.h"
-#include "apps/latency/profile_file.h"
-#include "apps/latency/recording_files.h"
 #include "latency/estimation/analysis.h"
 
 namespace tactus::app {

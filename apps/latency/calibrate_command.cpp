@@ -8,14 +8,13 @@
 #include "apps/cli/console.h"
 #include "apps/cli/interrupts.h"
 #include "apps/cli/writable.h"
-#include "apps/latency/keep_delay.h"
 #include "apps/latency/latency_commands.h"
+#include "apps/latency/latency_files.h"
 #include "apps/latency/latency_report.h"
-#include "apps/latency/measure_now.h"
-#include "apps/latency/profile_file.h"
-#include "apps/latency/recording_files.h"
+#include "apps/latency/loop_options.h"
 #include "apps/play/play_report.h"
 #include "latency/calibration.h"
+#include "latency/measured.h"
 
 namespace tactus::app {
 namespace {
@@ -37,8 +36,8 @@ Result<double> electrical_frames(const CalibrateOptions& options, const Loop& lo
     return seconds ? Result<double>{*seconds * rate.value} : seconds;
   }
   if (loop.rig && loop.rig->measured_delay) return frames_in(*loop.rig->measured_delay, rate);
-  const auto kept = MeasuredDelays::load();
-  if (const auto* found = kept.find(key_of(granted))) return frames_in(found->delay, rate);
+  const auto delays = MeasuredDelays::load();
+  if (const auto* found = delays.find(key_of(granted))) return frames_in(found->delay, rate);
   return fail(Errc::Missing, "--electrical", "the card's own delay was never measured with this setting",
               "measure it over a cable with tactus latency measure, or give it");
 }
@@ -83,7 +82,7 @@ void print(const Calibration& calibration, Hertz rate) {
   if (calibration.resonance)
     fmt::print("resonance       {:.1f} Hz, Q {:.2f}\n", calibration.resonance->frequency_hz,
                calibration.resonance->q);
-  fmt::print("noise           {:.1f} dB below the sweeps\nunexplained     {:.2g} of what is captured\n",
+  fmt::print("noise           {:.1f} dB below the probes\nunexplained     {:.2g} of what is captured\n",
              calibration.analysis.snr_db, calibration.unexplained);
   fmt::print("group delay    ");
   for (const auto& octave : calibration.group_delay) fmt::print(" {:>9.0f} Hz", octave.centre_hz);

@@ -20,7 +20,7 @@ struct LatencyReport {
   std::string source;  ///< a device and its setting, or a file
   Measurement measurement;
   bool live = false;                 ///< measured now, on a device
-  std::vector<std::string> kept;     ///< where the delay was written, in words
+  std::vector<std::string> saved;    ///< where the delay was saved
   std::vector<std::string> written;  ///< files
 
   bool ok() const { return measurement.finding.verdict == Verdict::Ok; }
@@ -34,6 +34,16 @@ bool is_known(const Analysis& analysis);
 /// What the delay is, in a sentence.
 extern const char* const kDelayIs;
 
+/// null is what is not known.
+template <class T>
+nlohmann::ordered_json known(bool is_known, const T& value) {
+  return is_known ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+template <class T>
+nlohmann::ordered_json known(const std::optional<T>& value) {
+  return known(value.has_value(), value.value_or(T{}));
+}
+
 /// Part of every report.
 struct Essentials {
   Finding finding;
@@ -46,7 +56,7 @@ nlohmann::ordered_json essentials_json(const Essentials& essentials, const Analy
 nlohmann::ordered_json json_of(const LatencyReport& report);
 /// Lines for people.
 std::string text_of(const LatencyReport& report);
-/// A page: impulse response, spectrum, group delay, the delay of every sweep.
+/// A page: impulse response, spectrum, group delay, the delay of every probe.
 std::vector<Plot> picture_of(const LatencyReport& report);
 /// A page: impulse response, spectrum, group delay of an actuator and a sensor.
 std::vector<Plot> picture_of(const Calibration& calibration);

@@ -7,7 +7,8 @@
 #include <filesystem>
 
 #include "apps/cli/commands.h"
-#include "apps/latency/profile_file.h"
+#include "apps/cli/interrupts.h"
+#include "apps/latency/latency_files.h"
 #include "engine/core/decibels.h"
 #include "engine/graph/file/quantity.h"
 
@@ -15,21 +16,21 @@ namespace tactus::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Refused = std::optional<Refusal>;
-
-Refusal refuse(Error error, int exit = kUsage) { return {{std::move(error)}, exit}; }
+tl::unexpected<Refusal> refuse(Error error, int exit = kUsage) {
+  return tl::unexpected(Refusal{{std::move(error)}, exit});
+}
 
 /// Options that the rig sets and the command line may not override.
-Refused against_rig(const LoopOptions& options) {
+Status check_against_rig(const LoopOptions& options) {
   for (const auto& [given, option] : {std::pair{!options.device.empty(), "--device"},
                                       {!options.input_device.empty(), "--input-device"},
                                       {!options.rate.empty(), "--rate"},
                                       {options.block.has_value(), "--block"},
                                       {options.periods.has_value(), "--periods"}})
     if (given)
-      return refuse({Errc::BadArgument, option, "cannot be combined with --rig, which sets it",
-                     "change the rig: its delay belongs to its own setting"});
-  return std::nullopt;
+      return fail(Errc::BadArgument, option, "cannot be combined with --rig, which sets it",
+                  "change the rig: its delay belongs to its own setting");
+  return {};
 }
 
 /// The folder with the profiles that a rig names: the instruments beside it, or beside the current folder.
@@ -52,7 +53,7 @@ int first_channel(const Ports& ports) {
   return 1;
 }
 
-/// What hangs on an output, from 1, as far as the rig knows; nullptr: nothing.
+/// What is connected to an output, from 1, as far as the rig knows; nullptr: nothing.
 const RigOutput* port_on(const Rig& rig, int channel) {
   if (const auto* actuator = rig.actuator_on(channel)) return actuator;
   for (const auto& output : rig.outputs)
@@ -69,104 +70,53 @@ GuardedChannel guard_of(const Rig* rig, int output, double loudest_dbfs) {
   return guard;
 }
 
-Refused check_channel(int channel, int there, const Device& device, const char* option) {
-  if (channel <= there) return std::nullopt;
-  const bool none = there == 0;
+Status check_channel(int channel, int there, const Device& device, const char* option) {
+  if (channel <= there) return {};
   const std::string kind = option[2] == 'i' ? "input" : "output";
-  return refuse({Errc::OutOfRange, option,
-                 none ? fmt::format("'{}' has no {}s", device.id, kind)
-                      : fmt::format("'{}' has no {} {}", device.id, kind, channel),
-                 none ? "name a device that has some with --" + std::string{kind == "input" ? "input-" : ""} +
-                            "device; see tactus devices"
-                      : fmt::format("it has 1 to {}", there)});
+  if (there == 0)
+    return fail(Errc::OutOfRange, option, fmt::format("'{}' has no {}s", device.id, kind),
+                fmt::format("name a device that has some with --{}device; see tactus devices",
+                            kind == "input" ? "input-" : ""));
+  return fail(Errc::OutOfRange, option, fmt::format("'{}' has no {} {}", device.id, kind, channel),
+              fmt::format("it has 1 to {}", there));
 }
 
-/// Makes a loop, step by step; each step leaves what it found in `loop_`.
-class LoopMaker {
- public:
-  explicit LoopMaker(const LoopOptions& options) : options_(options) {}
+Status set_request(const LoopOptions& options, Loop& loop) {
+  const auto device = loop.rig ? loop.rig->device : Rig::Device{};
+  auto& request = loop.settings.request;
+  request.device = loop.devices.output.id;
+  if (loop.devices.input.id != request.device) request.input_device = loop.devices.input.id;
+  request.block_frames = loop.rig ? device.block : options.block;
+  request.periods = loop.rig ? device.periods : options.periods;
+  request.sample_rate = device.rate ? device.rate : loop.devices.output.default_rate;
+  if (options.rate.empty()) return {};
+  return parse_rate(options.rate, "rate").map([&](Hertz rate) { request.sample_rate = rate; });
+}
 
-  tl::expected<Loop, Refusal> run() {
-    for (const auto step : {&LoopMaker::read_rig, &LoopMaker::choose, &LoopMaker::make_request,
-                            &LoopMaker::choose_channels, &LoopMaker::choose_level, &LoopMaker::read_path})
-      if (auto refusal = (this->*step)()) return tl::unexpected(std::move(*refusal));
-    loop_.settings.openings = options_.openings;
-    loop_.settings.sweeps = options_.sweeps;
-    return std::move(loop_);
+Status set_channels(const LoopOptions& options, Loop& loop) {
+  const int input = options.input.value_or(loop.rig ? first_channel(loop.rig->inputs) : 1);
+  const int output = options.output.value_or(loop.rig ? first_channel(loop.rig->outputs) : 1);
+  loop.settings.input = input - 1;
+  loop.settings.output = output - 1;
+  const auto& devices = loop.devices;
+  const auto status = check_channel(input, devices.input.in_channels, devices.input, "--in");
+  return status ? check_channel(output, devices.output.out_channels, devices.output, "--out") : status;
+}
+
+Status set_level(const LoopOptions& options, Loop& loop) {
+  auto& settings = loop.settings;
+  if (!options.level.empty()) {
+    const auto level = parse_level(options.level, "level");
+    if (!level) return tl::unexpected(level.error());
+    settings.loudest_dbfs = *level;
   }
+  settings.guard = guard_of(loop.rig ? &*loop.rig : nullptr, settings.output + 1, settings.loudest_dbfs);
+  settings.loudest_dbfs = std::min(settings.loudest_dbfs, amplitude_to_db(settings.guard.limits.ceiling));
+  settings.softest_dbfs = std::min(settings.softest_dbfs, settings.loudest_dbfs);
+  return {};
+}
 
- private:
-  const Rig* rig() const { return loop_.rig ? &*loop_.rig : nullptr; }
-
-  Refused read_rig() {
-    if (options_.rig.empty()) return std::nullopt;
-    if (auto refusal = against_rig(options_)) return refusal;
-    auto read = load_rig(options_.rig, profiles_near(options_.rig));
-    if (!read) return Refusal{std::move(read.error()), kBadFile};
-    loop_.rig = std::move(*read);
-    return std::nullopt;
-  }
-
-  Refused choose() {
-    auto devices = choose_devices(options_.backend, rig() ? rig()->device.output : options_.device,
-                                  rig() ? rig()->device.input : options_.input_device);
-    if (!devices) return refuse(devices.error(), devices.error().where == "--backend" ? kUsage : kDevice);
-    loop_.devices = std::move(*devices);
-    return std::nullopt;
-  }
-
-  Refused make_request() {
-    auto& request = loop_.settings.request;
-    request.device = loop_.devices.output.id;
-    if (loop_.devices.input.id != request.device) request.input_device = loop_.devices.input.id;
-    request.block_frames = rig() ? rig()->device.block : options_.block;
-    request.periods = rig() ? rig()->device.periods : options_.periods;
-    if (rig()) request.sample_rate = rig()->device.rate;
-    if (!options_.rate.empty()) {
-      const auto rate = parse_rate(options_.rate, "rate");
-      if (!rate) return refuse(rate.error());
-      request.sample_rate = *rate;
-    }
-    if (!request.sample_rate) request.sample_rate = loop_.devices.output.default_rate;
-    return std::nullopt;
-  }
-
-  Refused choose_channels() {
-    const int input = options_.input.value_or(rig() ? first_channel(rig()->inputs) : 1);
-    const int output = options_.output.value_or(rig() ? first_channel(rig()->outputs) : 1);
-    const auto& devices = loop_.devices;
-    if (auto wrong = check_channel(input, devices.input.in_channels, devices.input, "--in")) return wrong;
-    if (auto wrong = check_channel(output, devices.output.out_channels, devices.output, "--out"))
-      return wrong;
-    loop_.settings.input = input - 1;
-    loop_.settings.output = output - 1;
-    return std::nullopt;
-  }
-
-  Refused choose_level() {
-    auto& settings = loop_.settings;
-    if (!options_.level.empty()) {
-      const auto level = parse_level(options_.level, "level");
-      if (!level) return refuse(level.error());
-      settings.loudest_dbfs = *level;
-    }
-    settings.guard = guard_of(rig(), settings.output + 1, settings.loudest_dbfs);
-    settings.loudest_dbfs = std::min(settings.loudest_dbfs, amplitude_to_db(settings.guard.limits.ceiling));
-    settings.softest_dbfs = std::min(settings.softest_dbfs, settings.loudest_dbfs);
-    return std::nullopt;
-  }
-
-  Refused read_path() {
-    if (options_.profile.empty()) return std::nullopt;
-    auto profile = read_profile(options_.profile, *loop_.settings.request.sample_rate);
-    if (!profile) return refuse(profile.error(), kBadFile);
-    loop_.settings.profile = std::move(*profile);
-    return std::nullopt;
-  }
-
-  const LoopOptions& options_;
-  Loop loop_;
-};
+struct Interrupted {};
 
 }  // namespace
 
@@ -174,8 +124,9 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--backend", options.backend, "jack, rtaudio, …; see tactus devices");
   command.add_option("--device", options.device, "id of a device, or a part of its name");
   command.add_option("--input-device", options.input_device, "where the input is on another device");
-  command.add_option("--rig", options.rig,
-                     "rig file: device, setting, and what hangs on the output; it keeps the measured delay");
+  command.add_option(
+      "--rig", options.rig,
+      "rig file: device, setting, and what is connected to the output; the measured delay is saved there");
   command.add_option("--in,--input", options.input, "input channel of the loop, from 1")
       ->check(CLI::Range(1, 1024));
   command.add_option("--out,--output", options.output, "output channel of the loop, from 1")
@@ -189,7 +140,64 @@ void add_setting_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--periods", options.periods, "blocks in the driver's buffer")->check(CLI::Range(1, 64));
 }
 
-tl::expected<Loop, Refusal> make_loop(const LoopOptions& options) { return LoopMaker{options}.run(); }
+void add_repetition_options(CLI::App& command, LoopOptions& options) {
+  command.add_option("--openings", options.openings, "how often the stream is opened")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command.add_option("--sweeps", options.probes, "probes each time")
+      ->check(CLI::Range(2, 100))
+      ->capture_default_str();
+}
+
+tl::expected<Loop, Refusal> make_loop(const LoopOptions& options) {
+  Loop loop;
+  loop.settings.openings = options.openings;
+  loop.settings.probes = options.probes;
+  if (!options.rig.empty()) {
+    if (auto status = check_against_rig(options); !status) return refuse(status.error());
+    auto rig = load_rig(options.rig, profiles_near(options.rig));
+    if (!rig) return tl::unexpected(Refusal{std::move(rig.error()), kBadFile});
+    loop.rig = std::move(*rig);
+  }
+  auto devices = choose_devices(options.backend, loop.rig ? loop.rig->device.output : options.device,
+                                loop.rig ? loop.rig->device.input : options.input_device);
+  if (!devices) return refuse(devices.error(), devices.error().where == "--backend" ? kUsage : kDevice);
+  loop.devices = std::move(*devices);
+  for (const auto set : {set_request, set_channels, set_level})
+    if (auto status = set(options, loop); !status) return refuse(status.error());
+  if (options.profile.empty()) return loop;
+  auto profile = read_profile(options.profile, *loop.settings.request.sample_rate);
+  if (!profile) return refuse(profile.error(), kBadFile);
+  loop.settings.profile = std::move(*profile);
+  return loop;
+}
+
+Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings) {
+  Progress bar{"measuring"};
+  try {
+    auto measured = measure(backend, settings, [&](double share, const std::string& what) {
+      if (interrupted()) throw Interrupted{};  // the stream ends with its owner, with a block of zeros
+      bar(share, what);
+    });
+    if (!measured) return tl::unexpected(measured.error());
+    return std::optional{std::move(*measured)};
+  } catch (const Interrupted&) {
+    return std::optional<Measurement>{};
+  }
+}
+
+std::string source_text(const MeasureSettings& settings, const StreamGranted& granted) {
+  const auto& wanted = settings.request;
+  auto text = granted.device;
+  if (!granted.input_device.empty()) text += " and " + granted.input_device;
+  text += fmt::format(", {:g} kHz, ", granted.format.sample_rate.value / 1e3);
+  text +=
+      granted.block_frames > 0 ? fmt::format("{} frames a block", granted.block_frames) : "changing blocks";
+  if (wanted.block_frames && *wanted.block_frames != granted.block_frames)
+    text += fmt::format(" ({} were asked for)", *wanted.block_frames);
+  if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
+  return text + fmt::format("; output {} to input {}", settings.output + 1, settings.input + 1);
+}
 
 Result<double> parse_level(const std::string& text, const char* option) {
   const auto where = std::string{"--"} + option;

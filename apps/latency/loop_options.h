@@ -18,7 +18,7 @@ struct LoopOptions {
   std::optional<int> input, output;  ///< channels of the device, from 1
   std::string rate, level;
   std::optional<int> block, periods;
-  int openings = 5, sweeps = 8;
+  int openings = 5, probes = 8;
   std::string profile;  ///< of what is in the loop, a file; empty: a cable
 };
 
@@ -27,6 +27,9 @@ void add_loop_options(CLI::App& command, LoopOptions& options);
 /// --rate, --block and --periods: one setting.
 void add_setting_options(CLI::App& command, LoopOptions& options);
 
+/// --openings and --sweeps
+void add_repetition_options(CLI::App& command, LoopOptions& options);
+
 /// A loop that can be measured.
 struct Loop {
   ChosenDevices devices;
@@ -34,8 +37,15 @@ struct Loop {
   std::optional<Rig> rig;  ///< where one was named
 };
 
-/// Chooses the devices and looks up what hangs on the output. Opens nothing.
+/// Chooses the devices and looks up what is connected to the output. Opens nothing.
 tl::expected<Loop, Refusal> make_loop(const LoopOptions& options);
+
+/// Measures with a bar on stderr. Errors: of `measure`. Nothing: the user ended it (after
+/// install_signal_handlers); the stream is closed.
+Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings);
+
+/// "jack:system, 48 kHz, 64 frames a block, 2 periods; output 1 to input 1"
+std::string source_text(const MeasureSettings& settings, const StreamGranted& granted);
 
 /// The level that an option says, in dBFS: "-12", "-12 dB", "-12 dBFS". Errors: Syntax, OutOfRange above 0.
 Result<double> parse_level(const std::string& text, const char* option);

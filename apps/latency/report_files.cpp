@@ -7,7 +7,7 @@
 #include "apps/cli/console.h"
 #include "apps/cli/writable.h"
 #include "apps/latency/latency_commands.h"
-#include "apps/latency/recording_files.h"
+#include "apps/latency/latency_files.h"
 #include "apps/play/play_report.h"
 
 namespace tactus::app {

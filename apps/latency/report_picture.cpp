@@ -120,19 +120,19 @@ void widen_axis(const std::vector<double>& values, PlotAxis& axis) {
   axis.high = *axis.low + kLeast;
 }
 
-/// Every sweep of every opening, one opening after the other.
-Plot sweeps_plot(const LatencyReport& report) {
+/// Every probe of every opening, one opening after the other.
+Plot probes_plot(const LatencyReport& report) {
   const auto& openings = report.measurement.openings;
   Plot plot;
-  plot.x = {.label = openings.size() > 1 ? "sweep, in order of playing" : "sweep"};
+  plot.x = {.label = openings.size() > 1 ? "probe, in order of playing" : "probe"};
   Subplot subplot;
-  subplot.y = {.label = "delay of each sweep", .unit = "frames"};
+  subplot.y = {.label = "delay of each probe", .unit = "frames"};
   PlotSeries points{.label = {}, .mark = PlotMark::Points, .color = PlotColor::Blue};
   for (std::size_t o = 0; o < openings.size(); ++o) {
     const auto before = static_cast<double>(points.x.size());
-    for (const auto& sweep : openings[o].analysis.sweeps) {
+    for (const auto& probe : openings[o].analysis.probes) {
       points.x.push_back(static_cast<double>(points.x.size() + 1));
-      points.y.push_back(sweep.delay_frames);
+      points.y.push_back(probe.delay_frames);
     }
     if (openings.size() > 1)
       subplot.bands.push_back({.from = before + 0.5,
@@ -159,14 +159,14 @@ std::string headline(const LatencyReport& report) {
 }
 
 std::string describe_analysis(const LatencyReport& report, const Analysis& analysis) {
-  auto words = report.source;
-  if (!report.ok()) words += ". Seen: " + report.measurement.finding.what;
-  if (!analysis.detected) return words;
-  words += fmt::format(". Gain {} dB, {}; {:.0f} dB above the noise", fixed(analysis.gain_db, 1),
-                       analysis.polarity > 0 ? "not inverted" : "inverted", analysis.snr_db);
+  auto text = report.source;
+  if (!report.ok()) text += ". Seen: " + report.measurement.finding.what;
+  if (!analysis.detected) return text;
+  text += fmt::format(". Gain {} dB, {}; {:.0f} dB above the noise", fixed(analysis.gain_db, 1),
+                      analysis.polarity > 0 ? "not inverted" : "inverted", analysis.snr_db);
   if (report.measurement.reported_frames)
-    words += fmt::format("; the driver reports {:.0f} frames", *report.measurement.reported_frames);
-  return words + ".";
+    text += fmt::format("; the driver reports {:.0f} frames", *report.measurement.reported_frames);
+  return text + ".";
 }
 
 }  // namespace
@@ -175,7 +175,7 @@ std::vector<Plot> picture_of(const LatencyReport& report) {
   const auto* shown = report.shown();
   const auto analysis = shown == nullptr ? Analysis{} : shown->analysis;
   auto page = analysis.detected ? std::vector{response_plot(analysis, report.ok(), kAfter_s),
-                                              spectrum_plot(analysis), sweeps_plot(report)}
+                                              spectrum_plot(analysis), probes_plot(report)}
                                 : std::vector{Plot{}};
   page.front().title = headline(report);
   page.front().subtitle = describe_analysis(report, analysis);

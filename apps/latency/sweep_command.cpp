@@ -9,7 +9,7 @@
 #include "apps/cli/interrupts.h"
 #include "apps/cli/writable.h"
 #include "apps/latency/latency_commands.h"
-#include "apps/latency/measure_now.h"
+#include "apps/latency/loop_options.h"
 #include "apps/latency/sweep_report.h"
 #include "apps/play/play_report.h"
 
@@ -61,7 +61,7 @@ void take(const Measurement& measurement, SweepRow& row) {
     row.lost_frames += opening.health.lost_frames;
     for (const auto& step : opening.analysis.steps) row.detected_lost_frames += std::abs(step.frames);
     setting.gaps += opening.health.xruns + static_cast<std::int64_t>(opening.analysis.steps.size());
-    setting.listened_s +=
+    setting.measured_s +=
         static_cast<double>(opening.health.frames) / opening.granted.format.sample_rate.value;
   }
 }
@@ -106,7 +106,7 @@ class Sweep {
     row.again = std::any_of(report_.rows.begin(), report_.rows.end() - 1,
                             [&](const SweepRow& other) { return same(other.setting, row.setting); });
     if (row.again) return true;
-    fmt::print(stderr, "{}\n", in_words(row.setting));
+    fmt::print(stderr, "{}\n", setting_text(row.setting));
     const auto measured = measure_now(*loop_.devices.backend, loop_.settings);
     if (!measured) return row.refused = measured.error(), true;
     if (!*measured) return false;
@@ -158,7 +158,7 @@ void add_latency_sweep(CLI::App& latency, int& exit_code) {
   auto options = std::make_shared<SweepOptions>();
   auto& loop = options->loop;
   loop.openings = 2;
-  loop.sweeps = 4;
+  loop.probes = 4;
   add_loop_options(*command, loop);
   command->add_option("--blocks", options->blocks, "block sizes [frames]")
       ->delimiter(',')
@@ -169,10 +169,7 @@ void add_latency_sweep(CLI::App& latency, int& exit_code) {
       ->check(CLI::Range(1, 64));
   command->add_option("--rates", options->rates, "sample rates, such as 48kHz,96kHz; [the device's]")
       ->delimiter(',');
-  command->add_option("--openings", loop.openings, "how often the stream is opened with each")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  command->add_option("--sweeps", loop.sweeps, "each time")->check(CLI::Range(2, 100))->capture_default_str();
+  add_repetition_options(*command, loop);
   command->add_option("--report", options->picture, "picture of the delay against the block, an SVG file")
       ->check(writable_file());
   command->add_flag("--json", options->json, "for machines");

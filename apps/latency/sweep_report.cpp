@@ -20,7 +20,7 @@ bool same_group(const SettingDelay& a, const SettingDelay& b) {
   return a.sample_rate == b.sample_rate && a.periods == b.periods;
 }
 
-/// What is to be said behind a row.
+/// The note behind a row.
 std::string note_of(const SweepRow& row) {
   if (row.refused) return "refused: " + row.refused->what;
   std::string note;
@@ -49,7 +49,7 @@ std::string line_of(const SweepRow& row) {
 }
 
 /// Settings that the device turned into ones that it has.
-std::string again_in_words(const std::vector<SweepRow>& rows) {
+std::string changed_settings_text(const std::vector<SweepRow>& rows) {
   std::string asked;
   for (const auto& row : rows)
     if (row.again)
@@ -58,12 +58,11 @@ std::string again_in_words(const std::vector<SweepRow>& rows) {
   if (asked.empty()) return "";
   return fmt::format(
       "Asked for, too, and turned into one of these by the device or its server: {}. Where it decides, set "
-      "it "
-      "there.\n",
+      "it there.\n",
       asked);
 }
 
-std::string law_in_words(const LawOfGroup& group) {
+std::string law_text(const LawOfGroup& group) {
   const auto& law = group.law;
   const auto number = [](double value, const std::optional<double>& error) {
     return error ? "(" + with_error(value, *error) + ")" : fmt::format("{:.4g}", value);
@@ -88,35 +87,34 @@ Json essentials_of(const SweepRow& row) {
 Json json_of(const SweepRow& row) {
   const auto& setting = row.setting;
   Json json{{"asked_block_frames", row.asked_block},
-            {"asked_periods", row.asked_periods ? Json(*row.asked_periods) : Json(nullptr)},
+            {"asked_periods", known(row.asked_periods)},
             {"sample_rate_hz", setting.sample_rate.value}};
   if (row.refused) {
     json["refused"] = to_string(*row.refused);
     return json;
   }
   json["block_frames"] = setting.block_frames;
-  json["periods"] = setting.periods > 0 ? Json(setting.periods) : Json(nullptr);
+  json["periods"] = known(setting.periods > 0, setting.periods);
   json["measured_already"] = row.again;
   if (row.again) return json;
   json.update(essentials_of(row));
   json["xruns"] = row.xruns;
   json["lost_frames_counted"] = row.lost_frames;
   json["lost_frames_heard"] = row.detected_lost_frames;
-  json["reported_frames"] = row.reported_frames ? Json(*row.reported_frames) : Json(nullptr);
+  json["reported_frames"] = known(row.reported_frames);
   json["good"] = setting.good();
   return json;
 }
 
 Json json_of(const LawOfGroup& group) {
   const auto& law = group.law;
-  const auto error = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   return {{"sample_rate_hz", group.sample_rate.value},
-          {"periods", group.periods > 0 ? Json(group.periods) : Json(nullptr)},
+          {"periods", known(group.periods > 0, group.periods)},
           {"fixed_frames", law.fixed_frames},
-          {"fixed_standard_error_frames", error(law.fixed_standard_error)},
+          {"fixed_standard_error_frames", known(law.fixed_standard_error)},
           {"per_frame", law.per_frame},
-          {"per_frame_standard_error", error(law.per_frame_standard_error)},
-          {"residual_frames", law.settings > 2 ? Json(law.residual_frames) : Json(nullptr)},
+          {"per_frame_standard_error", known(law.per_frame_standard_error)},
+          {"residual_frames", known(law.settings > 2, law.residual_frames)},
           {"settings", law.settings}};
 }
 
@@ -176,7 +174,7 @@ std::vector<SettingDelay> SweepReport::settings() const {
   return all;
 }
 
-const SweepRow* SweepReport::told() const {
+const SweepRow* SweepReport::recommended() const {
   std::vector<const SweepRow*> measured;
   for (const auto& row : rows)
     if (!row.refused && !row.again) measured.push_back(&row);
@@ -197,7 +195,7 @@ std::vector<LawOfGroup> SweepReport::laws() const {
 Json json_of(const SweepReport& report) {
   const auto settings = report.settings();
   Json json{{"source", report.source}};
-  if (const auto* row = report.told()) json.update(essentials_of(*row));
+  if (const auto* row = report.recommended()) json.update(essentials_of(*row));
   json["settings"] = json["laws"] = Json::array();
   for (const auto& row : report.rows) json["settings"].push_back(json_of(row));
   for (const auto& law : report.laws()) json["laws"].push_back(json_of(law));
@@ -206,7 +204,7 @@ Json json_of(const SweepReport& report) {
   if (shortest != nullptr)
     json["shortest"] = {{"sample_rate_hz", shortest->sample_rate.value},
                         {"block_frames", shortest->block_frames},
-                        {"periods", shortest->periods > 0 ? Json(shortest->periods) : Json(nullptr)},
+                        {"periods", known(shortest->periods > 0, shortest->periods)},
                         {"delay_frames", shortest->delay_frames},
                         {"delay_ms", 1e3 * shortest->delay().value}};
   json["recommendation"] = recommendation(settings);
@@ -221,8 +219,8 @@ std::string text_of(const SweepReport& report) {
                   "rate/kHz", "block", "periods", "delay/frames", "delay/ms", "xruns", "lost", "driver");
   for (const auto& row : report.rows)
     if (!row.again) text += line_of(row);
-  text += "\n" + again_in_words(report.rows);
-  for (const auto& law : report.laws()) text += law_in_words(law) + "\n";
+  text += "\n" + changed_settings_text(report.rows);
+  for (const auto& law : report.laws()) text += law_text(law) + "\n";
   text += recommendation(report.settings()) + "\n";
   for (const auto& file : report.written) text += "written: " + file + "\n";
   return text;

@@ -40,7 +40,7 @@ struct SweepReport {
   /// What was measured, each once.
   std::vector<SettingDelay> settings() const;
   /// The row to play with; without one, the last that was measured; nullptr: none was.
-  const SweepRow* told() const;
+  const SweepRow* recommended() const;
   std::vector<LawOfGroup> laws() const;
 };
 

@@ -7,7 +7,7 @@
 #include "apps/cli/console.h"
 #include "apps/nodes/file_reference.h"
 #include "apps/nodes/schema.h"
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "engine/nodes/reference.h"
 #include "engine/nodes/table.h"

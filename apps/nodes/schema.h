@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 
 namespace tactus {
 

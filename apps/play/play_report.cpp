@@ -44,7 +44,7 @@ Result<SceneOptions> scene_options(const SceneRun& run) {
 
 Checked<PlayedScene> play_file(const SceneRun& run) {
   auto loaded = load_scene_leniently(run.file, root_of(run.file));
-  if (!loaded.scene) return tl::unexpected(std::move(loaded.mistakes));
+  if (!loaded.scene) return tl::unexpected(std::move(loaded.errors));
   auto& scene = loaded.scene;
   if (!run.duration.empty()) {
     const auto duration = parse_option(run.duration, "s", "duration");

@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig_text.h"
 
@@ -60,12 +60,12 @@ Result<QuantityValue> quantity_in(const std::string& text, const Dimension& want
 }
 
 Dimension dimension_of(const EntrySpec& port) {
-  Mistakes told_elsewhere;
+  ErrorList told_elsewhere;
   return read_unit(port, told_elsewhere).value_or(Unit{}).dimension;
 }
 
 std::string about(const EntrySpec& port) {
-  Mistakes told_elsewhere;
+  ErrorList told_elsewhere;
   const auto text = told_elsewhere.text(port.fields, "about");
   return text.empty() ? "" : " (" + text + ")";
 }

@@ -13,7 +13,7 @@
 #include "apps/render/render_take.h"
 #include "apps/render/rendered_files.h"
 #include "apps/render/resample.h"
-#include "backends/offline/offline.h"
+#include "backends/offline.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
@@ -92,7 +92,7 @@ struct InstrumentJob {
 Checked<InstrumentJob> prepare(const RenderOptions& options, const std::filesystem::path& file) {
   const auto failed = [](const Error& error) { return tl::unexpected(std::vector{error}); };
   InstrumentJob job{load_graph_leniently(file, root_of(file)), {}, {}, {}};
-  if (job.loaded.spec == nullptr) return tl::unexpected(job.loaded.mistakes);
+  if (job.loaded.spec == nullptr) return tl::unexpected(job.loaded.errors);
   auto input = read_input(options);
   if (!input) return failed(input.error());
   job.input = std::move(*input);
@@ -136,24 +136,19 @@ Result<InstrumentRun> run_engine(const InstrumentJob& job, Player& engine, int b
                     .inputs = engine.in_channels()};
   run.output.sample_rate = job.input.sample_rate;
   run.output.channels.resize(run.outputs.size());
-  auto keep = sink_into(run.output);
   Progress progress{"rendering"};
   std::int64_t done = 0;
-  OfflineJob offline;
-  offline.sample_rate = job.input.sample_rate;
-  offline.in_channels = run.channels;
-  offline.out_channels = static_cast<int>(run.outputs.size());
-  offline.frames = run.frames;
-  offline.block_frames = {block};
-  offline.source = source_of(job.input);
-  offline.sink = {
-      offline.out_channels, [&](const double* const* channels, int count) {
-        recorder.take(count);
-        done += count;
-        progress(static_cast<double>(done) / static_cast<double>(std::max<std::int64_t>(1, run.frames)));
-        return keep.write(channels, count);
-      }};
-  if (const auto health = run_offline(guarded, offline); !health) return tl::unexpected(health.error());
+  const auto take = [&](const double* const* channels, int count) -> Status {
+    recorder.take(count);
+    for (std::size_t c = 0; c < run.output.channels.size(); ++c)
+      run.output.channels[c].insert(run.output.channels[c].end(), channels[c], channels[c] + count);
+    done += count;
+    progress(static_cast<double>(done) / static_cast<double>(std::max<std::int64_t>(1, run.frames)));
+    return {};
+  };
+  if (auto status = run_offline(guarded, job.input, static_cast<int>(run.outputs.size()), {block}, take);
+      !status)
+    return tl::unexpected(status.error());
   run.events = recorder.events(job.input.sample_rate);
   run.bad_inputs = engine.bad_input_samples();
   run.faults = engine.faults();

@@ -109,7 +109,7 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
   const auto& header = open.take.header;
   const auto file = resolve_target(options.target, "instrument.toml");
   const auto loaded = load_graph_leniently(file, root_of(file));
-  if (loaded.spec == nullptr) return report(loaded.mistakes);
+  if (loaded.spec == nullptr) return report(loaded.errors);
   const auto settings = parse_settings(options.set);
   if (!settings) return report(settings.error());
   const auto delay = options.delay.empty() ? Result<double>{header.system_delay.value}

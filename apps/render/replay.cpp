@@ -55,7 +55,7 @@ Checked<std::unique_ptr<Plan>> RebuiltGraph::compile_version(const TakeFiles& fi
   const auto file = unpack(files, folder_);
   if (!file) return tl::unexpected(std::vector{file.error()});
   auto loaded = load_graph_leniently(*file, folder_);
-  if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
+  if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
   loaded.spec = without_left_out(leaving_out(header_.left_out), loaded.spec);
   name_ = loaded.spec->name;
   CompileOptions options;

@@ -12,7 +12,7 @@
 #include "apps/play/play_report.h"
 #include "apps/study/study_commands.h"
 #include "apps/study/work_precision_report.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/nodes/table.h"
 #include "engine/study/sweep/scene_variants.h"
 #include "engine/study/work_precision/work_precision_plot.h"

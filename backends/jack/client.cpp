@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "backends/silence_library_logs.h"
 #include "engine/core/index.h"
 
 namespace tactus::jack {
@@ -13,7 +12,7 @@ namespace {
 
 std::string why(jack_status_t status) {
   if ((status & JackServerFailed) != 0) return "no JACK server is running";
-  if ((status & JackVersionError) != 0) return "the JACK server speaks another version";
+  if ((status & JackVersionError) != 0) return "the JACK server has another version";
   return "the JACK server refuses another client";
 }
 
@@ -61,7 +60,7 @@ void Client::set_callbacks() {
   jack_set_port_registration_callback(
       handle_,
       [](jack_port_id_t, int registered, void* self) {
-        if (registered == 0) client(self).look_for_ports();
+        if (registered == 0) client(self).check_ports();
       },
       this);
   jack_on_info_shutdown(
@@ -81,7 +80,7 @@ Status Client::add_ports(int inputs, int outputs) {
   for (int c = 0; c < outputs && all; ++c) all = add(outputs_, "out_", JackPortIsOutput);
   in_.assign(inputs_.size(), nullptr);
   out_.assign(outputs_.size(), nullptr);
-  return all ? Status{} : cannot("make so many ports", "start the server with a larger --port-max");
+  return all ? Status{} : cannot("register so many ports", "start the server with a larger --port-max");
 }
 
 std::string Client::input_port(int channel) const { return jack_port_name(inputs_[index(channel)]); }
@@ -94,7 +93,7 @@ void Client::play_through(std::unique_ptr<CardCallback> callback, std::vector<Wi
 
 Status Client::activate() {
   first_ = true;
-  if (jack_activate(handle_) != 0) return cannot("begin", "is the server still there?");
+  if (jack_activate(handle_) != 0) return cannot("start the client", "is the server still there?");
   for (const auto& wire : wires_)
     if (const int result = jack_connect(handle_, wire.from.c_str(), wire.to.c_str());
         result != 0 && result != EEXIST)
@@ -116,7 +115,7 @@ std::vector<bool> Client::connected() const {
   return is;
 }
 
-void Client::look_for_ports() {
+void Client::check_ports() {
   const auto there = [this](const std::string& port) {
     return jack_port_by_name(handle_, port.c_str()) != nullptr;
   };

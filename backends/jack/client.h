@@ -3,13 +3,12 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "backends/call_with_timeout.h"
 #include "backends/card_callback.h"
+#include "backends/library_calls.h"
 
 struct _jack_client;  // as JACK calls them
 struct _jack_port;
@@ -22,7 +21,7 @@ struct Wire {
 };
 
 /// A client of the running server, closed with its last owner. Any call that waits for the server's answer
-/// may hang: such calls are made by `call_with_timeout` and own the client, and it closes itself with the
+/// may hang: such calls are made by `ask_server` and own the client, and it closes itself with the
 /// same patience.
 class Client {
  public:
@@ -44,6 +43,7 @@ class Client {
   /// inputs come first, each channel's in turn.
   void play_through(std::unique_ptr<CardCallback> callback, std::vector<Wire> wires);
   CardCallback& callback() const { return *callback_; }
+  const std::vector<Wire>& wires() const { return wires_; }
   /// [control, may hang] Blocks come, and every wire is connected. Errors: Device.
   Status activate();
   /// [control, may hang]
@@ -61,7 +61,7 @@ class Client {
   void set_callbacks();
   void process(int frames) noexcept;
   void note_lost_frames(int frames) noexcept;
-  void look_for_ports();
+  void check_ports();
 
   _jack_client* handle_;
   std::vector<_jack_port*> inputs_, outputs_;
@@ -78,12 +78,12 @@ class Client {
 /// [control] The server did not answer. Errors: Device, always.
 tl::unexpected<Error> no_answer();
 
-/// [control] A call that may hang; gives up after two seconds. `call` owns whatever it touches.
-template <class T>
-Result<T> call_with_timeout(std::function<Result<T>()> call) {
-  auto answer = std::make_shared<Result<T>>(no_answer());
-  if (!tactus::call_with_timeout([call = std::move(call), answer] { *answer = call(); })) return no_answer();
-  return std::move(*answer);
+/// [control] A call that may hang; gives up after two seconds. `call` owns whatever it touches and returns a
+/// Result.
+template <class Call>
+auto ask_server(Call call) -> decltype(call()) {
+  if (auto answer = result_with_timeout(std::move(call))) return std::move(*answer);
+  return no_answer();
 }
 
 }  // namespace tactus::jack

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "backends/find_device.h"
-#include "backends/loop/lateness.h"
 #include "backends/loop/loop_path.h"
 #include "engine/core/channels.h"
 #include "engine/core/index.h"
@@ -23,6 +22,48 @@ namespace {
 constexpr int kChannels = 2;
 constexpr int kUsualBlock = 64;
 const std::string kPrefix = "loop:";
+constexpr Seconds kMaxLateness{2.0};  // a driver restarts then
+
+/// By how many frames the input of a simulated card is later than usual: what this opening added, a clock
+/// that runs away, and frames that got lost or came twice.
+class Lateness {
+ public:
+  struct Gaps {
+    int count = 0;
+    std::int64_t lost_frames = 0;
+  };
+
+  /// [control] `least`: it cannot be earlier, since that has not been played yet.
+  Lateness(const LoopCard& card, Hertz sample_rate, double at_start, double least)
+      : drops_(card.drops),
+        sample_rate_(sample_rate),
+        growth_(card.input_ppm * 1e-6 / (1.0 + card.input_ppm * 1e-6)),
+        at_start_(at_start),
+        least_(least) {}
+
+  /// [realtime] Adds to `gaps` what gets lost at `frame`. Frames come one after another.
+  double at(std::int64_t frame, Gaps& gaps) noexcept {
+    for (const auto& drop : drops_) {
+      if (!happens(drop, frame)) continue;
+      at_start_ -= drop.frames;
+      ++gaps.count;
+      gaps.lost_frames += std::max(0, drop.frames);
+    }
+    const double later = at_start_ + growth_ * static_cast<double>(frame);
+    return std::clamp(later, least_, frames_in(kMaxLateness, sample_rate_));
+  }
+
+ private:
+  bool happens(const LoopCard::Drop& drop, std::int64_t frame) const noexcept {
+    const auto since = frame - std::llround(frames_in(drop.at, sample_rate_));
+    const auto every = std::llround(frames_in(drop.every, sample_rate_));
+    return since == 0 || (every > 0 && since > 0 && since % every == 0);
+  }
+
+  std::vector<LoopCard::Drop> drops_;
+  Hertz sample_rate_;
+  double growth_, at_start_, least_;
+};
 
 /// Frames before what is read that a path must know.
 int reach_of(const LoopCard& card, double hardware_frames) {
@@ -134,9 +175,9 @@ class LoopStream final : public Stream {
       const double later = lateness_.at(frame_ + n, gaps);
       std::array<double, kChannels> recorded;
       for (std::size_t c = 0; c < kChannels; ++c) recorded[c] = paths_[c].record(frame_ + n, later);
-      for (int c = 0; c < in_.size(); ++c) in_[c][n] = recorded[index(in_map_[static_cast<std::size_t>(c)])];
+      for (int c = 0; c < in_.size(); ++c) in_[c][n] = recorded[index(in_map_[index(c)])];
     }
-    if (!card_.drops_told) return;
+    if (!card_.drops_reported) return;
     for (int g = 0; g < gaps.count; ++g) meter_.gap(Gap::Input);
     if (gaps.lost_frames > 0) meter_.lost(gaps.lost_frames);
   }
@@ -146,7 +187,7 @@ class LoopStream final : public Stream {
     if (card_.cable == LoopCard::Cable::None) return;
     const int crossed = card_.cable == LoopCard::Cable::Crossed ? 1 : 0;
     for (int c = 0; c < out_.size(); ++c) {
-      auto& path = paths_[index((out_map_[static_cast<std::size_t>(c)] + crossed) % kChannels)];
+      auto& path = paths_[index((out_map_[index(c)] + crossed) % kChannels)];
       for (int n = 0; n < frames_a_block_; ++n) path.play(frame_ + n, out_[c][n]);
     }
   }
@@ -204,14 +245,15 @@ LoopCard LoopBackend::card(const std::string& id) const {
 Result<std::unique_ptr<Stream>> LoopBackend::open(const StreamRequest& request, Guarded& processor) {
   const auto choice = choose(*devices(), request);
   if (!choice) return tl::unexpected(choice.error());
-  if (choice->input.id != choice->output.id)
+  if (choice->input != choice->output)
     return fail(Errc::BadArgument, "", "a simulated card has no path from another",
                 "leave out the input device");
-  const auto card = this->card(choice->output.id);
-  const auto timing = timing_of(card, choice->sample_rate, request.block_frames.value_or(kUsualBlock));
+  const auto card = this->card(choice->granted.device);
+  const auto timing =
+      timing_of(card, choice->granted.format.sample_rate, request.block_frames.value_or(kUsualBlock));
   if (!timing) return tl::unexpected(timing.error());
 
-  auto granted = granted_for(*choice, request);
+  auto granted = choice->granted;
   granted.block_frames = granted.format.max_frames = timing->block_frames;
   granted.periods = card.delay_blocks;
   granted.input_latency_frames = timing->hardware_frames;

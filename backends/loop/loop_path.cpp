@@ -31,7 +31,7 @@ LoopPath::LoopPath(const LoopCard& card, const LoopTiming& timing, int lane)
     : card_(card),
       timing_(timing),
       line_(line_frames(timing)),
-      heard_(card.monitor.frames + timing.buffer_frames),
+      captured_(card.monitor.frames + timing.buffer_frames),
       noise_(1, static_cast<std::uint64_t>(lane)),
       attack_keep_(tactus_keep(kAgcAttack.value, timing.sample_rate.value)),
       release_keep_(tactus_keep(kAgcRelease.value, timing.sample_rate.value)),
@@ -46,7 +46,7 @@ LoopPath::LoopPath(const LoopCard& card, const LoopTiming& timing, int lane)
 
 double LoopPath::record(std::int64_t frame, double later) noexcept {
   if (card_.monitor.gain != 0.0) {
-    line_.add(frame, card_.monitor.gain * heard_[frame - monitor_frames_]);
+    line_.add(frame, card_.monitor.gain * captured_[frame - monitor_frames_]);
     played_ = true;
   }
   const double at = static_cast<double>(frame) - timing_.hardware_frames - later;
@@ -57,8 +57,8 @@ double LoopPath::record(std::int64_t frame, double later) noexcept {
   if (card_.noise > 0.0) sample += card_.noise * noise_.gaussian(frame);
   if (card_.agc) sample = controlled(sample);
   sample = converted(std::clamp(sample, -card_.clip, card_.clip));
-  heard_.forget(frame);
-  heard_.add(frame, sample);
+  captured_.forget(frame);
+  captured_.add(frame, sample);
   if (canceller_) sample = canceller_->step(line_, whole + EchoCanceller::kAhead, sample);
   line_.forget(frame + timing_.buffer_frames + 2 * timing_.block_frames);
   return sample;

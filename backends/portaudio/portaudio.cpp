@@ -1,5 +1,3 @@
-#include "backends/portaudio/portaudio.h"
-
 #include <portaudio.h>
 
 #include <algorithm>
@@ -11,23 +9,19 @@
 #include <pa_linux_alsa.h>
 #endif
 
-#include "backends/card_callback.h"
+#include "backends/card_stream.h"
 #include "backends/find_device.h"
+#include "backends/library_calls.h"
 #include "backends/portaudio/portaudio_session.h"
 #include "backends/realtime_thread.h"
-#include "backends/silence_library_logs.h"
 
 namespace tactus {
 namespace {
 
-constexpr int kPriority = 70;        // below a sound server's, above everything ordinary
-constexpr int kLongestBlock = 4096;  // [frames] where the driver chooses; longer ones are cut
+constexpr int kPriority = 70;    // below a sound server's, above everything ordinary
+constexpr int kMaxBlock = 4096;  // [frames] where the driver chooses; longer ones are cut
 constexpr int kUsualPeriods = 2;
 constexpr std::chrono::milliseconds kGone{1000};
-
-int planes(int channels, const std::vector<int>& map) {
-  return map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1;
-}
 
 /// All that PortAudio touches, kept alive by any call that hangs.
 struct Line {
@@ -39,7 +33,7 @@ struct Line {
   int out_planes = 0;
   // Of the library's thread:
   bool begun = false;
-  double told_at = -1.0;  ///< [s]
+  double reported_at = -1.0;  ///< [s]
 };
 
 /// What was given up, for the rest of the program's life.
@@ -52,7 +46,7 @@ std::vector<std::shared_ptr<Line>>& left_behind() {
 void count_gaps(Line& line, double time, PaStreamCallbackFlags flags) noexcept {
   const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
   const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
-  if ((!input && !output) || time == std::exchange(line.told_at, time)) return;
+  if ((!input && !output) || time == std::exchange(line.reported_at, time)) return;
   if (line.jack) {  // it does not say where: both are always there
     line.card->gap(Gap::Server);
     return;
@@ -78,8 +72,8 @@ std::optional<double> believable(double seconds, double rate) {
   return std::nullopt;
 }
 
-PaStreamParameters parameters(const PortAudioDevice& at, int channels, bool input,
-                              const StreamRequest& request, double rate) {
+PaStreamParameters parameters(const LibraryDevice& at, int channels, bool input, const StreamRequest& request,
+                              double rate) {
   const auto* info = Pa_GetDeviceInfo(at.index);
   PaStreamParameters wanted{};
   wanted.device = at.index;
@@ -93,11 +87,11 @@ PaStreamParameters parameters(const PortAudioDevice& at, int channels, bool inpu
   return wanted;
 }
 
-Status open_line(const std::shared_ptr<Line>& line, const PortAudioDevice& input,
-                 const PortAudioDevice& output, const StreamRequest& request, StreamGranted& granted) {
+Status open_line(const std::shared_ptr<Line>& line, const LibraryDevice& input, const LibraryDevice& output,
+                 const StreamRequest& request, StreamGranted& granted) {
   const double rate = granted.format.sample_rate.value;
-  const int ins = planes(request.in_channels, request.in_map);
-  line->out_planes = planes(request.out_channels, request.out_map);
+  const int ins = channels_to_open(request.in_channels, request.in_map);
+  line->out_planes = channels_to_open(request.out_channels, request.out_map);
   const auto from = parameters(input, ins, true, request, rate);
   const auto to = parameters(output, line->out_planes, false, request, rate);
   // Asked for a certain block, PortAudio's ALSA part divides by zero or aborts at some: a latency it takes.
@@ -115,7 +109,7 @@ Status open_line(const std::shared_ptr<Line>& line, const PortAudioDevice& input
     return status;
   const auto* info = Pa_GetStreamInfo(line->stream);
   granted.block_frames = block;
-  granted.format.max_frames = block > 0 ? block : kLongestBlock;
+  granted.format.max_frames = block > 0 ? block : kMaxBlock;
   if (ins > 0) granted.input_latency_frames = believable(info->inputLatency, rate);
   if (line->out_planes > 0) granted.output_latency_frames = believable(info->outputLatency, rate);
   granted.xruns_move_delay = line->own_thread;
@@ -134,99 +128,82 @@ void close(std::shared_ptr<Line> line) {
     left_behind().push_back(std::move(line));
 }
 
-class PortAudioStream final : public Stream {
+class PortAudioStream final : public CardStream {
  public:
   PortAudioStream(std::shared_ptr<Line> line, StreamGranted granted)
-      : line_(std::move(line)), granted_(std::move(granted)) {}
+      : CardStream(std::move(granted)), line_(std::move(line)) {}
   ~PortAudioStream() override {
     static_cast<void>(stop());
     close(std::move(line_));
   }
 
-  const StreamGranted& granted() const override { return granted_; }
-  Status start() override {
-    if (running_) return {};
-    if (auto status = in_portaudio([line = line_] { return Pa_StartStream(line->stream); }); !status)
-      return status;
-    running_ = true;
-    line_->card->play();
-    return {};
-  }
-  Status stop() override {
-    const bool lost = state() == StreamState::Lost;
-    if (!std::exchange(running_, false)) return {};
-    if (!lost) line_->card->finish();
-    auto status = lost ? Status{} : in_portaudio([line = line_] { return Pa_StopStream(line->stream); });
-    line_->card->abandon();
-    return status;
-  }
-  StreamState state() const override {
-    if (lost_ || portaudio_is_over()) return StreamState::Lost;
-    if (!running_) return StreamState::Stopped;
-    // ALSA's JACK plugin waits for ever when its server is gone.
-    const bool silent = line_->own_thread && line_->card->stalled(kGone);
-    if (silent || Pa_IsStreamActive(line_->stream) != 1) {
-      lost_ = true;
-      if (line_->jack) portaudio_lost_jack();
-      return StreamState::Lost;
-    }
-    return line_->card->stalled() ? StreamState::Stalled : StreamState::Running;
-  }
-  Health health() const override { return line_->card->health(); }
-
  private:
+  CardCallback& card() const override { return *line_->card; }
+  bool lost() const override {
+    if (lost_ || portaudio_is_over()) return true;
+    if (!running()) return false;
+    // ALSA's JACK plugin waits for ever when its server is gone.
+    lost_ = (line_->own_thread && card().stalled(kGone)) || Pa_IsStreamActive(line_->stream) != 1;
+    if (lost_ && line_->jack) portaudio_lost_jack();
+    return lost_;
+  }
+  Status start_library() override {
+    return in_portaudio([line = line_] { return Pa_StartStream(line->stream); });
+  }
+  Status stop_library(bool) override {
+    if (lost_ || portaudio_is_over()) return {};
+    return in_portaudio([line = line_] { return Pa_StopStream(line->stream); });
+  }
+
   std::shared_ptr<Line> line_;
-  StreamGranted granted_;
-  bool running_ = false;
   mutable bool lost_ = false;
 };
 
-std::vector<Device> devices_of(const std::vector<PortAudioDevice>& found) {
-  std::vector<Device> devices;
-  for (const auto& one : found) devices.push_back(one.device);
-  return devices;
-}
+/// Sound cards through PortAudio 19: JACK, ALSA and OSS on Linux, CoreAudio on macOS, WASAPI, ASIO and more
+/// on Windows. A device is "portaudio:<api>:<its name>". While a stream is open, the list of devices is as of
+/// its opening. PortAudio lists no rates but JACK's.
+///
+/// Where the request leaves the block out, blocks are as long as the driver's (granted as 0); any other
+/// length costs up to one block of delay. ALSA takes the wish and is granted as 0.
+///
+/// PortAudio cannot leave a JACK server that died: its functions hang or abort the program. So when the
+/// server goes, no function of it is called any more, and every later call of this class returns that
+/// Error. That concerns streams of other APIs too, opened while a JACK server ran: `granted().comes_back`.
+class PortAudioBackend final : public Backend {
+ public:
+  std::string name() const override { return "portaudio"; }
+  Result<std::vector<Device>> devices() override {
+    silence_library_logs();
+    const auto session = PortAudioSession::enter("tactus-devices");
+    if (!session) return tl::unexpected(session.error());
+    return devices_of((*session)->devices());
+  }
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+    silence_library_logs();
+    const auto session = PortAudioSession::enter(request.client_name);
+    if (!session) return tl::unexpected(session.error());
+    const auto found = (*session)->devices();
+    const auto choice = choose(found, request);
+    if (!choice) return tl::unexpected(choice.error());
+    const auto& input = found[choice->input];
+    const auto& output = found[choice->output];
+    auto line = std::make_shared<Line>();
+    line->session = *session;
+    line->jack = output.api == "jack";
+    line->own_thread = output.api == "alsa" || output.api == "oss";
+    auto granted = choice->granted;
+    auto status = open_line(line, input, output, request, granted);
+    if (status) status = processor.prepare(granted.format);
+    if (!status) {
+      if (line->stream != nullptr) close(std::move(line));
+      return tl::unexpected(status.error());
+    }
+    line->card = std::make_unique<CardCallback>(processor, request, granted, true);
+    return std::make_unique<PortAudioStream>(std::move(line), std::move(granted));
+  }
+};
 
 }  // namespace
-
-Result<std::vector<Device>> PortAudioBackend::devices() {
-  silence_library_logs();
-  const auto session = PortAudioSession::enter("tactus-devices");
-  if (!session) return tl::unexpected(session.error());
-  return devices_of((*session)->devices());
-}
-
-Result<std::unique_ptr<Stream>> PortAudioBackend::open(const StreamRequest& request, Guarded& processor) {
-  silence_library_logs();
-  const auto session = PortAudioSession::enter(request.client_name);
-  if (!session) return tl::unexpected(session.error());
-  const auto found = (*session)->devices();
-  const auto choice = choose(devices_of(found), request);
-  if (!choice) return tl::unexpected(choice.error());
-  const auto found_as = [&](const Device& device) {
-    return *std::find_if(found.begin(), found.end(),
-                         [&](const PortAudioDevice& one) { return one.device.id == device.id; });
-  };
-  const auto input = found_as(choice->input), output = found_as(choice->output);
-  if (input.api != output.api)
-    return fail(Errc::BadArgument, "",
-                "'" + input.device.id + "' and '" + output.device.id + "' cannot be opened together",
-                "choose devices of one API, or JACK");
-
-  auto line = std::make_shared<Line>();
-  line->session = *session;
-  line->jack = output.api == "jack";
-  line->own_thread = output.api == "alsa" || output.api == "oss";
-  auto granted = granted_for(*choice, request);
-  auto status = open_line(line, input, output, request, granted);
-  if (status) status = processor.prepare(granted.format);
-  if (!status) {
-    if (line->stream != nullptr) close(std::move(line));
-    return tl::unexpected(status.error());
-  }
-  line->card = std::make_unique<CardCallback>(processor, request, granted, true);
-  return std::make_unique<PortAudioStream>(std::move(line), std::move(granted));
-}
 
 std::unique_ptr<Backend> make_portaudio_backend() { return std::make_unique<PortAudioBackend>(); }
 

@@ -3,11 +3,12 @@
 #include <portaudio.h>
 
 #include <algorithm>
+#include <map>
 #if __has_include(<pa_jack.h>)
 #include <pa_jack.h>
 #endif
 
-#include "backends/call_with_timeout.h"
+#include "backends/library_calls.h"
 
 namespace tactus {
 namespace {
@@ -29,46 +30,29 @@ tl::unexpected<Error> over() {
 
 Status checked(PaError code) {
   if (code >= paNoError) return {};
-  std::string words = Pa_GetErrorText(code);
+  std::string message = Pa_GetErrorText(code);
   if (const auto* host = Pa_GetLastHostErrorInfo(); code == paUnanticipatedHostError && host->errorText)
-    words += std::string{": "} + host->errorText;
+    message += std::string{": "} + host->errorText;
   if (code == paInvalidSampleRate)
     return fail(Errc::BadArgument, "", "the device does not run at this rate", "leave the rate out");
-  return fail(Errc::Device, "", "PortAudio: " + words, "see tactus doctor");
+  return fail(Errc::Device, "", "PortAudio: " + message, "see tactus doctor");
 }
 
 std::string name_of(const PaHostApiInfo& api) {
-  switch (api.type) {
-    case paALSA:
-      return "alsa";
-    case paASIO:
-      return "asio";
-    case paCoreAudio:
-      return "core";
-    case paDirectSound:
-      return "ds";
-    case paJACK:
-      return "jack";
-    case paMME:
-      return "mme";
-    case paOSS:
-      return "oss";
-    case paWASAPI:
-      return "wasapi";
-    case paWDMKS:
-      return "wdmks";
-    default:
-      return api.name;
-  }
+  static const std::map<PaHostApiTypeId, std::string> names{
+      {paALSA, "alsa"}, {paASIO, "asio"}, {paCoreAudio, "core"}, {paDirectSound, "ds"}, {paJACK, "jack"},
+      {paMME, "mme"},   {paOSS, "oss"},   {paWASAPI, "wasapi"},  {paWDMKS, "wdmks"}};
+  const auto name = names.find(api.type);
+  return name != names.end() ? name->second : api.name;
 }
 
 /// "HDA Intel: Analog (hw:0,0)" -> "HDA Intel: Analog": cards are numbered in the order in which they come.
 std::string without_number(std::string name) { return name.substr(0, name.rfind(" (hw:")); }
 
-PortAudioDevice described(int index) {
+LibraryDevice described(int index) {
   const auto& info = *Pa_GetDeviceInfo(index);
   const auto& api = *Pa_GetHostApiInfo(info.hostApi);
-  PortAudioDevice found{{}, name_of(api), index};
+  LibraryDevice found{{}, name_of(api), info.name, index};
   auto& device = found.device;
   device.id = "portaudio:" + found.api + ":" + without_number(info.name);
   device.name = std::string{info.name} + " (" + api.name + ")";
@@ -80,16 +64,14 @@ PortAudioDevice described(int index) {
 }
 
 /// PortAudio takes all clients whose names end like a JACK client's for that one, and would open their ports.
-bool may_be_taken_for_another(const PortAudioDevice& one, const std::vector<PortAudioDevice>& all) {
-  return one.api == "jack" && std::any_of(all.begin(), all.end(), [&](const PortAudioDevice& other) {
-           const std::string name = Pa_GetDeviceInfo(one.index)->name;
-           return other.api == "jack" && other.index != one.index &&
-                  std::string{Pa_GetDeviceInfo(other.index)->name}.ends_with(name);
+bool may_be_taken_for_another(const LibraryDevice& one, const std::vector<LibraryDevice>& all) {
+  return one.api == "jack" && std::any_of(all.begin(), all.end(), [&](const LibraryDevice& other) {
+           return other.api == "jack" && other.index != one.index && other.name.ends_with(one.name);
          });
 }
 
-int say_nothing(const void*, void*, unsigned long, const PaStreamCallbackTimeInfo*, PaStreamCallbackFlags,
-                void*) {
+int play_nothing(const void*, void*, unsigned long, const PaStreamCallbackTimeInfo*, PaStreamCallbackFlags,
+                 void*) {
   return paContinue;
 }
 
@@ -104,8 +86,7 @@ void portaudio_lost_jack() {
 
 Status in_portaudio(std::function<int()> call) {
   if (portaudio_is_over()) return over();
-  const auto code = std::make_shared<PaError>(paNoError);
-  if (call_with_timeout([code, call = std::move(call)] { *code = call(); })) return checked(*code);
+  if (const auto code = result_with_timeout(std::move(call))) return checked(*code);
   program().over = "PortAudio does not answer any more";
   return over();
 }
@@ -138,18 +119,12 @@ PortAudioSession::~PortAudioSession() {
   static_cast<void>(in_portaudio([] { return Pa_Terminate(); }));
 }
 
-std::vector<PortAudioDevice> PortAudioSession::devices() const {
-  std::vector<PortAudioDevice> all, devices;
+std::vector<LibraryDevice> PortAudioSession::devices() const {
+  std::vector<LibraryDevice> all, devices;
   for (int index = 0; index < Pa_GetDeviceCount(); ++index) all.push_back(described(index));
-  for (auto& one : all) {
-    if (may_be_taken_for_another(one, all)) continue;
-    const auto same = std::count_if(all.begin(), all.end(), [&](const PortAudioDevice& other) {
-      return other.index < one.index &&
-             other.device.id.substr(0, other.device.id.rfind(" #")) == one.device.id;
-    });
-    if (same > 0) one.device.id += " #" + std::to_string(same + 1);
-    devices.push_back(one);
-  }
+  number_same_ids(all);
+  std::copy_if(all.begin(), all.end(), std::back_inserter(devices),
+               [&](const LibraryDevice& one) { return !may_be_taken_for_another(one, all); });
   const auto output = Pa_GetDefaultOutputDevice();
   const auto wanted = output != paNoDevice ? output : Pa_GetDefaultInputDevice();
   for (auto& one : devices) one.device.is_default = one.index == wanted;
@@ -169,7 +144,7 @@ bool PortAudioSession::answers() {
                        const auto code =
                            Pa_OpenStream(&stream, in ? &one : nullptr, in ? nullptr : &one,
                                          Pa_GetDeviceInfo(device)->defaultSampleRate,
-                                         paFramesPerBufferUnspecified, paNoFlag, say_nothing, nullptr);
+                                         paFramesPerBufferUnspecified, paNoFlag, play_nothing, nullptr);
                        return code == paNoError ? Pa_CloseStream(stream) : code;
                      }).has_value();
   if (!there) portaudio_lost_jack();

@@ -5,16 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "backends/backend.h"
+#include "backends/find_device.h"
 
 namespace tactus {
-
-/// A device and where PortAudio has it, for the life of the session.
-struct PortAudioDevice {
-  Device device;
-  std::string api;  ///< "jack", "alsa"
-  int index = 0;
-};
 
 /// PortAudio between Pa_Initialize and Pa_Terminate: at most one of them in a program, shared by all streams.
 class PortAudioSession {
@@ -24,7 +17,7 @@ class PortAudioSession {
   ~PortAudioSession();
 
   /// [control] As of when the session began.
-  std::vector<PortAudioDevice> devices() const;
+  std::vector<LibraryDevice> devices() const;
   bool has_jack() const { return has_jack_; }
   /// [control] Before a function that hangs or aborts if the JACK server is gone: is it there? If not, no
   /// function is called any more.

@@ -1,5 +1,3 @@
-#include "backends/rtaudio/rtaudio.h"
-
 #include <RtAudio.h>
 
 #include <algorithm>
@@ -8,18 +6,17 @@
 #include <thread>
 #include <utility>
 
-#include "backends/call_with_timeout.h"
-#include "backends/card_callback.h"
+#include "backends/card_stream.h"
 #include "backends/find_device.h"
+#include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
-#include "backends/rtaudio/rtaudio_devices.h"
-#include "backends/silence_library_logs.h"
 #include "engine/core/index.h"
 
 namespace tactus {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Devices = std::vector<LibraryDevice>;
 using std::chrono::milliseconds;
 
 constexpr int kPriority = 70;      // below a sound server's, above everything ordinary
@@ -31,7 +28,7 @@ constexpr milliseconds kGone{1000};
 constexpr milliseconds kGiveUp{100};  // for closing what is lost anyway
 
 /// "RtApiAlsa::probeDeviceOpen: the device won't open." -> "the device won't open"
-std::string plain_words(std::string text) {
+std::string plain_message(std::string text) {
   if (const auto colon = text.find(": "); colon != std::string::npos) text.erase(0, colon + 2);
   text.erase(text.find_last_not_of(".! ") + 1);
   return text;
@@ -41,8 +38,8 @@ std::string plain_words(std::string text) {
 class Line {
  public:
   Line(const std::string& api, const StreamRequest& request)
-      : in_(planes(request.in_channels, request.in_map)),
-        out_(planes(request.out_channels, request.out_map)),
+      : in_(index(channels_to_open(request.in_channels, request.in_map))),
+        out_(index(channels_to_open(request.out_channels, request.out_map))),
         library_{RtAudio::getCompiledApiByName(api)} {
     library_.showWarnings(false);
     const auto which = library_.getCurrentApi();
@@ -50,13 +47,13 @@ class Line {
     own_thread_ = which == RtAudio::LINUX_ALSA || which == RtAudio::LINUX_PULSE;
   }
   /// [control] `granted` has the rate; the latencies of the driver are added.
-  Status open(const RtAudioDevice& input, const RtAudioDevice& output, const StreamRequest& request,
+  Status open(const LibraryDevice& input, const LibraryDevice& output, const StreamRequest& request,
               StreamGranted& granted);
   /// [control & stopped] Blocks begin to flow.
   Status start();
   /// [control] Stops after the last block has been played.
   Status halt(milliseconds buffered);
-  /// [control] Neither of the two may be called any more.
+  /// [control] Neither `start` nor `halt` may be called any more.
   bool lost() const {
     // ALSA's JACK plugin waits for ever when its server is gone.
     return lost_ || !library_.isStreamOpen() || (own_thread_ && card && card->stalled(kGone));
@@ -68,9 +65,6 @@ class Line {
   std::atomic<bool> abandoned{false};
 
  private:
-  static std::size_t planes(int channels, const std::vector<int>& map) {
-    return index(map.empty() ? channels : *std::max_element(map.begin(), map.end()) + 1);
-  }
   static int bring_block(void* out, void* in, unsigned frames, double, RtAudioStreamStatus status,
                          void* line) noexcept;
   static void on_error(RtAudioError::Type type, const std::string& text);
@@ -94,8 +88,8 @@ class Line {
   RtAudio library_;  // closed before the rest goes
 };
 
-// RtAudio's error callback does not say which stream it is about. Where it calls on a control thread, the
-// words are wanted; on a stream's own thread, the stream is.
+// RtAudio's error callback does not say which stream it is about. On a control thread the message is stored
+// here; on a stream's own thread the stream is known.
 thread_local std::string* listener = nullptr;
 thread_local Line* at_work = nullptr;
 
@@ -110,16 +104,16 @@ void Line::on_error(RtAudioError::Type type, const std::string& text) {
 
 template <class Call>
 Status Line::checked(Call call) {
-  std::string said;
-  listener = &said;
+  std::string message;
+  listener = &message;
   try {
     call();
   } catch (const std::exception& error) {
-    said = error.what();
+    message = error.what();
   }
   listener = nullptr;
-  if (said.empty()) return {};
-  return fail(Errc::Device, "", "RtAudio: " + plain_words(said), "see tactus doctor");
+  if (message.empty()) return {};
+  return fail(Errc::Device, "", "RtAudio: " + plain_message(message), "see tactus doctor");
 }
 
 void Line::open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options) {
@@ -137,7 +131,7 @@ unsigned Line::now_at(const std::string& name) {
   return index;
 }
 
-Status Line::open(const RtAudioDevice& input, const RtAudioDevice& output, const StreamRequest& request,
+Status Line::open(const LibraryDevice& input, const LibraryDevice& output, const StreamRequest& request,
                   StreamGranted& granted) {
   return checked([&] {
     rate_ = static_cast<unsigned>(granted.format.sample_rate.value);
@@ -148,12 +142,12 @@ Status Line::open(const RtAudioDevice& input, const RtAudioDevice& output, const
     options.priority = kPriority;
     options.numberOfBuffers = static_cast<unsigned>(request.periods.value_or(kUsualPeriods));
     options.streamName = request.client_name;
-    open_once(input.index, output.index, block, options);
+    open_once(unsigned(input.index), unsigned(output.index), block, options);
     // With JACK the outputs are open before the inputs are looked for, and shift the list.
     if (jack_ && !in_.empty() && !out_.empty()) {
-      if (const auto there = now_at(input.name); there != input.index) {
+      if (const auto there = now_at(input.name); there != unsigned(input.index)) {
         library_.closeStream();
-        open_once(there, output.index, block, options);
+        open_once(there, unsigned(output.index), block, options);
         if (now_at(input.name) != there) throw RtAudioError{"JACK's clients come and go; try again"};
       }
     }
@@ -219,8 +213,7 @@ int Line::bring_block(void* out, void* in, unsigned frames, double, RtAudioStrea
 /// A call that may hang. What hangs is left to itself.
 template <class Call>
 Status in_time(const std::shared_ptr<Line>& line, Call call) {
-  const auto status = std::make_shared<Status>();
-  if (call_with_timeout([line, status, call] { *status = call(*line); })) return *status;
+  if (auto status = result_with_timeout([line, call] { return call(*line); })) return *status;
   line->abandoned = true;
   return fail(Errc::Device, "", "RtAudio does not answer", "restart the sound server");
 }
@@ -238,42 +231,113 @@ void leave_behind(const std::shared_ptr<Line>& line) {
   if (line->is_jack()) lines.push_back(line);
 }
 
-class RtAudioStream final : public Stream {
+LibraryDevice described(const std::string& api, unsigned index, const RtAudio::DeviceInfo& info) {
+  LibraryDevice found{{}, api, info.name, static_cast<int>(index)};
+  auto& device = found.device;
+  device.id = "rtaudio:" + api + ":" + info.name;
+  device.name = info.name + " (" + RtAudio::getApiDisplayName(RtAudio::getCompiledApiByName(api)) + ")";
+  device.in_channels = static_cast<int>(info.inputChannels);
+  device.out_channels = static_cast<int>(info.outputChannels);
+  for (const auto rate : info.sampleRates) device.sample_rates.push_back(Hertz{static_cast<double>(rate)});
+  device.default_rate = Hertz{static_cast<double>(info.preferredSampleRate)};
+  device.is_default = info.isDefaultOutput;
+  return found;
+}
+
+Devices probe(RtAudio::Api api) {
+  Devices found;
+  try {
+    RtAudio library{api};
+    library.showWarnings(false);
+    for (unsigned i = 0, count = library.getDeviceCount(); i < count; ++i) {
+      const auto info = library.getDeviceInfo(i);
+      if (info.probed && info.inputChannels + info.outputChannels > 0 && !info.sampleRates.empty())
+        found.push_back(described(RtAudio::getApiName(api), i, info));
+    }
+  } catch (const std::exception&) {  // a device went away while it was asked: those before it are there
+  }
+  return found;
+}
+
+/// RtAudio takes a JACK client's name for a pattern, so that it counts, and would open, the ports of "a_b"
+/// with those of "b". A client whose ports come before those of all that it is taken for keeps its own; any
+/// other cannot be opened. A client whose ports do not lie together is there twice.
+Devices own_ports_only(Devices devices) {
+  std::stable_sort(devices.begin(), devices.end(), [](const LibraryDevice& a, const LibraryDevice& b) {
+    return a.name.size() > b.name.size();
+  });
+  Devices usable;
+  for (auto one = devices.begin(); one != devices.end(); ++one) {
+    bool first = true;
+    for (auto other = devices.begin(); other != one; ++other) {
+      if (other->name.find(one->name) == std::string::npos) continue;
+      first = first && one->index < other->index;
+      if (other->name == one->name) continue;
+      one->device.in_channels -= other->device.in_channels;
+      one->device.out_channels -= other->device.out_channels;
+    }
+    if (first) usable.push_back(*one);
+  }
+  std::sort(usable.begin(), usable.end(),
+            [](const LibraryDevice& a, const LibraryDevice& b) { return a.index < b.index; });
+  return usable;
+}
+
+/// The outputs' default of the first API that has one, or else the first device with inputs.
+void one_default(Devices& devices) {
+  auto chosen = std::find_if(devices.begin(), devices.end(),
+                             [](const LibraryDevice& found) { return found.device.is_default; });
+  if (chosen == devices.end()) chosen = devices.begin();
+  for (auto one = devices.begin(); one != devices.end(); ++one) one->device.is_default = one == chosen;
+}
+
+/// Every device that can be opened now, or those of one API alone where `text` begins like an id of it.
+/// Errors: Device when an API does not answer and no other has a device.
+Result<Devices> rtaudio_devices(const std::string& text) {
+  std::vector<RtAudio::Api> apis;
+  RtAudio::getCompiledApi(apis);
+  const auto named = std::find_if(apis.begin(), apis.end(), [&](RtAudio::Api api) {
+    return text.starts_with("rtaudio:" + RtAudio::getApiName(api) + ":");
+  });
+  if (named != apis.end()) apis = {*named};
+  Devices devices;
+  std::string silent;
+  for (const auto api : apis) {
+    const auto found = result_with_timeout([api] { return probe(api); });
+    if (!found) {
+      silent = RtAudio::getApiDisplayName(api);
+      continue;
+    }
+    const auto usable = api == RtAudio::UNIX_JACK ? own_ports_only(*found) : *found;
+    devices.insert(devices.end(), usable.begin(), usable.end());
+  }
+  if (devices.empty() && !silent.empty())
+    return fail(Errc::Device, "", silent + " does not answer", "restart its server");
+  number_same_ids(devices);
+  one_default(devices);
+  return devices;
+}
+
+class RtAudioStream final : public CardStream {
  public:
   RtAudioStream(std::shared_ptr<Line> line, StreamGranted granted)
-      : line_(std::move(line)), granted_(std::move(granted)) {}
+      : CardStream(std::move(granted)), line_(std::move(line)) {}
   ~RtAudioStream() override {
     static_cast<void>(stop());
     close(std::move(line_));
   }
 
-  const StreamGranted& granted() const override { return granted_; }
-  Status start() override {
-    if (state() == StreamState::Lost)
-      return fail(Errc::Device, "", "'" + granted_.device + "' went away", "open it again");
-    if (running_) return {};
-    if (auto status = asked([](Line& line) { return line.start(); }); !status) return status;
-    running_ = true;
-    line_->card->play();
-    return {};
-  }
-  Status stop() override {
-    if (!std::exchange(running_, false)) return {};
-    const auto buffered = milliseconds{static_cast<int>(
-        1e3 * granted_.periods * granted_.block_frames / granted_.format.sample_rate.value + 1)};
-    const bool flows = !line_->lost() && line_->card->finish();
-    auto status = asked([=](Line& line) { return line.halt(flows ? buffered : milliseconds{0}); });
-    line_->card->abandon();
-    return status;
-  }
-  StreamState state() const override {
-    if (line_->abandoned || line_->lost()) return StreamState::Lost;
-    if (!running_) return StreamState::Stopped;
-    return line_->card->stalled() ? StreamState::Stalled : StreamState::Running;
-  }
-  Health health() const override { return line_->card->health(); }
-
  private:
+  CardCallback& card() const override { return *line_->card; }
+  bool lost() const override { return line_->abandoned || line_->lost(); }
+  Status start_library() override {
+    return asked([](Line& line) { return line.start(); });
+  }
+  Status stop_library(bool finished) override {
+    const auto buffered = milliseconds{static_cast<int>(
+        1e3 * granted().periods * granted().block_frames / granted().format.sample_rate.value + 1)};
+    return asked([=](Line& line) { return line.halt(finished ? buffered : milliseconds{0}); });
+  }
   template <class Call>
   Status asked(Call call) {
     auto status = in_time(line_, call);
@@ -282,52 +346,43 @@ class RtAudioStream final : public Stream {
   }
 
   std::shared_ptr<Line> line_;
-  StreamGranted granted_;
-  bool running_ = false;
+};
+
+/// Sound cards through RtAudio 5: JACK, ALSA and PulseAudio on Linux, CoreAudio on macOS, WASAPI and ASIO on
+/// Windows, whatever the library was compiled for. A device is "rtaudio:<api>:<its name>". The default device
+/// is that of the first API that has one.
+///
+/// With JACK the server chooses the block, and RtAudio hands over input that is one block old. A change of
+/// the server's block size ends the stream for good (Lost): RtAudio cannot go on, but opening it again works.
+class RtAudioBackend final : public Backend {
+ public:
+  std::string name() const override { return "rtaudio"; }
+  Result<std::vector<Device>> devices() override {
+    silence_library_logs();
+    return rtaudio_devices("").map(devices_of);
+  }
+  Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
+    silence_library_logs();
+    const auto found = rtaudio_devices(request.device);
+    if (!found) return tl::unexpected(found.error());
+    const auto choice = choose(*found, request);
+    if (!choice) return tl::unexpected(choice.error());
+    const auto input = (*found)[choice->input], output = (*found)[choice->output];
+    auto line = std::make_shared<Line>(output.api, request);
+    const auto granted = std::make_shared<StreamGranted>(choice->granted);
+    auto status = in_time(line, [=](Line& opened) { return opened.open(input, output, request, *granted); });
+    if (!status) return tl::unexpected(status.error());
+    status = processor.prepare(granted->format);
+    if (!status) {
+      close(std::move(line));
+      return tl::unexpected(status.error());
+    }
+    line->card = std::make_unique<CardCallback>(processor, request, *granted, true);
+    return std::make_unique<RtAudioStream>(std::move(line), *granted);
+  }
 };
 
 }  // namespace
-
-Result<std::vector<Device>> RtAudioBackend::devices() {
-  silence_library_logs();
-  return rtaudio_devices().map([](const std::vector<RtAudioDevice>& found) {
-    std::vector<Device> devices;
-    for (const auto& one : found) devices.push_back(one.device);
-    return devices;
-  });
-}
-
-Result<std::unique_ptr<Stream>> RtAudioBackend::open(const StreamRequest& request, Guarded& processor) {
-  silence_library_logs();
-  const auto found = rtaudio_devices(request.device);
-  if (!found) return tl::unexpected(found.error());
-  std::vector<Device> devices;
-  for (const auto& one : *found) devices.push_back(one.device);
-  const auto choice = choose(devices, request);
-  if (!choice) return tl::unexpected(choice.error());
-  const auto found_as = [&](const Device& device) {
-    return *std::find_if(found->begin(), found->end(),
-                         [&](const RtAudioDevice& one) { return one.device.id == device.id; });
-  };
-  const auto input = found_as(choice->input), output = found_as(choice->output);
-  if (input.api != output.api)
-    return fail(Errc::BadArgument, "",
-                "'" + input.device.id + "' and '" + output.device.id + "' cannot be opened together",
-                "choose devices of one API, or JACK");
-
-  auto line = std::make_shared<Line>(output.api, request);
-  const auto granted = std::make_shared<StreamGranted>(granted_for(*choice, request));
-  if (auto status =
-          in_time(line, [=](Line& opened) { return opened.open(input, output, request, *granted); });
-      !status)
-    return tl::unexpected(status.error());
-  if (auto status = processor.prepare(granted->format); !status) {
-    close(std::move(line));
-    return tl::unexpected(status.error());
-  }
-  line->card = std::make_unique<CardCallback>(processor, request, *granted, true);
-  return std::make_unique<RtAudioStream>(std::move(line), *granted);
-}
 
 std::unique_ptr<Backend> make_rtaudio_backend() { return std::make_unique<RtAudioBackend>(); }
 

@@ -3,14 +3,14 @@
 #include <RtMidi.h>
 
 #include <algorithm>
-#include <cctype>
 #include <condition_variable>
 #include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
 
-#include "backends/silence_library_logs.h"
+#include "backends/find_device.h"
+#include "backends/library_calls.h"
 #include "engine/core/spsc_queue.h"
 
 namespace tactus {
@@ -19,13 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kPatience = 1s;  // for the library, when all ends
-constexpr int kLooksPerTry = 4;
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
+constexpr int kChecksPerRetry = 4;
 
 /// "nanoKONTROL2 CTRL 20:0" -> "nanoKONTROL2 CTRL": ALSA counts clients anew at each plugging in.
 std::string without_address(const std::string& name) {
@@ -77,15 +71,15 @@ class Worker {
       : settings_(std::move(settings)), shared_(std::move(shared)) {}
 
   void run() {
-    for (int looks = 0;; ++looks) {
+    for (int checks = 0;; ++checks) {
       try {
-        const bool now_and_then = looks % kLooksPerTry == 0;
-        if (scout_ != nullptr && now_and_then && server_died()) begin_again();
-        if (scout_ == nullptr && now_and_then) scout_ = make_client();
-        if (scout_ != nullptr) look();
+        const bool retry = checks % kChecksPerRetry == 0;
+        if (scout_ != nullptr && retry && server_died()) start_again();
+        if (scout_ == nullptr && retry) scout_ = make_client();
+        if (scout_ != nullptr) update_ports();
       } catch (const std::exception& error) {
         scout_.reset();
-        complain(error.what());
+        report_error(error.what());
       }
       std::unique_lock lock{shared_->mutex};
       if (shared_->wake.wait_for(lock, settings_.look_every, [this] { return shared_->stop; })) break;
@@ -115,16 +109,16 @@ class Worker {
     return failed;
   }
 
-  void begin_again() {
+  void start_again() {
     close_missing({});
     scout_.reset();
   }
 
-  void look() {
+  void update_ports() {
     const auto there = names_by_id(*scout_);
     close_missing(there);
     for (const auto& [id, name] : there) {
-      const bool wanted = lower(id).find(lower(settings_.only)) != std::string::npos;
+      const bool wanted = lower_case(id).find(lower_case(settings_.only)) != std::string::npos;
       if (wanted && !is_open(id)) open(id, name);
     }
   }
@@ -162,7 +156,7 @@ class Worker {
     const std::lock_guard lock{shared_->mutex};
     shared_->ports[id] = std::move(port);
     shared_->news.push_back("MIDI from '" + id + "'");
-    complained_.clear();
+    reported_error_.clear();
   }
 
   void close_missing(const std::map<std::string, std::string>& there) {
@@ -187,14 +181,14 @@ class Worker {
     scout_.reset();
   }
 
-  void complain(const std::string& text) {
-    if (std::exchange(complained_, text) != text) shared_->report("no MIDI: " + text);
+  void report_error(const std::string& text) {
+    if (std::exchange(reported_error_, text) != text) shared_->report("no MIDI: " + text);
   }
 
   const RtMidiSettings settings_;
   std::shared_ptr<Shared> shared_;
   std::unique_ptr<RtMidiIn> scout_;  ///< only looks
-  std::string complained_;
+  std::string reported_error_;
 };
 
 class RtMidiInputs final : public MidiInputs {

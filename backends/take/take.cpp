@@ -2,15 +2,178 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <fstream>
 #include <system_error>
 
-#include "backends/take/take_lines.h"
+#include "backends/json_fields.h"
 
 namespace tactus {
-namespace {
 
 namespace fs = std::filesystem;
+using Kind = JournalEntry::Kind;
+
+constexpr int kTakeVersion = 2;  // 1: without fades
+constexpr std::array kKinds = {"control",   "arm",       "mute",        "system_delay", "lost_frames",
+                               "coil_heat", "body_heat", "replacement", "halt",         "fade"};
+constexpr std::array kDriveKinds = {"drive", "audio"};
+
+// The keys of each line, for both directions; docs/takes.md describes them.
+
+template <class Io, Of<DcLimits> T>
+void fields(Io& io, T& dc) {
+  io("level", dc.level);
+  io("time_s", dc.time);
+}
+
+template <class Io, Of<HeatLimits> T>
+void fields(Io& io, T& heat) {
+  io("watts_at_full_scale", heat.watts_at_full_scale);
+  io("watts_for_ever", heat.watts_for_ever);
+  io("coil_time_s", heat.coil_time);
+  io("body_time_s", heat.body_time);
+  io("coil_share", heat.coil_share);
+  io("rise_kelvin", heat.rise_kelvin);
+}
+
+template <class Io, Of<ExcursionLimits> T>
+void fields(Io& io, T& excursion) {
+  io("metres", excursion.metres);
+  io("metres_at_full_scale", excursion.metres_at_full_scale);
+  io("resonance_hz", excursion.resonance);
+  io("q", excursion.q);
+}
+
+template <class Io, Of<GuardedChannel> T>
+void fields(Io& io, T& channel) {
+  auto& limits = channel.limits;
+  io("ceiling", limits.ceiling);
+  io("slew_per_second", limits.slew_per_second);
+  io("soft_start_s", limits.soft_start);
+  io("fade_out_s", limits.fade_out);
+  io("direct", limits.dc);
+  io("heat", limits.heat);
+  io("travel", limits.excursion);
+  io.name("kind", channel.kind, kDriveKinds);
+}
+
+template <class Io, Of<JournalEntry> T>
+void fields(Io& io, T& entry) {
+  io("frame", entry.frame);
+  io.name("kind", entry.kind, kKinds);
+  io("index", entry.index);
+  io("value", entry.value);
+}
+
+template <class Io, Of<TakeFiles> T>
+void fields(Io& io, T& files) {
+  io("main", files.main);
+  io("root", files.root);
+  io("texts", files.texts);
+  io("sounds", files.sounds);
+}
+
+template <class Io, Of<TakeHeader> T>
+void fields(Io& io, T& header) {
+  io.constant("tactus_take", kTakeVersion);
+  io("program", header.program);
+  io("sample_rate_hz", header.sample_rate);
+  io("inputs", header.inputs);
+  io("outputs", header.outputs);
+  io("controls", header.controls);
+  io("settings", header.settings);
+  io("taps", header.taps);
+  io("system_delay_s", header.system_delay);
+  io("armed", header.armed);
+  io("soft_start", header.soft_start);
+  io("trusted_sensors", header.trusted_sensors);
+  io("state", header.state);
+  io("guard", header.guard);
+  io("rig", header.rig);
+  io("left_out", header.left_out);
+  io("input_scales", header.input_scales);
+  io("padding_frames", header.padding_frames);
+  io("files", header.files);
+}
+
+template <class Io, Of<TakeGap> T>
+void fields(Io& io, T& gap) {
+  io("frame", gap.frame);
+  io.constant("kind", "gap");
+  io("frames", gap.frames);
+}
+
+template <class Io, Of<TakeEdit> T>
+void fields(Io& io, T& edit) {
+  io("frame", edit.frame);
+  io.constant("kind", "edit");
+  io("settings", edit.settings);
+  io("controls", edit.controls);
+  io("files", edit.files);
+}
+
+template <class Io, Of<Take> T>
+void fields(Io& io, T& take) {
+  io("frame", take.complete);
+  io.constant("kind", take.finished ? "end" : "complete");
+  io("lost_entries", take.lost_entries);
+  io("rounded_sensors", take.rounded_sensors);
+  if (take.finished) io("why", take.ended);
+}
+
+namespace {
+
+template <class T>
+std::string line_of(const T& value) {
+  const auto json = JsonWriter::written(value);
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+Result<TakeHeader> parse_header(const std::string& line) {
+  const auto no_take = [](const std::string& what) {
+    return fail(Errc::BadFile, "", what, "give the .jsonl that was recorded with the WAV file");
+  };
+  try {
+    const auto json = nlohmann::ordered_json::parse(line);
+    if (const int version = json.at("tactus_take"); version < 1 || version > kTakeVersion)
+      return fail(Errc::BadFile, "", "a later version of the program recorded this take",
+                  "replay it with that version");
+    TakeHeader header;
+    JsonReader::read(json, header);
+    return header;
+  } catch (const nlohmann::ordered_json::parse_error&) {
+    return no_take("its first line is no JSON");
+  } catch (const std::exception&) {
+    return no_take("its first line is not that of a take");
+  }
+}
+
+bool is_of_engine(Kind kind) {
+  return kind == Kind::ControlChange || kind == Kind::SystemDelay || kind == Kind::LostFrames;
+}
+
+/// Adds the content of a line. False: it is no line of a journal.
+bool add_line(const std::string& line, Take& take) {
+  try {
+    const auto json = nlohmann::ordered_json::parse(line);
+    const std::string kind = json.at("kind");
+    if (kind == "complete" || kind == "end") {
+      take.finished = kind == "end";
+      JsonReader::read(json, take);
+    } else if (kind == "gap") {
+      JsonReader::read(json, take.gaps.emplace_back());
+    } else if (kind == "edit") {
+      JsonReader::read(json, take.edits.emplace_back());
+    } else {
+      JournalEntry entry;
+      JsonReader::read(json, entry);
+      (is_of_engine(entry.kind) ? take.engine : take.guard).push_back(entry);
+    }
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
 
 tl::unexpected<Error> at(const fs::path& path, Error error) {
   error.where = path.string();
@@ -18,6 +181,12 @@ tl::unexpected<Error> at(const fs::path& path, Error error) {
 }
 
 }  // namespace
+
+std::string header_line(const TakeHeader& header) { return line_of(header); }
+std::string entry_line(const JournalEntry& entry) { return line_of(entry); }
+std::string gap_line(const TakeGap& gap) { return line_of(gap); }
+std::string edit_line(const TakeEdit& edit) { return line_of(edit); }
+std::string progress_line(const Take& take) { return line_of(take); }
 
 fs::path journal_path(const fs::path& wav) { return fs::path{wav}.replace_extension(".jsonl"); }
 
@@ -41,7 +210,7 @@ Result<Take> read_take(const fs::path& wav) {
   take.header = std::move(*header);
   for (int number = 2; std::getline(file, line); ++number) {
     const bool whole = !file.eof();
-    if (parse_line(line, take)) continue;
+    if (add_line(line, take)) continue;
     if (!whole || file.peek() == std::ifstream::traits_type::eof()) break;  // cut off here
     return fail(Errc::BadFile, fmt::format("{}:{}", path.string(), number), "this is no line of a take",
                 "restore the file from a copy");

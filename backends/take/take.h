@@ -51,7 +51,7 @@ struct TakeEdit {
   std::vector<std::string> controls;  ///< names by number, with those that came new
 };
 
-/// Frames that are silent in the WAV because they could not be kept.
+/// Frames that are silent in the WAV because they could not be recorded.
 struct TakeGap {
   std::int64_t frame = 0;
   std::int64_t frames = 0;
@@ -85,6 +85,15 @@ inline float as_recorded(double drive) noexcept {
 /// [control] Reads the journal of a take. A line that breaks off at the end is where the recording was cut.
 /// Errors: BadFile if there is none, it is none, or a later version of the program wrote it.
 Result<Take> read_take(const std::filesystem::path& wav);
+
+/// [any] The lines of a journal, as docs/takes.md describes them, each with its line end. `progress_line`:
+/// everything that was applied before `take.complete` is above, except what was lost; if `take.finished`, it
+/// is the last line, with the reason why the take ended before its time.
+std::string header_line(const TakeHeader& header);
+std::string entry_line(const JournalEntry& entry);
+std::string gap_line(const TakeGap& gap);
+std::string edit_line(const TakeEdit& edit);
+std::string progress_line(const Take& take);
 
 /// [any] Why a replay cannot be promised to be the same bit for bit, in words; empty if it can.
 std::string why_not_exact(const Take& take);

@@ -9,7 +9,7 @@
 namespace tactus {
 namespace {
 
-constexpr auto kLookEvery = std::chrono::milliseconds{20};
+constexpr auto kWriteEvery = std::chrono::milliseconds{20};
 constexpr Seconds kLeastMemory{0.1};
 
 }  // namespace
@@ -47,8 +47,8 @@ void TakeRecorder::run() {
       (void)writer_.work();
     lock.lock();
     status_.recorded = Seconds{static_cast<double>(writer_.frames()) / sample_rate_.value};
-    status_.trouble = writer_.trouble();
-    if (!last) wake_.wait_for(lock, kLookEvery, [this] { return done_; });
+    status_.error = writer_.error();
+    if (!last) wake_.wait_for(lock, kWriteEvery, [this] { return done_; });
   }
 }
 
@@ -63,7 +63,7 @@ TakeStatus TakeRecorder::status() const {
   status.dropped_frames = ring_->dropped_frames();
   status.lost_entries = ring_->lost_entries();
   status.restarted = ring_->restarted();
-  status.words = in_words(status);
+  status.messages = messages_of(status);
   return status;
 }
 
@@ -75,27 +75,27 @@ std::vector<std::string> TakeRecorder::finish() {
   }
   wake_.notify_one();
   thread_.join();
-  return status().words;
+  return status().messages;
 }
 
-std::vector<std::string> TakeRecorder::in_words(const TakeStatus& status) const {
+std::vector<std::string> TakeRecorder::messages_of(const TakeStatus& status) const {
   const double dropped_s = static_cast<double>(status.dropped_frames) / sample_rate_.value;
-  std::vector<std::string> words;
-  if (!status.trouble.empty())
-    words.push_back(fmt::format("the take ends at {:.3f} s: {}", status.recorded.value, status.trouble));
+  std::vector<std::string> messages;
+  if (!status.error.empty())
+    messages.push_back(fmt::format("the take ends at {:.3f} s: {}", status.recorded.value, status.error));
   else if (status.dropped_frames > 0)
-    words.push_back(
+    messages.push_back(
         fmt::format("the disk was too slow: {:.3f} s of the take are missing and marked as gaps", dropped_s));
   if (status.lost_entries > 0)
-    words.push_back(fmt::format("{} changes were not recorded: the take cannot be replayed bit for bit",
-                                status.lost_entries));
+    messages.push_back(fmt::format("{} changes were not recorded: the take cannot be replayed bit for bit",
+                                   status.lost_entries));
   if (status.restarted)
-    words.push_back(
+    messages.push_back(
         fmt::format("the stream restarted at {:.3f} s; the take ends there", status.recorded.value));
   if (ring_->rounded_sensors() > 0)
-    words.push_back(fmt::format("{} sensor samples were rounded: the take cannot be replayed bit for bit",
-                                ring_->rounded_sensors()));
-  return words;
+    messages.push_back(fmt::format("{} sensor samples were rounded: the take cannot be replayed bit for bit",
+                                   ring_->rounded_sensors()));
+  return messages;
 }
 
 }  // namespace tactus

@@ -21,13 +21,13 @@ struct TakeStatus {
   std::int64_t dropped_frames = 0;  ///< the disk was too slow; they are marked in the journal
   std::int64_t lost_entries = 0;    ///< such a take cannot be replayed bit for bit
   bool restarted = false;           ///< the stream was prepared anew: finish, and begin another take
-  std::string trouble;              ///< why nothing is written any more: the disk is full; empty: all is well
-  std::vector<std::string> words;   ///< what did not go well; none: all did
+  std::string error;                ///< why nothing is written any more: the disk is full; empty: all is well
+  std::vector<std::string> messages;  ///< what went wrong; empty: nothing
 };
 
 /// Records a take: take.wav with sensors and drives, and take.jsonl with everything else that entered
-/// `process`. The audio thread only ever copies into memory that is there; a thread of this object looks
-/// every 20 ms and writes. What the sound does never depends on the disk.
+/// `process`. The audio thread only ever copies into memory that is there; a thread of this object writes
+/// every 20 ms. What the sound does never depends on the disk.
 ///
 ///   auto stream = backend.open(request, guarded);              // prepares `guarded`
 ///   TakeHeader header = …;                                     // apps/cli/take_files.h: take_header
@@ -60,14 +60,14 @@ class TakeRecorder {
   void note_edit(TakeEdit edit);
   /// [control]
   TakeStatus status() const;
-  /// [control & stopped] Writes what is left and ends the files. Gives the words of the last status; a second
-  /// call gives none.
+  /// [control & stopped] Writes what is left and ends the files. Returns the messages of the last status; a
+  /// second call returns none.
   std::vector<std::string> finish();
 
  private:
   TakeRecorder(TakeHeader header, std::unique_ptr<TakeRing> ring, TakeWriter writer);
   void run();
-  std::vector<std::string> in_words(const TakeStatus& status) const;
+  std::vector<std::string> messages_of(const TakeStatus& status) const;
 
   Hertz sample_rate_;
   std::unique_ptr<TakeRing> ring_;

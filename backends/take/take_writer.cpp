@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "backends/take/take_lines.h"
-
 namespace tactus {
 namespace {
 
@@ -42,10 +40,10 @@ TakeWriter::TakeWriter(GrowingWav wav, std::filesystem::path journal, const Take
 bool TakeWriter::work() {
   const auto written = ring_->written();
   drain_events();
-  if (trouble_.empty())
+  if (error_.empty())
     if (const auto status = write_samples(written); !status) fail_with(status.error().what);
-  if (trouble_.empty() && wav_.frames() - settled_ >= settle_every_) settle();
-  return trouble_.empty();
+  if (error_.empty() && wav_.frames() - settled_ >= settle_every_) settle();
+  return error_.empty();
 }
 
 void TakeWriter::drain_events() {
@@ -54,7 +52,7 @@ void TakeWriter::drain_events() {
       write_gap({event.entry.frame, event.frames});
     else if (event.entry.kind == JournalEntry::Kind::Replacement)
       replaced_.push_back(event.entry.frame);
-    else if (trouble_.empty())
+    else if (error_.empty())
       journal_ << entry_line(event.entry);
   }
   match_edits();
@@ -63,7 +61,7 @@ void TakeWriter::drain_events() {
 void TakeWriter::match_edits() {
   while (!replaced_.empty() && !edits_.empty()) {
     edits_.front().frame = replaced_.front();
-    if (trouble_.empty()) journal_ << edit_line(edits_.front());
+    if (error_.empty()) journal_ << edit_line(edits_.front());
     edits_.pop_front();
     replaced_.pop_front();
   }
@@ -71,7 +69,7 @@ void TakeWriter::match_edits() {
 
 void TakeWriter::write_gap(const TakeGap& gap) {
   gaps_.push_back(gap);
-  if (trouble_.empty()) journal_ << gap_line(gap);
+  if (error_.empty()) journal_ << gap_line(gap);
 }
 
 /// Missing frames are zeros, so that frame n of the file is frame n of the stream.
@@ -99,14 +97,14 @@ void TakeWriter::note_progress() {
 
 void TakeWriter::settle() {
   note_progress();
-  journal_ << complete_line(progress_) << std::flush;
+  journal_ << progress_line(progress_) << std::flush;
   if (!journal_) return fail_with(why_not_written());
   if (const auto status = wav_.settle(); !status) return fail_with(status.error().what);
   settled_ = wav_.frames();
 }
 
 void TakeWriter::fail_with(const std::string& what) {
-  trouble_ = what;
+  error_ = what;
   wav_.save_what_is_there();
 }
 
@@ -116,9 +114,10 @@ void TakeWriter::finish() {
     write_gap(gap);
     (void)work();
   }
-  if (trouble_.empty()) settle();
-  progress_.ended = !trouble_.empty() ? trouble_ : ring_->restarted() ? "the stream began again" : "";
-  if (journal_) journal_ << end_line(progress_) << std::flush;
+  if (error_.empty()) settle();
+  progress_.ended = !error_.empty() ? error_ : ring_->restarted() ? "the stream began again" : "";
+  progress_.finished = true;
+  if (journal_) journal_ << progress_line(progress_) << std::flush;
 }
 
 }  // namespace tactus

@@ -31,7 +31,7 @@ class TakeWriter {
   /// Frames in the WAV, gaps included.
   std::int64_t frames() const { return wav_.frames(); }
   /// Why nothing is written any more; empty if all is well.
-  const std::string& trouble() const { return trouble_; }
+  const std::string& error() const { return error_; }
 
  private:
   TakeWriter(GrowingWav wav, std::filesystem::path journal, const TakeHeader& header, TakeRing& ring);
@@ -55,7 +55,7 @@ class TakeWriter {
   std::int64_t settle_every_;          ///< frames
   std::int64_t settled_ = 0;           ///< frames
   Take progress_;                      ///< as of the last line
-  std::string trouble_;
+  std::string error_;
 };
 
 }  // namespace tactus

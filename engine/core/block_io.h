@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "engine/core/error.h"
 #include "engine/core/realtime.h"
 #include "engine/core/units.h"

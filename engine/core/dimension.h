@@ -32,10 +32,14 @@ struct Unit {
   double from_si(double si) const;
 };
 
-/// "ms", "N/m^1.5", "T m", "kg/s", "m/s^2", "full scale", "dB", "%", "" (plain). Factors stand apart by a
+/// "ms", "N/m^1.5", "T m", "kg/s", "m/s^2", "full scale", "dB", "%", "" (plain). Factors are separated by a
 /// space or '*'; everything after a '/' up to the next '/' divides once ("N s/m" is N·s per m, "N/m/s" N per
 /// m per s). nullopt: not a unit.
 std::optional<Unit> parse_unit(std::string_view text);
+
+/// The longest beginning of `text` that reads as a unit inside an expression; "" if there is none. Factors
+/// are joined by spaces or by a '/' without spaces around it: "N/m * x" begins with "N/m", "N / m" with "N".
+std::string_view unit_prefix(std::string_view text);
 
 /// True for one unit symbol ("ms", "ohm", "dB").
 bool is_unit_symbol(std::string_view word);

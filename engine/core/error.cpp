@@ -30,10 +30,7 @@ std::string to_string(const Error& error) {
 
 std::string to_string(const std::vector<Error>& errors) {
   std::string text;
-  for (const auto& error : errors) {
-    if (!text.empty()) text += '\n';
-    text += to_string(error);
-  }
+  for (const auto& error : errors) text += (text.empty() ? "" : "\n") + to_string(error);
   return text;
 }
 

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "engine/core/realtime.h"
+#include "engine/core/spsc_queue.h"
 
 namespace tactus {
 
@@ -41,6 +45,59 @@ class JournalTap {
   virtual ~JournalTap() = default;
   /// [realtime] `entry` carries its true frame, which lies in the block being processed.
   virtual void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING = 0;
+};
+
+/// [control] What enters `process` besides samples, each entry applied at its frame: a journal known
+/// beforehand, and entries posted while it runs.
+class ControlInbox {
+ public:
+  /// [control & stopped] Sorted by frame; applies from the next `take_due` on.
+  void set_journal(std::vector<JournalEntry> entries) {
+    journal_ = std::move(entries);
+    next_ = 0;
+  }
+  /// [control & stopped] The journal starts again.
+  void restart() noexcept { next_ = 0; }
+  /// [control & stopped] `tap` observes every entry that is applied, with its true frame. nullptr: none.
+  void set_tap(JournalTap* tap) noexcept { tap_ = tap; }
+  /// [control, one thread] False: the queue is full.
+  [[nodiscard]] bool post(const JournalEntry& entry) noexcept { return posted_.push(entry); }
+
+  /// [control & stopped] Drops the entries that wait for their frame.
+  void drop_posted() noexcept {
+    while (posted_.front() != nullptr) posted_.drop_front();
+  }
+
+  /// [realtime] Gives every entry that is due at `now` to `apply`. Returns the frames until the next one, at
+  /// most `frames`.
+  template <class Apply>
+  std::int64_t take_due(std::int64_t now, std::int64_t frames, Apply apply) noexcept {
+    for (; next_ < journal_.size() && journal_[next_].frame <= now; ++next_)
+      take(journal_[next_], now, apply);
+    if (next_ < journal_.size()) frames = std::min(frames, journal_[next_].frame - now);
+    const JournalEntry* posted = posted_.front();
+    for (; posted != nullptr && posted->frame <= now; posted = posted_.front()) {
+      take(*posted, now, apply);
+      posted_.drop_front();
+    }
+    return posted == nullptr ? frames : std::min(frames, posted->frame - now);
+  }
+  /// [realtime] Shows an entry to the tap.
+  void observe(const JournalEntry& entry) noexcept {
+    if (tap_ != nullptr) tap_->applied(entry);
+  }
+
+ private:
+  template <class Apply>
+  void take(const JournalEntry& entry, std::int64_t now, Apply apply) noexcept {
+    observe({now, entry.kind, entry.index, entry.value});
+    apply(entry);
+  }
+
+  std::vector<JournalEntry> journal_;
+  std::size_t next_ = 0;
+  SpscQueue<JournalEntry> posted_{256};
+  JournalTap* tap_ = nullptr;
 };
 
 }  // namespace tactus

@@ -1,7 +1,6 @@
 #pragma once
 // Thread: [any]
 
-#include <cmath>
 #include <cstdint>
 
 #if defined(__SSE2__)

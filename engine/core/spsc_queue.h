@@ -11,8 +11,8 @@ namespace tactus {
 
 /// A bounded first-in first-out queue between one producing and one consuming thread. Neither ever waits: a
 /// full queue refuses, an empty one returns nothing. Each side owns its counter and keeps a copy of the
-/// other's, which it refreshes only when the copy says full or empty, so that the two threads seldom touch
-/// the same cache line. Counters run freely; a slot is the counter modulo the capacity, a power of two.
+/// other's, which it refreshes only when by the copy it is full or empty, so that the two threads seldom
+/// touch the same cache line. Counters run freely; a slot is the counter modulo the capacity, a power of two.
 /// Source: Lamport, "Proving the correctness of multiprocess programs", IEEE TSE 3(2), 1977.
 template <class T>
 class SpscQueue {

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "engine/core/index.h"
 #include "engine/core/realtime.h"
 #include "engine/core/units.h"
 
@@ -52,7 +53,7 @@ struct DelayRange {
 
 /// A running node: one lane of one node of a graph, with its state. Made, ready to run, by `NodeType::make`.
 ///
-/// The contract, kept by tests/conformance for every registered type:
+/// The contract, checked by tests/conformance for every registered type:
 ///  - The output does not depend on how the frames are cut into blocks. Vectorised recurrences and updates of
 ///    coefficients therefore lie on the absolute frame grid (`first_frame`); nothing depends on `frames`.
 ///  - `process` never allocates, locks, waits, logs or throws.
@@ -106,7 +107,7 @@ class Node {
   /// [any] Notes on how the node was made, for `tactus explain`; may be empty.
   virtual std::string about() const { return {}; }
 
-  /// [any] How many frames an input was clamped (a delay beyond its range, say).
+  /// [any] How many frames an input was clamped (for example a delay beyond its range).
   virtual std::int64_t clamped() const { return 0; }
 };
 

@@ -30,7 +30,7 @@ Status NodeSetup::take_memory(std::size_t numbers) const {
 const InputInfo& NodeSetup::input(std::string_view name) const {
   const int i = type->input_index(name);
   assert(i >= 0);
-  const auto& info = inputs[static_cast<std::size_t>(i)];
+  const auto& info = inputs[index(i)];
   info.asked = true;
   return info;
 }
@@ -38,7 +38,7 @@ const InputInfo& NodeSetup::input(std::string_view name) const {
 const SettingValue& NodeSetup::setting(std::string_view name) const {
   const int i = index_of(type->settings, name);
   assert(i >= 0);
-  return settings[static_cast<std::size_t>(i)];
+  return settings[index(i)];
 }
 
 int NodeType::input_index(std::string_view port) const { return index_of(inputs, port); }

@@ -2,8 +2,8 @@
 
 // Thread: [control]. A declaration is made once and constant from then on: reading it is [any].
 
+#include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -153,7 +153,7 @@ struct NodeType {
   std::optional<double> small_signal_gain = {};
   /// Unread outputs may be given as nullptr (networks: hundreds of outputs, few of them read).
   bool skips_unread = false;
-  /// Tells declarations of one name apart (networks).
+  /// Distinguishes declarations of one name (networks).
   std::uint64_t fingerprint = 0;
   /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.
   std::function<Interval(int output, const NodeSetup&)> range = {};
@@ -161,6 +161,25 @@ struct NodeType {
   /// Index in `inputs` / `outputs`, or -1.
   int input_index(std::string_view port) const;
   int output_index(std::string_view port) const;
+};
+
+struct NetworkSpec;
+
+/// Every kind of node that a graph file can name. Filled by engine/nodes (`standard_nodes()`).
+struct NodeTable {
+  std::vector<const NodeType*> types;
+
+  /// Turns one `[networks.x]` into the declaration of one node: its inputs are the fields of the elements
+  /// that take signals ("coil.voltage"), its outputs what the elements can be asked for ("stick.position").
+  /// Structural errors (unknown element types and keys, elements that do not exist) come back all at once.
+  std::function<Checked<std::shared_ptr<const NodeType>>(const NetworkSpec&)> network;
+
+  /// nullptr if there is no such type.
+  const NodeType* find(std::string_view name) const {
+    const auto found =
+        std::find_if(types.begin(), types.end(), [&](auto* type) { return type->name == name; });
+    return found == types.end() ? nullptr : *found;
+  }
 };
 
 }  // namespace tactus

@@ -1,6 +1,9 @@
 #pragma once
 // Thread: [realtime] unless stated otherwise
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/guard/drive_limits.h"
 #include "engine/guard/guard_group.h"
 
@@ -20,7 +23,12 @@ class DcLimiter {
   static constexpr double kGainPerSecond = 2.0;
 
   /// [control]
-  DcLimiter(const DcLimits& limits, Hertz sample_rate);
+  DcLimiter(const DcLimits& limits, Hertz sample_rate)
+      : limited_(limits.level < 1.0),
+        level_(limits.level),
+        time_s_(limits.time.value),
+        step_s_(kGuardGroup / sample_rate.value),
+        mean_share_(-std::expm1(-step_s_ / kMean_s)) {}
 
   /// [realtime] The signal before this gain, in part of a group.
   void observe(const double* samples, int frames, int position) noexcept {
@@ -28,7 +36,15 @@ class DcLimiter {
     sum_.add(position, frames, [samples](int n) { return samples[n]; });
   }
   /// [realtime] A group is over.
-  void end_group() noexcept;
+  void end_group() noexcept {
+    if (!limited_) return;
+    mean_ += (sum_.take() / kGuardGroup - mean_) * mean_share_;
+    const double size = std::abs(mean_);
+    spent_s_ = std::clamp(spent_s_ + (size > level_ ? step_s_ : -step_s_), 0.0, time_s_);
+    const double target = size > level_ && spent_s_ >= time_s_ ? level_ / size : 1.0;
+    const double step = kGainPerSecond * step_s_;
+    gain_.move_to(std::clamp(target, gain_.now() - step, gain_.now() + step));
+  }
 
   const GroupGain& gain() const noexcept { return gain_; }
 

@@ -66,28 +66,28 @@ std::optional<std::int64_t> DriveGuard::take_feedback() noexcept {
 void DriveGuard::process(double* samples, int frames, std::int64_t first_frame) noexcept {
   while (frames > 0) {
     const int position = guard_position(first_frame);
-    const int piece = std::min(frames, kGuardGroup - position);
-    const double sum = excursion_ ? sum_of_absolutes(samples, piece) : 0.0;
-    if (passes(samples, piece, first_frame, sum)) {
-      dc_.observe(samples, piece, position);
-      last_ = samples[piece - 1];
-      if (excursion_) excursion_->observe(samples, piece, position, sum);
+    const int length = std::min(frames, kGuardGroup - position);
+    const double sum = excursion_ ? sum_of_absolutes(samples, length) : 0.0;
+    if (passes(samples, length, first_frame, sum)) {
+      dc_.observe(samples, length, position);
+      last_ = samples[length - 1];
+      if (excursion_) excursion_->observe(samples, length, position, sum);
     } else {
       std::array<double, kGuardGroup> wanted;
-      for (int n = 0; n < piece; ++n)
+      for (int n = 0; n < length; ++n)
         samples[n] = shape(samples[n], wanted[index(n)], first_frame + n, position + n);
-      dc_.observe(wanted.data(), piece, position);
-      if (excursion_) excursion_->observe(samples, piece, position, sum_of_absolutes(samples, piece));
+      dc_.observe(wanted.data(), length, position);
+      if (excursion_) excursion_->observe(samples, length, position, sum_of_absolutes(samples, length));
     }
-    if (heat_) heat_->observe(samples, piece, position);
-    samples += piece;
-    frames -= piece;
-    first_frame += piece;
-    if (position + piece == kGuardGroup) end_group(first_frame);
+    if (heat_) heat_->observe(samples, length, position);
+    samples += length;
+    frames -= length;
+    first_frame += length;
+    if (position + length == kGuardGroup) end_group(first_frame);
   }
 }
 
-/// True if no stage can have anything to do in this piece: one look at all of it.
+/// True if no stage can have anything to do in this block.
 bool DriveGuard::passes(const double* samples, int frames, std::int64_t first_frame,
                         double sum_of_absolutes) const noexcept {
   if (!gain_.done(first_frame) || gain_.to != 1.0) return false;
@@ -103,11 +103,11 @@ bool DriveGuard::passes(const double* samples, int frames, std::int64_t first_fr
   return !excursion_ || excursion_->stays_within(sum_of_absolutes, ceiling_);
 }
 
-/// One frame through all stages; `wanted`: what it is before the gain of direct current.
+/// One frame through all stages; `wanted`: what it is before the DC gain.
 double DriveGuard::shape(double sample, double& wanted, std::int64_t frame, int position) noexcept {
   double y = sample;
   if (!std::isfinite(y)) {
-    // Zero and not the last value: a fault that lasts must not hold a coil under direct current.
+    // Zero and not the last value: a fault that lasts must not leave DC on a coil.
     y = held_back(ceiling_, 0.0, GuardStage::NonFinite, frame, crest_frames_);
   }
   const double bounded = std::clamp(y, -ceiling_, ceiling_);

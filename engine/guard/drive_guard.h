@@ -1,6 +1,8 @@
 #pragma once
 // Thread: [realtime] unless stated otherwise
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -10,10 +12,31 @@
 #include "engine/guard/drive_limits.h"
 #include "engine/guard/excursion_limiter.h"
 #include "engine/guard/feedback_detector.h"
-#include "engine/guard/guard_counts.h"
 #include "engine/guard/heat_limiter.h"
 
 namespace tactus {
+
+/// How often a stage of the guard intervened: frames, and the largest reduction, in full scale.
+struct StageCount {
+  std::int64_t frames = 0;
+  double most = 0.0;
+
+  bool operator==(const StageCount&) const = default;
+};
+
+enum class GuardStage { NonFinite, Heat, Dc, Excursion, Ceiling, Slew };
+inline constexpr std::size_t kGuardStages = 6;
+
+/// All stages of the guard of one channel.
+struct GuardCounts {
+  std::array<StageCount, kGuardStages> stages{};
+
+  StageCount& operator[](GuardStage stage) noexcept { return stages[static_cast<std::size_t>(stage)]; }
+  const StageCount& operator[](GuardStage stage) const noexcept {
+    return stages[static_cast<std::size_t>(stage)];
+  }
+  bool operator==(const GuardCounts&) const = default;
+};
 
 /// The fixed last stage of one output channel:
 ///   finite    a NaN or infinity becomes 0

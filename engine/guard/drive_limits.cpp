@@ -1,6 +1,6 @@
 #include "engine/guard/drive_limits.h"
 
-#include <string>
+#include <initializer_list>
 
 #include "engine/guard/guard_group.h"
 #include "engine/guard/heat_limiter.h"
@@ -15,33 +15,41 @@ bool within(double x, double low, double high) { return x >= low && x <= high; }
 constexpr double kShortestTime_s = 0.01;
 constexpr double kLongestTime_s = 1e6;
 
-Status refuse(const std::string& what, const std::string& remedy = {}) {
-  return fail(Errc::OutOfRange, "", what, remedy);
+struct Rule {
+  bool satisfied;
+  const char* violation;
+  const char* remedy = "";
+};
+
+Status first_violation(std::initializer_list<Rule> rules) {
+  for (const auto& rule : rules)
+    if (!rule.satisfied) return fail(Errc::OutOfRange, "", rule.violation, rule.remedy);
+  return {};
 }
 
 Status check(const HeatLimits& heat, double ceiling, double slew_per_second, Hertz sample_rate) {
-  if (!positive(heat.watts_at_full_scale) || !positive(heat.watts_for_ever) || !positive(heat.rise_kelvin))
-    return refuse("a power or a rise in the heat limit of a drive is not positive");
-  if (!within(heat.coil_time.value, kShortestTime_s, kLongestTime_s) ||
-      !within(heat.body_time.value, kShortestTime_s, kLongestTime_s))
-    return refuse("a time constant in the heat limit of a drive lies outside 10 ms to a million seconds");
-  if (!(heat.coil_share > 0.0 && heat.coil_share < 1.0))
-    return refuse("the coil's share of the heat of a drive lies outside 0 to 1");
-  if (fastest_rise(heat, ceiling) * kGuardGroup / sample_rate.value > 0.125)
-    return refuse("the coil of a drive would burn before the guard could act",
-                  "lower its ceiling or the volts per full scale");
-  if (rise_on_the_way_down(heat, ceiling, slew_per_second) > 0.125)
-    return refuse("the coil of a drive would burn before its slew limit lets it come down",
-                  "lower its ceiling, or let it move faster");
-  return {};
+  return first_violation(
+      {{positive(heat.watts_at_full_scale) && positive(heat.watts_for_ever) && positive(heat.rise_kelvin),
+        "a power or a rise in the heat limit of a drive is not positive"},
+       {within(heat.coil_time.value, kShortestTime_s, kLongestTime_s) &&
+            within(heat.body_time.value, kShortestTime_s, kLongestTime_s),
+        "a time constant in the heat limit of a drive lies outside 10 ms to a million seconds"},
+       {heat.coil_share > 0.0 && heat.coil_share < 1.0,
+        "the coil's share of the heat of a drive lies outside 0 to 1"},
+       {!(fastest_rise(heat, ceiling) * kGuardGroup / sample_rate.value > 0.125),
+        "the coil of a drive would burn before the guard could act",
+        "lower its ceiling or the volts per full scale"},
+       {!(rise_on_the_way_down(heat, ceiling, slew_per_second) > 0.125),
+        "the coil of a drive would burn before its slew limit lets it come down",
+        "lower its ceiling, or let it move faster"}});
 }
 
-Status check(const ExcursionLimits& travel) {
-  if (!positive(travel.metres) || !positive(travel.metres_at_full_scale) || !positive(travel.q))
-    return refuse("a length or the quality factor in the travel limit of a drive is not positive");
-  if (!positive(travel.resonance.value))
-    return refuse("the resonance in the travel limit of a drive is not positive");
-  return {};
+Status check(const ExcursionLimits& excursion) {
+  return first_violation(
+      {{positive(excursion.metres) && positive(excursion.metres_at_full_scale) && positive(excursion.q),
+        "a length or the quality factor in the excursion limit of a drive is not positive"},
+       {positive(excursion.resonance.value),
+        "the resonance in the excursion limit of a drive is not positive"}});
 }
 
 }  // namespace
@@ -57,25 +65,20 @@ DriveLimits cautious_limits() {
 }
 
 Status check(const DriveLimits& limits, Hertz sample_rate) {
-  if (!(limits.ceiling > 0.0 && limits.ceiling <= 1.0))
-    return refuse("the ceiling of a drive lies outside (0, 1] full scale",
-                  "give it as a fraction of what the converter can put out");
-  if (!(limits.slew_per_second > 0.0))
-    return refuse("the slew limit of a drive is not positive",
-                  "leave it out for no limit, or give full scales a second");
-  if (!within(limits.soft_start.value, 0.0, 60.0))
-    return refuse("the soft start of a drive lies outside 0 s to 60 s");
-  if (!within(limits.fade_out.value, 0.0, 1.0))
-    return refuse("the fade out of a drive lies outside 0 s to 1 s");
-  if (!positive(limits.dc.level)) return refuse("the level of direct current of a drive is not positive");
-  if (!within(limits.dc.time.value, 0.0, 3600.0))
-    return refuse("the time of direct current of a drive lies outside 0 s to an hour");
-  if (limits.heat)
-    if (auto status = check(*limits.heat, limits.ceiling, limits.slew_per_second, sample_rate); !status)
-      return status;
-  if (limits.excursion)
-    if (auto status = check(*limits.excursion); !status) return status;
-  return {};
+  auto status = first_violation(
+      {{limits.ceiling > 0.0 && limits.ceiling <= 1.0,
+        "the ceiling of a drive lies outside (0, 1] full scale",
+        "give it as a fraction of what the converter can put out"},
+       {limits.slew_per_second > 0.0, "the slew limit of a drive is not positive",
+        "leave it out for no limit, or give full scales a second"},
+       {within(limits.soft_start.value, 0.0, 60.0), "the soft start of a drive lies outside 0 s to 60 s"},
+       {within(limits.fade_out.value, 0.0, 1.0), "the fade out of a drive lies outside 0 s to 1 s"},
+       {positive(limits.dc.level), "the DC level of a drive is not positive"},
+       {within(limits.dc.time.value, 0.0, 3600.0), "the DC time of a drive lies outside 0 s to an hour"}});
+  if (status && limits.heat)
+    status = check(*limits.heat, limits.ceiling, limits.slew_per_second, sample_rate);
+  if (status && limits.excursion) status = check(*limits.excursion);
+  return status;
 }
 
 }  // namespace tactus

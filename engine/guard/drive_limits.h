@@ -30,7 +30,7 @@ struct ExcursionLimits {
   double q = 1.0;                     ///< sqrt(k m) / (c + Bl²/R_e); > 0
 };
 
-/// How long direct current may last: the mean of the drive over half a second may lie beyond `level` for
+/// How long DC may last: the mean of the drive over half a second may lie beyond `level` for
 /// `time`.
 struct DcLimits {
   double level = 1.0;  ///< what may last for ever; > 0, and 1 is no limit
@@ -51,7 +51,7 @@ struct DriveLimits {
 /// [any] For a drive whose actuator is unknown. Why these: docs/decisions.md.
 DriveLimits cautious_limits();
 
-/// [control] OutOfRange, in words, if a limit makes no sense, or cannot be kept at this rate: no coil may go
+/// [control] OutOfRange if a limit makes no sense, or cannot be kept at this rate: no coil may go
 /// through more than an eighth of its heat in 64 frames at the ceiling, or on the way from there to 0.
 [[nodiscard]] Status check(const DriveLimits& limits, Hertz sample_rate = 48_kHz);
 

@@ -37,8 +37,8 @@ class ExcursionLimiter {
   /// [realtime] What may go out instead of `wanted` behind `previous`, at `position` of the group.
   double allow(double wanted, double previous, int position) noexcept;
   /// [realtime] What went out at `position`.
-  void record(double y, int position) noexcept { observed_[static_cast<std::size_t>(position)] = y; }
-  /// [realtime] The outputs of a piece of a group.
+  void record(double y, int position) noexcept { observed_[index(position)] = y; }
+  /// [realtime] The outputs of part of a group.
   void observe(const double* samples, int frames, int position, double sum_of_absolutes) noexcept;
   /// [realtime] A group is over.
   void end_group() noexcept;
@@ -69,7 +69,7 @@ class ExcursionLimiter {
   Vector2 at_start_;  ///< of the group
   Vector2 now_;       ///< before frame `known_` of the group
   int known_ = 0;
-  double bound_ = 0.0;  ///< of r, before the piece to come
+  double bound_ = 0.0;  ///< of r, before the next samples
 };
 
 }  // namespace tactus

@@ -169,7 +169,8 @@ void Guarded::guard_frames(const BlockIo& io, int from, int to, std::int64_t fir
   const int fault = first_sensor_fault(io, from, to, first_frame);
   guard_outputs(io, from, fault, first_frame);
   if (fault == to) return;
-  disarm_drives(first_frame + fault);
+  for (auto& channel : channels_) channel.armed = false;
+  open_guards(first_frame + fault);
   guard_outputs(io, fault, to, first_frame);
 }
 
@@ -198,11 +199,6 @@ int Guarded::first_sensor_fault(const BlockIo& io, int from, int to, std::int64_
     (void)events_.push({first_frame + from + found->frame, kind, static_cast<int>(c)});
   }
   return first;
-}
-
-void Guarded::disarm_drives(std::int64_t frame) noexcept {
-  for (auto& channel : channels_) channel.armed = false;
-  open_guards(frame);
 }
 
 void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {

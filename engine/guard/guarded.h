@@ -2,12 +2,10 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
 #include "engine/core/block_io.h"
-#include "engine/core/control_inbox.h"
 #include "engine/core/journal.h"
 #include "engine/core/spsc_queue.h"
 #include "engine/guard/drive_guard.h"
@@ -135,7 +133,6 @@ class Guarded final : public BlockProcessor {
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
   void publish(const JournalEntry& entry) noexcept;
   bool apply_command(const JournalEntry& command) noexcept;
-  void disarm_drives(std::int64_t frame) noexcept;
   void open_guards(std::int64_t frame) noexcept;
 
   BlockProcessor& inner_;

@@ -46,7 +46,7 @@ class HeatLimiter {
   /// [control]
   HeatLimiter(const HeatLimits& limits, double ceiling, double slew_per_second, Hertz sample_rate);
 
-  /// [realtime] The outputs of a piece of a group.
+  /// [realtime] The outputs of part of a group.
   void observe(const double* samples, int frames, int position) noexcept {
     squares_.add(position, frames, [samples](int n) { return samples[n] * samples[n]; });
   }

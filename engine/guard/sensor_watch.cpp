@@ -53,10 +53,10 @@ std::optional<SensorWatch::Found> SensorWatch::observe_part(const double* sample
   railed_ = railed.at_end;
   before_ = frames > 1 ? samples[frames - 2] : last_;
   last_ = samples[frames - 1];
-  if (told_) return std::nullopt;
+  if (reported_) return std::nullopt;
   const bool stuck = was_noisy && same.full >= 0;
   if (railed.full < 0 && !stuck) return std::nullopt;
-  told_ = true;
+  reported_ = true;
   if (railed.full >= 0 && (!stuck || railed.full <= same.full))
     return Found{static_cast<int>(railed.full), Fault::Railed};
   return Found{static_cast<int>(same.full), Fault::Stuck};

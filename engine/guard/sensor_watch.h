@@ -24,7 +24,7 @@ class SensorWatch {
       : patience_(static_cast<std::int64_t>(frames_in(kPatience, sample_rate))) {}
 
   struct Found {
-    int frame;  ///< of the piece
+    int frame;  ///< of the block
     Fault fault;
   };
   /// [realtime] The first fault, once until `rearm`. Frames come one after another; the block size does not
@@ -33,7 +33,7 @@ class SensorWatch {
   /// [realtime] The user armed again: the 40 ms start anew. The noise state is kept.
   void rearm() noexcept {
     same_ = railed_ = 0;
-    told_ = false;
+    reported_ = false;
   }
 
  private:
@@ -46,7 +46,7 @@ class SensorWatch {
   std::int64_t same_ = 0, railed_ = 0;  ///< frames so far
   double last_ = 0.0, before_ = 0.0;
   int observed_ = 0, turns_ = 0;  ///< in this window
-  bool noisy_ = false, told_ = false;
+  bool noisy_ = false, reported_ = false;
 };
 
 }  // namespace tactus

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 
 namespace tactus {
 

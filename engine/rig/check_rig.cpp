@@ -27,22 +27,22 @@ Unit sensitivity_unit(const EntrySpec& input) {
   return unit;
 }
 
-void report_lanes(const RigPort& port, int lanes, ErrorList& mistakes) {
+void report_lanes(const RigPort& port, int lanes, ErrorList& errors) {
   std::string example;
   for (int lane = 1; lane <= std::min(lanes, 3); ++lane) example += fmt::format("{}, ", lane);
-  mistakes.add(Errc::OutOfRange, port.at,
-               fmt::format("'{}' has {} lane{}, but {} channel{}", port.name, lanes, lanes == 1 ? "" : "s",
-                           port.channels.size(), port.channels.size() == 1 ? "" : "s"),
-               lanes == 1 ? "give one, as in channel = 1"
-                          : fmt::format("give each lane one, as in channel = [{}{}]",
-                                        lanes > 3 ? example : example.substr(0, example.size() - 2),
-                                        lanes > 3 ? "…" : ""));
+  errors.add(Errc::OutOfRange, port.at,
+             fmt::format("'{}' has {} lane{}, but {} channel{}", port.name, lanes, lanes == 1 ? "" : "s",
+                         port.channels.size(), port.channels.size() == 1 ? "" : "s"),
+             lanes == 1 ? "give one, as in channel = 1"
+                        : fmt::format("give each lane one, as in channel = [{}{}]",
+                                      lanes > 3 ? example : example.substr(0, example.size() - 2),
+                                      lanes > 3 ? "…" : ""));
 }
 
 class RigCheck {
  public:
   RigCheck(const Rig& rig, const GraphSpec& instrument)
-      : rig_(rig), instrument_(instrument), mistakes_(rig.file) {}
+      : rig_(rig), instrument_(instrument), errors_(rig.file) {}
 
   std::vector<Error> run() {
     check_names(rig_.inputs, instrument_.inputs, "input");
@@ -55,7 +55,7 @@ class RigCheck {
       if (is_audio(output)) check_audio(output.name);
     for (const auto& control : rig_.controls) check_control(control);
     for (const auto& midi : rig_.midi) check_midi(midi);
-    return mistakes_.take();
+    return errors_.take();
   }
 
  private:
@@ -63,8 +63,8 @@ class RigCheck {
                       const std::vector<EntrySpec>& known) {
     if (instrument_.incomplete) return;
     const auto names = names_of(known);
-    mistakes_.add(Errc::UnknownName, at, "the instrument has no " + what + " '" + name + "'",
-                  suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
+    errors_.add(Errc::UnknownName, at, "the instrument has no " + what + " '" + name + "'",
+                suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
   }
 
   template <class Items>
@@ -78,10 +78,10 @@ class RigCheck {
     if (rig_.incomplete) return;
     for (const auto& port : needed)
       if (find_named(ports, port.name) == nullptr)
-        mistakes_.add(Errc::Missing, {rig_.file.file, 1, 1},
-                      what + " '" + port.name + "' of the instrument has no channel",
-                      "under [" + what + "s], write " + port.name +
-                          " = { channel = 1 }, or { channel = \"none\" } to leave it out");
+        errors_.add(Errc::Missing, {rig_.file.file, 1, 1},
+                    what + " '" + port.name + "' of the instrument has no channel",
+                    "under [" + what + "s], write " + port.name +
+                        " = { channel = 1 }, or { channel = \"none\" } to leave it out");
   }
 
   void check_input(const EntrySpec& port) {
@@ -89,7 +89,7 @@ class RigCheck {
     if (input == nullptr || input->channels.empty()) return;
     ErrorList reported_elsewhere;
     const int lanes = read_input(port, reported_elsewhere).lanes;
-    if (index(lanes) != input->channels.size()) report_lanes(*input, lanes, mistakes_);
+    if (index(lanes) != input->channels.size()) report_lanes(*input, lanes, errors_);
     const auto wanted = sensitivity_unit(port);
     const auto volt = parse_unit("V")->dimension;
     const auto per = to_string(volt / wanted.dimension);
@@ -97,13 +97,13 @@ class RigCheck {
     const auto example =
         per.empty() ? "\"50 mV\"" : "the volts for 1 " + per + ", such as \"2 " + unit + "\"";
     if (!input->sensitivity && !(wanted.dimension == volt))
-      mistakes_.add(Errc::Missing, input->at,
-                    "'" + port.name + "' is in " + per + ", and nothing says how many volts that is",
-                    "give volts_per_full_scale, and as sensitivity " + example);
+      errors_.add(Errc::Missing, input->at,
+                  "'" + port.name + "' is in " + per + ", and nothing says how many volts that is",
+                  "give volts_per_full_scale, and as sensitivity " + example);
     if (!input->sensitivity || input->sensitivity->bare) return;
     if (!(input->sensitivity->unit.dimension == wanted.dimension))
-      mistakes_.add(Errc::UnitMismatch, input->sensitivity_at,
-                    "the sensitivity of '" + port.name + "' must be in " + unit, "give " + example);
+      errors_.add(Errc::UnitMismatch, input->sensitivity_at,
+                  "the sensitivity of '" + port.name + "' must be in " + unit, "give " + example);
   }
 
   void check_audio(const std::string& name) {
@@ -111,11 +111,11 @@ class RigCheck {
     for (const int channel : output != nullptr ? output->channels : std::vector<int>{})
       if (const auto* actuator = rig_.actuator_on(channel)) {
         const auto& profile = actuator->drive.profile;
-        return mistakes_.add(Errc::BadArgument, output->at,
-                             fmt::format("'{}' is sound, but channel {} drives an actuator{}", name, channel,
-                                         profile.empty() ? "" : " (" + profile + ")"),
-                             "sound is limited less than drives; give it another channel, or make it a "
-                             "drive in the instrument");
+        return errors_.add(Errc::BadArgument, output->at,
+                           fmt::format("'{}' is sound, but channel {} drives an actuator{}", name, channel,
+                                       profile.empty() ? "" : " (" + profile + ")"),
+                           "sound is limited less than drives; give it another channel, or make it a "
+                           "drive in the instrument");
       }
   }
 
@@ -127,23 +127,23 @@ class RigCheck {
     if (!read.unit_known || reported_elsewhere.any()) return;
     const auto& control = read.control;
     if (!set.value.bare && !(set.value.unit.dimension == control.unit.dimension))
-      mistakes_.add(Errc::UnitMismatch, set.at,
-                    "'" + set.name + "' is set in " + named(set.value.unit.dimension) + ", but it is in " +
-                        named(control.unit.dimension),
-                    "give for instance " + in_unit(control.value, control.unit));
+      errors_.add(Errc::UnitMismatch, set.at,
+                  "'" + set.name + "' is set in " + named(set.value.unit.dimension) + ", but it is in " +
+                      named(control.unit.dimension),
+                  "give for instance " + in_unit(control.value, control.unit));
     else if (!control.range.contains(set.value.si))
-      mistakes_.add(Errc::OutOfRange, set.at,
-                    "'" + set.name + "' cannot be " + in_unit(set.value.si, control.unit),
-                    "it runs from " + in_unit(control.range.low, control.unit) + " to " +
-                        in_unit(control.range.high, control.unit));
+      errors_.add(Errc::OutOfRange, set.at,
+                  "'" + set.name + "' cannot be " + in_unit(set.value.si, control.unit),
+                  "it runs from " + in_unit(control.range.low, control.unit) + " to " +
+                      in_unit(control.range.high, control.unit));
   }
 
   void check_midi(const RigMidi& midi) {
     const auto* entry = find_named(instrument_.controls, midi.control);
     if (entry == nullptr) return report_unknown("control", midi.control, midi.at, instrument_.controls);
     if (find(entry->fields, "range") == nullptr)
-      mistakes_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range for a MIDI control to cover",
-                    "give it one in the instrument, as in range = [0, 1]");
+      errors_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range for a MIDI control to cover",
+                  "give it one in the instrument, as in range = [0, 1]");
   }
 
   static std::string named(const Dimension& dimension) {
@@ -152,7 +152,7 @@ class RigCheck {
 
   const Rig& rig_;
   const GraphSpec& instrument_;
-  ErrorList mistakes_;
+  ErrorList errors_;
 };
 
 bool left_out(const RigPort& port) { return port.channels.empty(); }
@@ -181,10 +181,10 @@ class LaneCounter {
     const auto lane = index(used_[port.name]++);
     return lane < port.channels.size() ? port.channels[lane] - 1 : 0;
   }
-  void check(const RigPort& port, ErrorList& mistakes) const {
+  void check(const RigPort& port, ErrorList& errors) const {
     const auto used = used_.find(port.name);
     if (used != used_.end() && index(used->second) != port.channels.size())
-      report_lanes(port, used->second, mistakes);
+      report_lanes(port, used->second, errors);
   }
 
  private:
@@ -218,7 +218,7 @@ std::shared_ptr<const GraphSpec> without_left_out(const Rig& rig,
 
 Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule) {
   RigWiring wiring;
-  ErrorList mistakes{rig.file};
+  ErrorList errors{rig.file};
   LaneCounter lanes;
   for (const auto& name : schedule.input_names) {
     const auto* input = find_named(rig.inputs, port_of(name));
@@ -233,9 +233,9 @@ Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule) {
     const auto* actuator = rig.actuator_on(wiring.out_map.back() + 1);
     wiring.drives.named[channel.name] = (actuator != nullptr ? actuator : output)->drive.limits;
   }
-  for (const auto& input : rig.inputs) lanes.check(input, mistakes);
-  for (const auto& output : rig.outputs) lanes.check(output, mistakes);
-  if (mistakes.any()) return tl::unexpected(mistakes.take());
+  for (const auto& input : rig.inputs) lanes.check(input, errors);
+  for (const auto& output : rig.outputs) lanes.check(output, errors);
+  if (errors.any()) return tl::unexpected(errors.take());
   return wiring;
 }
 

@@ -16,10 +16,10 @@ namespace tactus {
 namespace {
 
 void read_values(const Value::Table& profile, const FieldType& section, std::map<std::string, double>& values,
-                 ErrorList& mistakes) {
-  const auto* table = read_section(profile, section.key, mistakes);
+                 ErrorList& errors) {
+  const auto* table = read_section(profile, section.key, errors);
   if (table == nullptr) return;
-  FieldReader fields{*table, *section.inside, mistakes, "[" + section.key + "]",
+  FieldReader fields{*table, *section.inside, errors, "[" + section.key + "]",
                      find(profile, section.key)->at};
   for (const auto& field : section.inside->fields)
     if (const auto number = fields.number(field.key)) values[section.key + "." + field.key] = *number;
@@ -28,13 +28,13 @@ void read_values(const Value::Table& profile, const FieldType& section, std::map
 Checked<ActuatorProfile> read(const Result<Value::Table>& table, const std::string& file) {
   if (!table) return tl::unexpected(std::vector{table.error()});
   const Source start{std::make_shared<const std::string>(file), 1, 1};
-  ErrorList mistakes;
-  check_format(*table, start, mistakes);
-  FieldReader fields{*table, profile_fields(), mistakes, "the profile", start};
+  ErrorList errors;
+  check_format(*table, start, errors);
+  FieldReader fields{*table, profile_fields(), errors, "the profile", start};
   ActuatorProfile profile{fields.text("name"), fields.text("about"), fields.text("source"), {}};
   for (const auto& field : profile_fields().fields)
-    if (field.inside != nullptr) read_values(*table, field, profile.values, mistakes);
-  if (mistakes.any()) return tl::unexpected(mistakes.take());
+    if (field.inside != nullptr) read_values(*table, field, profile.values, errors);
+  if (errors.any()) return tl::unexpected(errors.take());
   return profile;
 }
 
@@ -57,14 +57,14 @@ Result<std::filesystem::path> path_of(const std::string& text, const ProfilePlac
 }
 
 std::optional<DriveLimits> read_limits(const DriveEntry& drive, const Source& entry_at, const Source& name_at,
-                                       const ProfilePlaces& places, ErrorList& mistakes) {
+                                       const ProfilePlaces& places, ErrorList& errors) {
   const auto file = path_of(drive.profile, places, name_at);
-  if (mistakes.keep(file) == nullptr) return std::nullopt;
+  if (errors.keep(file) == nullptr) return std::nullopt;
   const auto profile = load_profile(*file);
-  if (!profile) return mistakes.add(profile.error()), std::nullopt;
+  if (!profile) return errors.add(profile.error()), std::nullopt;
   const auto limits = limits_for(*profile, *drive.volts);
   if (const auto status = check(limits); !status)
-    return mistakes.add(Errc::OutOfRange, entry_at, status.error().what, status.error().remedy), std::nullopt;
+    return errors.add(Errc::OutOfRange, entry_at, status.error().what, status.error().remedy), std::nullopt;
   return limits;
 }
 
@@ -195,14 +195,14 @@ std::vector<FieldType> actuator_fields() {
 }
 
 DriveEntry read_drive(const EntrySpec& entry, FieldReader& fields, const ProfilePlaces& places,
-                      ErrorList& mistakes) {
+                      ErrorList& errors) {
   DriveEntry drive{fields.text("profile"), fields.number("volts_per_full_scale"), fields.number("ceiling")};
   if (!drive.profile.empty() && drive.volts)
-    if (const auto limits = read_limits(drive, entry.at, fields.value("profile")->at, places, mistakes))
+    if (const auto limits = read_limits(drive, entry.at, fields.value("profile")->at, places, errors))
       drive.limits = *limits;
   auto& limit = drive.limits.ceiling;
   if (drive.ceiling && *drive.ceiling > limit)
-    mistakes.add(
+    errors.add(
         Errc::OutOfRange, fields.value("ceiling")->at,
         "a file cannot raise a limit: the ceiling of '" + entry.name + "' is " + short_number(limit),
         "lower it, or use --raise-limit ceiling=" + short_number(*drive.ceiling) + " on the command line");

@@ -73,6 +73,6 @@ struct DriveEntry {
 std::vector<FieldType> actuator_fields();
 /// [control] Reads these keys of `entry`; a ceiling may be lower than it is anyway, never higher.
 DriveEntry read_drive(const EntrySpec& entry, FieldReader& fields, const ProfilePlaces& places,
-                      ErrorList& mistakes);
+                      ErrorList& errors);
 
 }  // namespace tactus

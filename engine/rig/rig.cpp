@@ -20,23 +20,23 @@ class RigReader {
   RigReader(const std::filesystem::path& file, const std::filesystem::path& root)
       : places_{file.parent_path(), file.parent_path(), root} {
     rig_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
-    mistakes_ = ErrorList{rig_.file};
+    errors_ = ErrorList{rig_.file};
   }
 
   Checked<Rig> read(const Result<Value::Table>& table) {
-    if (mistakes_.keep(table) != nullptr) {
+    if (errors_.keep(table) != nullptr) {
       read_sections(*table);
       check_channels();
     }
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    if (errors_.any()) return tl::unexpected(errors_.take());
     return std::move(rig_);
   }
 
  private:
   void read_sections(const Value::Table& table) {
     const Source start{rig_.file.file, 1, 1};
-    check_format(table, rig_.file, mistakes_);
-    FieldReader fields{table, rig_fields(), mistakes_, "the rig", start};
+    check_format(table, rig_.file, errors_);
+    FieldReader fields{table, rig_fields(), errors_, "the rig", start};
     const auto keys = rig_fields().keys();
     rig_.incomplete = std::any_of(table.begin(), table.end(), [&](const Field& field) {
       return std::find(keys.begin(), keys.end(), field.key) == keys.end();
@@ -44,23 +44,23 @@ class RigReader {
     rig_.name = fields.text("name");
     rig_.about = fields.text("about");
     rig_.device.at = fields.at("device", start);
-    if (const auto* device = read_section(table, "device", mistakes_)) read_device(*device);
-    for (const auto& entry : read_entries(table, "inputs", "{ channel = 1 }", mistakes_)) read_input(entry);
-    for (const auto& entry : read_entries(table, "outputs", "{ channel = 1 }", mistakes_))
+    if (const auto* device = read_section(table, "device", errors_)) read_device(*device);
+    for (const auto& entry : read_entries(table, "inputs", "{ channel = 1 }", errors_)) read_input(entry);
+    for (const auto& entry : read_entries(table, "outputs", "{ channel = 1 }", errors_))
       rig_.outputs.push_back(read_output(entry, "output"));
     for (const auto& entry :
          read_entries(table, "actuators",
-                      "{ channel = 3, profile = \"woofer\", volts_per_full_scale = \"10 V\" }", mistakes_))
+                      "{ channel = 3, profile = \"woofer\", volts_per_full_scale = \"10 V\" }", errors_))
       read_actuator(entry);
     read_controls(table);
-    for (const auto& entry : read_entries(table, "midi", "{ control = 7 }", mistakes_))
+    for (const auto& entry : read_entries(table, "midi", "{ control = 7 }", errors_))
       if (!entry.broken) rig_.midi.push_back(read_midi(entry));
     read_delay(table);
   }
 
   void read_device(const Value::Table& table) {
     auto& device = rig_.device;
-    FieldReader fields{table, *rig_fields()["device"].inside, mistakes_, "[device]", device.at};
+    FieldReader fields{table, *rig_fields()["device"].inside, errors_, "[device]", device.at};
     device.output = fields.text("output");
     device.input = fields.text("input");
     if (const auto rate = fields.number("rate")) device.rate = Hertz{*rate};
@@ -84,14 +84,14 @@ class RigReader {
     if (whole && *number >= 1 && *number <= kMaxChannels)
       return port.channels.push_back(static_cast<int>(*number));
     rig_.incomplete = true;
-    mistakes_.add(Errc::OutOfRange, value.at,
-                  whole ? "there is no channel " + short_number(*number)
-                        : "a channel must be a whole number, not " + value.kind(),
-                  "channels count from 1, as on the card; \"none\" leaves the port out");
+    errors_.add(Errc::OutOfRange, value.at,
+                whole ? "there is no channel " + short_number(*number)
+                      : "a channel must be a whole number, not " + value.kind(),
+                "channels count from 1, as on the card; \"none\" leaves the port out");
   }
 
   void read_input(const EntrySpec& entry) {
-    FieldReader fields{entry, *rig_fields()["inputs"].inside, mistakes_, "input"};
+    FieldReader fields{entry, *rig_fields()["inputs"].inside, errors_, "input"};
     RigInput input;
     read_port(entry, fields, input);
     input.volts = fields.number("volts_per_full_scale");
@@ -99,41 +99,41 @@ class RigReader {
     input.sensitivity_at = fields.at("sensitivity", {});
     const double size = input.sensitivity ? std::abs(input.sensitivity->si) : 1;
     if (!(size >= 1e-12 && size <= 1e12)) {
-      mistakes_.add(Errc::OutOfRange, input.sensitivity_at,
-                    "'sensitivity' cannot be " + short_number(input.sensitivity->si),
-                    "give the volts for one unit, such as \"50 mV\" or \"2 V/m\"");
+      errors_.add(Errc::OutOfRange, input.sensitivity_at,
+                  "'sensitivity' cannot be " + short_number(input.sensitivity->si),
+                  "give the volts for one unit, such as \"50 mV\" or \"2 V/m\"");
       input.sensitivity.reset();
     }
     rig_.inputs.push_back(std::move(input));
   }
 
   RigOutput read_output(const EntrySpec& entry, const char* what) {
-    FieldReader fields{entry, *rig_fields()["outputs"].inside, mistakes_, what};
+    FieldReader fields{entry, *rig_fields()["outputs"].inside, errors_, what};
     RigOutput output;
     read_port(entry, fields, output);
-    output.drive = read_drive(entry, fields, places_, mistakes_);
+    output.drive = read_drive(entry, fields, places_, errors_);
     return output;
   }
 
   void read_actuator(const EntrySpec& entry) {
     auto actuator = read_output(entry, "actuator");
     if (actuator.channels.empty() && find(entry.fields, "channel") != nullptr && !rig_.incomplete)
-      mistakes_.add(Errc::Missing, entry.at, "actuator '" + entry.name + "' has no channel",
-                    "give its channel, or remove it");
+      errors_.add(Errc::Missing, entry.at, "actuator '" + entry.name + "' has no channel",
+                  "give its channel, or remove it");
     rig_.actuators.push_back(std::move(actuator));
   }
 
   void read_controls(const Value::Table& table) {
-    const auto* fields = read_section(table, "controls", mistakes_);
+    const auto* fields = read_section(table, "controls", errors_);
     for (const auto& field : fields != nullptr ? *fields : Value::Table{}) {
       const auto value = read_quantity(field.value);
-      if (mistakes_.keep(value) != nullptr) rig_.controls.push_back({field.key, field.value.at, *value});
+      if (errors_.keep(value) != nullptr) rig_.controls.push_back({field.key, field.value.at, *value});
     }
   }
 
   RigMidi read_midi(const EntrySpec& entry) {
     const auto& section = *rig_fields()["midi"].inside;
-    FieldReader fields{entry, section, mistakes_, "control"};
+    FieldReader fields{entry, section, errors_, "control"};
     const auto number = [&](const char* key, double most = kNoBound) {
       return static_cast<int>(fields.number(key, most).value_or(section[key].low));
     };
@@ -143,24 +143,24 @@ class RigReader {
     midi.gate = fields.flag("gate");
     const bool note = fields.has("note"), bend = fields.flag("pitch_bend"), control = fields.has("control");
     if (control + note + bend != 1)
-      mistakes_.add(Errc::Missing, entry.at, "control '" + entry.name + "' needs exactly one MIDI source",
-                    "give one of control = 7, note = 36 and pitch_bend = true");
+      errors_.add(Errc::Missing, entry.at, "control '" + entry.name + "' needs exactly one MIDI source",
+                  "give one of control = 7, note = 36 and pitch_bend = true");
     if (note) midi.kind = RigMidi::Kind::Note;
     if (bend) midi.kind = RigMidi::Kind::PitchBend;
     if (control) midi.number = number("control", midi.fine ? 31 : 127);
     if (note) midi.number = number("note");
     if (midi.fine && !control)
-      mistakes_.add(Errc::BadArgument, fields.value("fine")->at, "only controllers come in fine pairs",
-                    "remove 'fine'");
+      errors_.add(Errc::BadArgument, fields.value("fine")->at, "only controllers come in fine pairs",
+                  "remove 'fine'");
     if (midi.gate && !note)
-      mistakes_.add(Errc::BadArgument, fields.value("gate")->at, "only a note is a gate", "remove 'gate'");
+      errors_.add(Errc::BadArgument, fields.value("gate")->at, "only a note is a gate", "remove 'gate'");
     return midi;
   }
 
   void read_delay(const Value::Table& table) {
-    const auto* section = read_section(table, "delay", mistakes_);
+    const auto* section = read_section(table, "delay", errors_);
     if (section == nullptr) return;
-    FieldReader fields{*section, *rig_fields()["delay"].inside, mistakes_};
+    FieldReader fields{*section, *rig_fields()["delay"].inside, errors_};
     if (const auto measured = fields.number("measured")) rig_.measured_delay = Seconds{*measured};
     if (const auto pad = fields.number("pad")) rig_.pad_delay = Seconds{*pad};
   }
@@ -173,10 +173,9 @@ class RigReader {
       for (const auto& actuator : rig_.actuators)
         if (output.has_actuator() && std::any_of(output.channels.begin(), output.channels.end(),
                                                  [&](int channel) { return actuator.uses(channel); }))
-          mistakes_.add(
-              Errc::Duplicate, output.at,
-              "the actuator of '" + output.name + "' is also '" + actuator.name + "' in [actuators]",
-              "declare it once");
+          errors_.add(Errc::Duplicate, output.at,
+                      "the actuator of '" + output.name + "' is also '" + actuator.name + "' in [actuators]",
+                      "declare it once");
   }
 
   void check_users(const std::vector<RigOutput>& ports, const char* what) {
@@ -184,7 +183,7 @@ class RigReader {
     for (const auto& port : ports)
       for (const int channel : port.channels)
         if (const auto [user, first] = users.emplace(channel, port.name); !first)
-          mistakes_.add(
+          errors_.add(
               Errc::Duplicate, port.at,
               fmt::format("{} '{}' and '{}' share channel {}", what, port.name, user->second, channel),
               "give each a channel of its own");
@@ -192,7 +191,7 @@ class RigReader {
 
   ProfilePlaces places_;
   Rig rig_;
-  ErrorList mistakes_;
+  ErrorList errors_;
 };
 
 /// format, name and about.

@@ -11,7 +11,7 @@ namespace tactus {
 namespace {
 
 Status same_border(const Plan& before, const Plan& after) {
-  const auto same_channel = [](const PlannedChannel& a, const PlannedChannel& b) {
+  const auto same_channel = [](const OutputChannel& a, const OutputChannel& b) {
     return a.name == b.name && a.use == b.use;
   };
   const char* what = nullptr;
@@ -27,41 +27,28 @@ Status same_border(const Plan& before, const Plan& after) {
               "stop it and play it again");
 }
 
-/// Finds in the plan before the vertex that a vertex of the new plan continues: by kind, name, and which of
-/// several with that name it is.
-class Twins {
- public:
-  explicit Twins(const Plan& before) {
-    for (std::size_t v = 0; v < before.vertices.size(); ++v)
-      known_.emplace(key(before, before.vertices[v]), static_cast<int>(v));
-  }
-  /// Index in the vertices of the plan before, or -1.
-  int of(const Plan& after, const Vertex& vertex) const {
-    const auto found = known_.find(key(after, vertex));
-    return found == known_.end() ? -1 : found->second;
-  }
+/// What a vertex continues from one plan to the next: kind, name, and which of several with that name it is.
+using Key = std::tuple<Vertex::Kind, std::string_view, int>;
 
- private:
-  using Key = std::tuple<Vertex::Kind, std::string_view, int>;
-
-  static Key key(const Plan& plan, const Vertex& vertex) {
-    using Kind = Vertex::Kind;
-    if (vertex.runs >= 0) return {Kind::Node, vertex.path, vertex.nth};
-    if (vertex.kind == Kind::Input) return {vertex.kind, {}, vertex.index};
-    if (vertex.kind == Kind::Control)
-      return {vertex.kind, plan.controls[static_cast<std::size_t>(vertex.index)].control.name, 0};
-    return {vertex.kind, vertex.kind == Kind::Operation ? vertex.path : std::string_view{}, vertex.nth};
-  }
-
-  std::map<Key, int> known_;
-};
+Key key_of(const Plan& plan, const Vertex& vertex) {
+  using Kind = Vertex::Kind;
+  if (vertex.runs >= 0) return {Kind::Node, vertex.path, vertex.nth};
+  if (vertex.kind == Kind::Input) return {vertex.kind, {}, vertex.index};
+  if (vertex.kind == Kind::Control) return {vertex.kind, plan.controls[index(vertex.index)].control.name, 0};
+  return {vertex.kind, vertex.kind == Kind::Operation ? vertex.path : std::string_view{}, vertex.nth};
+}
 
 class Planner {
  public:
   Planner(const Running& before, Running& after)
       : old_(before), new_(after), was_(*before.plan), is_(*after.plan) {
-    const Twins twins{was_};
-    for (const auto& vertex : is_.vertices) twin_.push_back(twins.of(is_, vertex));
+    std::map<Key, int> known;
+    for (const auto& vertex : was_.vertices)
+      known.emplace(key_of(was_, vertex), static_cast<int>(&vertex - was_.vertices.data()));
+    for (const auto& vertex : is_.vertices) {
+      const auto found = known.find(key_of(is_, vertex));
+      twin_.push_back(found == known.end() ? -1 : found->second);
+    }
     for (std::size_t r = 0; r < old_.ramps.size(); ++r)
       for (const int slot : old_.ramps[r].control.readers.slots) ramp_at_.emplace(slot, static_cast<int>(r));
   }
@@ -73,8 +60,7 @@ class Planner {
       if (is_step(is_.vertices[v])) compare(v);
     pair_silences();
     spread_changes();
-    for (const int output : new_.outputs)
-      new_.handover.jumps.push_back(jumps(static_cast<std::size_t>(output)));
+    for (const int output : new_.outputs) new_.handover.jumps.push_back(jumps(index(output)));
   }
 
  private:
@@ -87,8 +73,8 @@ class Planner {
     std::vector<int> found(plan.nodes.size(), 0);
     for (const auto& section : plan.sections)
       for (int s = section.first_step; s < section.end_step; ++s)
-        if (const int node = plan.steps[static_cast<std::size_t>(s)].node; node >= 0)
-          found[static_cast<std::size_t>(node)] = section.loop ? section.first_step : s;
+        if (const int node = plan.steps[index(s)].node; node >= 0)
+          found[index(node)] = section.loop ? section.first_step : s;
     return found;
   }
 
@@ -96,22 +82,21 @@ class Planner {
   void pair_silences() {
     const auto was = silence_of_nodes(was_), is = silence_of_nodes(is_);
     for (const auto [from, to] : new_.handover.nodes)
-      new_.handover.silences.push_back(
-          {was[static_cast<std::size_t>(from)], is[static_cast<std::size_t>(to)]});
+      new_.handover.silences.push_back({was[index(from)], is[index(to)]});
   }
 
   void pair_controls() {
-    std::unordered_map<std::string, int> index;
+    std::unordered_map<std::string, int> place_of;
     for (std::size_t c = 0; c < new_.controls.size(); ++c)
-      index.emplace(new_.plan->controls[c].control.name, static_cast<int>(c));
+      place_of.emplace(new_.plan->controls[c].control.name, static_cast<int>(c));
     std::vector<bool> known(new_.controls.size(), false);
     new_.control_of.assign(old_.control_of.size(), -1);
     new_.control_names = old_.control_names;
     for (std::size_t number = 0; number < old_.control_names.size(); ++number) {
-      const auto found = index.find(old_.control_names[number]);
-      if (found == index.end()) continue;
+      const auto found = place_of.find(old_.control_names[number]);
+      if (found == place_of.end()) continue;
       new_.control_of[number] = found->second;
-      known[static_cast<std::size_t>(found->second)] = true;
+      known[index(found->second)] = true;
       if (old_.control_of[number] >= 0) pair_control(old_.control_of[number], found->second);
     }
     for (std::size_t c = 0; c < known.size(); ++c) {
@@ -122,8 +107,8 @@ class Planner {
   }
 
   void pair_control(int from, int to) {
-    const auto& before = old_.plan->controls[static_cast<std::size_t>(from)];
-    const auto& after = new_.plan->controls[static_cast<std::size_t>(to)];
+    const auto& before = old_.plan->controls[index(from)];
+    const auto& after = new_.plan->controls[index(to)];
     if (after.frozen) return;  // a node was made with the value of the file
     new_.handover.controls.push_back({from, to});
     new_.handover.new_value.push_back(before.control.value != after.control.value);
@@ -133,7 +118,7 @@ class Planner {
     const auto& now = is_.vertices[v];
     changed_[v] = true;
     if (twin_[v] < 0) return;
-    const auto& then = was_.vertices[static_cast<std::size_t>(twin_[v])];
+    const auto& then = was_.vertices[index(twin_[v])];
     const bool same_making = now.runs >= 0 ? then.fingerprint == now.fingerprint : then.op == now.op;
     if (!same_making || then.in.size() != now.in.size()) {
       if (now.runs >= 0) new_.handover.remade.push_back({then.runs, now.runs});
@@ -147,8 +132,8 @@ class Planner {
 
   /// Constants are the same in this sense even if their values differ: then one moves to the other.
   bool same_operand(const Vertex& then, const Vertex& now, int i) {
-    const auto& was = then.in[static_cast<std::size_t>(i)];
-    const auto& is = now.in[static_cast<std::size_t>(i)];
+    const auto& was = then.in[index(i)];
+    const auto& is = now.in[index(i)];
     const auto before = was_.constant(was), after = is_.constant(is);
     if (before.has_value() != after.has_value()) return false;
     if (!before) return same_source(was, is);
@@ -163,7 +148,7 @@ class Planner {
     if (is.kind == Vertex::Kind::Constant)
       return was.kind == Vertex::Kind::Constant &&
              std::equal(was.values.begin(), was.values.end(), is.values.begin(), is.values.end(), same_bits);
-    return twin_[static_cast<std::size_t>(now.vertex)] == then.vertex && then.port == now.port &&
+    return twin_[index(now.vertex)] == then.vertex && then.port == now.port &&
            std::max(0, then.lane) == std::max(0, now.lane);
   }
 
@@ -182,14 +167,14 @@ class Planner {
     ramp.control.readers.slots = {slot};
     ramp.control.value = {before, after, 0, 0};
     ramp.control.buffer = ramp.samples.data();
-    new_.plan->inputs[static_cast<std::size_t>(slot)].data = ramp.samples.data();
+    new_.plan->inputs[index(slot)].data = ramp.samples.data();
   }
 
   bool jumps(std::size_t channel) const {
     const auto &then = was_.channels[channel].from, &now = is_.channels[channel].from;
     const auto before = was_.constant(then), after = is_.constant(now);
     if (before || after) return before != after;
-    return !same_source(then, now) || changed_[static_cast<std::size_t>(now.vertex)];
+    return !same_source(then, now) || changed_[index(now.vertex)];
   }
 
   /// Whoever reads what changed has changed.
@@ -199,7 +184,7 @@ class Planner {
     for (std::size_t v = 0; v < is_.vertices.size(); ++v) {
       if (changed_[v]) work.push_back(v);
       if (!is_step(is_.vertices[v])) continue;
-      for (const auto& wire : is_.vertices[v].in) readers[static_cast<std::size_t>(wire.vertex)].push_back(v);
+      for (const auto& wire : is_.vertices[v].in) readers[index(wire.vertex)].push_back(v);
     }
     while (!work.empty()) {
       const auto v = work.back();

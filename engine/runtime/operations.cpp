@@ -30,7 +30,7 @@ void unary(const Signal* in, double* out, int frames, F f) noexcept {
 template <Expression::Op kOp>
 void run(const Signal* in, double* out, int frames) noexcept {
   if constexpr (kOp == Expression::Op::Negate || kOp == Expression::Op::Abs || kOp == Expression::Op::Signal)
-    unary(in, out, frames, [](double a) { return apply(kOp, a, 0); });
+    unary(in, out, frames, [](double a) { return apply(kOp, a, 0.0); });
   else
     binary(in, out, frames, [](double a, double b) { return apply(kOp, a, b); });
 }

@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "engine/graph/node.h"
+#include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/flat_graph.h"
-#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 
@@ -15,7 +15,7 @@ namespace tactus {
 void run_operation_row(Expression::Op op, const Signal* in, double* out, int frames) noexcept;
 bool row_is_finite(const double* samples, int frames) noexcept;
 
-/// [realtime] out[n] = op(in[0][n], in[1][n]), as `apply` in engine/graph/semantics/operators.h says, for n
+/// [realtime] out[n] = op(in[0][n], in[1][n]), as in `apply`, for n
 /// in [0, frames).
 inline void run_operation(Expression::Op op, const Signal* in, double* out, int frames) noexcept {
   if (frames == 1)

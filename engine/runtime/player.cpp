@@ -10,11 +10,6 @@
 #include "engine/runtime/operations.h"
 
 namespace tactus {
-namespace {
-
-constexpr double kFadeSeconds = 0.010;
-
-}  // namespace
 
 Player::Player(std::unique_ptr<Plan> plan) : versions_(std::move(plan)), running_(&versions_.restart()) {}
 
@@ -30,16 +25,8 @@ Status Player::prepare(const StreamFormat& format) {
   fades_.assign(running_->outputs.size(), {});
   fading_until_ = 0;
   last_frames_ = 0;
-  outside_buffers_.assign(running_->outputs.size() + plan().input_names.size(),
-                          std::vector<double>(kMaxSubBlock, 0.0));
-  outside_in_.clear();
-  outside_out_.clear();
-  for (std::size_t i = 0; i < outside_buffers_.size(); ++i) {
-    if (i < running_->outputs.size())
-      outside_in_.push_back(outside_buffers_[i].data());
-    else
-      outside_out_.push_back(outside_buffers_[i].data());
-  }
+  outside_in_.resize(out_channels(), kMaxSubBlock);
+  outside_out_.resize(in_channels(), kMaxSubBlock);
   bad_inputs_ = 0;
   replacements_ = 0;
   now_ = 0;
@@ -72,8 +59,8 @@ void Player::run_sub_block(int frames) noexcept {
   steps_.run<kTimed>(*running_, *this, now_, frames);
   if (outside_ == nullptr) store_outputs(frames);
   for (std::size_t t = 0; t < running_->taps.size(); ++t) {
-    const auto& signal = running_->plan->channels[static_cast<std::size_t>(running_->tap_channels[t])].signal;
-    for (int n = 0; n < frames; ++n) running_->taps[t][static_cast<std::size_t>(offset_ + n)] = signal[n];
+    const auto& signal = running_->plan->channels[index(running_->tap_channels[t])].signal;
+    for (int n = 0; n < frames; ++n) running_->taps[t][index(offset_ + n)] = signal[n];
   }
 }
 
@@ -98,9 +85,9 @@ void Player::apply(const JournalEntry& entry) noexcept {
     std::fill_n(plan.system_delay, kVectorWidth, entry.value / plan.sample_rate.value);
   if (entry.kind != JournalEntry::Kind::ControlChange) return;
   if (entry.index < 0 || entry.index >= static_cast<int>(running_->control_of.size())) return;
-  const int index = running_->control_of[static_cast<std::size_t>(entry.index)];
-  if (index < 0 || !std::isfinite(entry.value)) return;
-  running_->move_control(static_cast<std::size_t>(index), now_, entry.value);
+  const int control = running_->control_of[index(entry.index)];
+  if (control < 0 || !std::isfinite(entry.value)) return;
+  running_->move_control(index(control), now_, entry.value);
 }
 
 int Player::control_index(std::string_view control) const {
@@ -108,11 +95,12 @@ int Player::control_index(std::string_view control) const {
   const auto found = std::find(names.begin(), names.end(), control);
   if (found == names.end()) return -1;
   const auto number = found - names.begin();
-  return versions_.newest().control_of[static_cast<std::size_t>(number)] < 0 ? -1 : static_cast<int>(number);
+  return versions_.newest().control_of[index(number)] < 0 ? -1 : static_cast<int>(number);
 }
 
 void Player::take_over(Running& next) noexcept {
-  const auto fade = static_cast<std::int64_t>(std::lround(kFadeSeconds * next.plan->sample_rate.value));
+  constexpr double kFade_s = 0.010;
+  const auto fade = static_cast<std::int64_t>(std::lround(kFade_s * next.plan->sample_rate.value));
   next.take_over(*running_, now_, fade);
   for (std::size_t c = 0; c < fades_.size(); ++c)
     if (next.handover.jumps[c]) fades_[c].begin(now_, fade, last_output(c));
@@ -131,7 +119,7 @@ double Player::last_output(std::size_t output) const noexcept {
 // Samples.
 
 const Signal& Player::output_signal(std::size_t output) const noexcept {
-  return running_->plan->channels[static_cast<std::size_t>(running_->outputs[output])].signal;
+  return running_->plan->channels[index(running_->outputs[output])].signal;
 }
 
 void Player::load_inputs(int frames) noexcept {
@@ -156,7 +144,7 @@ void Player::make_finite(double* samples, int frames) noexcept {
 }
 
 void Player::store_outputs(int frames) noexcept {
-  const auto channels = std::min(static_cast<std::size_t>(format_.out_channels), running_->outputs.size());
+  const auto channels = std::min(index(format_.out_channels), running_->outputs.size());
   for (std::size_t c = 0; c < channels; ++c) {
     const auto& signal = output_signal(c);
     if (signal.stride == 1) {
@@ -178,7 +166,7 @@ void Player::answer(int offset, int frames) noexcept {
   if (outside_ == nullptr) return;  // the channels were loaded like any others
   for (std::size_t c = 0; c < running_->outputs.size(); ++c) {
     const auto& signal = output_signal(c);
-    double* samples = outside_buffers_[c].data();
+    double* const samples = outside_in_[static_cast<int>(c)];
     for (int n = 0; n < frames; ++n) samples[n] = signal[offset + n];
     if (now_ + offset < fading_until_) fades_[c].process(samples, frames, now_ + offset);
     if (static_cast<int>(c) < format_.out_channels)
@@ -188,7 +176,7 @@ void Player::answer(int offset, int frames) noexcept {
   const auto& buffers = running_->plan->input_buffers;
   for (std::size_t c = 0; c < buffers.size(); ++c) {
     if (buffers[c] == nullptr) continue;
-    std::copy_n(outside_out_[c], frames, buffers[c] + offset);
+    std::copy_n(outside_out_[static_cast<int>(c)], frames, buffers[c] + offset);
     make_finite(buffers[c] + offset, frames);
   }
 }

@@ -4,15 +4,48 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/core/block_io.h"
-#include "engine/core/control_inbox.h"
-#include "engine/runtime/output_fade.h"
+#include "engine/core/channels.h"
+#include "engine/core/journal.h"
 #include "engine/runtime/replacement.h"
 #include "engine/runtime/step_runner.h"
 
 namespace tactus {
+
+/// What an edit of a running graph adds to one output so that it does not jump:
+///   y(n) = x(n) + d (1 - (n - start) / length) until n = start + length,   d = y(start - 1) - x(start)
+/// The first sample after the edit is the last one before it; from there on a step of y is one of x and
+/// |d| / length at most.
+class OutputFade {
+ public:
+  /// [control & stopped]
+  void reset() noexcept { *this = {}; }
+  /// [realtime] The next sample comes from another graph; `last` is the one before it.
+  void begin(std::int64_t frame, std::int64_t frames, double last) noexcept {
+    ramp_ = {0.0, 0.0, frame, frames};
+    last_ = last;
+    jump_unknown_ = true;
+  }
+  /// [realtime] What is added at a frame.
+  double at(std::int64_t frame) const noexcept {
+    return ramp_.done(frame) ? 0.0 : ramp_.from * ramp_.remaining(frame);
+  }
+  /// [realtime] In place.
+  void process(double* samples, int frames, std::int64_t first_frame) noexcept {
+    if (std::exchange(jump_unknown_, false)) ramp_.from = last_ - samples[0];
+    const std::int64_t end = ramp_.start + ramp_.length;
+    for (std::int64_t n = first_frame; n < end && n < first_frame + frames; ++n)
+      samples[n - first_frame] += at(n);
+  }
+
+ private:
+  Ramp ramp_;
+  double last_ = 0;
+  bool jump_unknown_ = false;
+};
 
 /// Runs a Plan on blocks of any size. The output does not depend on the size: a block is processed in
 /// sub-blocks of at most kMaxSubBlock frames, cut where a journal entry falls, and every node is exact to the
@@ -71,7 +104,7 @@ class Player final : public BlockProcessor, private Outside {
   int out_channels() const { return static_cast<int>(versions_.newest().outputs.size()); }
   /// [realtime] Samples of tap `i` (in the order of CompileOptions::taps, lanes one after the other) of the
   /// last block.
-  const double* tap(int i) const { return running_->taps[static_cast<std::size_t>(i)].data(); }
+  const double* tap(int i) const { return running_->taps[index(i)].data(); }
   /// [control, one thread]
   int tap_count() const { return static_cast<int>(versions_.newest().taps.size()); }
 
@@ -109,9 +142,7 @@ class Player final : public BlockProcessor, private Outside {
   BlockIo io_;           // the block in hand
   int offset_ = 0;       // of the sub-block in hand
   int last_frames_ = 0;  // of the sub-block before
-  std::vector<const double*> outside_in_;
-  std::vector<double*> outside_out_;
-  std::vector<std::vector<double>> outside_buffers_;
+  ChannelBuffers outside_in_, outside_out_;
   BlockProcessor* outside_ = nullptr;
   int replacements_ = 0;
   std::int64_t now_ = 0;

@@ -16,8 +16,8 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
   std::size_t most_in = 2;
   std::size_t most_out = 1;
   for (const auto& step : plan->steps) {
-    most_in = std::max(most_in, static_cast<std::size_t>(step.inputs));
-    most_out = std::max(most_out, static_cast<std::size_t>(step.outputs));
+    most_in = std::max(most_in, index(step.inputs));
+    most_out = std::max(most_out, index(step.outputs));
   }
   moved_in.resize(most_in);
   moved_out.resize(most_out);
@@ -36,9 +36,7 @@ Running::Running(std::unique_ptr<Plan> made, int max_frames)
 
 bool Running::begins_lanes(std::size_t output) const {
   if (output + kVectorWidth > outputs.size()) return false;
-  const auto signal = [&](std::size_t c) {
-    return plan->channels[static_cast<std::size_t>(outputs[c])].signal;
-  };
+  const auto signal = [&](std::size_t c) { return plan->channels[index(outputs[c])].signal; };
   const double* first = signal(output).data;
   for (std::size_t lane = 0; lane < kVectorWidth; ++lane)
     if (const auto s = signal(output + lane); s.stride != kVectorWidth || s.data != first + lane)
@@ -47,7 +45,7 @@ bool Running::begins_lanes(std::size_t output) const {
 }
 
 void Running::start(int max_frames) {
-  taps.assign(tap_channels.size(), std::vector<double>(static_cast<std::size_t>(max_frames), 0.0));
+  taps.assign(tap_channels.size(), std::vector<double>(index(max_frames), 0.0));
   std::fill_n(plan->arena.data(), plan->signal_doubles, 0.0);
   if (plan->system_delay != nullptr)
     std::fill_n(plan->system_delay, kVectorWidth, plan->system_delay_at_start.value);
@@ -81,10 +79,8 @@ void Running::move_control(std::size_t control, std::int64_t now, double target,
 
 void Running::take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
   auto &nodes = plan->nodes, &old = before.plan->nodes;
-  for (const auto [from, to] : handover.remade)
-    nodes[static_cast<std::size_t>(to)]->adopt(*old[static_cast<std::size_t>(from)]);
-  for (const auto [from, to] : handover.nodes)
-    std::swap(nodes[static_cast<std::size_t>(to)], old[static_cast<std::size_t>(from)]);
+  for (const auto [from, to] : handover.remade) nodes[index(to)]->adopt(*old[index(from)]);
+  for (const auto [from, to] : handover.nodes) std::swap(nodes[index(to)], old[index(from)]);
   if (plan->system_delay != nullptr && before.plan->system_delay != nullptr)
     std::copy_n(before.plan->system_delay, kVectorWidth, plan->system_delay);
   take_values(before, now, fade_frames);
@@ -92,15 +88,15 @@ void Running::take_over(Running& before, std::int64_t now, std::int64_t fade_fra
 
 void Running::take_values(const Running& before, std::int64_t now, std::int64_t fade_frames) noexcept {
   for (const auto [from, to] : handover.silences) {
-    auto& until = silent_until[static_cast<std::size_t>(to)];
-    until = std::max(until, before.silent_until[static_cast<std::size_t>(from)]);
+    auto& until = silent_until[index(to)];
+    until = std::max(until, before.silent_until[index(from)]);
   }
   for (std::size_t i = 0; i < handover.controls.size(); ++i) {
     const auto [from, to] = handover.controls[i];
-    const auto c = static_cast<std::size_t>(to);
+    const auto c = index(to);
     const double of_the_file = plan->controls[c].control.value;
     const auto& range = plan->controls[c].control.range;
-    controls[c].value = before.controls[static_cast<std::size_t>(from)].value;
+    controls[c].value = before.controls[index(from)].value;
     const double target = handover.new_value[i] ? of_the_file : controls[c].value.to;
     if (handover.new_value[i] || !range.contains(target))
       move_control(c, now, target, fade_frames);
@@ -110,7 +106,7 @@ void Running::take_values(const Running& before, std::int64_t now, std::int64_t 
   for (auto& ramp : ramps) {
     auto& value = ramp.control.value;
     const auto start = value;
-    if (ramp.before >= 0) value = before.ramps[static_cast<std::size_t>(ramp.before)].control.value;
+    if (ramp.before >= 0) value = before.ramps[index(ramp.before)].control.value;
     if (ramp.before < 0 || value.to != start.to)
       value = {ramp.before < 0 ? start.from : value.at(now), start.to, now, fade_frames};
     settle(ramp.control, value.done(now));
@@ -126,14 +122,13 @@ void Running::settle(SmoothedControl& control, bool resting) noexcept {
 }
 
 void Running::settle(int can_rest, bool rests) noexcept {
-  at_rest[static_cast<std::size_t>(can_rest)] = rests;
-  set_strides(plan->can_rest[static_cast<std::size_t>(can_rest)], rests ? 0 : 1);
+  at_rest[index(can_rest)] = rests;
+  set_strides(plan->can_rest[index(can_rest)], rests ? 0 : 1);
 }
 
 void Running::set_strides(const Readers& readers, int stride) noexcept {
-  for (const int slot : readers.slots) plan->inputs[static_cast<std::size_t>(slot)].stride = stride;
-  for (const int channel : readers.channels)
-    plan->channels[static_cast<std::size_t>(channel)].signal.stride = stride;
+  for (const int slot : readers.slots) plan->inputs[index(slot)].stride = stride;
+  for (const int channel : readers.channels) plan->channels[index(channel)].signal.stride = stride;
 }
 
 void Running::advance(std::int64_t now, int frames) noexcept {
@@ -142,7 +137,7 @@ void Running::advance(std::int64_t now, int frames) noexcept {
   for (auto& control : controls)
     if (!control.resting) advance(control, nullptr, now, frames);
   for (auto& ramp : ramps) {
-    const auto* divider = ramp.divider == 0 ? nullptr : &dividers[static_cast<std::size_t>(ramp.divider)];
+    const auto* divider = ramp.divider == 0 ? nullptr : &dividers[index(ramp.divider)];
     if (!ramp.control.resting) advance(ramp.control, divider, now, frames);
   }
 }

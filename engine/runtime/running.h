@@ -2,6 +2,7 @@
 
 // Thread: [control] where not said otherwise.
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -9,9 +10,35 @@
 
 #include "engine/core/ramp.h"
 #include "engine/graph/plan/plan.h"
-#include "engine/runtime/rate_divider.h"
 
 namespace tactus {
+
+/// Where the frames of a part lie that runs at 1/R of the engine's rate: its frame m at engine frame R m,
+/// whatever the blocks are. Computed once per sub-block, so that no step divides.
+struct RateDivider {
+  int divisor = 1;                                      ///< R
+  int offset = 0;                                       ///< of the first frame in this sub-block
+  std::int64_t number = 0;                              ///< m of that frame
+  std::array<std::uint8_t, kMaxSubBlock + 1> before{};  ///< [offset in the sub-block] frames before it
+
+  /// [realtime] For the sub-block of `frames` frames from `now` on.
+  void begin(std::int64_t now, int frames) noexcept {
+    number = (now + divisor - 1) / divisor;
+    offset = static_cast<int>(number * divisor - now);
+    int next = offset;
+    std::uint8_t count = 0;
+    for (int i = 0; i <= frames; ++i) {
+      before[index(i)] = count;
+      if (i != next) continue;
+      ++count;
+      next += divisor;
+    }
+  }
+  /// [realtime] How many frames lie before this offset.
+  int count(int to) const noexcept { return before[index(to)]; }
+  /// [realtime] Where the `index`th frame of the sub-block lies.
+  int place(int index) const noexcept { return offset + index * divisor; }
+};
 
 /// A moving value that steps of a plan read: one number with stride 0 while it rests, a sample a frame
 /// while it moves.
@@ -61,7 +88,7 @@ struct Running {
   /// or more). Does nothing if it is frozen.
   void move_control(std::size_t control, std::int64_t now, double target,
                     std::int64_t least_frames = 0) noexcept;
-  /// [realtime] Continues from the version before as `handover` says: nodes, controls and ramps.
+  /// [realtime] Continues from the version before as in `handover`: nodes, controls and ramps.
   void take_over(Running& before, std::int64_t now, std::int64_t fade_frames) noexcept;
   /// [realtime] From here on the signal is one number, or a sample a frame.
   void settle(int can_rest, bool resting) noexcept;

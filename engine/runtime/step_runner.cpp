@@ -47,8 +47,8 @@ template void StepRunner::run<true>(Running&, Outside&, std::int64_t, int) noexc
 template <bool kTimed>
 void StepRunner::run_straight(const Section& section, int frames) noexcept {
   for (int s = section.first_step; s < section.end_step; ++s) {
-    const StepTimer<kTimed> timer{running_->step_ns[static_cast<std::size_t>(s)]};
-    if (plan_->steps[static_cast<std::size_t>(s)].kind == Step::Kind::Outside)
+    const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
+    if (plan_->steps[index(s)].kind == Step::Kind::Outside)
       outside_->answer(0, frames);
     else
       run_alone(s, frames);
@@ -57,8 +57,8 @@ void StepRunner::run_straight(const Section& section, int frames) noexcept {
 
 /// A step that lies in no loop.
 void StepRunner::run_alone(int s, int frames) noexcept {
-  const auto& step = plan_->steps[static_cast<std::size_t>(s)];
-  auto& silent_until = running_->silent_until[static_cast<std::size_t>(s)];
+  const auto& step = plan_->steps[index(s)];
+  auto& silent_until = running_->silent_until[index(s)];
   for (int offset = 0; offset < frames;) {
     if (silent_until > now_ + offset) {
       const auto part = static_cast<int>(std::min<std::int64_t>(silent_until - now_, frames)) - offset;
@@ -78,7 +78,7 @@ void StepRunner::run_alone(int s, int frames) noexcept {
 template <bool kTimed>
 void StepRunner::run_loop(const Section& section, int frames) noexcept {
   const Step* const steps = plan_->steps.data();
-  auto& silent_until = running_->silent_until[static_cast<std::size_t>(section.first_step)];
+  auto& silent_until = running_->silent_until[index(section.first_step)];
   for (int offset = 0, part = 0; offset < frames; offset += part) {
     // No sub-block lies across the end of a cell, since a silence may end there.
     part = std::min(
@@ -86,7 +86,7 @@ void StepRunner::run_loop(const Section& section, int frames) noexcept {
     const bool silent = silent_until > now_ + offset;
     Fault first;
     for (int s = section.first_step; s < section.end_step; ++s) {
-      const StepTimer<kTimed> timer{running_->step_ns[static_cast<std::size_t>(s)]};
+      const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
       // The world outside misses no frame, or it would be late from here on.
       if (steps[s].kind == Step::Kind::Outside)
         outside_->answer(offset, part);
@@ -108,7 +108,7 @@ void StepRunner::run_loop(const Section& section, int frames) noexcept {
 StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop, int offset, int frames) noexcept {
   Fault first;
   for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
-    const auto& operation = plan_->operations[static_cast<std::size_t>(i)];
+    const auto& operation = plan_->operations[index(i)];
     const Signal* operands = plan_->inputs.data() + operation.first_in;
     if (operation.can_rest >= 0 && run_at_rest(operation, operands, frames)) continue;
     double* out = operation.out + offset;
@@ -132,7 +132,7 @@ StepRunner::Fault StepRunner::run_operations(const Step& step, bool loop, int of
 /// False if one of the operands moves.
 bool StepRunner::run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept {
   const bool rests = operands[0].constant() && operands[1].constant();
-  if (rests != (running_->at_rest[static_cast<std::size_t>(operation.can_rest)] != 0))
+  if (rests != (running_->at_rest[index(operation.can_rest)] != 0))
     running_->settle(operation.can_rest, rests);
   if (!rests) return false;
   double value = 0;
@@ -163,7 +163,7 @@ StepRunner::Fault StepRunner::run_step(const Step& step, bool loop, int offset, 
 }
 
 StepRunner::Fault StepRunner::run_node(const Step& step, const NodeBlock& block) noexcept {
-  Node& node = *plan_->nodes[static_cast<std::size_t>(step.node)];
+  Node& node = *plan_->nodes[index(step.node)];
   if (step.kind == Step::Kind::Absorb) {
     node.absorb(block);
     return {};
@@ -196,11 +196,9 @@ void StepRunner::move_operands(const Step& step, int offset, NodeBlock& block) n
 /// Operands from frame `from` on, every `apart`th; outputs from frame `to` on.
 void StepRunner::move(const Step& step, int from, int apart, int to, NodeBlock& block) noexcept {
   for (int i = 0; i < step.inputs; ++i)
-    running_->moved_in[static_cast<std::size_t>(i)] = {block.in[i].data + from * block.in[i].stride,
-                                                       apart * block.in[i].stride};
+    running_->moved_in[index(i)] = {block.in[i].data + from * block.in[i].stride, apart * block.in[i].stride};
   for (int i = 0; i < step.outputs; ++i)
-    running_->moved_out[static_cast<std::size_t>(i)] =
-        block.out[i] == nullptr ? nullptr : block.out[i] + to * step.width;
+    running_->moved_out[index(i)] = block.out[i] == nullptr ? nullptr : block.out[i] + to * step.width;
   block.in = running_->moved_in.data();
   block.out = running_->moved_out.data();
 }
@@ -230,19 +228,19 @@ StepRunner::Fault StepRunner::run_divided(const Step& step, bool loop, int offse
 /// than itself it reads only the frames that are its own.
 void StepRunner::move_divided(const Step& step, int offset, NodeBlock& block) noexcept {
   const auto& divisors = plan_->divisors;
-  const int own = divisors[static_cast<std::size_t>(step.divider)];
-  const int apart = std::max(1, own / divisors[static_cast<std::size_t>(step.divider_in)]);
+  const int own = divisors[index(step.divider)];
+  const int apart = std::max(1, own / divisors[index(step.divider_in)]);
   const RateDivider *const in = divider(step.divider_in), *const out = divider(step.divider_out);
   move(step, in == nullptr ? offset : in->count(offset), apart, out == nullptr ? offset : out->count(offset),
        block);
 }
 
 void StepRunner::count_fault(int vertex, int times) noexcept {
-  running_->faults[static_cast<std::size_t>(vertex)].fetch_add(times, std::memory_order_relaxed);
+  running_->faults[index(vertex)].fetch_add(times, std::memory_order_relaxed);
 }
 
 void StepRunner::reset(const Step& step) noexcept {
-  if (step.node >= 0) plan_->nodes[static_cast<std::size_t>(step.node)]->reset();
+  if (step.node >= 0) plan_->nodes[index(step.node)]->reset();
 }
 
 void StepRunner::silence(const Step& step, int offset, int frames) noexcept {
@@ -251,7 +249,7 @@ void StepRunner::silence(const Step& step, int offset, int frames) noexcept {
     offset = at->count(offset);
   }
   for (int i = step.first_out; i < step.first_out + step.outputs; ++i)
-    if (double* out = plan_->outputs[static_cast<std::size_t>(i)])
+    if (double* out = plan_->outputs[index(i)])
       std::fill_n(out + offset * step.width, frames * step.width, 0.0);
 }
 

@@ -51,7 +51,7 @@ class StepRunner {
   void move(const Step& step, int from, int apart, int to, NodeBlock& block) noexcept;
   /// nullptr: none.
   const RateDivider* divider(int of) const noexcept {
-    return of == 0 ? nullptr : &running_->dividers[static_cast<std::size_t>(of)];
+    return of == 0 ? nullptr : &running_->dividers[index(of)];
   }
   static Fault fault_of(const Step& step, const NodeBlock& block) noexcept;
   void count_fault(int vertex, int times = 1) noexcept;

@@ -26,8 +26,8 @@ class SceneBuilder {
         instrument_(scene.part("instrument")),
         rate_(options.rate.value_or(scene.rate)),
         delay_(options.delay.value_or(scene.delay)),
-        mistakes_(scene.file) {
-    mistakes_.add(std::move(earlier));
+        errors_(scene.file) {
+    errors_.add(std::move(earlier));
   }
 
   Checked<CompiledScene> run() {
@@ -37,16 +37,16 @@ class SceneBuilder {
     route_set();
     make_world();
     if (instrument_known()) wire_instrument();
-    check_scene(scene_, table_, mistakes_);
+    check_scene(scene_, table_, errors_);
     compile_world();
     if (instrument_known())
       compile_instrument();
     else if (has_no_instrument())
       compile_silence();
     if (built_.plant != nullptr && built_.instrument != nullptr) check_channels();
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    if (errors_.any()) return tl::unexpected(errors_.take());
     check_size();
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    if (errors_.any()) return tl::unexpected(errors_.take());
     return std::move(built_);
   }
 
@@ -93,9 +93,9 @@ class SceneBuilder {
     }
     for (const auto& [name, fields] : overwritten_)
       if (!fields.empty() && scene_.part(name) == nullptr)
-        mistakes_.add(Errc::UnknownName, scene_.file,
-                      "there is no part '" + name + "' to set '" + fields.begin()->first + "' of",
-                      "see [parts] of the scene");
+        errors_.add(Errc::UnknownName, scene_.file,
+                    "there is no part '" + name + "' to set '" + fields.begin()->first + "' of",
+                    "see [parts] of the scene");
   }
 
   /// What the instrument gives out comes into the world from outside.
@@ -114,9 +114,9 @@ class SceneBuilder {
     for (const auto& input : graph.inputs) {
       const auto* wire = find(instrument_->wires, input.name);
       if (wire == nullptr) {
-        mistakes_.add(Errc::Missing, instrument_->at,
-                      "input '" + input.name + "' of the instrument is not wired",
-                      "say where it comes from, as in " + input.name + " = \"plant." + input.name + "\"");
+        errors_.add(Errc::Missing, instrument_->at,
+                    "input '" + input.name + "' of the instrument is not wired",
+                    "say where it comes from, as in " + input.name + " = \"plant." + input.name + "\"");
         continue;
       }
       EntrySpec output{"instrument." + input.name, wire->at, {{"from", wire->at, *wire}}};
@@ -135,12 +135,12 @@ class SceneBuilder {
   void report_unknown(const Field& field) {
     auto names = names_of(instrument_->graph->inputs);
     for (const auto& control : instrument_->graph->controls) names.push_back(control.name);
-    mistakes_.add(Errc::UnknownName, field.at, "the instrument has no input or control '" + field.key + "'",
-                  suggest(field.key, names, "see its [inputs] and [controls]"));
+    errors_.add(Errc::UnknownName, field.at, "the instrument has no input or control '" + field.key + "'",
+                suggest(field.key, names, "see its [inputs] and [controls]"));
   }
 
   void wire_control(const EntrySpec& control, const Field& field) {
-    const auto wired = tactus::wire_control(scene_, control, field, mistakes_);
+    const auto wired = tactus::wire_control(scene_, control, field, errors_);
     if (!wired) return;
     const bool asked = !controls_.try_emplace(control.name, wired->start).second;
     if (wired->gesture != nullptr && !asked) moved_.push_back({control.name, wired->gesture});
@@ -150,13 +150,13 @@ class SceneBuilder {
 
   /// Makes nodes only if there is no error; nullptr and errors otherwise.
   std::unique_ptr<Plan> compile_or_check(const GraphSpec& graph, const CompileOptions& options) {
-    if (mistakes_.any()) {
-      mistakes_.add(check(graph, table_, options));
+    if (errors_.any()) {
+      errors_.add(check(graph, table_, options));
       return nullptr;
     }
     auto compiled = compile(graph, table_, options);
     if (compiled) return std::move(*compiled);
-    mistakes_.add(std::move(compiled.error()));
+    errors_.add(std::move(compiled.error()));
     return nullptr;
   }
 
@@ -182,7 +182,7 @@ class SceneBuilder {
     auto compiled = compile_or_check(world_, options);
     if (compiled == nullptr) return;
     built_.plant_taps = taps_of(*compiled, "");
-    check_expected_pitch(scene_, built_.plant_taps, mistakes_);
+    check_expected_pitch(scene_, built_.plant_taps, errors_);
     built_.plant = std::move(compiled);
   }
 
@@ -193,11 +193,11 @@ class SceneBuilder {
         static_cast<double>(built_.plant->channels.size() + built_.instrument->channels.size());
     const double samples = signals * frames_in(scene_.duration, rate_);
     if (samples > kMaxSamples)
-      mistakes_.add(Errc::OutOfRange, scene_.file,
-                    "to record " + short_number(signals) + " signals for " +
-                        short_quantity(scene_.duration.value, Dimension{.second = 1}) + " takes " +
-                        short_number(std::ceil(samples * sizeof(double) / 1e9)) + " GB, more than 4",
-                    "shorten 'duration'");
+      errors_.add(Errc::OutOfRange, scene_.file,
+                  "to record " + short_number(signals) + " signals for " +
+                      short_quantity(scene_.duration.value, Dimension{.second = 1}) + " takes " +
+                      short_number(std::ceil(samples * sizeof(double) / 1e9)) + " GB, more than 4",
+                  "shorten 'duration'");
   }
 
   /// Signals between the two engines have one lane each, or the channels would shift.
@@ -205,9 +205,9 @@ class SceneBuilder {
     const auto check = [this](const Plan& from, const Plan& to, const char* what) {
       const auto lanes = output_names(from).size(), wired = to.input_names.size();
       if (lanes != wired)
-        mistakes_.add(Errc::OutOfRange, instrument_ != nullptr ? instrument_->at : scene_.file,
-                      fmt::format("{} have {} lanes, but {} are wired", what, lanes, wired),
-                      "in a scene, give each lane an input or output of its own, or 'mix' them");
+        errors_.add(Errc::OutOfRange, instrument_ != nullptr ? instrument_->at : scene_.file,
+                    fmt::format("{} have {} lanes, but {} are wired", what, lanes, wired),
+                    "in a scene, give each lane an input or output of its own, or 'mix' them");
     };
     check(*built_.plant, *built_.instrument, "the wires to the instrument");
     check(*built_.instrument, *built_.plant, "the instrument's outputs");
@@ -242,7 +242,7 @@ class SceneBuilder {
   std::map<std::string, ControlValue> controls_;
   std::map<std::string, std::map<std::string, ControlValue>> overwritten_;
   std::vector<MovedControl> moved_;
-  ErrorList mistakes_;
+  ErrorList errors_;
   CompiledScene built_;
 };
 
@@ -255,8 +255,8 @@ Checked<CompiledScene> compile_scene(const SceneSpec& scene, const NodeTable& ta
 
 Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable& table,
                                      const SceneOptions& options) {
-  if (!loaded.scene) return tl::unexpected(loaded.mistakes);
-  return SceneBuilder{*loaded.scene, table, options, loaded.mistakes}.run();
+  if (!loaded.scene) return tl::unexpected(loaded.errors);
+  return SceneBuilder{*loaded.scene, table, options, loaded.errors}.run();
 }
 
 BuiltScene::BuiltScene(CompiledScene compiled)

@@ -30,24 +30,23 @@ void put(Value::Table& fields, const std::string& port, const Value& value) {
 }
 
 std::string range_text(const FlatControl& control) {
-  return "it goes from " + in_unit(control.range.low, control.unit) + " to " +
+  return "it runs from " + in_unit(control.range.low, control.unit) + " to " +
          in_unit(control.range.high, control.unit);
 }
 
-void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at,
-                   ErrorList& mistakes) {
+void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at, ErrorList& errors) {
   if (!gesture.bare && !(gesture.unit.dimension == control.unit.dimension))
-    return mistakes.add(Errc::UnitMismatch, at,
-                        "control '" + control.name + "' is like " + in_unit(control.value, control.unit) +
-                            ", but gesture '" + gesture.name + "' is like " +
-                            in_unit(gesture.points.front().value, gesture.unit),
-                        "give the points of the gesture the unit of the control");
+    return errors.add(Errc::UnitMismatch, at,
+                      "control '" + control.name + "' is like " + in_unit(control.value, control.unit) +
+                          ", but gesture '" + gesture.name + "' is like " +
+                          in_unit(gesture.points.front().value, gesture.unit),
+                      "give the points of the gesture the unit of the control");
   for (const auto& point : gesture.points)
     if (!control.range.contains(point.value))
-      return mistakes.add(Errc::OutOfRange, at,
-                          "gesture '" + gesture.name + "' moves control '" + control.name + "' to " +
-                              in_unit(point.value, control.unit) + ", which is outside its range",
-                          range_text(control));
+      return errors.add(Errc::OutOfRange, at,
+                        "gesture '" + gesture.name + "' moves control '" + control.name + "' to " +
+                            in_unit(point.value, control.unit) + ", which is outside its range",
+                        range_text(control));
 }
 
 /// Of a gesture over a long time, points a millisecond apart would be too many to keep.
@@ -105,36 +104,36 @@ void strike_by_hand(const GraphSpec& part, NodeSpec& node, GraphSpec& world) {
   put(node.fields, kStrike, text_value(kStrike, at));
 }
 
-bool check_range(const FlatControl& control, double value, const Source& at, ErrorList& mistakes) {
+bool check_range(const FlatControl& control, double value, const Source& at, ErrorList& errors) {
   if (control.range.contains(value)) return true;
-  mistakes.add(Errc::OutOfRange, at,
-               "control '" + control.name + "' cannot be set to " + in_unit(value, control.unit),
-               range_text(control));
+  errors.add(Errc::OutOfRange, at,
+             "control '" + control.name + "' cannot be set to " + in_unit(value, control.unit),
+             range_text(control));
   return false;
 }
 
 std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
-                                         ErrorList& mistakes) {
+                                         ErrorList& errors) {
   if (control.broken) return std::nullopt;
   ErrorList reported_elsewhere;
   const auto read = read_control(control, reported_elsewhere);
   const auto* text = field.value.text();
   if (const auto* gesture = text != nullptr ? scene.gesture(*text) : nullptr) {
     if (gesture->points.empty()) return std::nullopt;
-    if (read.unit_known) check_gesture(*gesture, read.control, field.value.at, mistakes);
+    if (read.unit_known) check_gesture(*gesture, read.control, field.value.at, errors);
     return WiredControl{gesture->points.front().value, gesture};
   }
   if (text != nullptr && !parse_quantity(*text)) {
     if (!scene.incomplete)
-      mistakes.add(Errc::WrongType, field.value.at,
-                   "'" + *text + "' is neither a value for control '" + control.name + "' nor a gesture",
-                   "give a quantity, or name a gesture that moves it");
+      errors.add(Errc::WrongType, field.value.at,
+                 "'" + *text + "' is neither a value for control '" + control.name + "' nor a gesture",
+                 "give a quantity, or name a gesture that moves it");
     return std::nullopt;
   }
   if (!read.unit_known) return std::nullopt;
   const auto value = read_quantity(field.value, read.control.unit, control.name);
-  if (mistakes.keep(value) == nullptr) return std::nullopt;
-  if (!check_range(read.control, *value, field.value.at, mistakes)) return std::nullopt;
+  if (errors.keep(value) == nullptr) return std::nullopt;
+  if (!check_range(read.control, *value, field.value.at, errors)) return std::nullopt;
   return WiredControl{*value, nullptr};
 }
 

@@ -29,10 +29,10 @@ struct WiredControl {
 };
 /// `field` is what the scene writes beside the control. Nothing after an error.
 std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
-                                         ErrorList& mistakes);
+                                         ErrorList& errors);
 
 /// False after an error: "control 'strength' cannot be set to 7; it goes from 0 to 1"
-bool check_range(const FlatControl& control, double value, const Source& at, ErrorList& mistakes);
+bool check_range(const FlatControl& control, double value, const Source& at, ErrorList& errors);
 
 struct MovedControl {
   std::string control;

@@ -8,10 +8,10 @@
 
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
+#include "engine/core/median.h"
 #include "latency/estimation/loop_estimator.h"
 #include "latency/findings.h"
 #include "latency/path/response.h"
-#include "latency/path/second_path.h"
 #include "latency/probe/probe.h"
 
 namespace tactus {
@@ -21,21 +21,21 @@ constexpr double kAnalysisRounding =
     1e-4;  // misfit: less is left by the steps of converters, which have no shape
 constexpr Seconds kThroughActuator{0.00002};  // standard error: five of them are a tenth of a millisecond
 
-/// The gain of the bursts before the sweeps (the level ramp), for what changes with time.
+/// The gain of the bursts before the probes (the level ramp), for what changes with time.
 std::optional<double> level_probe_gain_db(std::span<const double> all_played, const LoopEstimate& loop) {
   std::optional<double> highest;
-  for (const auto& burst : loop.probe.bursts.others) {
-    if (burst.at > loop.probe.bursts.repeated.front().at) continue;
+  for (const auto& burst : loop.located.bursts.others) {
+    if (burst.at > loop.located.bursts.repeated.front().at) continue;
     const auto played = stretch(all_played, burst.at, burst.end());
     const auto captured = stretch(loop.clock.samples, burst.at + loop.path.at, burst.end() + loop.path.at);
     if (captured.size() < played.size()) continue;
     double common = 0.0, loudness = 0.0;
     for (std::size_t n = 0; n < played.size(); ++n) {
-      common += played[n] * (captured[n] - loop.probe.floor.mean);
+      common += played[n] * (captured[n] - loop.located.floor.mean);
       loudness += played[n] * played[n];
     }
     // Only 20 dB above the noise the gain is known within a decibel.
-    if (common * common < 100.0 * loudness * loop.probe.floor.variance) continue;
+    if (common * common < 100.0 * loudness * loop.located.floor.variance) continue;
     const double gain = power_to_db(common * common / (loudness * loudness));
     highest = std::max(highest.value_or(gain), gain);
   }
@@ -48,7 +48,7 @@ double gain_range_db(const LoopEstimate& loop, Hertz rate) {
   const auto hertz = [&](std::size_t bin) {
     return static_cast<double>(bin) / static_cast<double>(loop.path.mean.size) * rate.value;
   };
-  const double stop = measuring_sweep(rate).stop.value;
+  const double stop = measuring_probe(rate).stop.value;
   for (auto b = loop.path.mean.lowest_bin; hertz(b) < stop; ++b) {
     const double gain = std::norm(loop.path.fit.model.at(angular_frequency(b, loop.path.mean.size)));
     lowest = std::min(lowest, gain);
@@ -79,46 +79,47 @@ void report_level(const LoopEstimate& loop, Analysis& analysis) {
   if (loop.path.fit.misfit > kAnalysisRounding)
     analysis.misfit_frames = std::sqrt(0.5 * loop.path.fit.misfit * energy / slope_energy);
   analysis.snr_db = power_to_db(std::max(energy, captured_energy) /
-                                static_cast<double>(loop.probe.bursts.waveform.size())) -
+                                static_cast<double>(loop.located.bursts.waveform.size())) -
                     power_to_db(loop.path.noise);
   analysis.gain_db = 20.0 / std::numbers::ln10 * loop.path.fit.model.log_gain;
 }
 
 void report_delay(const LoopEstimate& loop, Analysis& analysis) {
-  const double first = static_cast<double>(loop.probe.bursts.repeated.front().at);
-  const double last = static_cast<double>(loop.probe.bursts.repeated.back().end());
+  const double first = static_cast<double>(loop.located.bursts.repeated.front().at);
+  const double last = static_cast<double>(loop.located.bursts.repeated.back().end());
   analysis.delay_frames = loop.captured_delay(loop.constant(), 0.5 * (first + last));
   analysis.spread_frames = loop.compared.trend.scatter;
   const double by_scatter =
       loop.compared.trend.scatter /
       std::sqrt(static_cast<double>(std::max<std::size_t>(1, loop.compared.trend.longest.size())));
   // Noise that is there only while something sounds.
-  const double more =
-      loop.probe.floor.variance > 1e-16 ? std::max(1.0, loop.path.noise / loop.probe.floor.variance) : 1.0;
+  const double more = loop.located.floor.variance > 1e-16
+                          ? std::max(1.0, loop.path.noise / loop.located.floor.variance)
+                          : 1.0;
   const double by_noise = loop.path.fit.delay_deviation * std::sqrt(std::max(1.0, loop.path.fit.chi_squared));
   analysis.standard_error_frames = std::max({by_scatter, by_noise * std::sqrt(more), analysis.misfit_frames});
   analysis.polarity = loop.path.fit.model.sign < 0.0 ? -1 : 1;
   analysis.misfit = loop.path.fit.misfit;
 }
 
-void report_sweeps(const LoopEstimate& loop, Analysis& analysis) {
+void report_probes(const LoopEstimate& loop, Analysis& analysis) {
   analysis.drift_ppm = 1e6 * (loop.clock.speed * (1.0 + loop.compared.trend.slope) - 1.0);
   analysis.drift_standard_error_ppm = 1e6 * loop.compared.trend.slope_deviation;
   analysis.steps = loop.compared.steps;
-  analysis.compared = loop.compared.sweeps.size() >= 3;
-  for (const auto& sweep : loop.compared.sweeps)
-    analysis.sweeps.push_back(
-        {sweep.burst.at,
-         loop.captured_delay(loop.constant() + sweep.delay_frames, static_cast<double>(sweep.burst.at)),
-         20.0 / std::numbers::ln10 * (loop.path.fit.model.log_gain + sweep.log_gain),
-         sweep.burst.gain * loop.probe.bursts.peak});
+  analysis.compared = loop.compared.probes.size() >= 3;
+  for (const auto& probe : loop.compared.probes)
+    analysis.probes.push_back(
+        {probe.burst.at,
+         loop.captured_delay(loop.constant() + probe.delay_frames, static_cast<double>(probe.burst.at)),
+         20.0 / std::numbers::ln10 * (loop.path.fit.model.log_gain + probe.log_gain),
+         probe.burst.gain * loop.located.bursts.peak});
 }
 
-/// Of the sweeps at full level alone: distortion depends on the level.
-CapturedWindow loud_mean(const LoopEstimate& loop, SweepWindows& windows) {
-  std::vector<TrackedSweep> loud;
-  for (const auto& sweep : loop.clock.steady)
-    if (sweep.burst.gain > 0.75) loud.push_back(sweep);
+/// Of the probes at full level alone: distortion depends on the level.
+CapturedWindow loud_mean(const LoopEstimate& loop, ProbeWindows& windows) {
+  std::vector<TrackedProbe> loud;
+  for (const auto& probe : loop.clock.steady)
+    if (probe.burst.gain > 0.75) loud.push_back(probe);
   return windows.mean(loop.clock.samples, loop.path.at, loud.empty() ? loop.clock.steady : loud);
 }
 
@@ -130,9 +131,9 @@ void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Re
   int first = 0;
   analysis.response = response.impulse(first);
   analysis.response_at = loop.path.at + first;
-  const auto sweep = measuring_sweep(estimator.rate());
-  if (repeats(loop.probe.bursts.waveform, sweep.samples(estimator.rate())))
-    analysis.harmonics_db = harmonics(loud_mean(loop, estimator.windows()), loop.path.fit.model, sweep,
+  const auto probe = measuring_probe(estimator.rate());
+  if (repeats(loop.located.bursts.waveform, probe.samples(estimator.rate())))
+    analysis.harmonics_db = harmonics(loud_mean(loop, estimator.windows()), loop.path.fit.model, probe,
                                       estimator.rate(), estimator.windows().fourier());
   const auto within = [&](const ResponsePoint& point) { return point.gain_db > analysis.gain_db - 3.0; };
   const auto& points = analysis.spectrum;
@@ -142,6 +143,44 @@ void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Re
     analysis.high_hz = high->frequency_hz;
   analysis.high_pass_hz = std::max(0.0, -loop.path.fit.model.high_pass[0] * PathModel::kScale *
                                             estimator.rate().value / (2 * std::numbers::pi));
+}
+
+constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousandth of a frame
+constexpr double kAside = 2.0;
+
+/// How much of what the path brings of a burst stands in `rest` at the delay `frames`, beside the path.
+double usual_level(const LoopEstimate& loop, std::span<const double> first, std::span<const double> rest,
+                   std::int64_t frames) {
+  std::vector<double> levels;
+  for (const auto& burst : loop.located.bursts.repeated) {
+    const auto whole = stretch(first, burst.at + loop.path.at, burst.end() + loop.path.at);
+    const auto again = stretch(rest, burst.at + frames, burst.end() + frames);
+    const bool recorded = again.size() == whole.size();
+    levels.push_back(recorded ? std::abs(product(again, whole)) / product(whole, whole) : 0.0);
+  }
+  return median(std::move(levels));
+}
+
+/// Searches what is left of the recording once the path is taken away. It has to be captured of
+/// most probes: where frames are lost, some are captured at one delay and the others at another.
+std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearch& search) {
+  if (!loop.clock.coarse.clear()) return std::nullopt;
+  auto model = loop.path.fit.model;
+  model.delay_frames = loop.constant();
+  const auto first = search.behind(model);
+  std::vector<double> rest = loop.clock.samples;
+  for (std::size_t n = 0; n < rest.size(); ++n) rest[n] -= loop.located.floor.mean + first[n];
+  if (product(rest, rest) < kSoftest * kSoftest * product(first, first)) return std::nullopt;
+
+  const auto found = search.find(rest);
+  SecondPath second;
+  second.frames = found.frames - std::llround(loop.constant());
+  if (!found.clear() || std::abs(second.frames) <= SecondPath::kNear) return std::nullopt;
+  const double level = usual_level(loop, first, rest, found.frames);
+  // A gain that moves leaves something at the path itself, which may look alike probes later.
+  if (level < kSoftest || level < kAside * usual_level(loop, first, rest, loop.path.at)) return std::nullopt;
+  second.level_db = amplitude_to_db(level);
+  return second;
 }
 
 /// The whole report, and its verdict.
@@ -161,11 +200,11 @@ void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analys
   if (evidence.echo.frames != 0) analysis.echo_frames = evidence.echo.frames;
   evidence.level_probe_gain_db = level_probe_gain_db(estimator.recording().played, loop);
   evidence.gain_range_db = gain_range_db(loop, estimator.rate());
-  report_sweeps(loop, analysis);
+  report_probes(loop, analysis);
   report_level(loop, analysis);
   report_delay(loop, analysis);
   if (estimator.settings().details) report_details(estimator, loop, response, analysis);
-  analysis.finding = judge(analysis, evidence, estimator.captured());
+  analysis.finding = verdict_of(analysis, evidence, estimator.captured());
 }
 
 bool all_finite(const std::vector<double>& samples) {
@@ -178,12 +217,12 @@ Status check(const LoopRecording& recording, const AnalysisSettings& settings) {
                 "choose one from 1 to " + std::to_string(recording.captured.size()));
   const auto& captured = recording.captured[index(settings.channel)];
   if (captured.empty())
-    return fail(Errc::BadArgument, "", "nothing was recorded", "record at least one sweep");
+    return fail(Errc::BadArgument, "", "nothing was recorded", "record at least one probe");
   if (settings.profile && settings.profile->sample_rate != recording.sample_rate)
     return fail(Errc::BadArgument, "", "the profile was measured at another sample rate than this recording",
                 "calibrate again at this rate");
   if (!all_finite(recording.played) || !all_finite(captured))
-    return fail(Errc::BadArgument, "", "a sample is no number", "record it again");
+    return fail(Errc::BadArgument, "", "a sample is non-finite", "record it again");
   return {};
 }
 
@@ -198,13 +237,13 @@ Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings&
   Analysis analysis;
   analysis.sample_rate = recording.sample_rate;
   analysis.detected = loop.found;
-  analysis.dc = loop.probe.floor.mean;
-  analysis.noise_floor_dbfs = power_to_db(loop.probe.floor.variance);
+  analysis.dc = loop.located.floor.mean;
+  analysis.noise_floor_dbfs = power_to_db(loop.located.floor.variance);
   if (loop.found)
     report(estimator, loop, analysis);
   else
     analysis.finding =
-        loop.probe.cut_short ? not_whole() : not_detected(estimator.every_channel(), settings.channel);
+        loop.located.cut_short ? too_few_probes() : not_detected(estimator.every_channel(), settings.channel);
   return analysis;
 }
 

@@ -8,7 +8,6 @@
 #include "engine/core/error.h"
 #include "engine/core/units.h"
 #include "latency/estimation/loop_recording.h"
-#include "latency/path_profile.h"
 #include "latency/verdict.h"
 
 namespace tactus {
@@ -36,8 +35,8 @@ struct DelayStep {
   double frames = 0.0;
 };
 
-/// One sweep by itself.
-struct SweepDelay {
+/// One probe by itself.
+struct ProbeDelay {
   std::int64_t played_at = 0;  ///< frame of the recording
   double delay_frames = 0.0;
   double gain_db = 0.0;
@@ -48,22 +47,22 @@ struct SweepDelay {
 ///
 /// The delay is the D of the model  H(f) = g P(f) A(f) exp(-2πi f D / rate):  a gain g of either sign, the
 /// path's profile P (1 for a cable), and for A what coupling capacitors (the phase of any high-pass) and slow
-/// filters (a magnitude without phase) do. It is fitted over all sweeps at once, each frequency weighted by
+/// filters (a magnitude without phase) do. It is fitted over all probes at once, each frequency weighted by
 /// its power over that of the noise: for white noise and a flat path this is the maximum-likelihood estimate.
 struct Analysis {
   Hertz sample_rate = 48_kHz;
   Finding finding;            ///< is the delay to be trusted?
   bool detected = false;      ///< false: nothing below is known but noise floor and DC
-  double delay_frames = 0.0;  ///< in the middle of the sweeps, where it moves
+  double delay_frames = 0.0;  ///< in the middle of the probes, where it moves
   double standard_error_frames = 0.0;
   double bound_frames = 0.0;   ///< Cramér–Rao, for what was played and the noise that was captured
-  double spread_frames = 0.0;  ///< standard deviation over sweeps
+  double spread_frames = 0.0;  ///< standard deviation over probes
   int polarity = 1;
   double gain_db = 0.0;  ///< of the path, middle of its band
-  double snr_db = 0.0;   ///< per sample, while a sweep at full level is captured
+  double snr_db = 0.0;   ///< per sample, while a probe at full level is captured
   double noise_floor_dbfs = 0.0;
   double dc = 0.0;         ///< full scale
-  bool compared = true;    ///< at least three sweeps, so that drift and lost frames show
+  bool compared = true;    ///< at least three probes, so that drift and lost frames show
   double drift_ppm = 0.0;  ///< by which the delay grows: a millionth of a frame in every frame
   double drift_standard_error_ppm = 0.0;
   double low_hz = 0.0, high_hz = 0.0;  ///< where the gain is within 3 dB of its middle
@@ -73,7 +72,7 @@ struct Analysis {
   std::array<std::optional<double>, 4> harmonics_db;  ///< H2 … H5, relative to the fundamental
   std::optional<int> echo_frames;                     ///< from the first arrival to a second one
   std::vector<BandDelay> group_delay;
-  std::vector<SweepDelay> sweeps;
+  std::vector<ProbeDelay> probes;
   std::vector<DelayStep> steps;
   std::vector<ResponsePoint> spectrum;
   std::vector<double> response;  ///< impulse response

@@ -26,7 +26,7 @@ std::size_t loudest(const std::vector<double>& values, std::size_t from, std::si
       values.begin());
 }
 
-/// The highest value where there is most power around. When the clocks differ, every sweep has a delay of its
+/// The highest value where there is most power around. When the clocks differ, every probe has a delay of its
 /// own, and together they are no higher than one of them that meets its neighbour.
 std::size_t densest(const std::vector<double>& values) {
   double sum = 0.0, highest = 0.0;

@@ -22,7 +22,7 @@ struct CoarseDelay {
   static constexpr double kClear = 24.0;
   static constexpr double kNothing = 8.0;  ///< below it nothing was captured: chance exceeds it once in 10^9
   bool found() const { return prominence >= kNothing; }
-  /// Strong enough that every sweep can be found by itself.
+  /// Strong enough that every probe can be found by itself.
   bool clear() const { return prominence >= kClear; }
 };
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <unsupported/Eigen/FFT>
 
+#include "latency/estimation/loop_recording.h"
+
 namespace tactus {
 namespace {
 
@@ -16,6 +18,40 @@ std::size_t quick_size(std::size_t at_least) {
     best = std::min(best, odd * std::max<std::size_t>(4, std::bit_ceil((at_least + odd - 1) / odd)));
   return best;
 }
+
+constexpr int kToeplitzRounds = 400;
+constexpr double kToeplitzSettled = 1e-9;  // of the right side
+
+using Vector = std::vector<double>;
+
+/// Multiplies by the Toeplitz matrix of r, or divides by what is nearly the same: the circle of r under a
+/// triangle, whose spectrum is never negative.
+class Circle {
+ public:
+  Circle(std::size_t at_least, std::span<const double> r, std::size_t length, bool under_triangle)
+      : fourier_(at_least) {
+    const auto size = fourier_.size();
+    Vector circle(size, 0.0);
+    circle[0] = r[0];
+    for (std::size_t k = 1; k < length; ++k) {
+      const double weight = under_triangle ? 1.0 - static_cast<double>(k) / static_cast<double>(length) : 1.0;
+      circle[k] = circle[size - k] = weight * r[k];
+    }
+    spectrum_ = fourier_.forward(circle);
+  }
+  Vector apply(const Vector& x, bool inverse) {
+    auto spectrum = fourier_.forward(x);
+    for (std::size_t b = 0; b < spectrum.size(); ++b)
+      spectrum[b] *= inverse ? 1.0 / std::max(spectrum_[b].real(), 1e-300) : spectrum_[b].real();
+    auto y = fourier_.inverse(spectrum);
+    y.resize(x.size());
+    return y;
+  }
+
+ private:
+  Fourier fourier_;
+  Spectrum spectrum_;
+};
 
 }  // namespace
 
@@ -67,6 +103,28 @@ std::vector<double> Fourier::inverse(const Spectrum& spectrum) {
   std::vector<double> signal(size_);
   transform_->fft.inv(signal.data(), spectrum.data(), static_cast<Eigen::Index>(size_));
   return signal;
+}
+
+std::vector<double> solve_toeplitz(std::span<const double> r, std::span<const double> c) {
+  Circle matrix{2 * c.size(), r, c.size(), false}, nearly{2 * c.size(), r, c.size(), true};
+  Vector h(c.size(), 0.0), rest(c.begin(), c.end());
+  auto z = nearly.apply(rest, true);
+  auto direction = z;
+  double strength = product(rest, z);
+  const double settled = kToeplitzSettled * std::sqrt(product(rest, rest));
+  for (int round = 0; round < kToeplitzRounds && std::sqrt(product(rest, rest)) > settled; ++round) {
+    const auto turned = matrix.apply(direction, false);
+    const double step = strength / product(direction, turned);
+    for (std::size_t n = 0; n < h.size(); ++n) {
+      h[n] += step * direction[n];
+      rest[n] -= step * turned[n];
+    }
+    z = nearly.apply(rest, true);
+    const double next = product(rest, z);
+    for (std::size_t n = 0; n < h.size(); ++n) direction[n] = z[n] + next / strength * direction[n];
+    strength = next;
+  }
+  return h;
 }
 
 }  // namespace tactus

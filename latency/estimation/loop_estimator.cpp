@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "engine/core/index.h"
 #include "engine/core/median.h"
-#include "latency/estimation/pilot_track.h"
 
 namespace tactus {
 namespace {
@@ -16,7 +16,7 @@ constexpr Seconds kAir{0.005};               // before the first burst is captur
 constexpr Seconds kRinging{0.1};             // after the last one
 constexpr Seconds kLoopEstimatorShortestQuiet{0.1};
 constexpr double kFarLouder = 4.0;       // power
-constexpr std::size_t kLeastSweeps = 3;  // their spacing tells which of them they are
+constexpr std::size_t kLeastProbes = 3;  // their spacing tells which of them they are
 constexpr std::int64_t kLoopEstimatorSearch = 8192;
 constexpr double kLeastStep = 0.75;              // frames
 constexpr double kLoopEstimatorCertain = 6.0;    // standard deviations
@@ -25,9 +25,9 @@ constexpr double kFaintest = -14.0;              // log gain: -122 dB, below the
 // A hum or a click, which the model can follow only with a gain that nothing has, and leaves most of.
 constexpr double kStrongest = 14.0, kHum = 0.5;
 constexpr double kNothing = 1e-18;        // -180 dBFS, below what a float sample of full scale can hold
-constexpr double kDamaged = 0.05;         // of a sweep's power, more than other sweeps leave unexplained
-constexpr double kTouched = 1e-3;         // the same, for a sweep that is reported but still used
-constexpr double kNoisier = 1.5;          // than other sweeps is one that something happened to
+constexpr double kDamaged = 0.05;         // of a probe's power, more than other probes leave unexplained
+constexpr double kTouched = 1e-3;         // the same, for a probe that is reported but still used
+constexpr double kNoisier = 1.5;          // than other probes is one that something happened to
 constexpr std::int64_t kSamePlace = 128;  // frames
 constexpr double kFitsWell = 1e-3;        // misfit of a cable
 constexpr int kDriftRounds = 3;
@@ -47,31 +47,31 @@ double power(std::span<const double> samples, double mean) {
   return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
 }
 
-double usual(double TrackedSweep::*of, const std::vector<TrackedSweep>& sweeps) {
+double usual(double TrackedProbe::*of, const std::vector<TrackedProbe>& probes) {
   std::vector<double> all;
-  for (const auto& sweep : sweeps) all.push_back(sweep.*of);
+  for (const auto& probe : probes) all.push_back(probe.*of);
   return median(std::move(all));
 }
 
 /// Sweeps in which nothing is broken: those that leave about as much unexplained as the others.
-std::vector<TrackedSweep> whole_ones(const std::vector<TrackedSweep>& sweeps) {
-  const double most = usual(&TrackedSweep::misfit, sweeps) + kDamaged;
-  std::vector<TrackedSweep> whole;
-  for (const auto& sweep : sweeps)
-    if (sweep.misfit <= most) whole.push_back(sweep);
+std::vector<TrackedProbe> whole_ones(const std::vector<TrackedProbe>& probes) {
+  const double most = usual(&TrackedProbe::misfit, probes) + kDamaged;
+  std::vector<TrackedProbe> whole;
+  for (const auto& probe : probes)
+    if (probe.misfit <= most) whole.push_back(probe);
   return whole;
 }
 
 /// What can be separated from noise; but half a frame of noise is not a lost frame.
-double least_step(const std::vector<TrackedSweep>& sweeps) {
+double least_step(const std::vector<TrackedProbe>& probes) {
   double widest = 0.0;
-  for (const auto& sweep : sweeps) widest = std::max(widest, sweep.deviation_frames);
+  for (const auto& probe : probes) widest = std::max(widest, probe.deviation_frames);
   return std::max(kLeastStep, kLoopEstimatorCertain * widest);
 }
 
-std::vector<DelayPoint> points_of(const std::vector<TrackedSweep>& sweeps, double delay) {
+std::vector<DelayPoint> points_of(const std::vector<TrackedProbe>& probes, double delay) {
   std::vector<DelayPoint> points;
-  for (const auto& sweep : sweeps) points.push_back({sweep.burst.at, delay + sweep.delay_frames});
+  for (const auto& probe : probes) points.push_back({probe.burst.at, delay + probe.delay_frames});
   return points;
 }
 
@@ -87,11 +87,123 @@ std::vector<double> through(const std::vector<double>& played, std::span<const d
   return captured;
 }
 
-double middle_delay(const std::vector<TrackedSweep>& sweeps) {
-  return usual(&TrackedSweep::delay_frames, sweeps);
+double middle_delay(const std::vector<TrackedProbe>& probes) {
+  return usual(&TrackedProbe::delay_frames, probes);
 }
 
 std::int64_t reach(const CoarseDelay& coarse) { return coarse.clear() ? kLoopEstimatorSearch : 0; }
+
+// ---- the pilot
+
+constexpr std::int64_t kPart = 2048;
+constexpr std::int64_t kPilotReach = 4096;
+constexpr std::int64_t kPilotLead = 64;  // what a filter may answer before its delay
+constexpr double kProminent = 10.0;
+
+/// What the path would bring, from `kPilotLead` frames before its delay on.
+std::vector<double> expected_pilot(std::span<const double> pilot, const PathModel& model,
+                                   std::span<const double> profile) {
+  Fourier fourier{pilot.size() + profile.size() + 2 * kPilotLead};
+  auto placed = model;
+  placed.delay_frames += static_cast<double>(kPilotLead);
+  const auto path = placed.spectrum(fourier.size(), profile.empty() ? Spectrum{} : fourier.forward(profile));
+  auto spectrum = fourier.forward(pilot);
+  for (std::size_t b = 0; b < spectrum.size(); ++b) spectrum[b] *= path[b];
+  auto signal = fourier.inverse(spectrum);
+  signal.resize(pilot.size() + 2 * kPilotLead);
+  return signal;
+}
+
+std::vector<double> cut(std::span<const double> all, std::int64_t from, std::int64_t frames) {
+  std::vector<double> part(index(frames), 0.0);
+  const auto end = std::min(from + frames, static_cast<std::int64_t>(all.size()));
+  for (auto n = std::max<std::int64_t>(0, from); n < end; ++n) part[index(n - from)] = all[index(n)];
+  return part;
+}
+
+/// Six standard deviations of a part's delay in that noise; or what a phase that is wrong by a seventh of a
+/// radian (2 % of the power) makes of it, twice.
+double least_step_of(const Spectrum& part, std::size_t size, double variance) {
+  double energy = 0.0, slope_energy = 0.0;
+  for (std::size_t b = 1; b < part.size(); ++b) {
+    const double w = angular_frequency(b, size);
+    const double share = 2.0 / static_cast<double>(size) * std::norm(part[b]);
+    energy += share;
+    slope_energy += w * w * share;
+  }
+  return std::max(6.0 * std::sqrt(variance / slope_energy), 0.3 * std::sqrt(energy / slope_energy));
+}
+
+/// Frames of `captured` from which on, for less than 50 ms, it is not what is expected from `begin` on.
+std::vector<std::int64_t> pilot_damage(const std::vector<double>& whole, std::span<const double> captured,
+                                       std::int64_t begin, double variance) {
+  constexpr std::int64_t kBlock = 64;
+  constexpr std::int64_t kLongest = 40;  // blocks; what lasts longer is a gain that changes
+  const auto blocks = static_cast<std::int64_t>(whole.size()) / kBlock;
+  double usual = 0.0;  // power of a block: at the ends there is less
+  for (const double sample : whole) usual += sample * sample * kBlock / static_cast<double>(whole.size());
+  const auto broken = [&](std::int64_t block) {
+    const auto from = block * kBlock, there = begin + from;
+    if (there < 0 || there + kBlock > static_cast<std::int64_t>(captured.size())) return false;
+    double explained = 0.0, unexplained = 0.0;
+    for (std::int64_t k = 0; k < kBlock; ++k) {
+      const double expects = whole[index(from + k)];
+      const double rest = captured[index(there + k)] - expects;
+      explained += expects * expects;
+      unexplained += rest * rest;
+    }
+    return unexplained > 0.25 * std::max(explained, usual) && unexplained > 36.0 * kBlock * variance;
+  };
+  auto places = short_runs(blocks, kLongest, broken);
+  for (auto& place : places) place = begin + place * kBlock;
+  return places;
+}
+
+/// Each place by the middle one of three. A step stays where it is; a part that was taken for its neighbour,
+/// an oscillation beside it, does not count. The ends have no two neighbours, and are left out.
+std::vector<DelayPoint> without_outliers(const std::vector<DelayPoint>& points) {
+  std::vector<DelayPoint> quiet;
+  for (std::size_t n = 1; n + 1 < points.size(); ++n)
+    quiet.push_back({points[n].played_at, median({points[n - 1].delay_frames, points[n].delay_frames,
+                                                  points[n + 1].delay_frames})});
+  return quiet;
+}
+
+/// What was captured of the pilot.
+struct PilotTrack {
+  std::vector<DelayPoint> points;  ///< of each part that was recorded and found
+  double least_step = 0.0;         ///< frames: less may be noise, or a path that the model does not know well
+  std::vector<std::int64_t>
+      damage;  ///< frames of the recording where for a moment something else is captured
+};
+
+/// In parts: where 2048 frames of it, as the path would bring them, are captured within 4096
+/// frames of the delay `at`, to the frame. `variance`: of a frame of noise.
+PilotTrack track_pilot(std::span<const double> played, std::span<const double> captured, const Burst& pilot,
+                       std::int64_t at, const PathModel& model, std::span<const double> profile,
+                       double variance) {
+  const auto whole = expected_pilot(played.subspan(index(pilot.at), index(pilot.frames)), model, profile);
+  Fourier fourier{index(kPart + 2 * kPilotReach)};
+  PilotTrack track;
+  for (std::int64_t from = 0; from + kPart <= pilot.frames; from += kPart / 2) {
+    const auto begin = pilot.at + at + from - kPilotLead;
+    if (begin < 0 || begin + kPart > static_cast<std::int64_t>(captured.size())) continue;
+    const auto part = fourier.forward(cut(whole, from, kPart));
+    if (track.least_step == 0.0) track.least_step = least_step_of(part, fourier.size(), variance);
+    auto cross = fourier.forward(cut(captured, begin - kPilotReach, kPart + 2 * kPilotReach));
+    for (std::size_t b = 0; b < cross.size(); ++b) cross[b] *= std::conj(part[b]);
+    auto correlation = fourier.inverse(cross);
+    correlation.resize(index(2 * kPilotReach));
+    const auto highest = std::max_element(correlation.begin(), correlation.end());
+    if (!(*highest > kProminent * robust_deviation(correlation))) continue;
+    const auto off = highest - correlation.begin() - kPilotReach;
+    track.points.push_back({pilot.at + from, static_cast<double>(at + off) + model.delay_frames});
+  }
+  track.points = without_outliers(track.points);
+  track.damage = pilot_damage(whole, captured, pilot.at + at - kPilotLead, variance);
+  for (auto& frame : track.damage) frame -= at;
+  return track;
+}
 
 }  // namespace
 
@@ -116,32 +228,32 @@ std::vector<CoarseDelay> LoopEstimator::every_channel() {
 
 LoopEstimate LoopEstimator::estimate() {
   LoopEstimate estimate;
-  estimate.probe = locate();
-  if (!estimate.probe.usable()) return estimate;
-  estimate.clock = align(estimate.probe);
-  estimate.path = fit(estimate.probe, estimate.clock);
+  estimate.located = locate();
+  if (!estimate.located.usable()) return estimate;
+  estimate.clock = align(estimate.located);
+  estimate.path = fit(estimate.located, estimate.clock);
   estimate.found = estimate.path.plausible();
   if (!estimate.found) return estimate;
   if (estimate.clock.coarse.clear())
     estimate.compared = compare(estimate);
   else
-    estimate.compared.sweeps = estimate.clock.tracked;
+    estimate.compared.probes = estimate.clock.tracked;
   return estimate;
 }
 
-LocatedProbe LoopEstimator::locate() {
-  LocatedProbe probe{search_.find(captured_), bursts_, {}};
-  probe.floor = noise_floor(probe.coarse);
-  windows_.set_noise(probe.floor);
-  if (!probe.coarse.found()) return probe;
+LocatedProbes LoopEstimator::locate() {
+  LocatedProbes located{search_.find(captured_), bursts_, {}};
+  located.floor = noise_floor(located.coarse);
+  windows_.set_noise(located.floor);
+  if (!located.coarse.found()) return located;
   const auto recorded = static_cast<std::int64_t>(captured_.size());
-  auto& repeated = probe.bursts.repeated;
-  const auto needed = std::min(repeated.size(), kLeastSweeps);
+  auto& repeated = located.bursts.repeated;
+  const auto needed = std::min(repeated.size(), kLeastProbes);
   std::erase_if(repeated, [&](const Burst& burst) {
-    return burst.at + probe.coarse.frames < 0 || burst.end() + probe.coarse.frames > recorded;
+    return burst.at + located.coarse.frames < 0 || burst.end() + located.coarse.frames > recorded;
   });
-  probe.cut_short = repeated.size() < needed;
-  return probe;
+  located.cut_short = repeated.size() < needed;
+  return located;
 }
 
 /// The noise where nothing of the probe sounds: the last half second before it; where that behind it, or the
@@ -178,7 +290,7 @@ NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
 NoiseFloor LoopEstimator::noise_floor(const CoarseDelay& coarse) const {
   auto floor = quiet(coarse);
   const double rounding =
-      rounding_variance(captured_);  // in digital silence there is none, but beside a sweep
+      rounding_variance(captured_);  // in digital silence there is none, but beside a probe
   floor.variance = std::max(floor.variance, rounding);
   for (auto& each : floor.per_frame) each = std::max(each, rounding);
   const auto from = bursts_.repeated.front().at + coarse.frames;
@@ -187,17 +299,17 @@ NoiseFloor LoopEstimator::noise_floor(const CoarseDelay& coarse) const {
   return floor;
 }
 
-/// Removes the drift between the clocks. The sweeps are compared with the loudest of them where no model
-/// fits, so that it does not matter what the path makes of a sweep.
-AlignedClock LoopEstimator::align(const LocatedProbe& probe) {
+/// Removes the drift between the clocks. The probes are compared with the loudest of them where no model
+/// fits, so that it does not matter what the path makes of a probe.
+AlignedClock LoopEstimator::align(const LocatedProbes& located) {
   AlignedClock clock;
   clock.samples.assign(captured_.begin(), captured_.end());
-  clock.coarse = probe.coarse;
-  clock.at = probe.coarse.frames;
-  for (const auto& burst : probe.bursts.repeated) clock.steady.push_back({.burst = burst});
-  for (int round = 0; probe.coarse.clear() && round <= kDriftRounds; ++round) {
-    clock.tracked = windows_.track(probe.bursts.repeated, clock.samples, clock.at, kLoopEstimatorSearch,
-                                   loudest_sweep(probe, clock));
+  clock.coarse = located.coarse;
+  clock.at = located.coarse.frames;
+  for (const auto& burst : located.bursts.repeated) clock.steady.push_back({.burst = burst});
+  for (int round = 0; located.coarse.clear() && round <= kDriftRounds; ++round) {
+    clock.tracked = windows_.track(located.bursts.repeated, clock.samples, clock.at, kLoopEstimatorSearch,
+                                   loudest_probe(located, clock));
     const auto whole = whole_ones(clock.tracked);
     const auto line = DelayTrend::of(points_of(whole, 0.0), least_step(whole));
     clock.steady.clear();
@@ -217,13 +329,13 @@ AlignedClock LoopEstimator::align(const LocatedProbe& probe) {
   return clock;
 }
 
-Spectrum LoopEstimator::loudest_sweep(const LocatedProbe& probe, const AlignedClock& clock) {
-  const auto& repeated = probe.bursts.repeated;
+Spectrum LoopEstimator::loudest_probe(const LocatedProbes& located, const AlignedClock& clock) {
+  const auto& repeated = located.bursts.repeated;
   const auto loudest = std::max_element(repeated.begin(), repeated.end(),
                                         [](const Burst& a, const Burst& b) { return a.gain < b.gain; });
-  const TrackedSweep sweep{.burst = *loudest};
-  const auto window = windows_.mean(clock.samples, clock.at, {&sweep, 1});
-  return expected(window, fit_of(window, probe.coarse));
+  const TrackedProbe probe{.burst = *loudest};
+  const auto window = windows_.mean(clock.samples, clock.at, {&probe, 1});
+  return expected(window, fit_of(window, located.coarse));
 }
 
 PathFit LoopEstimator::fit_of(const CapturedWindow& window, const CoarseDelay& coarse) {
@@ -234,10 +346,10 @@ PathFit LoopEstimator::fit_of(const CapturedWindow& window, const CoarseDelay& c
 
 /// The model where it fits: it has no noise.
 Spectrum LoopEstimator::expected(const CapturedWindow& window, const PathFit& fit) const {
-  return fit.misfit < kFits ? windows_.expected(fit.model) : SweepWindows::cleaned(window);
+  return fit.misfit < kFits ? windows_.expected(fit.model) : ProbeWindows::cleaned(window);
 }
 
-FittedPath LoopEstimator::fit(const LocatedProbe& probe, const AlignedClock& clock) {
+FittedPath LoopEstimator::fit(const LocatedProbes& located, const AlignedClock& clock) {
   FittedPath path;
   path.at = clock.at;
   path.mean = windows_.mean(clock.samples, path.at, clock.steady);
@@ -245,7 +357,7 @@ FittedPath LoopEstimator::fit(const LocatedProbe& probe, const AlignedClock& clo
   path.at += static_cast<std::int64_t>(off);
   if (off != 0.0) path.mean = windows_.mean(clock.samples, path.at, clock.steady);
   path.fit = fit_of(path.mean, clock.coarse);
-  path.noise = probe.floor.variance;
+  path.noise = located.floor.variance;
   if (clock.steady.size() > 1)
     path.noise = std::max(path.noise, windows_.scatter(clock.samples, path.at, clock.steady, path.mean));
   return path;
@@ -257,27 +369,27 @@ bool FittedPath::plausible() const {
   return fit.strength >= CoarseDelay::kNothing && gain >= kFaintest && !nonsense;
 }
 
-ComparedSweeps LoopEstimator::compare(const LoopEstimate& estimate) {
-  const auto& [probe, clock, path, none, found] = estimate;
-  ComparedSweeps compared;
-  compared.sweeps = windows_.track(probe.bursts.repeated, clock.samples, path.at, kLoopEstimatorSearch,
+ComparedProbes LoopEstimator::compare(const LoopEstimate& estimate) {
+  const auto& [located, clock, path, none, found] = estimate;
+  ComparedProbes compared;
+  compared.probes = windows_.track(located.bursts.repeated, clock.samples, path.at, kLoopEstimatorSearch,
                                    expected(path.mean, path.fit));
-  const auto whole = whole_ones(compared.sweeps);
+  const auto whole = whole_ones(compared.probes);
   compared.trend = DelayTrend::of(points_of(whole, estimate.constant()), least_step(whole));
   compared.steps = compared.trend.steps;
-  if (const auto pilot = probe.bursts.pilot(rate()); pilot && path.fit.misfit < kFits)
+  if (const auto pilot = located.bursts.pilot(rate()); pilot && path.fit.misfit < kFits)
     add_pilot_steps(estimate, *pilot, whole, compared.steps);
   if (compared.steps.empty()) find_damage(estimate, compared);
   return compared;
 }
 
-/// Steps behind the sweeps, where the pilot sounds.
+/// Steps behind the probes, where the pilot sounds.
 void LoopEstimator::add_pilot_steps(const LoopEstimate& estimate, const Burst& pilot,
-                                    const std::vector<TrackedSweep>& whole,
+                                    const std::vector<TrackedProbe>& whole,
                                     std::vector<DelayStep>& steps) const {
   const auto& fit = estimate.path.fit;
   const auto track = track_pilot(recording_.played, estimate.clock.samples, pilot, estimate.path.at,
-                                 fit.model, profile_taps(), estimate.probe.floor.variance);
+                                 fit.model, profile_taps(), estimate.located.floor.variance);
   std::vector<DelayPoint> points{points_of(whole, estimate.constant()).back()};
   points.insert(points.end(), track.points.begin(), track.points.end());
   const auto more = DelayTrend::of(points, std::max(least_step(whole), track.least_step)).steps;
@@ -286,29 +398,29 @@ void LoopEstimator::add_pilot_steps(const LoopEstimate& estimate, const Burst& p
     for (const auto place : track.damage) steps.push_back({place, 0.0});
 }
 
-/// In a sweep that leaves more unexplained than the others, or has something else in it for a moment. What
-/// lies at the same place of two sweeps is no damage: loud and soft ones differ there.
-void LoopEstimator::find_damage(const LoopEstimate& estimate, ComparedSweeps& compared) {
-  const auto& sweeps = compared.sweeps;
-  const double misfit = usual(&TrackedSweep::misfit, sweeps) + kTouched;
-  const double chi_squared = kNoisier * usual(&TrackedSweep::chi_squared, sweeps);
+/// In a probe that leaves more unexplained than the others, or has something else in it for a moment. What
+/// lies at the same place of two probes is no damage: loud and soft ones differ there.
+void LoopEstimator::find_damage(const LoopEstimate& estimate, ComparedProbes& compared) {
+  const auto& probes = compared.probes;
+  const double misfit = usual(&TrackedProbe::misfit, probes) + kTouched;
+  const double chi_squared = kNoisier * usual(&TrackedProbe::chi_squared, probes);
   struct Damage {
-    std::size_t sweep;
+    std::size_t probe;
     std::int64_t frame;
   };
   std::vector<Damage> damage;
-  for (std::size_t n = 0; n < sweeps.size(); ++n) {
-    const auto places = windows_.damage(estimate.clock.samples, estimate.path.at, sweeps[n],
+  for (std::size_t n = 0; n < probes.size(); ++n) {
+    const auto places = windows_.damage(estimate.clock.samples, estimate.path.at, probes[n],
                                         estimate.path.mean, estimate.path.noise);
     for (const auto place : places) damage.push_back({n, place});
-    // Of a soft sweep, noise is a larger share.
-    const bool touched = sweeps[n].misfit > misfit && sweeps[n].chi_squared > chi_squared;
-    if (places.empty() && touched) damage.push_back({n, sweeps[n].burst.at});
+    // Of a soft probe, noise is a larger share.
+    const bool touched = probes[n].misfit > misfit && probes[n].chi_squared > chi_squared;
+    if (places.empty() && touched) damage.push_back({n, probes[n].burst.at});
   }
-  const auto offset = [&](const Damage& one) { return one.frame - sweeps[one.sweep].burst.at; };
+  const auto offset = [&](const Damage& one) { return one.frame - probes[one.probe].burst.at; };
   for (const auto& one : damage) {
     const bool again = std::any_of(damage.begin(), damage.end(), [&](const Damage& other) {
-      return other.sweep != one.sweep && std::abs(offset(other) - offset(one)) <= kSamePlace;
+      return other.probe != one.probe && std::abs(offset(other) - offset(one)) <= kSamePlace;
     });
     if (again)
       compared.overdriven = true;

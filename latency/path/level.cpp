@@ -57,7 +57,7 @@ LevelSearch::LevelSearch(const Settings& settings)
 }
 
 LevelSearch::Step LevelSearch::observe(const LevelWindow& window) noexcept {
-  if (now() == most_windows_) return judge();
+  if (now() == most_windows_) return decide();
   windows_.push_back(window);
   if (window.power > kStandsOut * found_.noise_power) last_above_noise_ = now();
   switch (stage_) {
@@ -70,9 +70,9 @@ LevelSearch::Step LevelSearch::observe(const LevelWindow& window) noexcept {
     case Stage::Overloaded:
       break;
   }
-  const auto says = ring_out_.observe(window);
-  if (says == RingOutMonitor::Result::Feedback) return Step::Feedback;
-  return says == RingOutMonitor::Result::Quiet ? judge() : Step::Listen;
+  const auto result = ring_out_.observe(window);
+  if (result == RingOutMonitor::Result::Feedback) return Step::Feedback;
+  return result == RingOutMonitor::Result::Quiet ? decide() : Step::Wait;
 }
 
 void LevelSearch::overload() noexcept {
@@ -88,7 +88,7 @@ LevelSearch::Step LevelSearch::start_probe(double level) noexcept {
 }
 
 LevelSearch::Step LevelSearch::after_quiet() noexcept {
-  if (now() < quiet_windows(settings_)) return Step::Listen;
+  if (now() < quiet_windows(settings_)) return Step::Wait;
   found_.noise_power = settings_.known ? settings_.known->noise_power : noise();
   return start_probe(settings_.known ? settings_.known->level : settings_.softest);
 }
@@ -96,7 +96,7 @@ LevelSearch::Step LevelSearch::after_quiet() noexcept {
 LevelSearch::Step LevelSearch::after_probe() noexcept {
   const Probe& last = probes_[probe_count_ - 1];
   const int since = now() - last.window;
-  if (since < kPeriod) return Step::Listen;
+  if (since < kPeriod) return Step::Wait;
   if (settings_.known) {
     found_ = *settings_.known;
     return Step::Ready;
@@ -110,7 +110,7 @@ LevelSearch::Step LevelSearch::after_probe() noexcept {
   if (louder && power < kEnough * found_.noise_power && kStep * peak <= kLoudEnough)
     return start_probe(kStep * last.level);
   stage_ = Stage::Echoes;
-  return Step::Listen;
+  return Step::Wait;
 }
 
 /// Everything has come back when nothing came for longer than the pause between two level probes.
@@ -119,11 +119,11 @@ LevelSearch::Step LevelSearch::after_echoes() noexcept {
   const int since = now() - last - kLevelProbeWindows;
   const bool captured = last_above_noise_ > first;
   const bool gone = captured && now() - last_above_noise_ >= windows_in(kGone) && since >= windows_in(kGone);
-  return gone || since >= windows_in(kLongestDelay) ? judge() : Step::Listen;
+  return gone || since >= windows_in(kLongestDelay) ? decide() : Step::Wait;
 }
 
 /// Which of the level probes is loud enough to be captured, and soft enough for the input?
-LevelSearch::Step LevelSearch::judge() noexcept {
+LevelSearch::Step LevelSearch::decide() noexcept {
   if (probe_count_ == 0) return Step::TooLoud;
   const int lag = best_lag();
   const Probe& last = probes_[probe_count_ - 1];

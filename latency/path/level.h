@@ -38,7 +38,7 @@ class RingOutMonitor {
   int windows_ = 0, loud_ = 0, quiet_ = 0;
 };
 
-/// Finds the level at which a path is measured: the noise is captured first, then short sweeps ("level
+/// Finds the level at which a path is measured: the noise is captured first, then short probes ("level
 /// probes") that become louder by 6 dB each, until one is captured 30 dB above the noise, or near the input's
 /// end, or as loud as allowed. How long a level probe takes to come back is not known, and may be seconds, so
 /// it goes on when none is captured after 150 ms; once everything has come back, each is found by the pattern
@@ -59,7 +59,7 @@ class LevelSearch {
     std::optional<PathLevel> known;       ///< of an earlier opening: one level probe must do
   };
   enum class Step {
-    Listen,
+    Wait,
     Probe,    ///< begins with the next window, at `level`
     Ready,    ///< `found`
     TooLoud,  ///< the softest level probe already was
@@ -71,13 +71,14 @@ class LevelSearch {
 
   /// [realtime] What the next window is for.
   Step observe(const LevelWindow& window) noexcept;
-  /// [realtime] The input came to its end, and what was being played has been muted. Listens on.
+  /// [realtime] The input came to its end, and what was being played has been muted. Goes on with what is
+  /// captured.
   void overload() noexcept;
 
   bool was_overloaded() const noexcept { return stage_ == Stage::Overloaded; }
   double level() const noexcept { return probes_[probe_count_ - 1].level; }
   const PathLevel& found() const noexcept { return found_; }
-  /// [any] Windows after which it has answered, whatever it hears.
+  /// [any] Windows after which it has answered, whatever is captured.
   int most_windows() const noexcept { return most_windows_; }
 
  private:
@@ -91,7 +92,7 @@ class LevelSearch {
   Step after_quiet() noexcept;
   Step after_probe() noexcept;
   Step after_echoes() noexcept;
-  Step judge() noexcept;
+  Step decide() noexcept;
   int best_lag() const noexcept;
   double power_at(int window) const noexcept;
   double peak_at(int window) const noexcept;

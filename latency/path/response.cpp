@@ -17,7 +17,7 @@ using Complex = std::complex<double>;
 using std::numbers::pi;
 
 constexpr std::int64_t kAtPath = 16;  // frames
-constexpr double kOwn = 1e-9;         // -90 dB: what the sweep's own edges leave where harmonics stand
+constexpr double kOwn = 1e-9;         // -90 dB: what the probe's own edges leave where harmonics stand
 constexpr double kPlayed = 1e-5;      // of the power of the loudest bin: below, nothing was played there
 constexpr std::array kOctaves{31.25,  62.5,   125.0,  250.0,   500.0,   1000.0,
                               2000.0, 4000.0, 8000.0, 16000.0, 32000.0, 64000.0};
@@ -212,7 +212,7 @@ Response::Echo Response::echo() const {
 }
 
 std::array<std::optional<double>, 4> harmonics(const CapturedWindow& window, const PathModel& model,
-                                               const ExponentialSweep& sweep, Hertz sample_rate,
+                                               const ExponentialSweep& probe, Hertz sample_rate,
                                                Fourier& fourier) {
   constexpr double kHalf = 0.004;          // seconds around each response
   constexpr double kNowhere = 12.5;        // no whole order: what stands there is noise
@@ -220,7 +220,7 @@ std::array<std::optional<double>, 4> harmonics(const CapturedWindow& window, con
   const auto answer = fourier.inverse(divided(window, window.captured));
   const auto size = static_cast<std::int64_t>(answer.size());
   const auto half = static_cast<std::int64_t>(kHalf * sample_rate.value);
-  const double growth = frames_in(sweep.growth(), sample_rate);
+  const double growth = frames_in(probe.growth(), sample_rate);
   // Mean power of the answer where the order `place` stands, at the frequencies of another one.
   const auto power = [&](double place, double order) {
     const auto centre = std::llround(model.delay_frames - growth * std::log(place));

@@ -13,7 +13,7 @@
 
 namespace tactus {
 
-/// What the mean of all sweeps says about the path, besides its delay. The window begins at the delay `at`,
+/// What the mean of all probes says about the path, besides its delay. The window begins at the delay `at`,
 /// and the fit's delay counts from there.
 class Response {
  public:
@@ -48,10 +48,10 @@ class Response {
 };
 
 /// [control] H2 … H5 in dB below the fundamental, for fundamentals around 1 kHz: the responses that stand
-/// before the linear one in what was captured of an exponential sweep. Nothing where noise is
+/// before the linear one in what was captured of an exponential probe. Nothing where noise is
 /// stronger, or below -90 dB.
 std::array<std::optional<double>, 4> harmonics(const CapturedWindow& window, const PathModel& model,
-                                               const ExponentialSweep& sweep, Hertz sample_rate,
+                                               const ExponentialSweep& probe, Hertz sample_rate,
                                                Fourier& fourier);
 
 }  // namespace tactus

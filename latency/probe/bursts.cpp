@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "latency/estimation/loop_recording.h"
 
@@ -16,14 +17,8 @@ constexpr double kBurstsSilence = 3e-3;      // of the peak: dither and noise of
 constexpr std::int64_t kBurstsSearch = 256;  // frames that may be hidden at the soft beginning of a burst
 constexpr double kAlike = 0.99, kSame = 1.0 - 1e-9;
 
-double peak(std::span<const double> samples) {
-  double highest = 0.0;
-  for (const double sample : samples) highest = std::max(highest, std::abs(sample));
-  return highest;
-}
-
 std::vector<Burst> between_pauses(std::span<const double> played, std::int64_t pause) {
-  const double silence = kBurstsSilence * peak(played);
+  const double silence = kBurstsSilence * peak_of(played);
   std::vector<Burst> bursts;
   for (std::size_t n = 0; n < played.size(); ++n) {
     if (!(std::abs(played[n]) > silence)) continue;
@@ -67,7 +62,7 @@ struct Group {
 
 std::vector<Group> grouped(std::span<const double> played, std::vector<Burst> bursts) {
   const auto loudness = [&](const Burst& burst) {
-    return peak(played.subspan(index(burst.at), index(burst.frames)));
+    return peak_of(played.subspan(index(burst.at), index(burst.frames)));
   };
   std::stable_sort(bursts.begin(), bursts.end(),
                    [&](const Burst& a, const Burst& b) { return loudness(a) > loudness(b); });
@@ -120,7 +115,7 @@ std::optional<PlayedBursts> find_bursts(std::span<const double> played, Hertz sa
   const auto by_time = [](const Burst& a, const Burst& b) { return a.at < b.at; };
   PlayedBursts found;
   found.waveform = std::move(groups.front().waveform);
-  found.peak = peak(found.waveform);
+  found.peak = peak_of(found.waveform);
   found.repeated = std::move(groups.front().bursts);
   std::sort(found.repeated.begin(), found.repeated.end(), by_time);
   for (std::size_t g = 1; g < groups.size(); ++g)

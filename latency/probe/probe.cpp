@@ -15,14 +15,10 @@ using std::numbers::pi;
 
 constexpr double kHighest = 0.42;    // of the sample rate: below where converters' filters begin
 constexpr Seconds kRise{0.008};      // of the first edge; the last one lasts an eighth of it
-constexpr Seconds kProbeQuiet{0.5};  // before the first sweep of a stimulus
+constexpr Seconds kProbeQuiet{0.5};  // before the first probe of a stimulus
 constexpr Seconds kProbePilot{0.5}, kPilotEdge{0.002};
 // No two stretches of pauses are equally long, so a train fits itself only where it is.
 constexpr std::array kPauses{0.100, 0.116, 0.104, 0.124, 0.108, 0.132, 0.112, 0.140};
-
-std::size_t frames(Seconds time, Hertz rate) {
-  return static_cast<std::size_t>(std::llround(frames_in(time, rate)));
-}
 
 /// 0 to 1 and back over [0, length), along half a period of a cosine each.
 double edges(double at, double length, double rise, double fall) {
@@ -45,12 +41,16 @@ void append(std::vector<double>& to, const std::vector<double>& from, double gai
 
 }  // namespace
 
+std::size_t whole_frames(Seconds time, Hertz sample_rate) {
+  return static_cast<std::size_t>(std::llround(frames_in(time, sample_rate)));
+}
+
 Seconds ExponentialSweep::growth() const { return duration / std::log(stop / start); }
 
 std::vector<double> ExponentialSweep::samples(Hertz sample_rate) const {
   const double length = frames_in(duration, sample_rate);
   const double growth_s = growth().value;
-  std::vector<double> samples(frames(duration, sample_rate));
+  std::vector<double> samples(whole_frames(duration, sample_rate));
   const double rise = frames_in(kRise, sample_rate);
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const double at = static_cast<double>(n);
@@ -60,12 +60,12 @@ std::vector<double> ExponentialSweep::samples(Hertz sample_rate) const {
   return samples;
 }
 
-ExponentialSweep measuring_sweep(Hertz sample_rate) { return {20_Hz, sample_rate * kHighest, Seconds{0.35}}; }
+ExponentialSweep measuring_probe(Hertz sample_rate) { return {20_Hz, sample_rate * kHighest, Seconds{0.35}}; }
 
 ExponentialSweep level_probe(Hertz sample_rate) { return {100_Hz, sample_rate * kHighest, Seconds{0.04}}; }
 
 std::vector<double> pilot(Hertz sample_rate) {
-  std::vector<double> samples(frames(kProbePilot, sample_rate));
+  std::vector<double> samples(whole_frames(kProbePilot, sample_rate));
   const double edge = frames_in(kPilotEdge, sample_rate), length = frames_in(kProbePilot, sample_rate);
   // Nothing at half the sample rate, where a fraction of a frame of delay has no meaning.
   for (std::size_t n = 0; n < samples.size(); ++n)
@@ -74,18 +74,22 @@ std::vector<double> pilot(Hertz sample_rate) {
   return samples;
 }
 
-Seconds SweepTrain::pause_after(int sweep) { return Seconds{kPauses[index(sweep) % kPauses.size()]}; }
+double ProbeTrain::gain(int probe) { return probe % 4 == 1 ? kSoftGain : 1.0; }
 
-double SweepTrain::gain(int sweep) { return sweep % 4 == 1 ? kSoftGain : 1.0; }
+std::vector<double> ProbeTrain::samples(Hertz sample_rate, int count, double level) {
+  std::vector<double> train;
+  const auto probe = measuring_probe(sample_rate).samples(sample_rate);
+  for (int k = 0; k < count; ++k) {
+    append(train, probe, level * gain(k));
+    train.resize(train.size() + whole_frames(Seconds{kPauses[index(k) % kPauses.size()]}, sample_rate), 0.0);
+  }
+  append(train, pilot(sample_rate), level);
+  return train;
+}
 
 std::vector<double> stimulus(Hertz sample_rate, double level) {
-  std::vector<double> samples(frames(kProbeQuiet, sample_rate), 0.0);
-  const auto sweep = measuring_sweep(sample_rate).samples(sample_rate);
-  for (int k = 0; k < SweepTrain::kSweeps; ++k) {
-    append(samples, sweep, level * SweepTrain::gain(k));
-    samples.resize(samples.size() + frames(SweepTrain::pause_after(k), sample_rate), 0.0);
-  }
-  append(samples, pilot(sample_rate), level);
+  std::vector<double> samples(whole_frames(kProbeQuiet, sample_rate), 0.0);
+  append(samples, ProbeTrain::samples(sample_rate, ProbeTrain::kProbes, level), 1.0);
   return samples;
 }
 

@@ -1,11 +1,15 @@
 #pragma once
 // Thread: [control]
 
+#include <cstddef>
 #include <vector>
 
 #include "engine/core/units.h"
 
 namespace tactus {
+
+/// [any]
+std::size_t whole_frames(Seconds time, Hertz sample_rate);
 
 /// A sine whose frequency f(t) = start * exp(t / growth) rises from `start` to `stop`, with amplitude 1
 /// between two raised-cosine edges:  s(t) = sin(2π start growth (exp(t / growth) - 1)),  growth = duration /
@@ -21,25 +25,25 @@ struct ExponentialSweep {
   std::vector<double> samples(Hertz sample_rate) const;
 };
 
-/// The sweep that everything is measured with: 20 Hz to 0.42 of the sample rate.
-ExponentialSweep measuring_sweep(Hertz sample_rate);
+/// The probe that everything is measured with: 20 Hz to 0.42 of the sample rate.
+ExponentialSweep measuring_probe(Hertz sample_rate);
 /// A shorter one, for finding the level.
 ExponentialSweep level_probe(Hertz sample_rate);
 /// Noise between -1 and 1 for half a second, the same on every machine: whatever part of it is captured
 /// tells where in it that part stands.
 std::vector<double> pilot(Hertz sample_rate);
 
-/// How sweeps follow one another. The pauses differ, so that no sweep is taken for its neighbour.
-struct SweepTrain {
-  static constexpr int kSweeps = 8;
-  static constexpr double kSoftGain =
-      0.5;  ///< of some of them, so that a gain that depends on the level shows
+/// Probes one after another, then the pilot. The pauses differ, so that no probe is taken for its neighbour.
+struct ProbeTrain {
+  static constexpr int kProbes = 8;
+  static constexpr double kSoftGain = 0.5;  ///< of some, so that a gain that depends on the level shows
 
-  static Seconds pause_after(int sweep);
-  static double gain(int sweep);
+  static double gain(int probe);
+  /// [control] `level` (0, 1] is that of the loudest.
+  static std::vector<double> samples(Hertz sample_rate, int count, double level);
 };
 
-/// [control] All of it in one piece, `level` (0, 1] at its loudest: quiet, the sweeps, the pilot.
+/// [control] The whole signal, `level` (0, 1] at its loudest: silence, the probes, the pilot.
 std::vector<double> stimulus(Hertz sample_rate, double level);
 
 }  // namespace tactus

@@ -11,29 +11,12 @@
 namespace tactus {
 namespace {
 
-constexpr Seconds kProbePlayerQuiet{0.1};  // between the level and the sweeps
-constexpr Seconds kAfter{0.2};             // that is listened for beyond the delay
+constexpr Seconds kProbePlayerQuiet{0.1};  // between the level and the probes
+constexpr Seconds kAfter{0.2};             // that is recorded beyond the delay
 constexpr Seconds kBefore{0.2};            // that is quiet for sure when the level has been found
 constexpr Seconds kLevelTakes{1.0};        // a guess
 constexpr Hertz kSlowest{100.0};           // hums and offsets below say nothing about the level
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
-
-std::size_t whole_frames(Seconds time, Hertz rate) {
-  return static_cast<std::size_t>(std::llround(frames_in(time, rate)));
-}
-
-/// The sweeps and the pilot, at full level.
-std::vector<double> train_of(int sweeps, Hertz rate) {
-  std::vector<double> train;
-  const auto sweep = measuring_sweep(rate).samples(rate);
-  for (int k = 0; k < sweeps; ++k) {
-    for (const double sample : sweep) train.push_back(SweepTrain::gain(k) * sample);
-    train.resize(train.size() + whole_frames(SweepTrain::pause_after(k), rate));
-  }
-  const auto last = pilot(rate);
-  train.insert(train.end(), last.begin(), last.end());
-  return train;
-}
 
 }  // namespace
 
@@ -43,7 +26,7 @@ Status ProbePlayer::prepare(const StreamFormat& format) {
   format_ = format;
   const auto rate = format.sample_rate;
   level_probe_ = level_probe(rate).samples(rate);
-  train_ = train_of(script_.sweeps, rate);
+  train_ = ProbeTrain::samples(rate, script_.probes, 1.0);
   search_.emplace(script_.level);
   stage_ = Stage::Level;
   frame_ = 0;
@@ -72,7 +55,7 @@ void ProbePlayer::process(const BlockIo& io) noexcept {
   for (int c = 1; c < format_.out_channels; ++c) std::fill_n(io.out[c], io.frames, 0.0);
   const double* in = io.in[script_.input];
   for (int n = 0; n < io.frames; ++n) {
-    listen(in[n]);
+    observe_input(in[n]);
     io.out[0][n] = next();
     ++frame_;
   }
@@ -85,19 +68,19 @@ double ProbePlayer::share_now() const noexcept {
   const double level_frames = frames_in(kLevelTakes, format_.sample_rate);
   const double level_share = level_frames / (level_frames + static_cast<double>(train_.size()));
   if (stage_ == Stage::Level) return level_share * std::min(1.0, static_cast<double>(frame_) / level_frames);
-  const auto over = static_cast<double>(frame_ - sweeps_from_) / static_cast<double>(back_at_ - sweeps_from_);
+  const auto over = static_cast<double>(frame_ - probes_from_) / static_cast<double>(back_at_ - probes_from_);
   return std::min(1.0, level_share + (1.0 - level_share) * over);
 }
 
 double ProbePlayer::next() noexcept {
-  if (stage_ == Stage::Sweeps && frame_ >= back_at_) finish(Outcome::Played);
+  if (stage_ == Stage::Probes && frame_ >= back_at_) finish(Outcome::Played);
   if (sounding_ == nullptr) return 0.0;
   if (at_ < sounding_->size()) return gain_ * (*sounding_)[at_++];
   sounding_ = nullptr;
   return 0.0;
 }
 
-void ProbePlayer::listen(double sample) noexcept {
+void ProbePlayer::observe_input(double sample) noexcept {
   if (std::abs(sample) > LevelSearch::kTooLoud) mute();
   slow_ += slow_share_ * (sample - slow_);
   window_.power += (sample - slow_) * (sample - slow_);
@@ -109,9 +92,9 @@ void ProbePlayer::end_window() noexcept {
   window_.power /= window_frames_;
   if (stage_ == Stage::Level) follow(search_->observe(window_));
   if (stage_ == Stage::Muted) {
-    const auto says = ring_out_.observe(window_);
-    if (says != RingOutMonitor::Result::Nothing)
-      finish(says == RingOutMonitor::Result::Feedback ? Outcome::Feedback : Outcome::TooLoud);
+    const auto result = ring_out_.observe(window_);
+    if (result != RingOutMonitor::Result::Nothing)
+      finish(result == RingOutMonitor::Result::Feedback ? Outcome::Feedback : Outcome::TooLoud);
   }
   window_ = {};
   in_window_ = 0;
@@ -120,7 +103,7 @@ void ProbePlayer::end_window() noexcept {
 void ProbePlayer::follow(LevelSearch::Step step) noexcept {
   level_ = search_->found();
   switch (step) {
-    case LevelSearch::Step::Listen:
+    case LevelSearch::Step::Wait:
       return;
     case LevelSearch::Step::Probe:
       sounding_ = &level_probe_;
@@ -128,7 +111,7 @@ void ProbePlayer::follow(LevelSearch::Step step) noexcept {
       gain_ = search_->level();
       return;
     case LevelSearch::Step::Ready:
-      return begin_sweeps();
+      return begin_probes();
     case LevelSearch::Step::TooLoud:
       return finish(Outcome::TooLoud);
     case LevelSearch::Step::Feedback:
@@ -136,9 +119,9 @@ void ProbePlayer::follow(LevelSearch::Step step) noexcept {
   }
 }
 
-void ProbePlayer::begin_sweeps() noexcept {
-  stage_ = Stage::Sweeps;
-  sweeps_from_ = frame_;
+void ProbePlayer::begin_probes() noexcept {
+  stage_ = Stage::Probes;
+  probes_from_ = frame_;
   sounding_ = &train_;
   at_ = 0;
   gain_ = level_.level;
@@ -149,13 +132,13 @@ void ProbePlayer::begin_sweeps() noexcept {
   before_ = health();
 }
 
-/// The search goes on with what was captured so far; sweeps that are cut short are of no use.
+/// The search goes on with what was captured so far; probes that are cut short are of no use.
 void ProbePlayer::mute() noexcept {
   if (stage_ == Stage::Level) {
     sounding_ = nullptr;
     search_->overload();
   }
-  if (stage_ != Stage::Sweeps) return;
+  if (stage_ != Stage::Probes) return;
   sounding_ = nullptr;
   stage_ = Stage::Muted;
   ring_out_ = RingOutMonitor{level_.delay.value_or(LevelSearch::kLongestDelay)};
@@ -184,7 +167,7 @@ void ProbePlayer::observe(const BlockIo& io, std::int64_t first_frame) noexcept 
 LoopRecording ProbePlayer::take_recording() {
   const bool cut = outcome_ == Outcome::Played && search_->was_overloaded();
   const auto from =
-      cut ? sweeps_from_ - static_cast<std::int64_t>(frames_in(kBefore, format_.sample_rate)) : 0;
+      cut ? probes_from_ - static_cast<std::int64_t>(frames_in(kBefore, format_.sample_rate)) : 0;
   const auto take = [&](std::vector<double>& samples) {
     const auto begin = samples.begin() + static_cast<std::ptrdiff_t>(from);
     std::vector<double> taken{begin, samples.begin() + static_cast<std::ptrdiff_t>(recorded_)};

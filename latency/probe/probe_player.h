@@ -14,7 +14,7 @@
 namespace tactus {
 
 /// Plays one opening of a stream from beginning to end, and records it: finds the level (level.h), plays the
-/// sweeps and the pilot, waits until they are back, and is silent from then on. Runs inside a Guarded and
+/// probes and the pilot, waits until they are back, and is silent from then on. Runs inside a Guarded and
 /// is its tap too, because what went out behind the guard is what counts.
 ///
 /// It steers itself by frames: the control side has no deadline, and neither blocks nor clocks
@@ -24,7 +24,7 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
  public:
   struct Script {
     int input = 0;  ///< among the stream's
-    int sweeps = 8;
+    int probes = 8;
     LevelSearch::Settings level;
   };
   enum class Outcome {
@@ -35,7 +35,7 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
 
   /// [control & stopped] What the next `prepare` is for.
   void set_script(const Script& script) { script_ = script; }
-  /// [control & stopped, prepared] Whose health is noted at both ends of the sweeps.
+  /// [control & stopped, prepared] Whose health is noted at both ends of the probes.
   void set_stream(const Stream* stream) { stream_ = stream; }
 
   Status prepare(const StreamFormat& format) override;
@@ -53,19 +53,19 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
   const PathLevel& level() const { return level_; }
   const Health& health_before() const { return before_; }
   const Health& health_after() const { return after_; }
-  /// From the first frame to the end; only the sweeps, where the search for the level drove the input to its
+  /// From the first frame to the end; only the probes, where the search for the level drove the input to its
   /// end. Moves it out.
   LoopRecording take_recording();
 
  private:
-  enum class Stage { Level, Sweeps, Muted, Done };
+  enum class Stage { Level, Probes, Muted, Done };
 
   double share_now() const noexcept;
   double next() noexcept;
-  void listen(double sample) noexcept;
+  void observe_input(double sample) noexcept;
   void end_window() noexcept;
   void follow(LevelSearch::Step step) noexcept;
-  void begin_sweeps() noexcept;
+  void begin_probes() noexcept;
   void mute() noexcept;
   void finish(Outcome outcome) noexcept;
   Health health() const noexcept { return stream_ != nullptr ? stream_->health() : Health{}; }
@@ -82,8 +82,8 @@ class ProbePlayer final : public BlockProcessor, public BlockTap {
   const std::vector<double>* sounding_ = nullptr;
   std::size_t at_ = 0;
   double gain_ = 0.0;
-  std::int64_t sweeps_from_ = 0;
-  std::int64_t back_at_ = 0;  ///< frame at which the sweeps are back
+  std::int64_t probes_from_ = 0;
+  std::int64_t back_at_ = 0;  ///< frame at which the probes are back
 
   // The window in hand.
   int window_frames_ = 0, in_window_ = 0;

@@ -2,6 +2,6 @@
 
 namespace tactus::test {
 
-std::vector<MakeSubject> every_backend() { return {offline_subject, simulated_subject, loop_subject}; }
+std::vector<MakeSubject> every_backend() { return {loop_subject}; }
 
 }  // namespace tactus::test

@@ -1,8 +1,8 @@
-#include "backends/frame_watch.h"
-
 #include <catch2/catch.hpp>
 #include <random>
 #include <vector>
+
+#include "backends/card_callback.h"
 
 using namespace tactus;
 

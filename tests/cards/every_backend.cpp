@@ -16,7 +16,6 @@ Subject live_subject(std::unique_ptr<Backend> backend, std::shared_ptr<void> sta
   subject.request.in_channels = 2;
   subject.request.out_channels = 1;
   subject.request.client_name = "tactus-" + std::to_string(::getpid());
-  subject.live = true;
   return subject;
 }
 
@@ -42,7 +41,7 @@ std::optional<Subject> on_alsa(const Way& way) {
 }  // namespace
 
 std::vector<MakeSubject> every_backend() {
-  std::vector<MakeSubject> all = {offline_subject, simulated_subject, loop_subject};
+  std::vector<MakeSubject> all = {loop_subject};
   for (const auto& backend : sound_backends())
     all.emplace_back([&backend] { return on_jack_server(backend); });
   for (const auto& way : every_way())

@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "backends/jack/jack.h"
 #include "tests/cards/jack_delay.h"
 #include "tests/cards/ways.h"
 
@@ -41,7 +40,7 @@ Measurement measured_once(Backend& backend, const StreamRequest& request) {
   settings.request = request;
   settings.guard = {DriveGuard::Kind::Audio, {}};
   settings.openings = 1;
-  settings.sweeps = 3;
+  settings.probes = 3;
   auto measurement = measure(backend, settings);
   REQUIRE(measurement);
   return std::move(*measurement);
@@ -74,8 +73,8 @@ void check_beside_jack_delay(test::SoundServer& server, const DelayClient::Setti
   CAPTURE(settings.delay_frames, settings.gain, settings.noise);
   const DelayClient card{settings};
   const auto theirs = start_jack_delay(server, card.name() + ":playback_2", card.name() + ":capture_2");
-  JackBackend jack;
-  const auto measurement = measured(jack, request_for("jack:" + card.name()));
+  const auto jack = test::backend_named("jack");
+  const auto measurement = measured(*jack, request_for("jack:" + card.name()));
   const double ours = checked_delay(measurement), right = settings.delay_frames + kPeriod;
   CHECK_THAT(ours, Catch::WithinAbs(right, kMargin));
   CHECK(measurement.openings.front().analysis.polarity == (settings.gain < 0.0 ? -1 : 1));

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <stdexcept>
 
 #include "backends/sound_backends.h"
 #include "tests/support/skip.h"
@@ -35,6 +36,12 @@ std::string alsa_config(const std::string& client, int channels) {
 }
 
 }  // namespace
+
+std::unique_ptr<Backend> backend_named(const std::string& name) {
+  for (const auto& backend : sound_backends())
+    if (backend.name == name) return backend.make();
+  throw std::invalid_argument("this build has no backend " + name);
+}
 
 bool has_alsa() {
   if (fs::exists(jack_plugin)) return true;

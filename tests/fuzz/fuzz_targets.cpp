@@ -93,8 +93,8 @@ std::string run_blocks(Player& engine) {
 
 std::string load_anything(std::string_view text) {
   const auto graph = parse_graph_leniently(text, kFile);
-  if (graph.spec == nullptr && graph.mistakes.empty()) return "neither read nor refused";
-  auto wrong = badly_told(graph.mistakes);
+  if (graph.spec == nullptr && graph.errors.empty()) return "neither read nor refused";
+  auto wrong = badly_told(graph.errors);
   if (wrong.empty() && graph.spec) wrong = badly_told(check(*graph.spec, standard_nodes(), small_graphs()));
   const auto scene = parse_scene_leniently(text, kFile);
   if (wrong.empty() && scene.scene && !scene.scene->parts.empty()) {
@@ -106,7 +106,7 @@ std::string load_anything(std::string_view text) {
 
 std::string run_anything(std::string_view text) {
   const auto graph = parse_graph_leniently(text, kFile);
-  if (!graph.mistakes.empty()) return {};
+  if (!graph.errors.empty()) return {};
   auto compiled = compile(graph, standard_nodes(), small_graphs());
   if (!compiled) return badly_told(compiled.error());
   Player engine{std::move(*compiled)};

@@ -13,7 +13,7 @@ SettingDelay setting(int block, double delay_frames) {
   SettingDelay setting;
   setting.block_frames = block;
   setting.delay_frames = delay_frames;
-  setting.listened_s = 12;
+  setting.measured_s = 12;
   return setting;
 }
 

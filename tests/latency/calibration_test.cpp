@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "latency/estimation/toeplitz.h"
+#include "latency/estimation/fourier.h"
 #include "latency/probe/probe.h"
 #include "tests/support/plants.h"
 

@@ -26,11 +26,11 @@ TEST_CASE("measured: what is kept is found again, for its own setting only", "[l
   const auto file = folder.path() / "state" / "delays.json";
   auto store = MeasuredDelays::load(file);
   CHECK(store.all().empty());
-  CHECK_FALSE(store.complaint());
-  REQUIRE(store.keep(delay("jack:system", 64, 0.1 + 0.2, "2026-01-02T00:00:00Z")));
+  CHECK_FALSE(store.load_error());
+  REQUIRE(store.save(delay("jack:system", 64, 0.1 + 0.2, "2026-01-02T00:00:00Z")));
   auto spread = delay("jack:system", 256, 0.02, "2026-01-01T00:00:00Z");
   spread.spread = Seconds{1e-5};
-  REQUIRE(store.keep(spread));
+  REQUIRE(store.save(spread));
   const auto again = MeasuredDelays::load(file);
   REQUIRE(again.all().size() == 2);
   const auto* found = again.find(delay("jack:system", 64, 0, "").key);
@@ -48,9 +48,9 @@ TEST_CASE("measured: the newest takes the place of the last, and what others wro
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "delays.json";
   auto one = MeasuredDelays::load(file), two = MeasuredDelays::load(file);
-  REQUIRE(one.keep(delay("a", 64, 0.001, "1")));
-  REQUIRE(two.keep(delay("b", 64, 0.002, "2")));
-  REQUIRE(one.keep(delay("a", 64, 0.003, "3")));
+  REQUIRE(one.save(delay("a", 64, 0.001, "1")));
+  REQUIRE(two.save(delay("b", 64, 0.002, "2")));
+  REQUIRE(one.save(delay("a", 64, 0.003, "3")));
   const auto store = MeasuredDelays::load(file);
   CHECK(store.all().size() == 2);
   CHECK(store.find(delay("a", 64, 0, "").key)->delay == Seconds{0.003});
@@ -63,12 +63,12 @@ TEST_CASE("measured: a broken file is told and kept aside, each one", "[latency]
                               R"({"format": 1, "delays": 7})", "");
   const auto file = folder.write("delays.json", text);
   auto store = MeasuredDelays::load(file);
-  REQUIRE(store.complaint());
-  CHECK(store.complaint()->what.starts_with("the delays measured here cannot be read ("));
+  REQUIRE(store.load_error());
+  CHECK(store.load_error()->what.starts_with("the delays measured here cannot be read ("));
   CHECK(text_of(folder.path() / "delays.json.broken") == text);
-  REQUIRE(store.keep(delay("a", 64, 0.001, "1")));
+  REQUIRE(store.save(delay("a", 64, 0.001, "1")));
   folder.write("delays.json", "again");
-  CHECK(MeasuredDelays::load(file).complaint()->remedy.find("delays.json.broken2'") != std::string::npos);
+  CHECK(MeasuredDelays::load(file).load_error()->remedy.find("delays.json.broken2'") != std::string::npos);
   CHECK(text_of(folder.path() / "delays.json.broken") == text);
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("measured: a folder that cannot be written is an error in words", "[la
   const test::TemporaryFolder folder;
   const auto file = folder.write("no_folder", "") / "delays.json";
   auto store = MeasuredDelays::load(file);
-  const auto status = store.keep(delay("a", 64, 0.001, "1"));
+  const auto status = store.save(delay("a", 64, 0.001, "1"));
   REQUIRE_FALSE(status);
   CHECK(status.error().what == "cannot be written");
 }

@@ -31,7 +31,7 @@ TEST_CASE("measurement: frames that are lost count although the driver is silent
           "[latency][measurement]") {
   auto card = named("20ms");
   card.drops = {{Seconds{3.0}, Seconds{0.0}, GENERATE(5, -5)}};
-  card.drops_told = false;
+  card.drops_reported = false;
   expect(measured({card}), Verdict::LostFrames);
 }
 

@@ -64,13 +64,12 @@ class LiveInstrument final : public Performer {
 
   Checked<std::unique_ptr<Plan>> compile_files() {
     auto loaded = load_graph_leniently(setup_.file, setup_.root);
-    if (loaded.spec == nullptr) return tl::unexpected(loaded.mistakes);
+    if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
     read_ = loaded;
     files_ = files_of(*loaded.spec);
     name_ = loaded.spec->name;
     if (setup_.rig) {
-      for (auto& mistake : check_rig(*setup_.rig, *loaded.spec))
-        loaded.mistakes.push_back(std::move(mistake));
+      for (auto& mistake : check_rig(*setup_.rig, *loaded.spec)) loaded.errors.push_back(std::move(mistake));
       loaded.spec = without_left_out(*setup_.rig, loaded.spec);
     }
     if (setup_.delay.value > 0) announce_delay(*loaded.spec, setup_.delay.value);

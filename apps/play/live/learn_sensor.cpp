@@ -9,7 +9,7 @@
 
 #include "engine/core/decibels.h"
 #include "engine/core/spsc_queue.h"
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/rig/learn_sensor.h"
 

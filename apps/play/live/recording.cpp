@@ -54,8 +54,8 @@ std::vector<std::string> Recording::news() {
   std::vector<std::string> words;
   if (recorder_ == nullptr) return words;
   const auto status = recorder_->status();
-  if (!status.trouble.empty() && !std::exchange(reported_error_, true))
-    words.push_back("recording stopped: " + status.trouble + "; the instrument keeps playing");
+  if (!status.error.empty() && !std::exchange(reported_error_, true))
+    words.push_back("recording stopped: " + status.error + "; the instrument keeps playing");
   if (status.dropped_frames > reported_dropped_)
     words.push_back(fmt::format("the disk is too slow: {} frames dropped from the recording so far",
                                 status.dropped_frames));

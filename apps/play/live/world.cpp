@@ -23,7 +23,7 @@ struct Read {
 
 Checked<Read> read_scene(const WorldSetup& setup) {
   auto loaded = load_scene_leniently(setup.file, setup.root);
-  if (!loaded.scene) return tl::unexpected(std::move(loaded.mistakes));
+  if (!loaded.scene) return tl::unexpected(std::move(loaded.errors));
   auto drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
   if (!drives) return tl::unexpected(drives.error());
   loaded.scene->drives = std::move(*drives);

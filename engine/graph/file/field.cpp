@@ -7,28 +7,21 @@
 namespace tactus {
 namespace {
 
-using Kind = FieldType::Kind;
-
-Unit unit_called(const std::string& text) { return parse_unit(text).value_or(Unit{}); }
-
-std::string in_unit(double si, const std::string& unit) {
-  return short_quantity(si, unit_called(unit).dimension);
-}
-
 std::string quoted(const FieldType& field) {
-  return field.kind == Kind::Section ? "[" + field.key + "]" : "'" + field.key + "'";
+  return field.kind == FieldType::Kind::Section ? "[" + field.key + "]" : "'" + field.key + "'";
 }
 
-std::optional<double> read_whole(const Value& value, const FieldType& field, double high,
-                                 Mistakes& mistakes) {
+std::optional<double> read_whole(const Value& value, const FieldType& field, double high, ErrorList& errors,
+                                 const std::string& owner) {
   const auto* number = value.number();
   const bool whole = number != nullptr && std::floor(*number) == *number;
   if (whole && *number >= field.low && *number <= high) return *number;
-  mistakes.add(
-      number ? Errc::OutOfRange : Errc::WrongType, value.at,
-      "'" + field.key + (whole ? "' cannot be " + short_number(*number) : "' must be a whole number"),
-      "give one from " + std::to_string(std::llround(field.low)) + " to " +
-          std::to_string(std::llround(high)));
+  errors.add(number ? Errc::OutOfRange : Errc::WrongType, value.at,
+             key_of(field.key, owner) +
+                 (whole ? " cannot be " + short_number(*number) : std::string{" must be a whole number"}),
+             std::isinf(high) ? "write it without quotes and without a point"
+                              : "give one from " + std::to_string(std::llround(field.low)) + " to " +
+                                    std::to_string(std::llround(high)));
   return std::nullopt;
 }
 
@@ -53,7 +46,7 @@ FieldType text_field(std::string key, std::string doc, std::string fallback) {
 FieldType quantity_field(std::string key, std::string unit, double low, double high, std::string doc,
                          std::string fallback) {
   return {.key = std::move(key),
-          .kind = Kind::Quantity,
+          .kind = FieldType::Kind::Quantity,
           .doc = std::move(doc),
           .unit = std::move(unit),
           .low = low,
@@ -62,7 +55,7 @@ FieldType quantity_field(std::string key, std::string unit, double low, double h
 }
 FieldType whole_field(std::string key, double low, double high, std::string doc, std::string fallback) {
   return {.key = std::move(key),
-          .kind = Kind::Whole,
+          .kind = FieldType::Kind::Whole,
           .doc = std::move(doc),
           .low = low,
           .high = high,
@@ -71,18 +64,18 @@ FieldType whole_field(std::string key, double low, double high, std::string doc,
 FieldType choice_field(std::string key, std::vector<std::string> choices, std::string doc,
                        std::string fallback) {
   return {.key = std::move(key),
-          .kind = Kind::Choice,
+          .kind = FieldType::Kind::Choice,
           .doc = std::move(doc),
           .fallback = std::move(fallback),
           .choices = std::move(choices)};
 }
 FieldType section_field(std::string key, const SectionType& inside) {
-  return {.key = std::move(key), .kind = Kind::Section, .doc = inside.doc, .inside = &inside};
+  return {.key = std::move(key), .kind = FieldType::Kind::Section, .doc = inside.doc, .inside = &inside};
 }
 FieldType entries_field(std::string key, const SectionType& inside, std::string doc) {
-  return {.key = std::move(key), .kind = Kind::Entries, .doc = std::move(doc), .inside = &inside};
+  return {.key = std::move(key), .kind = FieldType::Kind::Entries, .doc = std::move(doc), .inside = &inside};
 }
-FieldType field(std::string key, Kind kind, std::string doc) {
+FieldType field(std::string key, FieldType::Kind kind, std::string doc) {
   return {.key = std::move(key), .kind = kind, .doc = std::move(doc)};
 }
 FieldType required(FieldType field) {
@@ -99,8 +92,9 @@ std::vector<FieldType> joined(std::vector<FieldType> fields, const std::vector<F
   return fields;
 }
 
-FieldReader::FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes)
-    : FieldReader(table, section, mistakes, kKeysChecked) {
+FieldReader::FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
+                         std::string owner)
+    : FieldReader(table, section, errors, kKeysChecked, std::move(owner)) {
   const auto* kind = find(table, "kind");
   const auto* chosen = kind != nullptr ? kind->text() : nullptr;
   std::vector<std::string> known;
@@ -109,30 +103,31 @@ FieldReader::FieldReader(const Value::Table& table, const SectionType& section, 
                                        [&](auto& f) { return !f.only.empty() && f.only == *chosen; });
   for (const auto& field : section.fields)
     if (!decides || field.only.empty() || field.only == *chosen) known.push_back(field.key);
-  mistakes.unknown_keys(table, known);
-  if (has("about")) mistakes.text(table, "about");
+  errors.unknown_keys(table, known, owner_);
+  if (has("about")) text("about");
 }
 
-FieldReader::FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes,
+FieldReader::FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
                          const std::string& owner, const Source& at)
-    : FieldReader(table, section, mistakes) {
+    : FieldReader(table, section, errors) {
   report_missing(owner, at);
 }
 
-FieldReader::FieldReader(const EntrySpec& entry, const SectionType& section, Mistakes& mistakes,
+FieldReader::FieldReader(const EntrySpec& entry, const SectionType& section, ErrorList& errors,
                          const std::string& what)
-    : FieldReader(entry.fields, section, mistakes) {
+    : FieldReader(entry.fields, section, errors) {
   if (!entry.broken) report_missing(what + " '" + entry.name + "'", entry.at);
 }
 
 void FieldReader::report_missing(const std::string& owner, const Source& at) {
   const auto missing = [&](const std::string& keys, const std::string& remedy) {
-    mistakes_.add(Errc::Missing, at, owner + " lacks " + keys, remedy);
+    errors_.add(Errc::Missing, at, owner + " lacks " + keys, remedy);
   };
   const auto given = [this](const std::string& key) { return has(key); };
   for (const auto& field : section_.fields) {
     // Those two are checked by code of their own.
-    if (!field.required || field.kind == Kind::Format || field.kind == Kind::Reference || given(field.key))
+    if (!field.required || field.kind == FieldType::Kind::Format ||
+        field.kind == FieldType::Kind::Reference || given(field.key))
       continue;
     const bool few = !field.choices.empty() && field.choices.size() < 6;
     missing(quoted(field), "give " + quoted(field) + ": " + field.doc +
@@ -152,29 +147,29 @@ Source FieldReader::at(std::string_view key, const Source& otherwise) const {
   return found != nullptr ? found->at : otherwise;
 }
 
-std::string FieldReader::text(std::string_view key) { return mistakes_.text(table_, key); }
+std::string FieldReader::text(std::string_view key) { return errors_.text(table_, key, owner_); }
 
 std::optional<double> FieldReader::number(std::string_view key, double most) {
   const auto& field = section_[key];
   const double high = std::min(field.high, most);
-  if (field.kind != Kind::Whole)
-    return read_bounded(table_, field.key, field.unit, field.low, high, mistakes_);
-  return has(key) ? read_whole(*value(key), field, high, mistakes_) : std::nullopt;
+  if (field.kind != FieldType::Kind::Whole)
+    return read_bounded(table_, field.key, field.unit, field.low, high, errors_, owner_);
+  return has(key) ? read_whole(*value(key), field, high, errors_, owner_) : std::nullopt;
 }
 
 std::optional<QuantityValue> FieldReader::any(std::string_view key) {
   if (!has(key)) return std::nullopt;
   const auto quantity = read_quantity(*value(key));
-  return mistakes_.keep(quantity) == nullptr ? std::nullopt : std::optional{*quantity};
+  return errors_.keep(quantity) == nullptr ? std::nullopt : std::optional{*quantity};
 }
 
 bool FieldReader::flag(std::string_view key) {
   const auto* found = value(key);
   if (found == nullptr) return false;
   if (found->flag() == nullptr)
-    mistakes_.add(Errc::WrongType, found->at,
-                  "'" + std::string{key} + "' must be true or false, not " + found->kind(),
-                  "write " + std::string{key} + " = true");
+    errors_.add(Errc::WrongType, found->at,
+                key_of(key, owner_) + " must be true or false, not " + found->kind(),
+                "write " + std::string{key} + " = true");
   return found->flag() != nullptr && *found->flag();
 }
 
@@ -185,8 +180,28 @@ std::optional<int> FieldReader::choice(std::string_view key) {
   const auto& choices = section_[key].choices;
   const auto place = std::find(choices.begin(), choices.end(), word);
   if (place != choices.end()) return static_cast<int>(place - choices.begin());
-  mistakes_.add(Errc::UnknownName, found->at, "'" + std::string{key} + "' cannot be '" + word + "'",
-                suggest(word, choices));
+  errors_.add(Errc::UnknownName, found->at, key_of(key, owner_) + " cannot be '" + word + "'",
+              suggest(word, choices));
+  return std::nullopt;
+}
+
+std::optional<Interval> FieldReader::range(std::string_view key, const Unit& unit) {
+  const auto* found = value(key);
+  if (found == nullptr) return std::nullopt;
+  const std::string name{key};
+  const auto* list = found->list();
+  if (list == nullptr || list->size() != 2) {
+    errors_.add(Errc::WrongType, found->at, key_of(key, owner_) + " must have two ends",
+                "write " + name + " = [low, high]");
+    return std::nullopt;
+  }
+  const auto low = read_quantity((*list)[0], unit, name), high = read_quantity((*list)[1], unit, name);
+  errors_.keep(low);
+  errors_.keep(high);
+  if (!low || !high) return std::nullopt;
+  if (*low <= *high) return Interval{*low, *high};
+  errors_.add(Errc::OutOfRange, found->at, key_of(key, owner_) + " has its ends in the wrong order",
+              "write the lower end first");
   return std::nullopt;
 }
 
@@ -194,19 +209,20 @@ std::pair<std::optional<double>, std::optional<double>> FieldReader::window(Seco
   const double end_s = duration.value > 0 ? duration.value : kLongestTime_s;
   const auto from = number("from", end_s), to = number("to", end_s);
   if (from && to && *from >= *to)
-    mistakes_.add(Errc::OutOfRange, value("to")->at, "'to' does not come after 'from'", "swap them");
+    errors_.add(Errc::OutOfRange, value("to")->at, "'to' does not come after 'from'", "swap them");
   return {from, to};
 }
 
 std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
-                                   double low, double high, Mistakes& mistakes) {
+                                   double low, double high, ErrorList& errors, const std::string& owner) {
   const auto* value = find(table, key);
   if (value == nullptr) return std::nullopt;
-  const auto number = read_quantity(*value, unit_called(unit), key);
-  if (mistakes.keep(number) == nullptr) return std::nullopt;
+  const auto of = parse_unit(unit).value_or(Unit{});
+  const auto number = read_quantity(*value, of, key);
+  if (errors.keep(number) == nullptr) return std::nullopt;
   if (*number >= low && *number <= high) return *number;
-  mistakes.add(Errc::OutOfRange, value->at, "'" + key + "' cannot be " + in_unit(*number, unit),
-               "it runs from " + in_unit(low, unit) + " to " + in_unit(high, unit));
+  errors.add(Errc::OutOfRange, value->at, key_of(key, owner) + " cannot be " + in_unit(*number, of),
+             limits_text(low, high, of));
   return std::nullopt;
 }
 

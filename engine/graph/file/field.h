@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/spec.h"
+#include "engine/graph/semantics/interval.h"
 
 // Thread: [control]
 
@@ -83,23 +84,24 @@ FieldType only(std::string kind, FieldType field);
 FieldType about_field();
 std::vector<FieldType> joined(std::vector<FieldType> fields, const std::vector<FieldType>& more);
 
-/// Reads one table as its section says; each mistake is reported by its place. What is left out or wrong is
+/// Reads one table as its section says; each error is reported with its place. What is left out or wrong is
 /// nothing. The table and the section must outlive it.
 class FieldReader {
  public:
   /// Reports unknown keys, those that belong to another `kind`, and an `about` that is no text.
-  FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes);
-  /// The same, and reports what `section` requires and the table lacks; `owner` ("port 'arm'") stands at
-  /// `at`.
-  FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes,
+  /// `owner` ("delay 'a'") names the owner of the keys in messages.
+  FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
+              std::string owner = {});
+  /// Also reports what `section` requires and the table lacks; `owner` ("port 'arm'") stands at `at`.
+  FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
               const std::string& owner, const Source& at);
   /// The same of an entry, with `what` it is: "port". One that is broken lacks nothing.
-  FieldReader(const EntrySpec& entry, const SectionType& section, Mistakes& mistakes,
-              const std::string& what);
+  FieldReader(const EntrySpec& entry, const SectionType& section, ErrorList& errors, const std::string& what);
   /// Reports nothing: for tables whose keys were checked before.
   enum Checked { kKeysChecked };
-  FieldReader(const Value::Table& table, const SectionType& section, Mistakes& mistakes, Checked)
-      : table_(table), section_(section), mistakes_(mistakes) {}
+  FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors, Checked,
+              std::string owner = {})
+      : table_(table), section_(section), errors_(errors), owner_(std::move(owner)) {}
 
   const Value* value(std::string_view key) const { return find(table_, key); }
   bool has(std::string_view key) const { return value(key) != nullptr; }
@@ -113,6 +115,8 @@ class FieldReader {
   bool flag(std::string_view key);
   /// Place in the choices.
   std::optional<int> choice(std::string_view key);
+  /// Two quantities of this unit, the lower one first.
+  std::optional<Interval> range(std::string_view key, const Unit& unit);
   /// `from` and `to` within `duration` (0: a day), in this order.
   std::pair<std::optional<double>, std::optional<double>> window(Seconds duration);
 
@@ -121,11 +125,12 @@ class FieldReader {
 
   const Value::Table& table_;
   const SectionType& section_;
-  Mistakes& mistakes_;
+  ErrorList& errors_;
+  std::string owner_;
 };
 
 /// A quantity called `key` from `low` to `high` (SI); nothing if it is left out or wrong.
 std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
-                                   double low, double high, Mistakes& mistakes);
+                                   double low, double high, ErrorList& errors, const std::string& owner = {});
 
 }  // namespace tactus

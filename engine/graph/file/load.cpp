@@ -5,9 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/graph/semantics/part_path.h"
 
 namespace tactus {
 namespace {
@@ -22,15 +21,15 @@ class Loader {
  public:
   Loader(const std::filesystem::path& file, const std::filesystem::path& root)
       : root_(root.empty() ? file.parent_path() : root),
-        mistakes_(Source{std::make_shared<const std::string>(file.string()), 0, 0}) {}
+        errors_(Source{std::make_shared<const std::string>(file.string()), 0, 0}) {}
 
   Spec build(const PartPath& path, const Result<std::string>& text) {
-    if (mistakes_.keep(text) == nullptr) return nullptr;
+    if (errors_.keep(text) == nullptr) return nullptr;
     texts_[path.name] = *text;
     const auto table = parse_toml(*text, path.name);
-    if (mistakes_.keep(table) == nullptr) return nullptr;
+    if (errors_.keep(table) == nullptr) return nullptr;
     const Source file{std::make_shared<const std::string>(path.name), 0, 0};
-    auto spec = std::make_shared<GraphSpec>(read_graph(*table, file, mistakes_));
+    auto spec = std::make_shared<GraphSpec>(read_graph(*table, file, errors_));
     open_.push_back(path);
     for (const auto& node : spec->nodes)
       if (!node.use.empty())
@@ -39,21 +38,21 @@ class Loader {
     return spec;
   }
 
-  std::vector<Error> take_mistakes() { return mistakes_.take(); }
+  std::vector<Error> take_mistakes() { return errors_.take(); }
   std::map<std::string, std::string> take_texts() { return std::move(texts_); }
 
  private:
   Spec use(const NodeSpec& node) {
     const auto folder = std::filesystem::path{open_.back().name}.parent_path();
     const auto found = find_part(node.use, folder, root_, node.type_at);
-    const auto* path = mistakes_.keep(found);
+    const auto* path = errors_.keep(found);
     if (path == nullptr || runs_in_circle(*path, node) || too_deep(node)) return nullptr;
     const auto known = done_.find(path->canonical);
     if (known != done_.end()) {
       texts_[path->name] = texts_[known->second.name];
       return known->second.spec;
     }
-    // A file with mistakes is remembered too, so that it reports them once.
+    // A file with errors is remembered too, so that it reports them once.
     return (done_[path->canonical] = {build(*path, read_graph_text(path->name)), path->name}).spec;
   }
 
@@ -63,14 +62,14 @@ class Loader {
     if (first == open_.end()) return false;
     std::string chain;
     for (auto file = first; file != open_.end(); ++file) chain += file->name + " -> ";
-    mistakes_.add(Errc::Cycle, node.type_at, "a file uses itself: " + chain + first->name,
-                  "take one of these parts out of its file");
+    errors_.add(Errc::Cycle, node.type_at, "a file uses itself: " + chain + first->name,
+                "take one of these parts out of its file");
     return true;
   }
 
   bool too_deep(const NodeSpec& node) {
     if (open_.size() < kLoadMaxDepth) return false;
-    mistakes_.add(Errc::OutOfRange, node.type_at, "parts lie more than 32 files deep", "use fewer levels");
+    errors_.add(Errc::OutOfRange, node.type_at, "parts lie more than 32 files deep", "use fewer levels");
     return true;
   }
 
@@ -80,7 +79,7 @@ class Loader {
   };
 
   std::filesystem::path root_;
-  Mistakes mistakes_;
+  ErrorList errors_;
   std::vector<PartPath> open_;  ///< from the first file to the one that is being read
   std::map<std::filesystem::path, Done> done_;
   std::map<std::string, std::string> texts_;  ///< by name
@@ -94,7 +93,7 @@ LoadedGraph read(const std::filesystem::path& file, const std::filesystem::path&
 }
 
 Checked<Spec> without_mistakes(LoadedGraph loaded) {
-  if (!loaded.mistakes.empty()) return tl::unexpected(std::move(loaded.mistakes));
+  if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
   return std::move(loaded.spec);
 }
 

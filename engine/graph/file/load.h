@@ -2,6 +2,7 @@
 
 // Thread: [control]
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -21,22 +22,46 @@ Result<Value::Table> parse_toml(std::string_view text, const std::string& file_n
 /// The text of such a file, at most as long as one may be. Errors: BadFile.
 Result<std::string> read_graph_text(const std::filesystem::path& file);
 
+inline constexpr std::size_t kMaxFileBytes = 16u << 20;
+inline constexpr std::size_t kMaxTomlDepth = 64;
+inline constexpr std::size_t kMaxTomlValues = 250'000;
+
+/// What a text must satisfy before a recursive TOML parser may see it: at most 16 MB, valid UTF-8, brackets
+/// and dots of keys at most 64 deep, at most 250000 values (counted by '=', commas and '['). Errors: Syntax,
+/// with the place.
+Status check_toml_limits(std::string_view text, const Source& file);
+
+/// Where a path of a graph file leads.
+struct PartPath {
+  std::string name;                 ///< as messages print it
+  std::filesystem::path canonical;  ///< without links and dots: the same file has the same one
+};
+
+/// `folder` is the one of the file that names `use`; `root` the folder that must not be left, links resolved.
+/// Errors, at `at`: OutOfRange for an absolute path and one that leads out of `root`; BadFile if there is no
+/// such file.
+Result<PartPath> find_part(const std::string& use, const std::filesystem::path& folder,
+                           const std::filesystem::path& root, const Source& at);
+
+/// Links and dots resolved as far as the path exists; "" is the folder we are in.
+std::filesystem::path canonical_path(const std::filesystem::path& path);
+
 /// A graph together with what is wrong with its text. What else is wrong with it (names, units, ranges) can
-/// be looked up in spite of that: `compile` then tells all mistakes in one go.
+/// be looked up in spite of that: `compile` then reports all errors at once.
 struct LoadedGraph {
   std::shared_ptr<const GraphSpec> spec;  ///< nullptr if the file cannot be read or is no TOML
-  std::vector<Error> mistakes;            ///< by place
+  std::vector<Error> errors;              ///< by place
   /// What was read, by the path as it was opened: together they are the whole graph, whatever becomes of the
   /// files.
   std::map<std::string, std::string> texts = {};
 };
 
 /// Reads an instrument, plant or part, and every file that it uses. `root` is the folder that `use` and other
-/// paths may not leave (empty: the file's own folder). Every mistake of the text comes back, in file order:
+/// paths may not leave (empty: the file's own folder). Every error of the text comes back, in file order:
 /// unknown sections and keys, wrong types, names that are not names or given twice, files that use
 /// themselves.
 LoadedGraph load_graph_leniently(const std::filesystem::path& file, const std::filesystem::path& root = {});
-/// The same from text; `file_name` stands in messages, and relative paths start at its folder.
+/// The same from text; `file_name` is the name in messages, and relative paths start at its folder.
 LoadedGraph parse_graph_leniently(std::string_view text, const std::string& file_name,
                                   const std::filesystem::path& root = {});
 

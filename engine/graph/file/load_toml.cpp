@@ -1,8 +1,8 @@
 namespace tactus {
 namespace {
-/// A promise that the parser made to itself and that a malformed text broke.
-struct ParserConfused {};
-[[noreturn]] void stop_parsing() { throw ParserConfused{}; }
+/// An assertion of the parser that a malformed text violates.
+struct ParserAssertion {};
+[[noreturn]] void stop_parsing() { throw ParserAssertion{}; }
 }  // namespace
 }  // namespace tactus
 
@@ -25,8 +25,8 @@ struct ParserConfused {};
 #include <system_error>
 #include <tuple>
 
+#include "engine/core/index.h"
 #include "engine/graph/file/load.h"
-#include "engine/graph/file/toml_limits.h"
 
 namespace tactus {
 namespace {
@@ -37,7 +37,7 @@ Source place(const FileName& file, const toml::source_region& region) {
   return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
-// ---- what the parser says, in words ----
+// ---- errors of the parser ----
 
 std::string_view line_of(std::string_view text, int line) {
   for (; line > 1 && text.find('\n') != text.npos; --line) text.remove_prefix(text.find('\n') + 1);
@@ -49,11 +49,10 @@ struct Unquoted {
   int column;
 };
 
-/// The commonest mistake: `time = 12 ms` or `in = microphone` where quotes belong. Nothing if it is another
+/// The most common error: `time = 12 ms` or `in = microphone` where quotes belong. Nothing if it is another
 /// one.
 std::optional<Unquoted> find_unquoted(std::string_view line, int error_column) {
-  const auto start =
-      line.substr(0, static_cast<std::size_t>(std::max(error_column - 1, 0))).find_last_of("=,[{");
+  const auto start = line.substr(0, index(std::max(error_column - 1, 0))).find_last_of("=,[{");
   if (start == line.npos || line.substr(line.find_first_not_of(" \t")).starts_with('[')) return std::nullopt;
   const auto first = line.find_first_not_of(" \t", start + 1);
   if (first == line.npos) return std::nullopt;
@@ -76,12 +75,12 @@ tl::unexpected<Error> explain(const toml::parse_error& error, std::string_view t
   if (const auto unquoted = find_unquoted(line_of(text, at.line), at.column)) {
     at.column = unquoted->column;
     const std::string value{unquoted->value};
-    return fail(Errc::Syntax, at.text(), "'" + value + "' stands without quotes", "write \"" + value + "\"");
+    return fail(Errc::Syntax, at.text(), "'" + value + "' needs quotes", "write \"" + value + "\"");
   }
   // "Error while parsing array: expected …" becomes "in this array: expected …".
   constexpr std::string_view kBoilerplate = "Error while parsing ";
   if (what.starts_with(kBoilerplate)) what = "in this " + what.substr(kBoilerplate.size());
-  return fail(Errc::Syntax, at.text(), what, "mend it to see what else there is");
+  return fail(Errc::Syntax, at.text(), what, "fix it to see further errors");
 }
 
 // ---- the parser's tree as plain data ----
@@ -136,7 +135,7 @@ Result<Value::Table> parse(std::string_view text, const FileName& file) {
     return convert_table(toml::parse(text, std::string_view{*file}), file);
   } catch (const toml::parse_error& error) {
     return explain(error, text, file);
-  } catch (const ParserConfused&) {
+  } catch (const ParserAssertion&) {
     return fail(Errc::Syntax, *file, "this is not TOML, in a way that confuses the parser",
                 "look for brackets, quotes and commas that are missing");
   }
@@ -159,7 +158,7 @@ Result<std::string> read_graph_text(const std::filesystem::path& file) {
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.eof() && stream.fail())
     return fail(Errc::BadFile, name, "cannot be read", "check its permissions");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  text.resize(index(stream.gcount()));
   return text;
 }
 

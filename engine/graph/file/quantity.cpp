@@ -54,6 +54,21 @@ std::string short_quantity(double si, const Dimension& dimension) {
   return short_number(si) + (name.empty() ? "" : " " + name);
 }
 
+std::string in_unit(double si, const Unit& unit) {
+  if (unit.decibel) return short_number(unit.from_si(si)) + " dB";
+  return short_quantity(si, unit.dimension);
+}
+
+std::string limits_text(double low, double high, const Unit& unit) {
+  if (std::isinf(high)) return "it must be at least " + in_unit(low, unit);
+  if (std::isinf(low)) return "it must be at most " + in_unit(high, unit);
+  return "it runs from " + in_unit(low, unit) + " to " + in_unit(high, unit);
+}
+
+std::string unit_phrase(const Dimension& dimension) {
+  return dimension.plain() ? "a plain number" : "in " + to_string(dimension);
+}
+
 Result<QuantityValue> read_quantity(const Value& value) {
   if (const auto* number = value.number()) return QuantityValue{*number, {}, true};
   const auto* text = value.text();
@@ -75,12 +90,9 @@ Result<double> read_quantity(const Value& value, const Unit& expected, const std
   const auto quantity = read_quantity(value);
   if (!quantity) return tl::unexpected(quantity.error());
   if (quantity->bare || quantity->unit.dimension == expected.dimension) return quantity->si;
-  const auto in = [](const Dimension& d) {
-    return d.plain() ? std::string{"a plain number"} : "in " + to_string(d);
-  };
   return fail(Errc::UnitMismatch, value.at.text(),
-              "'" + *value.text() + "' is " + in(quantity->unit.dimension) + ", but '" + what + "' is " +
-                  in(expected.dimension),
+              "'" + *value.text() + "' is " + unit_phrase(quantity->unit.dimension) + ", but '" + what +
+                  "' is " + unit_phrase(expected.dimension),
               "give " + example_of(expected.dimension));
 }
 

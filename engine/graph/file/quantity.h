@@ -25,5 +25,11 @@ Result<double> read_quantity(const Value& value, const Unit& expected, const std
 std::string short_number(double number);
 /// "15 ms" for 0.015 s: in the unit that people would choose for it; a plain number without one.
 std::string short_quantity(double si, const Dimension& dimension);
+/// The same for a value whose unit may be decibels: "-34 dB", "0.012 m".
+std::string in_unit(double si, const Unit& unit);
+/// "it runs from 0 s to 10 s", "it must be at least 0 s": a remedy for a value outside its range.
+std::string limits_text(double low, double high, const Unit& unit);
+/// "in m", "a plain number"
+std::string unit_phrase(const Dimension& dimension);
 
 }  // namespace tactus

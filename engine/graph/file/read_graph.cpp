@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/semantics/scope.h"
 
 namespace tactus {
@@ -17,39 +17,43 @@ bool among(const std::vector<std::string>& names, std::string_view name) {
 }
 
 /// False if there is a key that may have been meant as a section.
-bool check_keys(const Value::Table& table, Mistakes& mistakes) {
+bool check_keys(const Value::Table& table, ErrorList& errors) {
   Value::Table unknown = table;
   std::erase_if(unknown, [](const Field& field) { return among(kSceneKeys, field.key); });
   const auto keys = graph_fields().keys();
-  mistakes.unknown_keys(unknown, keys);
+  errors.unknown_keys(unknown, keys);
   for (const auto& field : table)
     if (among(kSceneKeys, field.key))
-      mistakes.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a scene, and this is a graph",
-                   "move it to the scene's file");
+      errors.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a scene, and this is a graph",
+                 "move it to the scene's file");
   return std::all_of(unknown.begin(), unknown.end(),
                      [&](const Field& field) { return among(keys, field.key); });
 }
 
+/// Those in which names are declared.
 bool sections_are_tables(const Value::Table& table) {
-  static const std::vector<std::string> kSections = {"inputs", "controls", "nodes", "networks", "outputs"};
-  return std::all_of(table.begin(), table.end(), [](const Field& field) {
-    return !among(kSections, field.key) || field.value.table() != nullptr;
+  using Kind = FieldType::Kind;
+  const auto& fields = graph_fields().fields;
+  return std::all_of(fields.begin(), fields.end(), [&](const FieldType& field) {
+    const auto* value = find(table, field.key);
+    return (field.kind != Kind::Entries && field.kind != Kind::Reference) || value == nullptr ||
+           value->table() != nullptr;
   });
 }
 
 /// Takes a key that must be a string out of `fields`.
-std::string take_text(NodeSpec& node, std::string_view key, Mistakes& mistakes) {
+std::string take_text(NodeSpec& node, std::string_view key, ErrorList& errors) {
   const auto* value = find(node.fields, key);
   if (value == nullptr) return {};
-  const auto text = mistakes.text(node.fields, key);
+  const auto text = errors.text(node.fields, key);
   if (value->text() != nullptr && text.empty())
-    mistakes.add(Errc::Missing, value->at, "'" + std::string{key} + "' is empty", "name something");
+    errors.add(Errc::Missing, value->at, "'" + std::string{key} + "' is empty", "name something");
   node.type_at = value->at;
   std::erase_if(node.fields, [&](const Field& field) { return field.key == key; });
   return text;
 }
 
-/// What to write in a node that says neither `type` nor `use`.
+/// The remedy for a node without `type` and `use`.
 std::string remedy_for(const Value::Table& fields) {
   static const std::vector<std::string> kKeys = {"type", "use"};
   for (const auto& field : fields)
@@ -58,7 +62,7 @@ std::string remedy_for(const Value::Table& fields) {
   return "name a node type, as in type = \"low_pass\", or the file of a part, as in use = \"string.toml\"";
 }
 
-NodeSpec read_node(const Field& field, Mistakes& mistakes) {
+NodeSpec read_node(const Field& field, ErrorList& errors) {
   NodeSpec node;
   node.name = field.key;
   node.at = node.type_at = field.at;
@@ -70,31 +74,31 @@ NodeSpec read_node(const Field& field, Mistakes& mistakes) {
   node.fields = *fields;
   const bool has_type = find(*fields, "type") != nullptr, has_use = find(*fields, "use") != nullptr;
   if (has_type && has_use)
-    mistakes.add(Errc::Duplicate, field.at, "node '" + field.key + "' has both 'type' and 'use'",
-                 "remove one of them");
+    errors.add(Errc::Duplicate, field.at, "node '" + field.key + "' has both 'type' and 'use'",
+               "remove one of them");
   else if (!has_type && !has_use)
-    mistakes.add(Errc::Missing, field.at, "node '" + field.key + "' has neither 'type' nor 'use'",
-                 remedy_for(*fields));
-  node.type = take_text(node, "type", mistakes);
-  node.use = take_text(node, "use", mistakes);
+    errors.add(Errc::Missing, field.at, "node '" + field.key + "' has neither 'type' nor 'use'",
+               remedy_for(*fields));
+  node.type = take_text(node, "type", errors);
+  node.use = take_text(node, "use", errors);
   node.broken = node.type.empty() == node.use.empty();
   return node;
 }
 
-NodeSpec read_element(const Field& field, const std::string& network, Mistakes& mistakes) {
+NodeSpec read_element(const Field& field, const std::string& network, ErrorList& errors) {
   NodeSpec element;
   element.name = field.key;
   element.at = element.type_at = field.at;
   element.fields = *field.value.table();
   if (find(element.fields, "type") == nullptr)
-    mistakes.add(Errc::Missing, field.at,
-                 "element '" + field.key + "' of network '" + network + "' has no 'type'",
-                 "say what it is, as in type = \"mass\"");
-  element.type = take_text(element, "type", mistakes);
+    errors.add(Errc::Missing, field.at,
+               "element '" + field.key + "' of network '" + network + "' has no 'type'",
+               "give its type, as in type = \"mass\"");
+  element.type = take_text(element, "type", errors);
   return element;
 }
 
-NetworkSpec read_network(const EntrySpec& entry, Mistakes& mistakes) {
+NetworkSpec read_network(const EntrySpec& entry, ErrorList& errors) {
   NetworkSpec network{entry.name, entry.at, {}, {}, entry.broken};
   NameSpace names;
   for (const auto& field : entry.fields) {
@@ -102,17 +106,17 @@ NetworkSpec read_network(const EntrySpec& entry, Mistakes& mistakes) {
       network.options.push_back(field);
       continue;
     }
-    names.add(field.key, "an element", field.at, mistakes);
-    network.elements.push_back(read_element(field, entry.name, mistakes));
+    names.add(field.key, "an element", field.at, errors);
+    network.elements.push_back(read_element(field, entry.name, errors));
     network.broken = network.broken || network.elements.back().type.empty();
   }
   return network;
 }
 
-void check_names(const GraphSpec& spec, Mistakes& mistakes) {
+void check_names(const GraphSpec& spec, ErrorList& errors) {
   NameSpace inside, outputs;
   const auto add_all = [&](const auto& entries, const char* kind, NameSpace& names) {
-    for (const auto& entry : entries) names.add(entry.name, kind, entry.at, mistakes);
+    for (const auto& entry : entries) names.add(entry.name, kind, entry.at, errors);
   };
   add_all(spec.inputs, "an input", inside);
   add_all(spec.controls, "a control", inside);
@@ -162,11 +166,20 @@ const SectionType& output_fields() {
   return section;
 }
 
+namespace {
+FieldType voices_field() { return whole_field("voices", 1, 1024, "how many lanes", "1"); }
+}  // namespace
+
+const SectionType& node_fields() {
+  static const SectionType section{
+      "a node of a type", {required(text_field("type", "of the node")), voices_field(), about_field()}};
+  return section;
+}
+
 const SectionType& part_fields() {
   static const SectionType section{
       "a graph file as a node; its inputs and controls are wired by name",
-      {required(text_field("use", "path of the file, from this one")),
-       whole_field("voices", 1, 1024, "how many lanes", "1"),
+      {required(text_field("use", "path of the file, from this one")), voices_field(),
        text_field("rate", "of its own: a fraction, \"1/16\", or \"3 kHz\"", "that around it"),
        choice_field("take", {"last", "mean"}, "what a frame at that rate is given", "last"),
        choice_field("between", {"hold", "line"}, "what goes out between two of them", "hold"),
@@ -197,59 +210,146 @@ const SectionType& graph_fields() {
   return section;
 }
 
-void check_format(const Value::Table& table, const Source& file, Mistakes& mistakes) {
+void check_format(const Value::Table& table, const Source& file, ErrorList& errors) {
   const auto* format = find(table, "format");
   if (format == nullptr)
-    return mistakes.add(Errc::Missing, {file.file, 1, 1}, "'format' is missing",
-                        "begin the file with format = 1");
+    return errors.add(Errc::Missing, {file.file, 1, 1}, "'format' is missing",
+                      "begin the file with format = 1");
   if (format->number() == nullptr || *format->number() != 1.0)
-    mistakes.add(Errc::OutOfRange, format->at, "this format is not known", "write format = 1");
+    errors.add(Errc::OutOfRange, format->at, "this format is not known", "write format = 1");
 }
 
-const Value::Table* read_section(const Value::Table& table, const std::string& section, Mistakes& mistakes) {
+const Value::Table* read_section(const Value::Table& table, const std::string& section, ErrorList& errors) {
   const auto* value = find(table, section);
   if (value == nullptr) return nullptr;
   if (value->table() == nullptr)
-    mistakes.add(Errc::WrongType, value->at, "'" + section + "' must be a table, not " + value->kind(),
-                 "begin it with [" + section + "]");
+    errors.add(Errc::WrongType, value->at, "'" + section + "' must be a table, not " + value->kind(),
+               "begin it with [" + section + "]");
   return value->table();
 }
 
 std::vector<EntrySpec> read_entries(const Value::Table& table, const std::string& section,
-                                    const std::string& example, Mistakes& mistakes) {
+                                    const std::string& example, ErrorList& errors) {
   std::vector<EntrySpec> entries;
-  const auto* fields = read_section(table, section, mistakes);
+  const auto* fields = read_section(table, section, errors);
   if (fields == nullptr) return entries;
   for (const auto& field : *fields) {
     const auto* inside = field.value.table();
     if (inside == nullptr)
-      mistakes.add(Errc::WrongType, field.value.at,
-                   "'" + field.key + "' in [" + section + "] must be a table, not " + field.value.kind(),
-                   "write " + field.key + " = " + example);
+      errors.add(Errc::WrongType, field.value.at,
+                 "'" + field.key + "' in [" + section + "] must be a table, not " + field.value.kind(),
+                 "write " + field.key + " = " + example);
     entries.push_back({field.key, field.at, inside ? *inside : Value::Table{}, inside == nullptr});
   }
   return entries;
 }
 
-GraphSpec read_graph(const Value::Table& table, const Source& file, Mistakes& mistakes) {
+GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& errors) {
   GraphSpec spec;
   spec.file = file;
-  check_format(table, file, mistakes);
-  spec.incomplete = !check_keys(table, mistakes) || !sections_are_tables(table);
-  spec.name = mistakes.text(table, "name");
-  spec.about = mistakes.text(table, "about");
-  spec.source = mistakes.text(table, "source");
-  spec.inputs = read_entries(table, "inputs", "{ unit = \"full scale\" }", mistakes);
-  spec.controls = read_entries(table, "controls", "{ value = 0.5, range = [0, 1] }", mistakes);
-  spec.outputs = read_entries(table, "outputs", "{ from = \"node\" }", mistakes);
-  if (const auto* nodes = read_section(table, "nodes", mistakes))
-    for (const auto& field : *nodes) spec.nodes.push_back(read_node(field, mistakes));
-  for (const auto& entry : read_entries(table, "networks", "{ mass = { type = \"mass\" } }", mistakes))
-    spec.networks.push_back(read_network(entry, mistakes));
-  if (const auto* delay = read_section(table, "delay", mistakes))
+  check_format(table, file, errors);
+  spec.incomplete = !check_keys(table, errors) || !sections_are_tables(table);
+  spec.name = errors.text(table, "name");
+  spec.about = errors.text(table, "about");
+  spec.source = errors.text(table, "source");
+  spec.inputs = read_entries(table, "inputs", "{ unit = \"full scale\" }", errors);
+  spec.controls = read_entries(table, "controls", "{ value = 0.5, range = [0, 1] }", errors);
+  spec.outputs = read_entries(table, "outputs", "{ from = \"node\" }", errors);
+  if (const auto* nodes = read_section(table, "nodes", errors))
+    for (const auto& field : *nodes) spec.nodes.push_back(read_node(field, errors));
+  for (const auto& entry : read_entries(table, "networks", "{ mass = { type = \"mass\" } }", errors))
+    spec.networks.push_back(read_network(entry, errors));
+  if (const auto* delay = read_section(table, "delay", errors))
     spec.delay = EntrySpec{"delay", find(table, "delay")->at, *delay};
-  check_names(spec, mistakes);
+  check_names(spec, errors);
   return spec;
+}
+
+// ---- entries
+
+namespace {
+
+std::string owner_of(const char* kind, const EntrySpec& entry) {
+  return std::string{kind} + " '" + entry.name + "'";
+}
+
+/// Where the control starts, and by its unit the control's. False after an error.
+bool read_value(const EntrySpec& entry, FlatControl& control, ErrorList& errors) {
+  const auto* value = find(entry.fields, "value");
+  if (value == nullptr) {
+    errors.add(Errc::Missing, entry.at, "control '" + entry.name + "' lacks 'value'",
+               "give its start value, as in value = 0.5");
+    return false;
+  }
+  const bool unit_given = find(entry.fields, "unit") != nullptr;
+  if (unit_given && errors.keep(read_quantity(*value, control.unit, "value")) == nullptr) return false;
+  const auto quantity = read_quantity(*value);
+  if (!quantity) return errors.add(quantity.error()), false;
+  control.value = quantity->si;
+  if (!quantity->bare) control.unit = quantity->unit;
+  control.decibel = control.unit.decibel;
+  return true;
+}
+
+void read_range(const EntrySpec& entry, FieldReader& fields, FlatControl& control, ErrorList& errors) {
+  const auto range = fields.range("range", control.unit);
+  if (!range) return;
+  control.range = *range;
+  if (!range->contains(control.value))
+    errors.add(Errc::OutOfRange, fields.value("value")->at,
+               "control '" + entry.name + "' starts at " + in_unit(control.value, control.unit) +
+                   ", which is outside its range",
+               limits_text(range->low, range->high, control.unit));
+}
+
+}  // namespace
+
+std::optional<Unit> read_unit(const EntrySpec& entry, ErrorList& errors) {
+  constexpr const char* kUnits = "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"";
+  const auto* value = find(entry.fields, "unit");
+  if (value == nullptr) return Unit{};
+  if (value->text() == nullptr) {
+    errors.add(Errc::WrongType, value->at, "'unit' must be a string, not " + value->kind(), kUnits);
+    return std::nullopt;
+  }
+  const auto unit = parse_unit(*value->text());
+  if (!unit) errors.add(Errc::UnknownName, value->at, "'" + *value->text() + "' is not a unit", kUnits);
+  return unit;
+}
+
+FlatInput read_input(const EntrySpec& entry, ErrorList& errors) {
+  FieldReader fields{entry.fields, input_fields(), errors, owner_of("input", entry)};
+  return {entry.name, static_cast<int>(fields.number("lanes").value_or(1)), {}};
+}
+
+ReadControl read_control(const EntrySpec& entry, ErrorList& errors) {
+  FieldReader fields{entry.fields, control_fields(), errors, owner_of("control", entry)};
+  ReadControl read;
+  auto& control = read.control;
+  control.name = entry.name;
+  const auto unit = read_unit(entry, errors);
+  if (unit) control.unit = *unit;
+  read.unit_known = unit && read_value(entry, control, errors);
+  if (read.unit_known) read_range(entry, fields, control, errors);
+  control.smooth_s = fields.number("smooth").value_or(control.smooth_s);
+  return read;
+}
+
+OutputUse read_use(const EntrySpec& entry, ErrorList& errors) {
+  FieldReader fields{entry.fields, output_fields(), errors, FieldReader::kKeysChecked,
+                     owner_of("output", entry)};
+  return fields.choice("kind").value_or(0) == 1 ? OutputUse::Audio : OutputUse::Drive;
+}
+
+std::optional<Interval> tested_delays(const GraphSpec& graph, ErrorList& errors) {
+  if (!graph.delay) return std::nullopt;
+  FieldReader fields{graph.delay->fields, *graph_fields()["delay"].inside, errors, "[delay]"};
+  return fields.range("tested", *parse_unit("s"));
+}
+
+std::optional<Interval> tested_delays(const GraphSpec& graph) {
+  ErrorList reported_elsewhere{graph.file};
+  return tested_delays(graph, reported_elsewhere);
 }
 
 }  // namespace tactus

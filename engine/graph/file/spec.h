@@ -18,7 +18,7 @@ struct EntrySpec {
   std::string name;
   Source at;
   Value::Table fields;
-  bool broken = false;  ///< its own mistake was told; what it means is not known
+  bool broken = false;  ///< its own error was reported; its meaning is unknown
 };
 
 struct NodeSpec : EntrySpec {
@@ -45,7 +45,7 @@ struct GraphSpec {
   std::vector<NodeSpec> nodes;
   std::vector<NetworkSpec> networks;
   std::optional<EntrySpec> delay;
-  bool incomplete = false;  ///< a section could not be read: names that are not here may stand there
+  bool incomplete = false;  ///< a section could not be read: names that are not here may be declared there
   /// Files that `use` names, by the text of `use`. A file used twice is read once.
   std::map<std::string, std::shared_ptr<const GraphSpec>> parts;
 };

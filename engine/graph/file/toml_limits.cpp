@@ -1,9 +1,10 @@
-#include "engine/graph/file/toml_limits.h"
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <optional>
 #include <string>
+
+#include "engine/graph/file/load.h"
 
 namespace tactus {
 namespace {
@@ -68,7 +69,7 @@ std::size_t skip_string(std::string_view text, std::size_t i) {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-struct Trouble {
+struct Violation {
   std::size_t offset;
   std::string what, remedy;
 };
@@ -81,7 +82,7 @@ class BracketScan {
 
   /// The first bracket or dot that lies too deep, bracket that closes one of the other kind, or value too
   /// many.
-  std::optional<Trouble> first_trouble() {
+  std::optional<Violation> first_violation() {
     for (std::size_t i = 0; i < text_.size();) {
       const char c = text_[i];
       if (c == '"' || c == '\'') {
@@ -93,11 +94,11 @@ class BracketScan {
         if (i > 0 || !text_.starts_with(kByteOrderMark)) return stray(i);
         i = kByteOrderMark.size();
       } else {
-        if (!fits(c)) return Trouble{i, "brackets or dots more than 64 deep", "close some of them before"};
-        if (auto trouble = close(c, i)) return trouble;
+        if (!fits(c)) return Violation{i, "brackets or dots more than 64 deep", "close some of them before"};
+        if (auto violation = close(c, i)) return violation;
         values_ += c == '=' || c == ',' || c == '[' ? 1 : 0;
         if (values_ > kMaxTomlValues)
-          return Trouble{i, "more than 250000 values", "keep tables of numbers in a sound file"};
+          return Violation{i, "more than 250000 values", "keep tables of numbers in a sound file"};
         ++i;
       }
     }
@@ -106,14 +107,12 @@ class BracketScan {
 
  private:
   /// A character that may be a blank to the eye: so its number is given, too.
-  Trouble stray(std::size_t offset) const {
+  Violation stray(std::size_t offset) const {
     const auto character = text_.substr(offset, character_length(text_.substr(offset, 4)));
     unsigned code = static_cast<unsigned char>(character[0]) & (0x7fu >> character.size());
     for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned char>(c) & 0x3fu);
-    char number[16];
-    std::snprintf(number, sizeof number, "U+%04X", code);
-    return {offset, "'" + std::string{character} + "' (" + number + ") stands outside of quotes",
-            "put the text that it belongs to in quotes, or take it out"};
+    return {offset, fmt::format("'{}' (U+{:04X}) is outside of quotes", character, code),
+            "put the text that it belongs to in quotes, or remove it"};
   }
 
   bool fits(char c) {
@@ -122,13 +121,13 @@ class BracketScan {
     return open_.size() <= kMaxTomlDepth && dots_ <= kMaxTomlDepth;
   }
 
-  std::optional<Trouble> close(char c, std::size_t offset) {
+  std::optional<Violation> close(char c, std::size_t offset) {
     if ((c != ']' && c != '}') || open_.empty()) return std::nullopt;
     const char opened = open_.back();
     open_.pop_back();
     if ((opened == '[') == (c == ']')) return std::nullopt;
-    return Trouble{offset, std::string{"'"} + c + "' closes a '" + opened + "'",
-                   std::string{"write '"} + (opened == '[' ? ']' : '}') + "'"};
+    return Violation{offset, std::string{"'"} + c + "' closes a '" + opened + "'",
+                     std::string{"write '"} + (opened == '[' ? ']' : '}') + "'"};
   }
 
   std::string_view text_;
@@ -146,8 +145,9 @@ Status check_toml_limits(std::string_view text, const Source& file) {
   if (const auto bad = first_bad_utf8(text); bad != text.npos)
     return fail(Errc::Syntax, place_of(text, bad, file).text(), "this is not UTF-8 text",
                 "save the file as UTF-8");
-  if (auto trouble = BracketScan{text}.first_trouble())
-    return fail(Errc::Syntax, place_of(text, trouble->offset, file).text(), trouble->what, trouble->remedy);
+  if (auto violation = BracketScan{text}.first_violation())
+    return fail(Errc::Syntax, place_of(text, violation->offset, file).text(), violation->what,
+                violation->remedy);
   return {};
 }
 

@@ -2,13 +2,26 @@
 
 // Thread: [control]
 
+#include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
-#include "engine/graph/file/source.h"
-
 namespace tactus {
+
+/// A place in a graph file. The file's name is shared by all that was read from it.
+struct Source {
+  std::shared_ptr<const std::string> file;
+  int line = 0;
+  int column = 0;
+
+  /// "file:line:column", as compilers print it.
+  std::string text() const {
+    if (!file) return {};
+    return line > 0 ? *file + ":" + std::to_string(line) + ":" + std::to_string(column) : *file;
+  }
+};
 
 struct Field;
 
@@ -26,7 +39,10 @@ struct Value {
   const List* list() const { return std::get_if<List>(&data); }
   const Table* table() const { return std::get_if<Table>(&data); }
   /// "a number", "a list": for messages.
-  std::string kind() const;
+  std::string kind() const {
+    static constexpr const char* kNames[] = {"a number", "true or false", "a string", "a list", "a table"};
+    return kNames[data.index()];
+  }
 };
 
 /// `key = value`
@@ -37,6 +53,10 @@ struct Field {
 };
 
 /// The field called `key`, or nullptr.
-const Value* find(const Value::Table& table, std::string_view key);
+inline const Value* find(const Value::Table& table, std::string_view key) {
+  for (const auto& field : table)
+    if (field.key == key) return &field.value;
+  return nullptr;
+}
 
 }  // namespace tactus

@@ -1,19 +1,21 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/graph/plan/passes.h"
-#include "engine/graph/plan/rate_converter.h"
-#include "engine/graph/semantics/operators.h"
+#include "engine/graph/plan/compile.h"
+#include "engine/graph/plan/inserted_nodes.h"
+#include "engine/graph/semantics/expression.h"
 
 namespace tactus {
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
 class Builder {
+  using Kind = Vertex::Kind;
+
  public:
   Builder(VertexGraph graph, const FlatGraph& flat, const CompileOptions& options)
-      : graph_(std::move(graph)), flat_(flat), options_(options), plan_(std::make_unique<Plan>()) {}
+      : flat_(flat), options_(options), plan_(std::make_unique<Plan>()) {
+    static_cast<VertexGraph&>(*plan_) = std::move(graph);
+  }
 
   std::unique_ptr<Plan> run(const std::vector<OrderedSection>& sections,
                             const std::vector<bool>& frozen_controls) {
@@ -27,31 +29,28 @@ class Builder {
     for (const auto& section : sections) add_section(section);
     add_channels();
     find_readers_at_rest();
-    for (auto& vertex : graph_.vertices) vertex.origin = {};
-    plan_->vertices = std::move(graph_.vertices);
-    plan_->input_names = std::move(graph_.inputs);
-    plan_->left_out = std::move(graph_.left_out);
+    for (auto& vertex : plan_->vertices) vertex.origin = {};
     return std::move(plan_);
   }
 
  private:
-  Vertex& at(int v) { return graph_.vertices[index(v)]; }
+  Vertex& at(int v) { return plan_->vertices[index(v)]; }
 
   static bool has_buffer(const Vertex& vertex) {
-    return vertex.kind != Vertex::Kind::Constant && vertex.kind != Vertex::Kind::Output;
+    return vertex.kind != Kind::Constant && vertex.kind != Kind::Output;
   }
 
   void find_read_ports() {
-    read_.assign(graph_.vertices.size(), {});
-    for (const auto& vertex : graph_.vertices)
+    read_.assign(plan_->vertices.size(), {});
+    for (const auto& vertex : plan_->vertices)
       for (const auto& wire : vertex.in) read_[index(wire.vertex)].push_back(wire.port);
   }
 
   void lay_out_signals() {
-    place_.assign(graph_.vertices.size(), 0);
-    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+    place_.assign(plan_->vertices.size(), 0);
+    for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
       place_[v] = plan_->signal_doubles;
-      const auto& vertex = graph_.vertices[v];
+      const auto& vertex = plan_->vertices[v];
       if (has_buffer(vertex)) plan_->signal_doubles += index(vertex.outputs * vertex.width) * kMaxSubBlock;
     }
   }
@@ -60,16 +59,16 @@ class Builder {
   void lay_out_constants() {
     auto doubles = plan_->signal_doubles;
     for (const int width : {kVectorWidth, 1})
-      for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-        const auto& vertex = graph_.vertices[v];
-        if (vertex.kind != Vertex::Kind::Constant || vertex.width != width || read_[v].empty()) continue;
+      for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
+        const auto& vertex = plan_->vertices[v];
+        if (vertex.kind != Kind::Constant || vertex.width != width || read_[v].empty()) continue;
         place_[v] = doubles;
         doubles += index(width);
       }
     plan_->arena.resize(doubles);
-    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
-      const auto& vertex = graph_.vertices[v];
-      if (vertex.kind != Vertex::Kind::Constant || read_[v].empty()) continue;
+    for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
+      const auto& vertex = plan_->vertices[v];
+      if (vertex.kind != Kind::Constant || read_[v].empty()) continue;
       if (vertex.width == 1)
         *(plan_->arena.data() + place_[v]) = vertex.value;
       else
@@ -78,14 +77,14 @@ class Builder {
   }
 
   void name_sources(const std::vector<bool>& frozen_controls) {
-    plan_->input_buffers.assign(graph_.inputs.size(), nullptr);
+    plan_->input_buffers.assign(plan_->input_names.size(), nullptr);
     for (std::size_t c = 0; c < flat_.controls.size(); ++c)
       plan_->controls.push_back({flat_.controls[c], nullptr, {}, frozen_controls[c]});
-    for (int v = 0; v < static_cast<int>(graph_.vertices.size()); ++v) {
+    for (int v = 0; v < static_cast<int>(plan_->vertices.size()); ++v) {
       const auto& vertex = at(v);
-      if (vertex.kind == Vertex::Kind::Input) plan_->input_buffers[index(vertex.index)] = buffer(v, 0);
-      if (vertex.kind == Vertex::Kind::Control) plan_->controls[index(vertex.index)].buffer = buffer(v, 0);
-      if (vertex.kind == Vertex::Kind::SystemDelay) plan_->system_delay = buffer(v, 0);
+      if (vertex.kind == Kind::Input) plan_->input_buffers[index(vertex.index)] = buffer(v, 0);
+      if (vertex.kind == Kind::Control) plan_->controls[index(vertex.index)].buffer = buffer(v, 0);
+      if (vertex.kind == Kind::SystemDelay) plan_->system_delay = buffer(v, 0);
     }
   }
 
@@ -98,9 +97,9 @@ class Builder {
   Signal signal(const Wire& wire) {
     const auto& vertex = at(wire.vertex);
     double* const data = buffer(wire.vertex, wire.port);
-    if (vertex.kind == Vertex::Kind::Constant) return {data, 0};
+    if (vertex.kind == Kind::Constant) return {data, 0};
     if (vertex.width > 1) return {data + std::max(0, wire.lane), kVectorWidth};
-    const bool rests = vertex.kind == Vertex::Kind::Control || vertex.kind == Vertex::Kind::SystemDelay;
+    const bool rests = vertex.kind == Kind::Control || vertex.kind == Kind::SystemDelay;
     return {data, rests ? 0 : 1};
   }
 
@@ -117,7 +116,7 @@ class Builder {
   }
 
   void take_nodes() {
-    for (auto& vertex : graph_.vertices) {
+    for (auto& vertex : plan_->vertices) {
       if (vertex.node == nullptr) continue;
       vertex.runs = static_cast<int>(plan_->nodes.size());
       plan_->nodes.push_back(std::move(vertex.node));
@@ -131,14 +130,14 @@ class Builder {
 
   int divider(int divisor) {
     auto& divisors = plan_->divisors;
-    const auto found = std::find(divisors.begin(), divisors.end(), divisor);
-    if (found != divisors.end()) return static_cast<int>(found - divisors.begin());
-    divisors.push_back(divisor);
-    return static_cast<int>(divisors.size()) - 1;
+    const auto found = std::ranges::find(divisors, divisor);
+    const auto place = found - divisors.begin();
+    if (found == divisors.end()) divisors.push_back(divisor);
+    return static_cast<int>(place);
   }
 
   void set_dividers(Step& step, const Vertex& vertex) {
-    const bool crosses = vertex.kind == Vertex::Kind::RateConverter;
+    const bool crosses = vertex.kind == Kind::RateConverter;
     step.divider =
         divider(crosses ? RateConverter::runs_every(vertex.conversion, vertex.divisor) : vertex.divisor);
     step.divider_in = divider(crosses ? vertex.conversion.from : vertex.divisor);
@@ -171,7 +170,7 @@ class Builder {
       return;
     }
     auto& vertex = at(item.vertex);
-    if (vertex.runs < 0 && vertex.kind == Vertex::Kind::Operation)
+    if (vertex.runs < 0 && vertex.kind == Kind::Operation)
       return add_operation(item.vertex, vertex, section_start);
     if (vertex.runs < 0) return;
     number(vertex);
@@ -182,8 +181,8 @@ class Builder {
     step.node = vertex.runs;
     step.width = vertex.width;
     set_dividers(step, vertex);
-    step.can_fail = vertex.kind != Vertex::Kind::Pack && vertex.kind != Vertex::Kind::RateConverter &&
-                    (vertex.kind != Vertex::Kind::Operation || can_overflow(vertex.op));
+    step.can_fail = vertex.kind != Kind::Pack && vertex.kind != Kind::RateConverter &&
+                    (vertex.kind != Kind::Operation || can_overflow(vertex.op));
     step.first_in = add_inputs(vertex);
     step.inputs = static_cast<int>(vertex.in.size());
     step.first_out = static_cast<int>(plan_->outputs.size());
@@ -229,8 +228,8 @@ class Builder {
 
   bool can_rest(const Wire& wire) {
     const auto kind = at(wire.vertex).kind;
-    return kind == Vertex::Kind::Constant || kind == Vertex::Kind::Control ||
-           kind == Vertex::Kind::SystemDelay || can_rest_.contains(wire.vertex);
+    return kind == Kind::Constant || kind == Kind::Control || kind == Kind::SystemDelay ||
+           can_rest_.contains(wire.vertex);
   }
 
   void report_loop(const OrderedSection& ordered) {
@@ -245,20 +244,18 @@ class Builder {
   }
 
   void add_channels() {
-    plan_->channels.resize(graph_.outputs.size());
-    for (const auto& vertex : graph_.vertices) {
-      if (vertex.kind != Vertex::Kind::Output) continue;
-      auto& channel = plan_->channels[static_cast<std::size_t>(vertex.index)];
-      const auto& output = graph_.outputs[static_cast<std::size_t>(vertex.index)];
-      const auto& from = vertex.in.front();
-      channel = {output.name, output.use, output.dimension, from, signal(from)};
+    for (const auto& vertex : plan_->vertices) {
+      if (vertex.kind != Kind::Output) continue;
+      auto& channel = plan_->channels[index(vertex.index)];
+      channel.from = vertex.in.front();
+      channel.signal = signal(channel.from);
     }
   }
 
   /// The slots and channels that read a control, or an operation that can rest.
   Readers* readers_of(int source) {
     const auto& vertex = at(source);
-    if (vertex.kind == Vertex::Kind::Control) return &plan_->controls[index(vertex.index)].readers;
+    if (vertex.kind == Kind::Control) return &plan_->controls[index(vertex.index)].readers;
     const auto found = can_rest_.find(source);
     return found == can_rest_.end() ? nullptr : &plan_->can_rest[index(found->second)];
   }
@@ -271,7 +268,6 @@ class Builder {
         readers->channels.push_back(static_cast<int>(c));
   }
 
-  VertexGraph graph_;
   const FlatGraph& flat_;
   const CompileOptions& options_;
   std::unique_ptr<Plan> plan_;
@@ -288,6 +284,29 @@ std::unique_ptr<Plan> build_plan(VertexGraph graph, const FlatGraph& flat,
                                  const std::vector<OrderedSection>& sections,
                                  const std::vector<bool>& frozen_controls, const CompileOptions& options) {
   return Builder{std::move(graph), flat, options}.run(sections, frozen_controls);
+}
+
+void Arena::resize(std::size_t doubles) {
+  constexpr std::size_t kLine = 64 / sizeof(double);
+  storage_ = std::make_unique<double[]>(doubles + kLine);
+  const auto address = reinterpret_cast<std::uintptr_t>(storage_.get());
+  base_ = storage_.get() + (64 - address % 64) % 64 / sizeof(double);
+  size_ = doubles;
+}
+
+std::optional<double> Plan::constant(const Wire& wire) const {
+  const auto& vertex = vertex_of(wire);
+  if (vertex.kind != Vertex::Kind::Constant) return std::nullopt;
+  if (vertex.width == 1) return vertex.value;
+  const auto& values = vertex.values;
+  const bool same = std::count(values.begin(), values.end(), values.front()) == std::ssize(values);
+  return same ? std::optional{values.front()} : std::nullopt;
+}
+
+int Plan::control_index(std::string_view control) const {
+  for (std::size_t i = 0; i < controls.size(); ++i)
+    if (controls[i].control.name == control) return static_cast<int>(i);
+  return -1;
 }
 
 }  // namespace tactus

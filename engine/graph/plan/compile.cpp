@@ -4,11 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "engine/graph/file/entry_fields.h"
-#include "engine/graph/file/mistakes.h"
-#include "engine/graph/plan/passes.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/facts.h"
-#include "engine/graph/semantics/resolve.h"
+#include "engine/graph/semantics/instance.h"
 
 namespace tactus {
 namespace {
@@ -21,7 +20,7 @@ std::size_t size_of(const Expression& expression) {
   return size;
 }
 
-std::size_t in_lanes(std::size_t size, int lanes) { return size * static_cast<std::size_t>(lanes); }
+std::size_t in_lanes(std::size_t size, int lanes) { return size * index(lanes); }
 
 /// Nodes and operators, those of each lane counted separately.
 std::size_t unfolded_nodes(const FlatGraph& graph) {
@@ -40,37 +39,31 @@ std::size_t unfolded_nodes(const FlatGraph& graph) {
 }
 
 /// A constant that is not finite: nothing that reads it can ever sound.
-void check_constants(const VertexGraph& graph, Mistakes& mistakes) {
+void check_constants(const VertexGraph& graph, ErrorList& errors) {
   for (const auto& vertex : graph.vertices)
     if (vertex.alive && vertex.kind == Vertex::Kind::Constant && !std::isfinite(vertex.value))
-      mistakes.add(Errc::OutOfRange, vertex.at,
-                   "this is always " + std::string{std::isnan(vertex.value) ? "not a number" : "infinite"},
-                   "write smaller numbers");
+      errors.add(Errc::OutOfRange, vertex.at,
+                 "this is always " + std::string{std::isnan(vertex.value) ? "not a number" : "infinite"},
+                 "write smaller numbers");
 }
 
-void set_controls(FlatGraph& flat, const std::map<std::string, ControlValue>& values, Mistakes& mistakes) {
-  for (const auto& setting : values) {
-    const auto& name = setting.first;
-    const double value = setting.second.si;
-    const auto it = std::find_if(flat.controls.begin(), flat.controls.end(),
-                                 [&](const auto& c) { return c.name == setting.first; });
+void set_controls(FlatGraph& flat, const std::map<std::string, ControlValue>& values, ErrorList& errors) {
+  for (const auto& [name, setting] : values) {
+    const double value = setting.si;
+    const auto it = std::ranges::find(flat.controls, name, &FlatControl::name);
     if (it == flat.controls.end()) {
       std::vector<std::string> known;
       for (const auto& control : flat.controls) known.push_back(control.name);
-      mistakes.add(Errc::UnknownName, {}, "there is no control '" + name + "'",
-                   known.empty() ? "this graph has none" : "this graph has " + listed(known));
-    } else if (setting.second.dimension && !(*setting.second.dimension == it->unit.dimension)) {
-      const auto in = [](const Dimension& d) {
-        return d.plain() ? std::string{"a plain number"} : "in " + to_string(d);
-      };
-      mistakes.add(Errc::UnitMismatch, {},
-                   "control '" + name + "' is " + in(it->unit.dimension) + ", but it is set to what is " +
-                       in(*setting.second.dimension),
-                   "give it in its own unit");
+      errors.add(Errc::UnknownName, {}, "there is no control '" + name + "'",
+                 known.empty() ? "this graph has none" : "this graph has " + listed(known));
+    } else if (setting.dimension && !(*setting.dimension == it->unit.dimension)) {
+      errors.add(Errc::UnitMismatch, {},
+                 "control '" + name + "' is " + unit_phrase(it->unit.dimension) +
+                     ", but it is set to what is " + unit_phrase(*setting.dimension),
+                 "give it in its own unit");
     } else if (!it->range.contains(value)) {
-      mistakes.add(
-          Errc::OutOfRange, {}, "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
-          "it goes from " + in_unit(it->range.low, it->unit) + " to " + in_unit(it->range.high, it->unit));
+      errors.add(Errc::OutOfRange, {}, "control '" + name + "' cannot be set to " + in_unit(value, it->unit),
+                 limits_text(it->range.low, it->range.high, it->unit));
     } else {
       it->value = value;
     }
@@ -87,17 +80,17 @@ std::map<std::string, ControlValue> settable(std::map<std::string, ControlValue>
 }
 
 FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options,
-                  Mistakes& mistakes) {
+                  ErrorList& errors) {
   auto resolved = resolve(spec, table, options.sample_rate, options.taps, options.most_nodes);
   const bool whole = !resolved.too_large;
-  mistakes.add(std::move(resolved.mistakes));
-  set_controls(resolved.graph, settable(options.controls, spec), mistakes);
-  mistakes.add(infer(resolved.graph));
+  errors.add(std::move(resolved.errors));
+  set_controls(resolved.graph, settable(options.controls, spec), errors);
+  errors.add(infer(resolved.graph));
   if (whole && unfolded_nodes(resolved.graph) > options.most_nodes)
-    mistakes.add(Errc::OutOfRange, spec.file,
-                 "with all its lanes the graph has more than " + std::to_string(options.most_nodes) +
-                     " nodes and operators",
-                 "take fewer voices, or fewer parts");
+    errors.add(Errc::OutOfRange, spec.file,
+               "with all its lanes the graph has more than " + std::to_string(options.most_nodes) +
+                   " nodes and operators",
+               "take fewer voices, or fewer parts");
   return std::move(resolved.graph);
 }
 
@@ -117,22 +110,22 @@ std::optional<std::vector<OrderedSection>> order_vectorised(VertexGraph& graph, 
 Checked<std::unique_ptr<Plan>> make_plan(const FlatGraph& flat, const CompileOptions& options) {
   auto graph = lower(flat);
   simplify(graph, flat, options.sample_rate);
-  Mistakes mistakes;
-  check_constants(graph, mistakes);
-  if (mistakes.any()) return tl::unexpected(mistakes.take());
+  ErrorList errors;
+  check_constants(graph, errors);
+  if (errors.any()) return tl::unexpected(errors.take());
   auto made = make_nodes(graph, flat, options);
-  if (!made.mistakes.empty()) {
-    mistakes.add(std::move(made.mistakes));
-    if (const auto cycles = order(graph, options.closed_outside); !cycles) mistakes.add(cycles.error());
-    return tl::unexpected(mistakes.take());
+  if (!made.errors.empty()) {
+    errors.add(std::move(made.errors));
+    if (const auto cycles = order(graph, options.closed_outside); !cycles) errors.add(cycles.error());
+    return tl::unexpected(errors.take());
   }
   auto sections = order_vectorised(graph, flat, options);
   if (!sections) {
     expand_sums(graph);
     auto scalar = order(graph, options.closed_outside);
     if (!scalar) {
-      mistakes.add(scalar.error());
-      return tl::unexpected(mistakes.take());
+      errors.add(scalar.error());
+      return tl::unexpected(errors.take());
     }
     sections = std::move(*scalar);
   }
@@ -142,16 +135,16 @@ Checked<std::unique_ptr<Plan>> make_plan(const FlatGraph& flat, const CompileOpt
 }  // namespace
 
 std::vector<Error> check(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options) {
-  Mistakes mistakes{spec.file};
-  flatten(spec, table, options, mistakes);
-  return mistakes.take();
+  ErrorList errors{spec.file};
+  flatten(spec, table, options, errors);
+  return errors.take();
 }
 
 Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& table,
                                        const CompileOptions& options) {
-  Mistakes mistakes{spec.file};
-  const auto flat = flatten(spec, table, options, mistakes);
-  if (mistakes.any()) return tl::unexpected(mistakes.take());
+  ErrorList errors{spec.file};
+  const auto flat = flatten(spec, table, options, errors);
+  if (errors.any()) return tl::unexpected(errors.take());
   auto plan = make_plan(flat, options);
   if (plan) (*plan)->name = spec.name;
   return plan;
@@ -159,12 +152,12 @@ Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& t
 
 Checked<std::unique_ptr<Plan>> compile(const LoadedGraph& graph, const NodeTable& table,
                                        const CompileOptions& options) {
-  if (graph.spec == nullptr) return tl::unexpected(graph.mistakes);
-  if (graph.mistakes.empty()) return compile(*graph.spec, table, options);
-  Mistakes mistakes{graph.spec->file};
-  mistakes.add(graph.mistakes);
-  mistakes.add(check(*graph.spec, table, options));
-  return tl::unexpected(mistakes.take());
+  if (graph.spec == nullptr) return tl::unexpected(graph.errors);
+  if (graph.errors.empty()) return compile(*graph.spec, table, options);
+  ErrorList errors{graph.spec->file};
+  errors.add(graph.errors);
+  errors.add(check(*graph.spec, table, options));
+  return tl::unexpected(errors.take());
 }
 
 }  // namespace tactus

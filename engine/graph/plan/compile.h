@@ -12,7 +12,7 @@
 #include "engine/core/error.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/spec.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 #include "engine/graph/plan/plan.h"
 
 namespace tactus {
@@ -33,7 +33,7 @@ struct CompileOptions {
   /// What a graph may unfold to and keep: a short file with parts and voices can ask for anything.
   std::size_t most_nodes = 250'000;  ///< nodes and operators, those of each lane on their own
   std::size_t most_bytes = 512u << 20;
-  /// Where controls start instead of where the file says, SI.
+  /// Start values of controls in place of those of the file, SI.
   std::map<std::string, ControlValue> controls;
   /// Signals that become outputs of their own ("hit", "hit.level"), for events, scopes and recordings.
   std::vector<std::string> taps;

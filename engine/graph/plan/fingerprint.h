@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <string_view>
 
-#include "engine/graph/node_type.h"
-
 namespace tactus {
 
 /// FNV-1a, 64 bits: equal for equal input, and else different but for one case in 2^64. Source: Fowler, Noll
@@ -30,10 +28,5 @@ class Fingerprint {
 
   std::uint64_t value_ = 14695981039346656037u;
 };
-
-/// [control] Of everything that a node was made from: two nodes with the same fingerprint differ in their
-/// state alone. Of an input counts what `make` asked for, or what it always gets because the port is
-/// fixed.
-std::uint64_t fingerprint(const NodeSetup& setup);
 
 }  // namespace tactus

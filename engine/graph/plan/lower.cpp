@@ -2,7 +2,7 @@
 #include <cmath>
 #include <map>
 
-#include "engine/graph/plan/phase_delay.h"
+#include "engine/graph/plan/inserted_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
 #include "engine/graph/semantics/facts.h"
 
@@ -10,6 +10,10 @@ namespace tactus {
 namespace {
 
 class Lowering {
+  using Kind = Vertex::Kind;
+  using Op = Expression::Op;
+  using SignalKind = FlatSignal::Kind;
+
  public:
   explicit Lowering(const FlatGraph& flat) : flat_(flat) {}
 
@@ -17,22 +21,21 @@ class Lowering {
     make_inputs();
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
-      wires_.emplace_back(static_cast<std::size_t>(signal.lanes));
-      if (signal.kind == FlatSignal::Kind::NodeOutput) continue;
+      wires_.emplace_back(index(signal.lanes));
+      if (signal.kind == SignalKind::NodeOutput) continue;
       for (int lane = 0; lane < signal.lanes; ++lane)
-        wires_[i][static_cast<std::size_t>(lane)] =
-            signal.kind == FlatSignal::Kind::SystemDelay ? system_delay(signal) : make_source(signal, lane);
+        wires_[i][index(lane)] =
+            signal.kind == SignalKind::SystemDelay ? system_delay(signal) : make_source(signal, lane);
     }
     make_nodes();
     // All names have their vertices now; loops can be closed.
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];
-      if (signal.kind != FlatSignal::Kind::Expression) continue;
+      if (signal.kind != SignalKind::Expression) continue;
       divisor_ = signal.conversion ? signal.conversion->from : signal.divisor;
       for (int lane = 0; lane < signal.lanes; ++lane) {
         const auto wire = lower(signal.expression, lane, signal.lanes, signal.path);
-        graph_.vertices[static_cast<std::size_t>(wires_[i][static_cast<std::size_t>(lane)].vertex)].in = {
-            wire};
+        graph_.vertices[index(wires_[i][index(lane)].vertex)].in = {wire};
       }
     }
     connect_nodes();
@@ -51,10 +54,18 @@ class Lowering {
   }
 
   Wire constant(double value, const Source& at = {}) {
-    Vertex vertex;
+    auto vertex = begin(Kind::Constant, {}, at, 1);
     vertex.value = value;
-    vertex.at = at;
     return add(std::move(vertex));
+  }
+
+  static Vertex begin(Vertex::Kind kind, std::string path, const Source& at, int divisor) {
+    Vertex vertex;
+    vertex.kind = kind;
+    vertex.path = std::move(path);
+    vertex.at = at;
+    vertex.divisor = divisor;
+    return vertex;
   }
 
   /// What is made of the same thing lane after lane belongs together; the second time round is another thing.
@@ -68,38 +79,22 @@ class Lowering {
 
   void make_inputs() {
     for (const auto& input : flat_.inputs) {
-      first_channel_.push_back(static_cast<int>(graph_.inputs.size()));
+      first_channel_.push_back(static_cast<int>(graph_.input_names.size()));
       for (int lane = 0; lane < input.lanes; ++lane)
-        graph_.inputs.push_back(lane_path(input.name, lane, input.lanes));
+        graph_.input_names.push_back(lane_path(input.name, lane, input.lanes));
     }
   }
 
   Wire make_source(const FlatSignal& signal, int lane) {
-    Vertex vertex;
-    vertex.path = lane_path(signal.path, lane, signal.lanes);
-    vertex.at = signal.at;
-    vertex.divisor = signal.divisor;
+    // As FlatSignal::Kind; a missing signal is a constant that nothing reads.
+    static constexpr Kind kKinds[] = {Kind::Constant,    Kind::Input,     Kind::Control,
+                                      Kind::SystemDelay, Kind::Operation, Kind::Operation};
+    auto vertex = begin(kKinds[static_cast<int>(signal.kind)], lane_path(signal.path, lane, signal.lanes),
+                        signal.at, signal.divisor);
     set_lane(vertex, &signal, lane, signal.lanes);
-    switch (signal.kind) {
-      case FlatSignal::Kind::Input:
-        vertex.kind = Vertex::Kind::Input;
-        vertex.index = first_channel_[static_cast<std::size_t>(signal.index)] + lane;
-        break;
-      case FlatSignal::Kind::Control:
-        vertex.kind = Vertex::Kind::Control;
-        vertex.index = signal.index;
-        break;
-      case FlatSignal::Kind::SystemDelay:
-        vertex.kind = Vertex::Kind::SystemDelay;
-        break;
-      case FlatSignal::Kind::Missing:
-        break;  // a constant that nothing reads
-      case FlatSignal::Kind::Expression:
-      case FlatSignal::Kind::NodeOutput:
-        vertex.kind = Vertex::Kind::Operation;
-        vertex.op = Expression::Op::Signal;
-        break;
-    }
+    if (vertex.kind == Kind::Input) vertex.index = first_channel_[index(signal.index)] + lane;
+    if (vertex.kind == Kind::Control) vertex.index = signal.index;
+    if (vertex.kind == Kind::Operation) vertex.op = Op::Signal;
     if (signal.conversion) make_rate_converter(vertex, signal);
     return add(std::move(vertex));
   }
@@ -111,7 +106,7 @@ class Lowering {
   }
 
   void make_rate_converter(Vertex& vertex, const FlatSignal& signal) const {
-    vertex.kind = Vertex::Kind::RateConverter;
+    vertex.kind = Kind::RateConverter;
     vertex.conversion = *signal.conversion;
     vertex.origin = {};
     if (is_trigger(signal.expression, 0)) vertex.conversion.how = RateConversion::How::Trigger;
@@ -119,12 +114,12 @@ class Lowering {
 
   /// A name for what a node fires, through as many files as there may be.
   bool is_trigger(const Expression& expression, int depth) const {
-    if (expression.op != Expression::Op::Signal || depth > 64) return false;
-    const auto& signal = flat_.signals[static_cast<std::size_t>(expression.signal)];
-    if (signal.kind == FlatSignal::Kind::Expression) return is_trigger(signal.expression, depth + 1);
-    if (signal.kind != FlatSignal::Kind::NodeOutput) return false;
-    const auto& type = *flat_.nodes[static_cast<std::size_t>(signal.index)].type;
-    return type.outputs[static_cast<std::size_t>(signal.port)].kind == OutputKind::Trigger;
+    if (expression.op != Op::Signal || depth > 64) return false;
+    const auto& signal = flat_.signals[index(expression.signal)];
+    if (signal.kind == SignalKind::Expression) return is_trigger(signal.expression, depth + 1);
+    if (signal.kind != SignalKind::NodeOutput) return false;
+    const auto& type = *flat_.nodes[index(signal.index)].type;
+    return type.outputs[index(signal.port)].kind == OutputKind::Trigger;
   }
 
   void make_nodes() {
@@ -133,24 +128,18 @@ class Lowering {
       first_vertex_.push_back(static_cast<int>(graph_.vertices.size()));
       if (node.type->reduces_lanes) {  // a sum of lanes: plain additions
         const int output = node.outputs.front();
-        wires_[static_cast<std::size_t>(output)][0] =
-            make_source(flat_.signals[static_cast<std::size_t>(output)], 0);
+        wires_[index(output)][0] = make_source(flat_.signals[index(output)], 0);
         continue;
       }
       for (int lane = 0; lane < node.lanes; ++lane) {
-        Vertex vertex;
-        vertex.kind = Vertex::Kind::Node;
+        auto vertex = begin(Kind::Node, lane_path(node.path, lane, node.lanes), node.at, node.divisor);
         vertex.index = static_cast<int>(n);
         vertex.type = node.type;
-        set_lane(vertex, &node, lane, node.lanes);
         vertex.outputs = static_cast<int>(node.outputs.size());
-        vertex.path = lane_path(node.path, lane, node.lanes);
-        vertex.at = node.at;
-        vertex.divisor = node.divisor;
+        set_lane(vertex, &node, lane, node.lanes);
         const auto wire = add(std::move(vertex));
         for (std::size_t port = 0; port < node.outputs.size(); ++port)
-          wires_[static_cast<std::size_t>(node.outputs[port])][static_cast<std::size_t>(lane)] = {
-              wire.vertex, static_cast<int>(port)};
+          wires_[index(node.outputs[port])][index(lane)] = {wire.vertex, static_cast<int>(port)};
       }
     }
   }
@@ -170,7 +159,7 @@ class Lowering {
                                       : constant(node.type->inputs[i].fallback.value_or(0)));
         const auto v = first_vertex_[n] + lane;
         if (!node.compensate.empty()) compensate(node, lane, in);
-        graph_.vertices[static_cast<std::size_t>(v)].in = std::move(in);
+        graph_.vertices[index(v)].in = std::move(in);
       }
     }
   }
@@ -179,16 +168,13 @@ class Lowering {
   /// that node, since those decide what the delay is.
   void compensate(const FlatNode& node, int lane, std::vector<Wire>& in) {
     const auto& where = *node.type->compensation;
-    const auto time = static_cast<std::size_t>(where.port), period = static_cast<std::size_t>(where.period);
+    const auto time = index(where.port), period = index(where.period);
     for (const int other_index : node.compensate) {
-      const auto& other = flat_.nodes[static_cast<std::size_t>(other_index)];
-      Vertex vertex;
-      vertex.kind = Vertex::Kind::PhaseDelay;
-      vertex.index = first_vertex_[static_cast<std::size_t>(other_index)] + std::min(lane, other.lanes - 1);
+      const auto& other = flat_.nodes[index(other_index)];
+      auto vertex = begin(Kind::PhaseDelay, lane_path(node.path, lane, node.lanes) + ".compensate", node.at,
+                          node.divisor);
+      vertex.index = first_vertex_[index(other_index)] + std::min(lane, other.lanes - 1);
       vertex.value = where.sign;
-      vertex.path = lane_path(node.path, lane, node.lanes) + ".compensate";
-      vertex.at = node.at;
-      vertex.divisor = node.divisor;
       // What the compensations before this one left, then the period, then the parameters.
       vertex.in = {in[time], lower(*node.inputs[period], lane, node.lanes, node.path)};
       for (std::size_t i = 0; i < other.inputs.size(); ++i)
@@ -200,16 +186,12 @@ class Lowering {
   }
 
   void connect_mix(const FlatNode& node) {
-    Vertex sum;
-    sum.kind = Vertex::Kind::Sum;
-    sum.path = node.path;
-    sum.at = node.at;
-    sum.divisor = node.divisor;
+    auto sum = begin(Kind::Sum, node.path, node.at, node.divisor);
     for (int lane = 0; lane < node.lanes; ++lane)
       sum.in.push_back(lower(*node.inputs.front(), lane, node.lanes, node.path));
     const auto wire = node.lanes == 1 ? sum.in[0] : add(std::move(sum));
-    const auto out = wires_[static_cast<std::size_t>(node.outputs.front())][0];
-    graph_.vertices[static_cast<std::size_t>(out.vertex)].in = {wire};
+    const auto out = wires_[index(node.outputs.front())][0];
+    graph_.vertices[index(out.vertex)].in = {wire};
   }
 
   Wire lower(const Expression& expression, int lane, int lanes, const std::string& path) {
@@ -221,29 +203,24 @@ class Lowering {
 
   Wire lower_lane(const Expression& expression, int lane, int lanes, const std::string& path) {
     switch (expression.op) {
-      case Expression::Op::Number:
+      case Op::Number:
         return constant(expression.number, expression.at);
-      case Expression::Op::Signal: {
-        const auto& wires = wires_[static_cast<std::size_t>(expression.signal)];
-        return wires[wires.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
+      case Op::Signal: {
+        const auto& wires = wires_[index(expression.signal)];
+        return wires[wires.size() == 1 ? 0 : index(lane)];
       }
-      case Expression::Op::Lanes: {
-        const auto& own =
-            expression.arguments[expression.arguments.size() == 1 ? 0 : static_cast<std::size_t>(lane)];
-        return own.op == Expression::Op::Number ? own_number(own.number, expression, lane, lanes)
-                                                : lower(own, 0, 1, path);
+      case Op::Lanes: {
+        const auto& own = expression.arguments[expression.arguments.size() == 1 ? 0 : index(lane)];
+        return own.op == Op::Number ? own_number(own.number, expression, lane, lanes)
+                                    : lower(own, 0, 1, path);
       }
-      case Expression::Op::Spread:
+      case Op::Spread:
         return own_number(spread(expression, lane, lanes), expression, lane, lanes);
       default:
         break;
     }
-    Vertex vertex;
-    vertex.kind = Vertex::Kind::Operation;
+    auto vertex = begin(Kind::Operation, path, expression.at, divisor_);
     vertex.op = expression.op;
-    vertex.path = path;
-    vertex.at = expression.at;
-    vertex.divisor = divisor_;
     set_lane(vertex, &expression, lane, lanes);
     for (const auto& argument : expression.arguments) vertex.in.push_back(lower(argument, lane, lanes, path));
     return add(std::move(vertex));
@@ -267,14 +244,11 @@ class Lowering {
     divisor_ = 1;
     for (const auto& output : flat_.outputs) {
       for (int lane = 0; lane < output.lanes; ++lane) {
-        Vertex vertex;
-        vertex.kind = Vertex::Kind::Output;
-        vertex.index = static_cast<int>(graph_.outputs.size());
-        vertex.path = lane_path(output.name, lane, output.lanes);
-        vertex.at = output.at;
+        auto vertex = begin(Kind::Output, lane_path(output.name, lane, output.lanes), output.at, 1);
+        vertex.index = static_cast<int>(graph_.channels.size());
         vertex.outputs = 0;
         vertex.in = {lower(output.expression, lane, output.lanes, output.name)};
-        graph_.outputs.push_back({vertex.path, output.use, output.dimension});
+        graph_.channels.push_back({vertex.path, output.use, output.dimension});
         add(std::move(vertex));
       }
     }

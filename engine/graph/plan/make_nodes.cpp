@@ -1,20 +1,46 @@
-
 #include <algorithm>
 #include <functional>
 #include <optional>
 
+#include "engine/graph/plan/compile.h"
 #include "engine/graph/plan/fingerprint.h"
-#include "engine/graph/plan/passes.h"
-#include "engine/graph/plan/phase_delay.h"
-#include "engine/graph/plan/rate_converter.h"
-#include "engine/graph/plan/vector_nodes.h"
+#include "engine/graph/plan/inserted_nodes.h"
+#include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/facts.h"
-#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
 
+void add(Fingerprint& print, const SettingValue& setting) {
+  print.add(setting.text).add(setting.number).add(std::uint64_t{setting.given});
+  print.add(std::uint64_t{setting.points.size()});
+  for (const auto& [x, y] : setting.points) print.add(x).add(y);
+  print.add(std::uint64_t{setting.numbers.size()});
+  for (const double number : setting.numbers) print.add(number);
+  print.add(std::uint64_t{setting.names.size()});
+  for (const auto& name : setting.names) print.add(name);
+}
+
+/// Of everything that a node was made from: two nodes with the same fingerprint differ in their state alone.
+/// Of an input counts what `make` asked for, or what it always gets because the port is fixed.
+std::uint64_t fingerprint(const NodeSetup& setup) {
+  Fingerprint print;
+  print.add(setup.type->name).add(setup.type->fingerprint).add(setup.sample_rate.value);
+  print.add(static_cast<std::uint64_t>(setup.lane));
+  for (const auto& setting : setup.settings) add(print, setting);
+  for (std::size_t i = 0; i < setup.inputs.size(); ++i) {
+    const auto& input = setup.inputs[i];
+    if (!setup.type->inputs[i].fixed && !input.asked) continue;
+    print.add(std::uint64_t{i}).add(input.range.low).add(input.range.high);
+    print.add(std::uint64_t{input.constant.has_value()}).add(input.constant.value_or(0));
+    print.add(std::uint64_t{input.connected});
+  }
+  return print.value();
+}
+
 class Maker {
+  using Kind = Vertex::Kind;
+
  public:
   Maker(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
       : graph_(graph), flat_(flat), options_(options), memory_(options.most_bytes) {
@@ -26,28 +52,28 @@ class Maker {
     for (const bool compensated : {false, true}) {
       if (compensated) fold_phase_delays();
       for (auto& vertex : graph_.vertices)
-        if (vertex.kind == Vertex::Kind::Node && flat_node(vertex).compensate.empty() != compensated)
-          make(vertex);
+        if (vertex.kind == Kind::Node && flat_node(vertex).compensate.empty() != compensated) make(vertex);
     }
     for (auto& vertex : graph_.vertices) {
-      if (vertex.kind == Vertex::Kind::RateConverter) make_rate_converter(vertex);
-      if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto& other = graph_.vertices[static_cast<std::size_t>(vertex.index)];
+      if (vertex.kind == Kind::RateConverter) make_rate_converter(vertex);
+      if (vertex.kind != Kind::PhaseDelay) continue;
+      const auto& other = compensated(vertex);
       vertex.fingerprint = other.fingerprint;
       if (other.node != nullptr)
         vertex.node = std::make_shared<PhaseDelay>(other.node, static_cast<int>(vertex.in.size()) - 2,
                                                    rate_of(vertex.divisor), vertex.value);
-      else if (made_.mistakes.empty())
+      else if (made_.errors.empty())
         report_phase(vertex);
     }
     return std::move(made_);
   }
 
  private:
-  const FlatNode& flat_node(const Vertex& vertex) const {
-    return flat_.nodes[static_cast<std::size_t>(vertex.index)];
+  const FlatNode& flat_node(const Vertex& vertex) const { return flat_.nodes[index(vertex.index)]; }
+  const Vertex& compensated(const Vertex& phase_delay) const {
+    return graph_.vertices[index(phase_delay.index)];
   }
-  const Vertex& at(Wire wire) const { return graph_.vertices[static_cast<std::size_t>(wire.vertex)]; }
+  const Vertex& at(Wire wire) const { return graph_.vertices[index(wire.vertex)]; }
 
   Hertz rate_of(int divisor) const { return Hertz{options_.sample_rate.value / divisor}; }
 
@@ -76,7 +102,7 @@ class Maker {
     // As the file at that place calls it, so that the error of a part used twice is reported once.
     const auto name = node.path.substr(node.path.rfind('.') + 1);
     error.what = node.type->name + " '" + name + "': " + error.what;
-    made_.mistakes.push_back(std::move(error));
+    made_.errors.push_back(std::move(error));
   }
 
   /// Each lane of each node keeps the numbers of its settings, besides its state.
@@ -91,15 +117,15 @@ class Maker {
   /// A phase delay that never changes leaves a delay time that rests.
   void fold_phase_delays() {
     for (auto& vertex : graph_.vertices) {
-      if (vertex.kind != Vertex::Kind::PhaseDelay) continue;
-      const auto& other = graph_.vertices[static_cast<std::size_t>(vertex.index)].node;
+      if (vertex.kind != Kind::PhaseDelay) continue;
+      const auto& other = compensated(vertex).node;
       std::vector<double> in;
       for (const auto& wire : vertex.in)
-        if (at(wire).kind == Vertex::Kind::Constant) in.push_back(at(wire).value);
+        if (at(wire).kind == Kind::Constant) in.push_back(at(wire).value);
       if (other == nullptr || in.size() != vertex.in.size()) continue;
       const auto taken = PhaseDelay::at(other, in[1], {in.begin() + 2, in.end()}, rate_of(vertex.divisor));
       if (!taken) continue;
-      vertex.kind = Vertex::Kind::Constant;
+      vertex.kind = Kind::Constant;
       vertex.value = in[0] + vertex.value * *taken;
       vertex.in.clear();
     }
@@ -112,15 +138,15 @@ class Maker {
     for (std::size_t i = 0; i < vertex.in.size(); ++i) {
       InputInfo info{node.ranges[i], std::nullopt, node.inputs[i].has_value()};
       const auto& source = at(vertex.in[i]);
-      if (source.kind == Vertex::Kind::Constant) info.constant = source.value;
+      if (source.kind == Kind::Constant) info.constant = source.value;
       if (node.type->inputs[i].fixed) {
         info.constant = starting_value(vertex.in[i], 0);
         right = right && info.constant.has_value();
         if (!info.constant)
-          made_.mistakes.push_back({Errc::WrongType, node.inputs[i]->at.text(),
-                                    "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" +
-                                        node.path + "' must not change while it runs",
-                                    "give a number, a quantity, or an expression of controls"});
+          made_.errors.push_back({Errc::WrongType, node.inputs[i]->at.text(),
+                                  "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" +
+                                      node.path + "' must not change while it runs",
+                                  "give a number, a quantity, or an expression of controls"});
       }
       if (info.constant) info.range = Interval::exactly(*info.constant);
       setup.inputs.push_back(info);
@@ -131,15 +157,15 @@ class Maker {
   /// What a signal is when the graph starts, if only constants and controls decide it. Such controls freeze.
   std::optional<double> starting_value(Wire wire, int depth) {
     const auto& vertex = at(wire);
-    if (vertex.kind == Vertex::Kind::Constant) return vertex.value;
-    if (vertex.kind == Vertex::Kind::SystemDelay) return options_.system_delay.value;
-    if (vertex.kind == Vertex::Kind::Control) {
-      made_.frozen_controls[static_cast<std::size_t>(vertex.index)] = true;
-      return flat_.controls[static_cast<std::size_t>(vertex.index)].value;
+    if (vertex.kind == Kind::Constant) return vertex.value;
+    if (vertex.kind == Kind::SystemDelay) return options_.system_delay.value;
+    if (vertex.kind == Kind::Control) {
+      made_.frozen_controls[index(vertex.index)] = true;
+      return flat_.controls[index(vertex.index)].value;
     }
-    if (vertex.kind == Vertex::Kind::Sum) return starting_sum(vertex, depth);
-    if (vertex.kind == Vertex::Kind::RateConverter) return starting_value(vertex.in[0], depth + 1);
-    if (vertex.kind != Vertex::Kind::Operation || depth > 1000) return std::nullopt;
+    if (vertex.kind == Kind::Sum) return starting_sum(vertex, depth);
+    if (vertex.kind == Kind::RateConverter) return starting_value(vertex.in[0], depth + 1);
+    if (vertex.kind != Kind::Operation || depth > 1000) return std::nullopt;
     const auto a = starting_value(vertex.in[0], depth + 1);
     const auto b = vertex.in.size() > 1 ? starting_value(vertex.in[1], depth + 1) : std::optional{0.0};
     if (!a || !b) return std::nullopt;
@@ -159,23 +185,22 @@ class Maker {
   /// False if a node that is compensated for could not be made: nothing is known of its delay.
   bool shorten_time(const FlatNode& node, const Vertex& vertex, NodeSetup& setup) {
     const auto& where = *node.type->compensation;
-    const auto time = static_cast<std::size_t>(where.port);
-    auto tuned = node.ranges[static_cast<std::size_t>(where.period)];
+    const auto time = index(where.port);
+    auto tuned = node.ranges[index(where.period)];
     if (!tuned.bounded()) return true;  // the node itself asks for bounds
     // No period is shorter than two frames.
     const double shortest = 2 / rate_of(node.divisor).value;
     tuned = {std::max(tuned.low, shortest), std::max(tuned.high, shortest)};
     Wire wire = vertex.in[time];
     Interval left{0, 0};
-    for (; at(wire).kind == Vertex::Kind::PhaseDelay; wire = at(wire).in[0]) {
-      const auto& other = graph_.vertices[static_cast<std::size_t>(at(wire).index)];
+    for (; at(wire).kind == Kind::PhaseDelay; wire = at(wire).in[0]) {
+      const auto& other = compensated(at(wire));
       if (other.node == nullptr) return false;
       const auto taken = PhaseDelay::range(other.node, tuned, flat_node(other).ranges, rate_of(node.divisor));
       if (!taken) return report_phase(at(wire)), false;
       left = left + (where.sign < 0 ? Interval{-taken->high, -taken->low} : *taken);
     }
-    left = left +
-           (at(wire).kind == Vertex::Kind::Constant ? Interval::exactly(at(wire).value) : node.ranges[time]);
+    left = left + (at(wire).kind == Kind::Constant ? Interval::exactly(at(wire).value) : node.ranges[time]);
     if (wire == vertex.in[time] && left.single()) return true;
     setup.inputs[time].constant.reset();
     setup.inputs[time].range = {std::max(0.0, left.low), std::max(0.0, left.high)};
@@ -183,11 +208,10 @@ class Maker {
   }
 
   void report_phase(const Vertex& phase_delay) {
-    made_.mistakes.push_back({Errc::BadArgument, phase_delay.at.text(),
-                              "the phase delay of '" +
-                                  graph_.vertices[static_cast<std::size_t>(phase_delay.index)].path +
-                                  "' cannot be compensated: it is not known",
-                              "name filters that lie in the same loop"});
+    made_.errors.push_back(
+        {Errc::BadArgument, phase_delay.at.text(),
+         "the phase delay of '" + compensated(phase_delay).path + "' cannot be compensated: it is not known",
+         "name filters that lie in the same loop"});
   }
 
   VertexGraph& graph_;

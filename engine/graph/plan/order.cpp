@@ -3,9 +3,9 @@
 #include <map>
 #include <set>
 
-#include "engine/graph/file/mistakes.h"
-#include "engine/graph/plan/passes.h"
-#include "engine/graph/plan/strong_components.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/graph/plan/compile.h"
+#include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
 namespace {
@@ -36,21 +36,19 @@ class Ordering {
  public:
   Ordering(const VertexGraph& graph, bool closed_outside)
       : graph_(graph), size_(static_cast<int>(graph.vertices.size()) + (closed_outside ? 1 : 0)) {
-    readers_.resize(static_cast<std::size_t>(size_));
+    readers_.resize(index(size_));
     for (const auto& vertex : graph.vertices) least_.push_back(least_delay(vertex));
-    least_.resize(static_cast<std::size_t>(size_), 0);
+    least_.resize(index(size_), 0);
     const int outside = closed_outside ? size_ - 1 : -1;
     for (int v = 0; v < static_cast<int>(graph.vertices.size()); ++v) {
       const auto& vertex = vertex_at(v);
       for (std::size_t i = 0; i < vertex.in.size(); ++i)
-        readers_[static_cast<std::size_t>(vertex.in[i].vertex)].push_back({v, is_late(vertex, i)});
+        readers_[index(vertex.in[i].vertex)].push_back({v, is_late(vertex, i)});
       if (outside < 0) continue;
       // A tap only listens: nothing outside answers it.
-      if (vertex.kind == Vertex::Kind::Output &&
-          graph.outputs[static_cast<std::size_t>(vertex.index)].use != OutputUse::Tap)
-        readers_[static_cast<std::size_t>(v)].push_back({outside, false});
-      if (vertex.kind == Vertex::Kind::Input)
-        readers_[static_cast<std::size_t>(outside)].push_back({v, false});
+      if (vertex.kind == Vertex::Kind::Output && graph.channels[index(vertex.index)].use != OutputUse::Tap)
+        readers_[index(v)].push_back({outside, false});
+      if (vertex.kind == Vertex::Kind::Input) readers_[index(outside)].push_back({v, false});
     }
   }
 
@@ -72,12 +70,12 @@ class Ordering {
   }
 
  private:
-  const Vertex& vertex_at(int v) const { return graph_.vertices[static_cast<std::size_t>(v)]; }
+  const Vertex& vertex_at(int v) const { return graph_.vertices[index(v)]; }
   bool is_outside(int v) const { return v >= static_cast<int>(graph_.vertices.size()); }
   OrderedVertex::Half half_of_whole(int v) const {
     return is_outside(v) ? OrderedVertex::Half::Outside : OrderedVertex::Half::Whole;
   }
-  const std::vector<Edge>& readers(int v) const { return readers_[static_cast<std::size_t>(v)]; }
+  const std::vector<Edge>& readers(int v) const { return readers_[index(v)]; }
 
   template <class Follows>
   bool reads_itself(int v, Follows follows) const {
@@ -105,7 +103,7 @@ class Ordering {
     for (const int v : component)
       for (const auto& edge : readers(v))
         if (edge.late && inside.contains(edge.to))
-          delays.insert(std::min(kMaxSubBlock, least_[static_cast<std::size_t>(edge.to)]));
+          delays.insert(std::min(kMaxSubBlock, least_[index(edge.to)]));
     OrderedSection section;
     for (const int sub_block : delays) {
       std::vector<int> left;
@@ -116,7 +114,7 @@ class Ordering {
   }
 
   bool cuts(const Edge& edge, int sub_block) const {
-    return edge.late && least_[static_cast<std::size_t>(edge.to)] >= sub_block;
+    return edge.late && least_[index(edge.to)] >= sub_block;
   }
 
   /// Kahn's algorithm without the edges that `sub_block` cuts; what lies on a remaining cycle ends up in
@@ -134,7 +132,7 @@ class Ordering {
         if (!inside.contains(edge.to)) continue;
         if (cuts(edge, sub_block)) {
           split.insert(edge.to);
-          section.delay_frames = std::min(section.delay_frames, least_[static_cast<std::size_t>(edge.to)]);
+          section.delay_frames = std::min(section.delay_frames, least_[index(edge.to)]);
         } else
           ++waiting[edge.to];
       }

@@ -80,14 +80,6 @@ struct PlannedControl {
   bool frozen = false;  ///< some node needed its value when it was made: it cannot change while running
 };
 
-struct PlannedChannel {
-  std::string name;
-  OutputUse use = OutputUse::Drive;
-  Dimension dimension;
-  Wire from;
-  Signal signal;
-};
-
 /// A loop, for `tactus explain`.
 struct LoopReport {
   std::vector<std::string> paths;
@@ -97,16 +89,10 @@ struct LoopReport {
 
 /// A graph ready to run: the frozen graph, a flat list of steps that refer to its vertices, and one arena for
 /// their signals and constants.
-struct Plan {
+struct Plan : VertexGraph {
   std::string name;
   Hertz sample_rate = 48_kHz;
-
-  // The graph.
-  std::vector<Vertex> vertices;
-  std::vector<std::string> input_names;
   std::vector<PlannedControl> controls;
-  std::vector<PlannedChannel> channels;
-  std::vector<LeftOut> left_out;
   std::vector<LoopReport> loops;
 
   // Its execution.
@@ -121,15 +107,15 @@ struct Plan {
   /// Of operations on nothing but controls and numbers: while those rest each is one number, which rests too.
   std::vector<Readers> can_rest;
   std::vector<double*> input_buffers;  ///< nullptr: nothing reads the channel
-  double* system_delay =
-      nullptr;  ///< kVectorWidth times the same, in seconds, or nullptr if nothing reads it
+  /// kVectorWidth times the same, in seconds, or nullptr if nothing reads it.
+  double* system_delay = nullptr;
   Seconds system_delay_at_start;
   Arena arena;                     ///< buffers of signals, then constants
   std::size_t signal_doubles = 0;  ///< of `arena`
 
   /// Index in `controls`, or -1.
   int control_index(std::string_view control) const;
-  const Vertex& vertex_of(const Wire& wire) const { return vertices[static_cast<std::size_t>(wire.vertex)]; }
+  const Vertex& vertex_of(const Wire& wire) const { return vertices[index(wire.vertex)]; }
   /// The number at a wire that never changes (the same for all lanes), or nullopt.
   std::optional<double> constant(const Wire& wire) const;
 };

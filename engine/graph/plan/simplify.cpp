@@ -1,18 +1,19 @@
-#include <algorithm>
-#include <cmath>
 #include <functional>
 #include <optional>
 
 #include "engine/graph/file/quantity.h"
-#include "engine/graph/plan/vector_nodes.h"
+#include "engine/graph/plan/inserted_nodes.h"
 #include "engine/graph/plan/vertex_graph.h"
+#include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/facts.h"
-#include "engine/graph/semantics/operators.h"
 
 namespace tactus {
 namespace {
 
 class Simplifier {
+  using Kind = Vertex::Kind;
+  using Op = Expression::Op;
+
  public:
   Simplifier(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate)
       : graph_(graph), flat_(flat), sample_rate_(sample_rate) {}
@@ -31,11 +32,18 @@ class Simplifier {
   }
 
  private:
-  Vertex& at(int v) { return graph_.vertices[static_cast<std::size_t>(v)]; }
+  Vertex& at(int v) { return graph_.vertices[index(v)]; }
   std::optional<double> constant(Wire wire) {
     const auto& vertex = at(wire.vertex);
-    if (vertex.kind == Vertex::Kind::Constant) return vertex.value;
-    return std::nullopt;
+    return vertex.kind == Kind::Constant ? std::optional{vertex.value} : std::nullopt;
+  }
+
+  /// Of all inputs, if all are constant.
+  std::optional<std::vector<double>> constants(int v) {
+    std::vector<double> values;
+    for (const auto& wire : at(v).in)
+      if (const auto value = constant(wire)) values.push_back(*value);
+    return values.size() == at(v).in.size() ? std::optional{std::move(values)} : std::nullopt;
   }
 
   /// A constant that all lanes have in common: where one lane skips what the others do, they no longer match.
@@ -44,11 +52,8 @@ class Simplifier {
   }
 
   // ---- copies
-  // ----------------------------------------------------------------------------------------------
 
-  bool is_copy(const Vertex& v) const {
-    return v.kind == Vertex::Kind::Operation && v.op == Expression::Op::Signal;
-  }
+  bool is_copy(const Vertex& v) const { return v.kind == Kind::Operation && v.op == Op::Signal; }
 
   Wire behind_copies(Wire wire) {
     const Wire first = wire;
@@ -65,29 +70,28 @@ class Simplifier {
   }
 
   // ---- folding
-  // ---------------------------------------------------------------------------------------------
 
   void fold() {
     consumers_.assign(graph_.vertices.size(), {});
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
       for (const auto& wire : graph_.vertices[v].in)
-        consumers_[static_cast<std::size_t>(wire.vertex)].push_back(static_cast<int>(v));
+        consumers_[index(wire.vertex)].push_back(static_cast<int>(v));
     std::vector<int> work;
     for (int v = static_cast<int>(graph_.vertices.size()) - 1; v >= 0; --v) work.push_back(v);
     while (!work.empty()) {
       const int v = work.back();
       work.pop_back();
       if (!at(v).alive || !try_fold(v)) continue;
-      for (const int consumer : consumers_[static_cast<std::size_t>(v)]) work.push_back(consumer);
+      for (const int consumer : consumers_[index(v)]) work.push_back(consumer);
     }
   }
 
   /// True if consumers of `v` now see something simpler.
   bool try_fold(int v) {
-    if (at(v).kind == Vertex::Kind::Operation && !is_copy(at(v))) return fold_operation(v);
-    if (at(v).kind == Vertex::Kind::Node) return fold_node(v);
-    if (at(v).kind == Vertex::Kind::Sum) return fold_sum(v);
-    if (at(v).kind == Vertex::Kind::RateConverter) return fold_rate_converter(v);
+    if (at(v).kind == Kind::Operation && !is_copy(at(v))) return fold_operation(v);
+    if (at(v).kind == Kind::Node) return fold_node(v);
+    if (at(v).kind == Kind::Sum) return fold_sum(v);
+    if (at(v).kind == Kind::RateConverter) return fold_rate_converter(v);
     return false;
   }
 
@@ -99,24 +103,18 @@ class Simplifier {
   }
 
   bool fold_sum(int v) {
-    std::vector<double> values;
-    for (const auto& wire : at(v).in)
-      if (const auto value = constant(wire)) values.push_back(*value);
-    if (values.size() != at(v).in.size()) return false;
-    make_constant(v, add_lanes(values, std::plus<>{}));
-    return true;
+    const auto values = constants(v);
+    if (values) make_constant(v, add_lanes(*values, std::plus<>{}));
+    return values.has_value();
   }
 
   bool fold_operation(int v) {
     auto& vertex = at(v);
-    std::vector<double> values;
-    for (const auto& wire : vertex.in)
-      if (const auto value = constant(wire)) values.push_back(*value);
-    if (values.size() == vertex.in.size()) {
-      make_constant(v, apply(vertex.op, values[0], values.size() > 1 ? values[1] : 0));
+    if (const auto values = constants(v)) {
+      make_constant(v, apply(vertex.op, values->front(), values->size() > 1 ? values->back() : 0));
       return true;
     }
-    if (vertex.op == Expression::Op::Multiply) {
+    if (vertex.op == Op::Multiply) {
       for (std::size_t i = 0; i < 2; ++i) {
         if (same_in_all(vertex.in[i]) == 1.0) return replace(v, vertex.in[1 - i]);
         if (zeros_ && constant(vertex.in[i]) == 0.0) {
@@ -125,49 +123,44 @@ class Simplifier {
         }
       }
     }
-    if (vertex.op == Expression::Op::Divide && same_in_all(vertex.in[1]) == 1.0)
-      return replace(v, vertex.in[0]);
+    if (vertex.op == Op::Divide && same_in_all(vertex.in[1]) == 1.0) return replace(v, vertex.in[0]);
     // Of all numbers this changes -0 only, which no operation distinguishes from 0.
-    if ((vertex.op == Expression::Op::Add || vertex.op == Expression::Op::Subtract) &&
-        same_in_all(vertex.in[1]) == 0.0)
+    if ((vertex.op == Op::Add || vertex.op == Op::Subtract) && same_in_all(vertex.in[1]) == 0.0)
       return replace(v, vertex.in[0]);
-    if (vertex.op == Expression::Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
+    if (vertex.op == Op::Add && same_in_all(vertex.in[0]) == 0.0) return replace(v, vertex.in[1]);
     return false;
   }
 
   void make_constant(int v, double value) {
-    at(v).kind = Vertex::Kind::Constant;
+    at(v).kind = Kind::Constant;
     at(v).value = value;
     at(v).in.clear();
   }
 
   bool replace(int v, Wire with) {
     if (with.vertex == v) return false;  // it reads itself: the ordering reports the loop
-    for (const int consumer : consumers_[static_cast<std::size_t>(v)])
+    for (const int consumer : consumers_[index(v)])
       for (auto& wire : at(consumer).in)
         if (wire.vertex == v) {
           wire = with;
-          consumers_[static_cast<std::size_t>(with.vertex)].push_back(consumer);
+          consumers_[index(with.vertex)].push_back(consumer);
         }
     return true;
   }
 
   bool fold_node(int v) {
-    const auto& node = flat_.nodes[static_cast<std::size_t>(at(v).index)];
+    const auto& node = flat_.nodes[index(at(v).index)];
     if (!node.type->stateless) return false;
+    const auto values = constants(v);
+    if (!values) return false;
     auto setup = setup_of(node, sample_rate_);
-    std::vector<double> values;
-    for (std::size_t i = 0; i < at(v).in.size(); ++i) {
-      const auto value = constant(at(v).in[i]);
-      if (!value) return false;
-      values.push_back(*value);
-      setup.inputs.push_back({Interval::exactly(*value), value, node.inputs[i].has_value()});
-    }
+    for (std::size_t i = 0; i < values->size(); ++i)
+      setup.inputs.push_back({Interval::exactly((*values)[i]), (*values)[i], node.inputs[i].has_value()});
     const auto made = node.type->make(setup);
     if (!made) return false;  // reported when it is made for good
     std::vector<Signal> in;
-    for (const auto& value : values) in.push_back({&value, 0});
-    std::vector<double> results(static_cast<std::size_t>(at(v).outputs));
+    for (const auto& value : *values) in.push_back({&value, 0});
+    std::vector<double> results(index(at(v).outputs));
     std::vector<double*> out;
     for (auto& result : results) out.push_back(&result);
     (*made)->process({in.data(), out.data(), 1, 0});
@@ -179,7 +172,7 @@ class Simplifier {
   }
 
   bool fold_outputs(int v, const std::vector<double>& results) {
-    const auto users = consumers_[static_cast<std::size_t>(v)];
+    const auto users = consumers_[index(v)];
     for (std::size_t port = 0; port < results.size(); ++port) {
       Vertex value;
       value.value = results[port];
@@ -194,26 +187,24 @@ class Simplifier {
   }
 
   // ---- pruning
-  // ---------------------------------------------------------------------------------------------
 
   void sweep(std::size_t written, const char* reason) {
     std::vector<bool> reached(graph_.vertices.size(), false);
     std::vector<int> work;
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v)
-      if (graph_.vertices[v].kind == Vertex::Kind::Output) work.push_back(static_cast<int>(v));
+      if (graph_.vertices[v].kind == Kind::Output) work.push_back(static_cast<int>(v));
     while (!work.empty()) {
       const int v = work.back();
       work.pop_back();
-      if (reached[static_cast<std::size_t>(v)]) continue;
-      reached[static_cast<std::size_t>(v)] = true;
+      if (reached[index(v)]) continue;
+      reached[index(v)] = true;
       for (const auto& wire : at(v).in) work.push_back(wire.vertex);
-      if (at(v).kind == Vertex::Kind::PhaseDelay)
-        work.push_back(at(v).index);  // it asks that node for its phase
+      if (at(v).kind == Kind::PhaseDelay) work.push_back(at(v).index);  // it asks that node for its phase
     }
     reason_.resize(written);
     for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
       auto& vertex = graph_.vertices[v];
-      const bool folded = v < written && vertex.kind == Vertex::Kind::Constant && named_[v];
+      const bool folded = v < written && vertex.kind == Kind::Constant && named_[v];
       if (v < written && reason_[v].empty()) {
         if (folded)
           reason_[v] = "is always " + short_number(vertex.value);
@@ -229,9 +220,8 @@ class Simplifier {
     named_.assign(written, false);
     for (std::size_t v = 0; v < written; ++v) {
       const auto& vertex = graph_.vertices[v];
-      named_[v] = vertex.kind == Vertex::Kind::Node || vertex.kind == Vertex::Kind::Control ||
-                  vertex.kind == Vertex::Kind::Input || vertex.kind == Vertex::Kind::RateConverter ||
-                  (is_copy(vertex) && vertex.path != "system.rate");
+      named_[v] = vertex.kind == Kind::Node || vertex.kind == Kind::Control || vertex.kind == Kind::Input ||
+                  vertex.kind == Kind::RateConverter || (is_copy(vertex) && vertex.path != "system.rate");
     }
   }
 
@@ -242,14 +232,14 @@ class Simplifier {
       if (v < named_.size() && is_copy(vertex)) {
         // A name for something else: gone without loss when what it names lives on.
         const auto behind = at(behind_copies({static_cast<int>(v), 0}).vertex);
-        if (behind.kind == Vertex::Kind::Constant)
+        if (behind.kind == Kind::Constant)
           reason_[v] = "is always " + short_number(behind.value);
-        else if (behind.alive || behind.kind == Vertex::Kind::Node)
+        else if (behind.alive || behind.kind == Kind::Node)
           continue;
       }
       if (vertex.path.find("system.") != std::string::npos) continue;
       graph_.left_out.push_back(
-          {vertex.path, vertex.kind == Vertex::Kind::Control ? "nothing reads it" : reason_[v]});
+          {vertex.path, vertex.kind == Kind::Control ? "nothing reads it" : reason_[v]});
     }
   }
 

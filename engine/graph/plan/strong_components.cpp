@@ -1,7 +1,8 @@
-#include "engine/graph/plan/strong_components.h"
-
 #include <algorithm>
 #include <cstddef>
+
+#include "engine/core/index.h"
+#include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
 namespace {
@@ -20,7 +21,7 @@ class Search {
   }
 
  private:
-  static std::size_t at(int v) { return static_cast<std::size_t>(v); }
+  static std::size_t at(int v) { return index(v); }
 
   void enter(int v) {
     number_[at(v)] = low_[at(v)] = counter_++;

@@ -1,15 +1,146 @@
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <numeric>
+#include <utility>
 
 #include "engine/graph/plan/fingerprint.h"
-#include "engine/graph/plan/lane_groups.h"
-#include "engine/graph/plan/vector_nodes.h"
+#include "engine/graph/plan/inserted_nodes.h"
+#include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
 namespace {
 
-using Group = LaneGroup;
+constexpr int kNone = -1;
+/// From this many lanes on, eight at once cost less than one after the other.
+constexpr std::ptrdiff_t kLeastLanes = 4;
+
+/// Lanes that are to be vectorised.
+struct LaneGroup {
+  std::vector<int> members;  ///< vertices, lane by lane; kNone where a lane was left out or never was
+  int first = 0;             ///< the first lane that is there
+  std::unique_ptr<Node> node;
+  bool has_state = false;
+  int vertex = kNone;  ///< the vectorised one
+};
+
+/// What each lane reads; a wire without a vertex where there is no lane.
+using LaneRow = std::vector<Wire>;
+
+/// The wire of the first lane that is there.
+const Wire& first_of(const LaneRow& row) {
+  return *std::find_if(row.begin(), row.end(), [](const Wire& wire) { return wire.vertex != kNone; });
+}
+
+/// Whether this is true of every wire that is there.
+template <class Condition>
+bool all_of(const LaneRow& row, Condition condition) {
+  return std::all_of(row.begin(), row.end(),
+                     [&](const Wire& wire) { return wire.vertex == kNone || condition(wire); });
+}
+
+/// Which lanes of a graph are worth vectorising: lanes 8k … 8k+7 of the same node or operator, where
+/// half of them or more are there, and where one of the groups that read one another has a state.
+class LaneGroups {
+ public:
+  /// The nodes of the single lanes are made.
+  LaneGroups(const VertexGraph& graph, const FlatGraph& flat) : graph_(graph), flat_(flat) {
+    find();
+    drop_those_without_state();
+  }
+
+  /// In the order of their first vertices, so that one file always gives one plan.
+  std::vector<LaneGroup>& groups() { return groups_; }
+  const LaneGroup& operator[](int group) const { return groups_[index(group)]; }
+  /// Index in `groups`, or kNone.
+  int group_of(const Wire& wire) const { return group_of_[index(wire.vertex)]; }
+  /// What the lanes of a group read at input `i`.
+  LaneRow input(const LaneGroup& group, std::size_t i) const {
+    LaneRow row;
+    for (const int v : group.members) row.push_back(v == kNone ? Wire{} : at(v).in[i]);
+    return row;
+  }
+  /// The group whose lanes these are, each in its place; kNone if there is no such group.
+  int lined_up(const LaneRow& row) const {
+    const int g = group_of(first_of(row));
+    if (g == kNone) return kNone;
+    const auto& members = groups_[index(g)].members;
+    for (std::size_t lane = 0; lane < row.size(); ++lane)
+      if (row[lane].vertex != kNone && row[lane] != Wire{members[lane], first_of(row).port}) return kNone;
+    return g;
+  }
+
+ private:
+  const Vertex& at(int v) const { return graph_.vertices[index(v)]; }
+
+  void find() {
+    std::map<std::pair<Origin, int>, std::vector<int>> rows;
+    for (std::size_t v = 0; v < graph_.vertices.size(); ++v) {
+      const auto& vertex = graph_.vertices[v];
+      const bool runs = vertex.kind == Vertex::Kind::Operation || vertex.kind == Vertex::Kind::Node;
+      if (!vertex.alive || !vertex.origin || !runs) continue;
+      auto& row = rows[{vertex.origin, vertex.lane / kVectorWidth}];
+      row.resize(kVectorWidth, kNone);
+      row[index(vertex.lane % kVectorWidth)] = static_cast<int>(v);
+    }
+    for (auto& [row, members] : rows) {
+      if (kVectorWidth - std::count(members.begin(), members.end(), kNone) < kLeastLanes) continue;
+      LaneGroup group;
+      group.first = *std::find_if(members.begin(), members.end(), [](int v) { return v != kNone; });
+      group.members = std::move(members);
+      make_node(group);
+      if (group.node != nullptr) groups_.push_back(std::move(group));
+    }
+    std::ranges::sort(groups_, {}, &LaneGroup::first);
+    number_members();
+  }
+
+  void make_node(LaneGroup& group) const {
+    const auto& first = at(group.first);
+    if (first.kind == Vertex::Kind::Operation) {
+      group.node = std::make_unique<VectorOperation>(first.op);
+      return;
+    }
+    group.has_state = !flat_.nodes[index(first.index)].type->stateless;
+    std::vector<const Node*> lanes;
+    for (const int v : group.members) lanes.push_back(v == kNone ? nullptr : at(v).node.get());
+    group.node = first.node->vectorised(lanes);
+  }
+
+  void number_members() {
+    group_of_.assign(graph_.vertices.size(), kNone);
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      for (const int v : groups_[g].members)
+        if (v != kNone) group_of_[index(v)] = static_cast<int>(g);
+  }
+
+  /// Of groups that read one another, one must have a state.
+  void drop_those_without_state() {
+    std::vector<std::size_t> leader(groups_.size());
+    std::iota(leader.begin(), leader.end(), std::size_t{0});
+    const auto leader_of = [&](std::size_t g) {
+      while (leader[g] != g) g = leader[g] = leader[leader[g]];
+      return g;
+    };
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      for (std::size_t i = 0; i < at(groups_[g].first).in.size(); ++i)
+        if (const int read = lined_up(input(groups_[g], i)); read != kNone)
+          leader[leader_of(index(read))] = leader_of(g);
+    std::vector<bool> has_state(groups_.size(), false);
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      if (groups_[g].has_state) has_state[leader_of(g)] = true;
+    std::vector<LaneGroup> with_state;
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      if (has_state[leader_of(g)]) with_state.push_back(std::move(groups_[g]));
+    groups_ = std::move(with_state);
+    number_members();
+  }
+
+  const VertexGraph& graph_;
+  const FlatGraph& flat_;
+  std::vector<LaneGroup> groups_;
+  std::vector<int> group_of_;  ///< [scalar vertex]
+};
 
 class Vectoriser {
  public:
@@ -23,13 +154,13 @@ class Vectoriser {
     for (std::size_t v = 0; v < scalars; ++v) connect_scalar(static_cast<int>(v));
     for (const auto& group : groups_.groups())
       for (const int member : group.members)
-        if (member != Group::kNone) at(member).alive = false;
+        if (member != kNone) at(member).alive = false;
     graph_.compact();
     return true;
   }
 
  private:
-  Vertex& at(int v) { return graph_.vertices[static_cast<std::size_t>(v)]; }
+  Vertex& at(int v) { return graph_.vertices[index(v)]; }
 
   int add(Vertex vertex) {
     graph_.vertices.push_back(std::move(vertex));
@@ -38,34 +169,34 @@ class Vectoriser {
 
   // ---- vectorised vertices
 
-  void add_vectorised(Group& group) {
-    Vertex wide = at(group.first);
-    const int first = wide.lane / kVectorWidth * kVectorWidth,
-              last = std::min(first + kVectorWidth, wide.lanes) - 1;
+  void add_vectorised(LaneGroup& group) {
+    Vertex vectorised = at(group.first);
+    const int first = vectorised.lane / kVectorWidth * kVectorWidth,
+              last = std::min(first + kVectorWidth, vectorised.lanes) - 1;
     // Lanes of a node are named one by one, operators after their expression.
-    if (wide.kind == Vertex::Kind::Node) wide.path.resize(wide.path.rfind('['));
-    wide.path += "[" + std::to_string(first) + ".." + std::to_string(last) + "]";
-    wide.origin = {};
-    wide.width = kVectorWidth;
-    wide.in.clear();
-    wide.node = std::move(group.node);
-    wide.fingerprint = made_from(group);
-    group.vertex = add(std::move(wide));
+    if (vectorised.kind == Vertex::Kind::Node) vectorised.path.resize(vectorised.path.rfind('['));
+    vectorised.path += "[" + std::to_string(first) + ".." + std::to_string(last) + "]";
+    vectorised.origin = {};
+    vectorised.width = kVectorWidth;
+    vectorised.in.clear();
+    vectorised.node = std::move(group.node);
+    vectorised.fingerprint = made_from(group);
+    group.vertex = add(std::move(vectorised));
   }
 
   /// What its lanes were made from.
-  std::uint64_t made_from(const Group& group) {
+  std::uint64_t made_from(const LaneGroup& group) {
     Fingerprint print;
     for (const int v : group.members) {
-      print.add(std::uint64_t{v == Group::kNone});
-      if (v == Group::kNone) continue;
+      print.add(std::uint64_t{v == kNone});
+      if (v == kNone) continue;
       const bool operation = at(v).kind == Vertex::Kind::Operation;
       print.add(operation ? static_cast<std::uint64_t>(at(v).op) : at(v).fingerprint);
     }
     return print.value();
   }
 
-  void connect(const Group& group) {
+  void connect(const LaneGroup& group) {
     std::vector<Wire> in;
     for (std::size_t i = 0; i < at(group.first).in.size(); ++i)
       in.push_back(vector_input(groups_.input(group, i), at(group.vertex)));
@@ -75,7 +206,7 @@ class Vectoriser {
   }
 
   Wire vector_input(const LaneRow& row, const Vertex& reader) {
-    if (const int g = groups_.lined_up(row); g != Group::kNone) return all_lanes(g, row);
+    if (const int g = groups_.lined_up(row); g != kNone) return all_lanes(g, row);
     if (all_of(row, [&](const Wire& wire) { return at(wire.vertex).kind == Vertex::Kind::Constant; }))
       return constants(row);
     if (all_of(row, [&](const Wire& wire) { return wire == first_of(row); }))
@@ -91,13 +222,13 @@ class Vectoriser {
     Vertex vertex;
     vertex.width = kVectorWidth;
     for (const auto& wire : row)
-      vertex.values.push_back(at(wire.vertex == Group::kNone ? first_of(row).vertex : wire.vertex).value);
+      vertex.values.push_back(at(wire.vertex == kNone ? first_of(row).vertex : wire.vertex).value);
     return {add(std::move(vertex)), 0, Wire::kAllLanes};
   }
 
   Wire packed(const LaneRow& row, std::string path, int divisor) {
     LaneRow wires;
-    for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == Group::kNone ? first_of(row) : wire));
+    for (const auto& wire : row) wires.push_back(lane_of(wire.vertex == kNone ? first_of(row) : wire));
     wires.resize(kVectorWidth, wires[0]);
     Vertex vertex;
     vertex.kind = Vertex::Kind::Pack;
@@ -123,7 +254,7 @@ class Vectoriser {
   /// Where the signal is now: on its own, or a lane of a vectorised vertex.
   Wire lane_of(const Wire& wire) const {
     const int g = groups_.group_of(wire);
-    if (g == Group::kNone) return wire;
+    if (g == kNone) return wire;
     const auto& group = groups_[g];
     const auto lane = std::find(group.members.begin(), group.members.end(), wire.vertex);
     return {group.vertex, wire.port, static_cast<int>(lane - group.members.begin())};
@@ -131,7 +262,7 @@ class Vectoriser {
 
   /// Its samples in a row.
   Wire scalar(const Wire& wire, std::string path) {
-    if (groups_.group_of(wire) == Group::kNone) return wire;
+    if (groups_.group_of(wire) == kNone) return wire;
     const auto lane = lane_of(wire);
     const auto [known, fresh] = rows_.try_emplace(wires_of({lane}));
     if (!fresh) return known->second;
@@ -145,7 +276,7 @@ class Vectoriser {
   }
 
   void connect_scalar(int v) {
-    if (!at(v).alive || groups_.group_of({v, 0}) != Group::kNone) return;
+    if (!at(v).alive || groups_.group_of({v, 0}) != kNone) return;
     if (at(v).kind == Vertex::Kind::Sum && sum_vectorised(v)) return;
     const bool takes_lanes = at(v).kind == Vertex::Kind::Output;
     auto in = at(v).in;
@@ -162,12 +293,12 @@ class Vectoriser {
       rows.back().push_back(lanes[lane]);
     }
     if (std::none_of(rows.begin(), rows.end(),
-                     [this](const LaneRow& row) { return groups_.lined_up(row) != Group::kNone; }))
+                     [this](const LaneRow& row) { return groups_.lined_up(row) != kNone; }))
       return false;
     LaneRow in;
     for (const auto& row : rows) {
       const int g = groups_.lined_up(row);
-      in.push_back(g == Group::kNone ? packed(row, at(v).path, at(v).divisor) : all_lanes(g, row));
+      in.push_back(g == kNone ? packed(row, at(v).path, at(v).divisor) : all_lanes(g, row));
     }
     at(v).in = std::move(in);
     at(v).node = std::make_shared<LaneSum>(static_cast<int>(lanes.size()));

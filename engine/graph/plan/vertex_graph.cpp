@@ -21,26 +21,23 @@ std::string Vertex::description() const {
 }
 
 void VertexGraph::compact() {
+  /// Everything that a vertex refers to.
+  const auto for_each_source = [](Vertex& vertex, auto visit) {
+    for (auto& wire : vertex.in) visit(wire.vertex);
+    if (vertex.kind == Vertex::Kind::PhaseDelay && vertex.index >= 0) visit(vertex.index);
+  };
   std::vector<bool> read(vertices.size(), false);
-  for (const auto& vertex : vertices) {
-    if (!vertex.alive) continue;
-    for (const auto& wire : vertex.in) read[static_cast<std::size_t>(wire.vertex)] = true;
-    if (vertex.kind == Vertex::Kind::PhaseDelay && vertex.index >= 0)
-      read[static_cast<std::size_t>(vertex.index)] = true;
-  }
+  for (auto& vertex : vertices)
+    if (vertex.alive) for_each_source(vertex, [&](int v) { read[index(v)] = true; });
   std::vector<int> place(vertices.size(), -1);
-  std::vector<Vertex> kept;
+  std::vector<Vertex> left;
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     if (!vertices[v].alive || (vertices[v].kind == Vertex::Kind::Constant && !read[v])) continue;
-    place[v] = static_cast<int>(kept.size());
-    kept.push_back(std::move(vertices[v]));
+    place[v] = static_cast<int>(left.size());
+    left.push_back(std::move(vertices[v]));
   }
-  for (auto& vertex : kept) {
-    for (auto& wire : vertex.in) wire.vertex = place[static_cast<std::size_t>(wire.vertex)];
-    if (vertex.kind == Vertex::Kind::PhaseDelay && vertex.index >= 0)
-      vertex.index = place[static_cast<std::size_t>(vertex.index)];
-  }
-  vertices = std::move(kept);
+  for (auto& vertex : left) for_each_source(vertex, [&](int& v) { v = place[index(v)]; });
+  vertices = std::move(left);
 }
 
 }  // namespace tactus

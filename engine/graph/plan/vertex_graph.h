@@ -77,6 +77,9 @@ struct OutputChannel {
   std::string name;
   OutputUse use = OutputUse::Drive;
   Dimension dimension;
+  // Set when the plan is built.
+  Wire from{};
+  Signal signal{};
 };
 
 /// Something of the file that does not run, and why.
@@ -87,8 +90,8 @@ struct LeftOut {
 
 struct VertexGraph {
   std::vector<Vertex> vertices;
-  std::vector<OutputChannel> outputs;
-  std::vector<std::string> inputs;  ///< names of the channels
+  std::vector<std::string> input_names;
+  std::vector<OutputChannel> channels;
   std::vector<LeftOut> left_out;
 
   /// Removes the vertices that are not alive, and constants that nothing reads.
@@ -99,7 +102,8 @@ struct VertexGraph {
 /// is the same in all lanes is there once.
 VertexGraph lower(const FlatGraph& flat);
 
-/// Removes what reaches no output and evaluates what never changes. `flat` says which nodes may be evaluated.
+/// Removes what reaches no output and evaluates what never changes. `flat` has the nodes that may be
+/// evaluated.
 void simplify(VertexGraph& graph, const FlatGraph& flat, Hertz sample_rate);
 
 /// Lanes 8k … 8k+7 of the same node, or of the same operator of an expression, become one vectorised vertex
@@ -113,5 +117,48 @@ bool vectorise(VertexGraph& graph, const FlatGraph& flat);
 
 /// Turns each Sum that no node does into additions.
 void expand_sums(VertexGraph& graph);
+
+enum class Roots { FirstToLast, LastToFirst };
+
+/// [any] The strongly connected components of a directed graph, each behind all that it reaches. `next[v]`:
+/// the vertices that v leads to; `roots`: in which order the search begins at vertices not seen yet. Not
+/// recursive: a graph may be a chain of 100,000 vertices. Source: Tarjan, SIAM J. Comput. 1(2), 1972.
+std::vector<std::vector<int>> strong_components(const std::vector<std::vector<int>>& next, Roots roots);
+
+struct CompileOptions;
+struct Plan;
+
+struct MadeNodes {
+  std::vector<bool> frozen_controls;  ///< their value was needed to make a node
+  std::vector<Error> errors;          ///< why nodes could not be made: they are nullptr
+};
+
+/// Makes the node of every vertex that has one. Phase delays that never change become constants of `graph`.
+MadeNodes make_nodes(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options);
+
+/// One vertex at one place of the order: whole, or one half of it.
+struct OrderedVertex {
+  enum class Half { Whole, Emit, Absorb, Outside } half = Half::Whole;
+  int vertex = -1;
+};
+
+/// Vertices that run together: a loop, or everything between two loops.
+struct OrderedSection {
+  std::vector<OrderedVertex> vertices;
+  bool loop = false;
+  int sub_block = kMaxSubBlock;  ///< the largest S for which delays of S frames and more cut every cycle
+  int delay_frames = 0;          ///< the shortest of the delays that cut
+};
+
+/// Puts the vertices in an order in which everything runs after what it reads. Strongly connected parts
+/// become loops with the largest possible sub-block. With `closed_outside`, a vertex that represents the
+/// world outside is put between all outputs and all inputs. Errors: one Cycle for each part of the graph with
+/// a loop without a delay, naming the loop edge by edge.
+Checked<std::vector<OrderedSection>> order(const VertexGraph& graph, bool closed_outside);
+
+/// Lays the ordered vertices out as a flat list of steps over one arena.
+std::unique_ptr<Plan> build_plan(VertexGraph graph, const FlatGraph& flat,
+                                 const std::vector<OrderedSection>& sections,
+                                 const std::vector<bool>& frozen_controls, const CompileOptions& options);
 
 }  // namespace tactus

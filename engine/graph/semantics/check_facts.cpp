@@ -1,15 +1,9 @@
-#include <cmath>
-
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/semantics/facts.h"
 
 namespace tactus {
 namespace {
-
-std::string spoken(const Dimension& dimension) {
-  return dimension.plain() ? "a plain number" : "in " + to_string(dimension);
-}
 
 /// As the file at the error's place calls it: "bridge.loss" is the `loss` of a part.
 std::string local_name(const std::string& path) { return path.substr(path.rfind('.') + 1); }
@@ -21,6 +15,9 @@ bool adds_or_compares(Expression::Op op) {
 }
 
 class Checks {
+  using Op = Expression::Op;
+  using UnitKind = UnitFact::Kind;
+
  public:
   explicit Checks(const FlatGraph& graph) : graph_(graph) {}
 
@@ -31,7 +28,7 @@ class Checks {
     for (const auto& signal : graph_.signals)
       if (signal.kind == FlatSignal::Kind::Expression) check_expression(signal);
     for (const auto& output : graph_.outputs) check_output(output);
-    return mistakes_.take();
+    return errors_.take();
   }
 
  private:
@@ -44,10 +41,9 @@ class Checks {
     const auto rule = port_unit(node, port.unit);
     const auto owner = "'" + port.name + "' of " + node.type->name + " '" + local_name(node.path) + "'";
     if (rule.kind == PortUnit::Kind::Fixed) check_unit_is(expression, rule.dimension, owner);
-    if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 &&
-        node.inputs[static_cast<std::size_t>(rule.follows)]) {
-      const auto followed = unit(*node.inputs[static_cast<std::size_t>(rule.follows)]);
-      if (followed.kind == UnitFact::Kind::Known)
+    if (rule.kind == PortUnit::Kind::Follows && rule.follows >= 0 && node.inputs[index(rule.follows)]) {
+      const auto followed = unit(*node.inputs[index(rule.follows)]);
+      if (followed.kind == UnitKind::Known)
         check_unit_is(expression, followed.dimension * rule.dimension, owner);
     }
     check_range(expression, port, rule, owner);
@@ -65,44 +61,44 @@ class Checks {
     check_lanes(output.expression, output.lanes);
     if (!output.declared) return;
     const auto fact = unit(output.expression);
-    if (fact.kind != UnitFact::Kind::Known || fact.dimension == *output.declared) return;
-    mistakes_.add(Errc::UnitMismatch, output.at,
-                  "output '" + output.name + "' is " + spoken(*output.declared) +
-                      ", but it is given what is " + spoken(fact.dimension),
-                  output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) +
-                                                 "\", or scale it to full scale"
-                                           : "mend 'from' or 'unit'");
+    if (fact.kind != UnitKind::Known || fact.dimension == *output.declared) return;
+    errors_.add(Errc::UnitMismatch, output.at,
+                "output '" + output.name + "' is " + unit_phrase(*output.declared) +
+                    ", but it is given what is " + unit_phrase(fact.dimension),
+                output.declared->plain() ? "give it a unit, as in unit = \"" + to_string(fact.dimension) +
+                                               "\", or scale it to full scale"
+                                         : "fix 'from' or 'unit'");
   }
 
   void check_lanes(const Expression& expression, int wanted) {
     const int found = lanes_of(graph_, expression);
     if (found > 1 && wanted > 1 && found != wanted)
-      return mistakes_.add(Errc::OutOfRange, expression.at,
-                           std::to_string(found) + " lanes meet " + std::to_string(wanted),
-                           "give both the same number of lanes, or put a 'mix' between them");
-    if (expression.op == Expression::Op::Signal) return;
-    if (expression.op == Expression::Op::Lanes) return check_lanes_of_list(expression);
+      return errors_.add(Errc::OutOfRange, expression.at,
+                         std::to_string(found) + " lanes meet " + std::to_string(wanted),
+                         "give both the same number of lanes, or put a 'mix' between them");
+    if (expression.op == Op::Signal) return;
+    if (expression.op == Op::Lanes) return check_lanes_of_list(expression);
     for (const auto& argument : expression.arguments) check_lanes(argument, wanted);
   }
 
   void check_lanes_of_list(const Expression& list) {
     for (const auto& lane : list.arguments)
       if (const int found = lanes_of(graph_, lane); found > 1)
-        mistakes_.add(Errc::OutOfRange, lane.at,
-                      "this is one lane of a list, but has " + std::to_string(found) + " lanes itself",
-                      "put a 'mix' of it here, or take it out of the list");
+        errors_.add(Errc::OutOfRange, lane.at,
+                    "this is one lane of a list, but has " + std::to_string(found) + " lanes itself",
+                    "put a 'mix' of it here, or take it out of the list");
   }
 
   void check_units(const Expression& expression) {
     if (adds_or_compares(expression.op)) {
       const Expression* first = nullptr;
       for (const auto& argument : expression.arguments) {
-        if (unit(argument).kind != UnitFact::Kind::Known) continue;
+        if (unit(argument).kind != UnitKind::Known) continue;
         if (first == nullptr) first = &argument;
         check_agrees(argument, *first, expression.op);
       }
     }
-    if (expression.op == Expression::Op::Divide) check_divisor(expression.arguments[1]);
+    if (expression.op == Op::Divide) check_divisor(expression.arguments[1]);
     for (const auto& argument : expression.arguments) check_units(argument);
   }
 
@@ -110,33 +106,33 @@ class Checks {
   void check_divisor(const Expression& expression) {
     const auto range = range_of(graph_, expression);
     if (range.low == 0 && range.high == 0)
-      mistakes_.add(Errc::OutOfRange, expression.at, "this divides by what is always 0",
-                    "divide by another number");
+      errors_.add(Errc::OutOfRange, expression.at, "this divides by what is always 0",
+                  "divide by another number");
   }
 
   void check_agrees(const Expression& expression, const Expression& first, Expression::Op op) {
     const auto a = unit(first).dimension;
     const auto b = unit(expression).dimension;
     if (a == b) return;
-    const char* meets = op == Expression::Op::Add        ? "is added to"
-                        : op == Expression::Op::Subtract ? "is taken from"
-                        : op == Expression::Op::Lanes    ? "is a lane beside"
-                        : op == Expression::Op::Spread   ? "ends a spread from"
-                                                         : "is compared with";
-    mistakes_.add(Errc::UnitMismatch, expression.at,
-                  "this is " + spoken(b) + ", but it " + meets + " what is " + spoken(a),
-                  op == Expression::Op::Lanes || op == Expression::Op::Spread
-                      ? "give both the same unit"
-                      : "multiply one of them by a quantity that turns its unit into the other's");
+    const char* meets = op == Op::Add        ? "is added to"
+                        : op == Op::Subtract ? "is taken from"
+                        : op == Op::Lanes    ? "is a lane beside"
+                        : op == Op::Spread   ? "ends a spread from"
+                                             : "is compared with";
+    errors_.add(Errc::UnitMismatch, expression.at,
+                "this is " + unit_phrase(b) + ", but it " + meets + " what is " + unit_phrase(a),
+                op == Op::Lanes || op == Op::Spread
+                    ? "give both the same unit"
+                    : "multiply one of them by a quantity that turns its unit into the other's");
   }
 
   void check_unit_is(const Expression& expression, const Dimension& wanted, const std::string& owner) {
     const auto fact = unit(expression);
-    if (fact.kind != UnitFact::Kind::Known || fact.dimension == wanted) return;
-    mistakes_.add(Errc::UnitMismatch, expression.at,
-                  owner + " is " + spoken(wanted) + ", but this is " + spoken(fact.dimension),
-                  wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
-                                 : "give a quantity in " + to_string(wanted));
+    if (fact.kind != UnitKind::Known || fact.dimension == wanted) return;
+    errors_.add(Errc::UnitMismatch, expression.at,
+                owner + " is " + unit_phrase(wanted) + ", but this is " + unit_phrase(fact.dimension),
+                wanted.plain() ? "divide by a quantity in " + to_string(fact.dimension)
+                               : "give a quantity in " + to_string(wanted));
   }
 
   void check_range(const Expression& expression, const InputPort& port, const PortUnit& rule,
@@ -146,17 +142,13 @@ class Checks {
     if (!found.bounded()) return;
     if (found.low >= port.low && found.high <= port.high) return;
     if (!found.single() && found.low <= port.high && found.high >= port.low) return;  // clamped while it runs
-    const auto dimension = rule.kind == PortUnit::Kind::Fixed ? rule.dimension : Dimension{};
-    const auto number = [&](double x) { return short_quantity(x, dimension); };
-    mistakes_.add(Errc::OutOfRange, expression.at, owner + " cannot be " + number(found.low),
-                  std::isinf(port.high) ? "it must be at least " + number(port.low)
-                  : std::isinf(port.low)
-                      ? "it must be at most " + number(port.high)
-                      : "it must be between " + number(port.low) + " and " + number(port.high));
+    const Unit unit{rule.kind == PortUnit::Kind::Fixed ? rule.dimension : Dimension{}};
+    errors_.add(Errc::OutOfRange, expression.at, owner + " cannot be " + in_unit(found.low, unit),
+                limits_text(port.low, port.high, unit));
   }
 
   const FlatGraph& graph_;
-  Mistakes mistakes_;
+  ErrorList errors_;
 };
 
 }  // namespace

@@ -2,10 +2,10 @@
 #include <unordered_set>
 #include <utility>
 
-#include "engine/graph/file/entry_fields.h"
-#include "engine/graph/file/nearest.h"
-#include "engine/graph/semantics/bind.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/instance.h"
+#include "engine/graph/semantics/scope.h"
 
 namespace tactus {
 
@@ -14,7 +14,7 @@ Instance::Instance(const GraphSpec& spec, Resolving& resolving, std::string pref
     : spec_(spec),
       resolving_(resolving),
       flat_(resolving.flat),
-      mistakes_(resolving.mistakes),
+      errors_(resolving.errors),
       prefix_(std::move(prefix)),
       voices_(voices),
       outer_divisor_(outer_divisor),
@@ -47,13 +47,13 @@ int Instance::add_expression(const std::string& name, const Source& at) {
 void Instance::declare_top() {
   for (const auto& input : spec_.inputs) declare_input(input);
   for (const auto& control : spec_.controls) declare_control(control);
-  if (spec_.delay) check_tested_delays(*spec_.delay, mistakes_);
+  tested_delays(spec_, errors_);
   declare_inside();
 }
 
 void Instance::declare_input(const EntrySpec& entry) {
-  auto input = read_input(entry, mistakes_);
-  const auto unit = read_unit(entry, mistakes_);
+  auto input = read_input(entry, errors_);
+  const auto unit = read_unit(entry, errors_);
   const int id =
       add_signal(entry.name, entry.at, FlatSignal::Kind::Input, static_cast<int>(flat_.inputs.size()));
   if (unit) {
@@ -67,7 +67,7 @@ void Instance::declare_input(const EntrySpec& entry) {
 
 void Instance::declare_control(const EntrySpec& entry) {
   if (entry.broken) return scope_.hide(entry.name);
-  auto read = read_control(entry, mistakes_);
+  auto read = read_control(entry, errors_);
   const int id =
       add_signal(entry.name, entry.at, FlatSignal::Kind::Control, static_cast<int>(flat_.controls.size()));
   if (read.unit_known) signal(id).declared = read.control.unit.dimension;
@@ -109,9 +109,8 @@ void Instance::declare_node(const NodeSpec& node) {
     return declare_outputs(node, std::shared_ptr<const NodeType>(std::shared_ptr<void>{}, type), true);
   std::vector<std::string> names;
   for (const auto* known : table.types) names.push_back(known->name);
-  const auto near = nearest_name(node.type, names);
-  mistakes_.add(Errc::UnknownName, node.type_at, "there is no node type '" + node.type + "'",
-                near.empty() ? "`tactus nodes` lists them all" : "did you mean '" + near + "'?");
+  errors_.add(Errc::UnknownName, node.type_at, "there is no node type '" + node.type + "'",
+              suggest(node.type, names, "`tactus nodes` lists them all"));
   scope_.hide(node.name);
 }
 
@@ -126,7 +125,7 @@ void Instance::declare_network(const NetworkSpec& network) {
         return element.type.empty() && element.type_at.text() == error.where;
       });
     });
-    mistakes_.add(std::move(errors));
+    errors_.add(std::move(errors));
     return scope_.hide(network.name);
   }
   // Thousands of ports: asked for one by one they would take a time with their square.
@@ -169,10 +168,10 @@ void Instance::declare_part(const NodeSpec& node) {
   const auto part = spec_.parts.find(node.use);
   if (part == spec_.parts.end()) return scope_.hide(node.name);  // its file cannot be read
   if (too_large(node)) return scope_.hide(node.name);
-  int voices = voices_;
-  if (const auto* value = find(node.fields, "voices"))
-    voices = read_whole_number(*value, "voices", 1, 1024, mistakes_);
-  const auto rate = read_part_rate(node, *part->second, sample_rate(), mistakes_);
+  FieldReader fields{node.fields, part_fields(), errors_, FieldReader::kKeysChecked,
+                     "part '" + node.name + "'"};
+  const int voices = static_cast<int>(fields.number("voices").value_or(voices_));
+  const auto rate = read_part_rate(node, *part->second, sample_rate(), errors_);
   auto instance = std::make_unique<Instance>(*part->second, resolving_, prefix_ + node.name + ".", voices,
                                              divisor_, rate);
   instance->declare_as_part();
@@ -184,9 +183,9 @@ void Instance::declare_part(const NodeSpec& node) {
 bool Instance::too_large(const NodeSpec& node) {
   if (flat_.signals.size() < resolving_.most_signals) return false;
   if (!std::exchange(resolving_.too_large, true))
-    mistakes_.add(Errc::OutOfRange, node.type_at,
-                  "the parts come to more than " + std::to_string(resolving_.most_signals) + " signals",
-                  "use fewer parts inside parts");
+    errors_.add(Errc::OutOfRange, node.type_at,
+                "the parts come to more than " + std::to_string(resolving_.most_signals) + " signals",
+                "use fewer parts inside parts");
   return true;
 }
 
@@ -219,14 +218,14 @@ void Instance::declare_as_part() {
   for (const auto& input : spec_.inputs) {
     const int id = declare_binding(input);
     if (input.broken) continue;
-    read_input(input, mistakes_);
-    const auto unit = read_unit(input, mistakes_);
+    read_input(input, errors_);
+    const auto unit = read_unit(input, errors_);
     if (unit && find(input.fields, "unit") != nullptr) signal(id).declared = unit->dimension;
   }
   for (const auto& control : spec_.controls) {
     const int id = declare_binding(control);
     if (control.broken) continue;
-    const auto read = read_control(control, mistakes_);
+    const auto read = read_control(control, errors_);
     if (!read.unit_known) continue;
     signal(id).declared = read.control.unit.dimension;
     auto& start = signal(id).expression;
@@ -236,8 +235,22 @@ void Instance::declare_as_part() {
     start.bare = false;
     start.at = control.at;
   }
-  if (spec_.delay) check_tested_delays(*spec_.delay, mistakes_);
+  tested_delays(spec_, errors_);
   declare_inside();
+}
+
+Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
+                 const std::vector<std::string>& taps, std::size_t most_signals) {
+  Resolved resolved;
+  resolved.graph.signals.emplace_back().kind = FlatSignal::Kind::Missing;
+  ErrorList errors;
+  Resolving resolving{table, sample_rate, resolved.graph, errors, most_signals};
+  Instance top{spec, resolving, "", 1};
+  top.declare_top();
+  top.connect_top(taps);
+  resolved.too_large = resolving.too_large;
+  resolved.errors = errors.take();
+  return resolved;
 }
 
 }  // namespace tactus

@@ -1,10 +1,12 @@
 #include "engine/graph/semantics/expression.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
 
-#include "engine/graph/file/unit_prefix.h"
+#include "engine/core/dimension.h"
+#include "engine/core/index.h"
 
 namespace tactus {
 namespace {
@@ -31,6 +33,8 @@ bool dotted_name(std::string_view word) {
 }
 
 class Parser {
+  using Op = Expression::Op;
+
  public:
   Parser(std::string_view text, const Source& at) : text_(text), at_(at) {}
 
@@ -47,12 +51,8 @@ class Parser {
   }
 
  private:
-  Result<Expression> sum() {
-    return chain('+', Expression::Op::Add, '-', Expression::Op::Subtract, &Parser::product);
-  }
-  Result<Expression> product() {
-    return chain('*', Expression::Op::Multiply, '/', Expression::Op::Divide, &Parser::factor);
-  }
+  Result<Expression> sum() { return chain('+', Op::Add, '-', Op::Subtract, &Parser::product); }
+  Result<Expression> product() { return chain('*', Op::Multiply, '/', Op::Divide, &Parser::factor); }
 
   /// operand { sign operand }, grouped from the left.
   Result<Expression> chain(char a, Expression::Op op_a, char b, Expression::Op op_b,
@@ -104,7 +104,7 @@ class Parser {
     if (digit(peek()) || (peek() == '.' && digit(peek(1)))) return number(start, -1);
     auto value = factor();
     if (!value) return value;
-    auto whole = make(Expression::Op::Negate, start);
+    auto whole = make(Op::Negate, start);
     whole.arguments.push_back(std::move(*value));
     return whole;
   }
@@ -120,12 +120,12 @@ class Parser {
     if (++values_ > kMaxValues) return too_long(start);
     double value = 0;
     const auto parsed = std::from_chars(text_.data() + here_, text_.data() + text_.size(), value);
-    const auto digits = text_.substr(here_, static_cast<std::size_t>(parsed.ptr - text_.data()) - here_);
+    const auto digits = text_.substr(here_, index(parsed.ptr - text_.data()) - here_);
     if (parsed.ec != std::errc{})
       return syntax(start, "the number " + std::string{digits} + " is too large or too small",
                     "write one between 1e-300 and 1e300");
     here_ += digits.size();
-    auto whole = make(Expression::Op::Number, start);
+    auto whole = make(Op::Number, start);
     whole.bare = true;
     whole.number = sign * value;
     skip_space();
@@ -148,8 +148,8 @@ class Parser {
 
   Result<Expression> word() {
     const auto start = here_;
-    while (here_ < text_.size() && (letter(peek()) || digit(peek()) || peek() == '.')) ++here_;
-    const auto word = std::string{text_.substr(start, here_ - start)};
+    const auto word = word_here();
+    here_ += word.size();
     skip_space();
     if (word == "min" || word == "max" || word == "abs") return function(start, word);
     if (peek() == '(')
@@ -158,20 +158,17 @@ class Parser {
       return syntax(start, "'" + word + "' is not a name",
                     "names are small letters, digits and _, ports follow a dot");
     if (++values_ > kMaxValues) return too_long(start);
-    auto whole = make(Expression::Op::Signal, start);
+    auto whole = make(Op::Signal, start);
     whole.name = word;
     return whole;
   }
 
   Result<Expression> function(std::size_t start, const std::string& word) {
-    const std::string use = word == "abs" ? "abs(x)" : word + "(a, b)";
-    auto whole = make(word == "abs"   ? Expression::Op::Abs
-                      : word == "min" ? Expression::Op::Min
-                                      : Expression::Op::Max,
-                      start);
+    const std::size_t count = word == "abs" ? 1 : 2;
+    const std::string use = word + (count == 1 ? "(x)" : "(a, b)");
+    auto whole = make(count == 1 ? Op::Abs : word == "min" ? Op::Min : Op::Max, start);
     const auto open = here_;
     if (!take('(')) return syntax(here_, "'(' is missing behind '" + word + "'", "write " + use);
-    const std::size_t count = word == "abs" ? 1 : 2;
     while (true) {
       auto argument = sum();
       if (!argument) return argument;
@@ -199,20 +196,25 @@ class Parser {
   }
   Result<Expression> not_a_unit(std::string_view digits) {
     skip_space();
-    auto end = here_;
-    while (end < text_.size() && (letter(text_[end]) || digit(text_[end]) || text_[end] == '.')) ++end;
-    const std::string word{text_.substr(here_, end - here_)};
+    const auto word = word_here();
     return syntax(here_, "'" + word + "' is not a unit",
                   "to multiply, write " + std::string{digits} + " * " + word);
   }
 
+  std::string word_here() const {
+    const auto rest = text_.substr(here_);
+    const auto end =
+        std::find_if_not(rest.begin(), rest.end(), [](char c) { return letter(c) || digit(c) || c == '.'; });
+    return {rest.begin(), end};
+  }
+
   /// The word or character at this place, for messages.
   std::string found() const {
-    auto end = here_;
-    while (end < text_.size() && (letter(text_[end]) || digit(text_[end]) || text_[end] == '.')) ++end;
-    if (end > here_) return "'" + std::string{text_.substr(here_, end - here_)} + "'";
+    if (const auto word = word_here(); !word.empty()) return "'" + word + "'";
     // Not half of a letter that takes several bytes in UTF-8.
-    for (++end; end < text_.size() && (static_cast<unsigned char>(text_[end]) & 0xC0u) == 0x80u;) ++end;
+    auto end = here_ + 1;
+    for (; end < text_.size() && (static_cast<unsigned char>(text_[end]) & 0xC0u) == 0x80u; ++end) {
+    }
     return "'" + std::string{text_.substr(here_, end - here_)} + "'";
   }
 

@@ -2,13 +2,15 @@
 
 // Thread: [any]
 
+#include <cmath>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "engine/core/dimension.h"
 #include "engine/core/error.h"
-#include "engine/graph/file/source.h"
 #include "engine/graph/file/value.h"
 
 namespace tactus {
@@ -46,5 +48,56 @@ Result<Expression> parse_expression(std::string_view text, const Source& at);
 
 /// The place of the first letter of a string: behind its quote.
 Source text_start(const Value& value);
+
+/// The operators on numbers whose result is not that of C++. A division by zero gives zero: a control at its
+/// end must not make a loop fault. Minimum and maximum take `b` when `a` is not a number.
+inline double divide(double a, double b) noexcept { return b == 0 ? 0 : a / b; }
+inline double min(double a, double b) noexcept { return a < b ? a : b; }
+inline double max(double a, double b) noexcept { return a > b ? a : b; }
+inline double abs(double a) noexcept { return std::fabs(a); }
+
+/// One operator of an expression on numbers or on intervals; what is no operator copies.
+template <class Number>
+Number apply(Expression::Op op, Number a, Number b) noexcept {
+  switch (op) {
+    case Expression::Op::Negate:
+      return -a;
+    case Expression::Op::Add:
+      return a + b;
+    case Expression::Op::Subtract:
+      return a - b;
+    case Expression::Op::Multiply:
+      return a * b;
+    case Expression::Op::Divide:
+      return divide(a, b);
+    case Expression::Op::Min:
+      return min(a, b);
+    case Expression::Op::Max:
+      return max(a, b);
+    case Expression::Op::Abs:
+      return abs(a);
+    default:
+      return a;
+  }
+}
+
+/// Calls `with` with the operator as a constant, so that each gets a loop of its own. What is no operator
+/// copies.
+template <class With>
+void for_operator(Expression::Op op, With with) {
+  using Op = Expression::Op;
+  const auto known = [&]<Op... kOps>(std::integer_sequence<Op, kOps...>) {
+    return ((op == kOps && (with(std::integral_constant<Op, kOps>{}), true)) || ...);
+  };
+  if (!known(std::integer_sequence<Op, Op::Negate, Op::Add, Op::Subtract, Op::Multiply, Op::Divide, Op::Min,
+                                   Op::Max, Op::Abs>{}))
+    with(std::integral_constant<Op, Op::Signal>{});
+}
+
+/// Whether it can give what is not finite although its operands are.
+inline bool can_overflow(Expression::Op op) noexcept {
+  return op == Expression::Op::Add || op == Expression::Op::Subtract || op == Expression::Op::Multiply ||
+         op == Expression::Op::Divide;
+}
 
 }  // namespace tactus

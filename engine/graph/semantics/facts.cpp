@@ -6,7 +6,7 @@ namespace tactus {
 namespace {
 
 const FlatSignal& signal_of(const FlatGraph& graph, const Expression& expression) {
-  return graph.signals[static_cast<std::size_t>(expression.signal)];
+  return graph.signals[index(expression.signal)];
 }
 
 Dimension dimension_of(const std::string& unit) { return parse_unit(unit).value_or(Unit{}).dimension; }
@@ -56,33 +56,13 @@ UnitFact unit_of(const FlatGraph& graph, const Expression& expression) {
 
 Interval range_of(const FlatGraph& graph, const Expression& expression) {
   using Op = Expression::Op;
+  if (expression.op == Op::Number) return Interval::exactly(expression.number);
+  if (expression.op == Op::Signal) return signal_of(graph, expression).range;
   const auto of = [&](std::size_t i) { return range_of(graph, expression.arguments[i]); };
-  switch (expression.op) {
-    case Op::Number:
-      return Interval::exactly(expression.number);
-    case Op::Signal:
-      return signal_of(graph, expression).range;
-    case Op::Negate:
-      return -of(0);
-    case Op::Add:
-      return of(0) + of(1);
-    case Op::Subtract:
-      return of(0) - of(1);
-    case Op::Multiply:
-      return of(0) * of(1);
-    case Op::Divide:
-      return of(0) / of(1);
-    case Op::Min:
-      return min(of(0), of(1));
-    case Op::Max:
-      return max(of(0), of(1));
-    case Op::Abs:
-      return abs(of(0));
-    case Op::Lanes:
-    case Op::Spread:
-      break;
-  }
-  Interval all = of(0);
+  const auto first = of(0);
+  if (expression.op != Op::Lanes && expression.op != Op::Spread)
+    return apply(expression.op, first, expression.arguments.size() > 1 ? of(1) : first);
+  Interval all = first;
   for (std::size_t i = 1; i < expression.arguments.size(); ++i) all = all.joined(of(i));
   return all;
 }
@@ -109,8 +89,8 @@ PortUnit port_unit(const FlatNode& node, const std::string& declared) {
   const auto name = declared.substr(1, end == std::string::npos ? end : end - 1);
   const auto factor = end == std::string::npos ? Dimension{} : dimension_of("1" + declared.substr(end));
   for (std::size_t i = 0; i < node.type->settings.size(); ++i) {
-    if (node.type->settings[i].name != name) continue;  // a word of the file says it: unit = "m/s"
-    // If the file does not say it, the numbers are bare and count in the SI unit of wherever they go.
+    if (node.type->settings[i].name != name) continue;  // a setting gives it: unit = "m/s"
+    // If the file does not give it, the numbers are bare and count in the SI unit of wherever they go.
     if (node.settings[i].text.empty() && !node.settings[i].given) return {PortUnit::Kind::Any, {}, -1};
     return {PortUnit::Kind::Fixed, dimension_of(node.settings[i].text) * factor, -1};
   }

@@ -2,14 +2,13 @@
 
 // Thread: [control].
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/core/dimension.h"
-#include "engine/graph/file/source.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/file/value.h"
+#include "engine/graph/node_type.h"
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/interval.h"
 
@@ -45,7 +44,7 @@ struct FlatSignal {
   int index = -1;                            ///< of the input, control or node
   int port = 0;                              ///< of the node's output
   Expression expression;                     ///< Expression
-  std::optional<Dimension> declared;         ///< what the file says the unit is
+  std::optional<Dimension> declared;         ///< the unit that the file gives
   int divisor = 1;                           ///< engine frames between two samples
   std::optional<RateConversion> conversion;  ///< Expression at the border of a part
   // Inferred:
@@ -70,19 +69,17 @@ struct FlatNode {
 
 struct FlatInput {
   std::string name;
-  std::string about;
   int lanes = 1;
   Dimension dimension;
 };
 
 struct FlatControl {
   std::string name;
-  std::string about;
   double value = 0;  ///< SI
   Unit unit;         ///< how people read it
   Interval range;
   double smooth_s = 0.010;
-  bool decibel = false;  ///< ramps and knobs move in decibels
+  bool decibel = false;  ///< it ramps in decibels
 };
 
 enum class OutputUse { Drive, Audio, Tap };

@@ -30,8 +30,8 @@ class DependencyOrder {
   void visit(int start) {
     std::vector<Open> stack;
     const auto open = [&](int id) {
-      if (seen_[static_cast<std::size_t>(id)]) return;
-      seen_[static_cast<std::size_t>(id)] = true;
+      if (seen_[index(id)]) return;
+      seen_[index(id)] = true;
       stack.push_back({id, needs(id)});
     };
     open(start);
@@ -49,11 +49,11 @@ class DependencyOrder {
   }
 
   std::vector<int> needs(int id) const {
-    const auto& signal = graph_.signals[static_cast<std::size_t>(id)];
+    const auto& signal = graph_.signals[index(id)];
     std::vector<int> signals;
     if (signal.kind == FlatSignal::Kind::Expression) add_signals(signal.expression, signals);
     if (signal.kind != FlatSignal::Kind::NodeOutput) return signals;
-    const auto& node = graph_.nodes[static_cast<std::size_t>(signal.index)];
+    const auto& node = graph_.nodes[index(signal.index)];
     if (id != node.outputs.front()) return {node.outputs.front()};
     for (const auto& input : node.inputs)
       if (input) add_signals(*input, signals);
@@ -66,6 +66,9 @@ class DependencyOrder {
 };
 
 class Inference {
+  using SignalKind = FlatSignal::Kind;
+  using UnitKind = UnitFact::Kind;
+
  public:
   explicit Inference(FlatGraph& graph) : graph_(graph), order_(DependencyOrder{graph}.take()) {}
 
@@ -81,10 +84,8 @@ class Inference {
   }
 
  private:
-  FlatSignal& signal(int id) { return graph_.signals[static_cast<std::size_t>(id)]; }
-  const FlatNode& node_of(const FlatSignal& output) const {
-    return graph_.nodes[static_cast<std::size_t>(output.index)];
-  }
+  FlatSignal& signal(int id) { return graph_.signals[index(id)]; }
+  const FlatNode& node_of(const FlatSignal& output) const { return graph_.nodes[index(output.index)]; }
 
   // ---- lanes: they only grow, and by no more than the widest list, so this ends
 
@@ -98,14 +99,14 @@ class Inference {
     bool changed = false;
     for (const int id : order_) {
       auto& s = signal(id);
-      if (s.kind == FlatSignal::Kind::Expression) changed |= grow(s.lanes, lanes_of(graph_, s.expression));
-      if (s.kind == FlatSignal::Kind::NodeOutput) changed |= grow_node_lanes(s, id);
+      if (s.kind == SignalKind::Expression) changed |= grow(s.lanes, lanes_of(graph_, s.expression));
+      if (s.kind == SignalKind::NodeOutput) changed |= grow_node_lanes(s, id);
     }
     return changed;
   }
 
   bool grow_node_lanes(const FlatSignal& output, int id) {
-    auto& node = graph_.nodes[static_cast<std::size_t>(output.index)];
+    auto& node = graph_.nodes[index(output.index)];
     if (id != node.outputs.front()) return false;
     bool changed = grow(node.lanes, node.voices);
     for (const auto& input : node.inputs)
@@ -130,11 +131,11 @@ class Inference {
       changed = false;
       for (const int id : order_) {
         auto& s = signal(id);
-        if (s.unit.kind == UnitFact::Kind::Known) continue;
+        if (s.unit.kind == UnitKind::Known) continue;
         UnitFact fact = s.unit;
-        if (s.kind == FlatSignal::Kind::Expression) fact = unit_of(graph_, s.expression);
-        if (s.kind == FlatSignal::Kind::NodeOutput) fact = output_unit(node_of(s), s.port);
-        if (fact == s.unit || fact.kind == UnitFact::Kind::Unknown) continue;
+        if (s.kind == SignalKind::Expression) fact = unit_of(graph_, s.expression);
+        if (s.kind == SignalKind::NodeOutput) fact = output_unit(node_of(s), s.port);
+        if (fact == s.unit || fact.kind == UnitKind::Unknown) continue;
         s.unit = fact;
         changed = true;
       }
@@ -142,11 +143,11 @@ class Inference {
   }
 
   UnitFact output_unit(const FlatNode& node, int port) const {
-    const auto rule = port_unit(node, node.type->outputs[static_cast<std::size_t>(port)].unit);
+    const auto rule = port_unit(node, node.type->outputs[index(port)].unit);
     if (rule.kind == PortUnit::Kind::Any) return UnitFact::bare();
     if (rule.kind == PortUnit::Kind::Fixed) return UnitFact::known(rule.dimension);
     if (rule.follows < 0) return UnitFact::bare();
-    const auto& input = node.inputs[static_cast<std::size_t>(rule.follows)];
+    const auto& input = node.inputs[index(rule.follows)];
     const auto followed = input ? unit_of(graph_, *input) : UnitFact::bare();
     return rule.dimension.plain() ? followed : product(followed, UnitFact::known(rule.dimension), false);
   }
@@ -165,8 +166,8 @@ class Inference {
     for (const int id : order_) {
       auto& s = signal(id);
       Interval found = s.range;
-      if (s.kind == FlatSignal::Kind::Expression) found = range_of(graph_, s.expression);
-      if (s.kind == FlatSignal::Kind::NodeOutput) found = output_range(node_of(s), s.port);
+      if (s.kind == SignalKind::Expression) found = range_of(graph_, s.expression);
+      if (s.kind == SignalKind::NodeOutput) found = output_range(node_of(s), s.port);
       if (found.low == s.range.low && found.high == s.range.high) continue;
       s.range = found;
       changed = true;
@@ -176,7 +177,7 @@ class Inference {
 
   Interval output_range(const FlatNode& node, int port) const {
     const auto& type = *node.type;
-    if (!type.range) return type.outputs[static_cast<std::size_t>(port)].range;
+    if (!type.range) return type.outputs[index(port)].range;
     auto setup = setup_of(node, {});
     for (std::size_t i = 0; i < node.inputs.size(); ++i)
       setup.inputs.push_back({input_range(graph_, node, i), std::nullopt, node.inputs[i].has_value()});

@@ -8,21 +8,48 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/graph/file/mistakes.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/spec.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 #include "engine/graph/semantics/flat_graph.h"
-#include "engine/graph/semantics/part_rate.h"
 #include "engine/graph/semantics/scope.h"
 
 namespace tactus {
+
+struct Resolved {
+  FlatGraph graph;  ///< FlatSignal::Kind::Missing replaces what is missing
+  std::vector<Error> errors;
+  bool too_large = false;  ///< parts were left out, with an error: the graph has more than `most_signals`
+};
+
+/// Looks every name up: node types, ports, settings, signals; unfolds parts. `taps` names signals of the top
+/// file ("hit", "hit.level") that become outputs of their own.
+Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
+                 const std::vector<std::string>& taps = {}, std::size_t most_signals = 1'000'000);
+
+/// How a part runs at a fraction of the rate around it:
+///
+///   loop = { use = "loop.toml", rate = "1/16", take = "mean", between = "line", … }
+struct PartRate {
+  static constexpr int kSlowest = 1024;
+  int ratio = 1;      ///< frames around it for one of its own
+  bool mean = false;  ///< its inputs are means of the frames since its last one; else what there is
+  bool line = false;  ///< its outputs go straight from one sample to the next; else they are held
+};
+
+/// [control] `rate`, `take` and `between` of a part; `around` is the rate of the file that uses it.
+PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, ErrorList& errors);
+
+/// [control] The keys of a part beside its inputs and controls, which come first where they have the same
+/// name.
+std::vector<std::string> part_keys(const GraphSpec& part);
 
 /// What all files of a tree of parts share while their names are looked up.
 struct Resolving {
   const NodeTable& table;
   Hertz sample_rate;
   FlatGraph& flat;
-  Mistakes& mistakes;
+  ErrorList& errors;
   std::size_t most_signals;  ///< parts of parts multiply: 32 files that use the next one twice make 2^32
   bool too_large = false;
 };
@@ -52,7 +79,7 @@ class Instance {
   };
 
   Hertz sample_rate() const { return Hertz{resolving_.sample_rate.value / divisor_}; }
-  FlatSignal& signal(int id) { return flat_.signals[static_cast<std::size_t>(id)]; }
+  FlatSignal& signal(int id) { return flat_.signals[index(id)]; }
   int add_signal(const std::string& name, const Source& at, FlatSignal::Kind kind, int index, int port = 0);
   int add_expression(const std::string& name, const Source& at);
 
@@ -77,14 +104,14 @@ class Instance {
   void connect_compensation(const EntrySpec& entry, const std::string& field, FlatNode& node);
   void connect_part(const PendingPart& pending);
   void check_part_fields(const NodeSpec& node, const Instance& part);
-  void bind_output(const EntrySpec& entry, FlatSignal& signal);
+  void bind_output(const EntrySpec& entry, Expression& expression, std::optional<Dimension>& declared);
   void connect_output(const EntrySpec& entry);
   void connect_tap(const std::string& name);
 
   const GraphSpec& spec_;
   Resolving& resolving_;
   FlatGraph& flat_;
-  Mistakes& mistakes_;
+  ErrorList& errors_;
   std::string prefix_;
   int voices_;
   int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own

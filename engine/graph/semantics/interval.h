@@ -20,14 +20,25 @@ struct Interval {
   Interval joined(Interval other) const { return {std::min(low, other.low), std::max(high, other.high)}; }
 };
 
-Interval operator+(Interval a, Interval b);
-Interval operator-(Interval a, Interval b);
-Interval operator*(Interval a, Interval b);
+inline Interval operator+(Interval a, Interval b) { return {a.low + b.low, a.high + b.high}; }
+inline Interval operator-(Interval a, Interval b) { return {a.low - b.high, a.high - b.low}; }
+inline Interval operator-(Interval a) { return {-a.high, -a.low}; }
+inline Interval operator*(Interval a, Interval b) {
+  // 0 * infinity counts as 0: an end of a range represents values close to it.
+  const auto product = [](double x, double y) { return x == 0 || y == 0 ? 0 : x * y; };
+  const auto [low, high] = std::minmax(
+      {product(a.low, b.low), product(a.low, b.high), product(a.high, b.low), product(a.high, b.high)});
+  return {low, high};
+}
 /// Unbounded when `b` contains 0.
-Interval operator/(Interval a, Interval b);
-Interval operator-(Interval a);
-Interval min(Interval a, Interval b);
-Interval max(Interval a, Interval b);
-Interval abs(Interval a);
+inline Interval divide(Interval a, Interval b) {
+  if (b.contains(0)) return {};
+  return a * Interval{std::min(1 / b.low, 1 / b.high), std::max(1 / b.low, 1 / b.high)};
+}
+inline Interval min(Interval a, Interval b) { return {std::min(a.low, b.low), std::min(a.high, b.high)}; }
+inline Interval max(Interval a, Interval b) { return {std::max(a.low, b.low), std::max(a.high, b.high)}; }
+inline Interval abs(Interval a) {
+  return a.low >= 0 ? a : a.high <= 0 ? -a : Interval{0, std::max(-a.low, a.high)};
+}
 
 }  // namespace tactus

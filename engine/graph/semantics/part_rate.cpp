@@ -1,5 +1,3 @@
-#include "engine/graph/semantics/part_rate.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -7,32 +5,26 @@
 #include <string_view>
 
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
+#include "engine/graph/semantics/instance.h"
 
 namespace tactus {
 namespace {
 
 constexpr const char* kHowRates = "write a fraction such as \"1/16\", or a rate such as \"3 kHz\"";
 
-bool declares(const std::vector<EntrySpec>& entries, std::string_view name) {
-  return std::any_of(entries.begin(), entries.end(), [&](const auto& entry) { return entry.name == name; });
+/// Whether an input or a control of the part is called like this.
+bool declares(const GraphSpec& part, std::string_view name) {
+  const auto called = [&](const EntrySpec& entry) { return entry.name == name; };
+  return std::ranges::any_of(part.inputs, called) || std::ranges::any_of(part.controls, called);
 }
 
-/// nullptr too where the part has a wire of that name.
-const Value* find_word(const NodeSpec& node, const GraphSpec& part, const char* word) {
-  return declares(part.inputs, word) || declares(part.controls, word) ? nullptr : find(node.fields, word);
-}
-
-std::string of_part(const NodeSpec& node, const char* word) {
-  return "'" + std::string{word} + "' of part '" + node.name + "'";
-}
+std::string of_part(const NodeSpec& node, const char* key) { return key_of(key, "part '" + node.name + "'"); }
 
 /// The number below "1/"; nothing if it is no fraction.
 std::optional<double> below_one(const std::string& text) {
-  const auto compact = [&] {
-    std::string kept;
-    std::copy_if(text.begin(), text.end(), std::back_inserter(kept), [](char c) { return c != ' '; });
-    return kept;
-  }();
+  auto compact = text;
+  std::erase(compact, ' ');
   if (!compact.starts_with("1/")) return std::nullopt;
   double number = 0;
   const char* const end = compact.data() + compact.size();
@@ -50,73 +42,66 @@ std::string nearest_rates(double around, double ratio) {
 }
 
 /// Frames around it for one of its own, not yet known to be a whole number; nothing after an error.
-std::optional<double> read_ratio(const NodeSpec& node, const Value& value, Hertz around, Mistakes& mistakes) {
+std::optional<double> read_ratio(const NodeSpec& node, const Value& value, Hertz around, ErrorList& errors) {
   if (const auto* text = value.text())
     if (const auto below = below_one(*text)) return below;
   const auto quantity = read_quantity(value);
   if (!quantity || quantity->bare || !(quantity->unit.dimension == parse_unit("Hz")->dimension)) {
-    mistakes.add(Errc::WrongType, value.at, of_part(node, "rate") + " is not a rate", kHowRates);
+    errors.add(Errc::WrongType, value.at, of_part(node, "rate") + " is not a rate", kHowRates);
     return std::nullopt;
   }
   if (!(quantity->si > 0) || quantity->si > around.value) {
-    mistakes.add(Errc::OutOfRange, value.at, of_part(node, "rate") + " cannot be " + in_hertz(quantity->si),
-                 "a part runs at most at the " + in_hertz(around.value) + " around it");
+    errors.add(Errc::OutOfRange, value.at, of_part(node, "rate") + " cannot be " + in_hertz(quantity->si),
+               "a part runs at most at the " + in_hertz(around.value) + " around it");
     return std::nullopt;
   }
   return around.value / quantity->si;
 }
 
-int whole_ratio(const NodeSpec& node, const Value& value, Hertz around, Mistakes& mistakes) {
-  const auto ratio = read_ratio(node, value, around, mistakes);
+int whole_ratio(const NodeSpec& node, const Value& value, Hertz around, ErrorList& errors) {
+  const auto ratio = read_ratio(node, value, around, errors);
   if (!ratio) return 1;
   const double whole = std::round(*ratio);
   // Rates come as decimal numbers: 44.1 kHz / 14.7 kHz is 3 but for rounding.
   if (std::abs(*ratio - whole) > 1e-9 * *ratio || whole < 1) {
-    mistakes.add(Errc::OutOfRange, value.at,
-                 of_part(node, "rate") + " is not the " + in_hertz(around.value) +
-                     " around it, divided by a whole number",
-                 nearest_rates(around.value, *ratio));
+    errors.add(Errc::OutOfRange, value.at,
+               of_part(node, "rate") + " is not the " + in_hertz(around.value) +
+                   " around it, divided by a whole number",
+               nearest_rates(around.value, *ratio));
     return 1;
   }
   if (whole > PartRate::kSlowest) {
-    mistakes.add(Errc::OutOfRange, value.at, of_part(node, "rate") + " is too low",
-                 "give at least \"1/" + std::to_string(PartRate::kSlowest) + "\"");
+    errors.add(Errc::OutOfRange, value.at, of_part(node, "rate") + " is too low",
+               "give at least \"1/" + std::to_string(PartRate::kSlowest) + "\"");
     return 1;
   }
   return static_cast<int>(whole);
 }
 
-/// Whether the word says `second`, not `first`.
-bool read_choice(const NodeSpec& node, const GraphSpec& part, const char* word, const std::string& first,
-                 const std::string& second, Mistakes& mistakes) {
-  const auto* value = find_word(node, part, word);
-  if (value == nullptr) return false;
-  const auto* text = value->text();
-  if (text == nullptr || (*text != first && *text != second))
-    mistakes.add(Errc::UnknownName, value->at, of_part(node, word) + " cannot be this",
-                 "write \"" + first + "\" or \"" + second + "\"");
-  else if (find_word(node, part, "rate") == nullptr)
-    mistakes.add(Errc::Missing, value->at, of_part(node, word) + " says nothing without a 'rate'",
-                 "give the part a rate of its own, or leave '" + std::string{word} + "' out");
-  return text != nullptr && *text == second;
-}
-
 }  // namespace
 
-PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, Mistakes& mistakes) {
+PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, ErrorList& errors) {
+  Value::Table own = node.fields;
+  std::erase_if(own, [&](const Field& field) { return declares(part, field.key); });
+  FieldReader fields{own, part_fields(), errors, FieldReader::kKeysChecked, "part '" + node.name + "'"};
+  const auto second_choice = [&](const char* key) {
+    const auto choice = fields.choice(key);
+    if (choice && !fields.has("rate"))
+      errors.add(Errc::Missing, fields.value(key)->at, of_part(node, key) + " has no effect without a 'rate'",
+                 "give the part a rate of its own, or remove '" + std::string{key} + "'");
+    return choice == 1;
+  };
   PartRate rate;
-  if (const auto* value = find_word(node, part, "rate"))
-    rate.ratio = whole_ratio(node, *value, around, mistakes);
-  rate.mean = read_choice(node, part, "take", "last", "mean", mistakes);
-  rate.line = read_choice(node, part, "between", "hold", "line", mistakes);
+  if (const auto* value = fields.value("rate")) rate.ratio = whole_ratio(node, *value, around, errors);
+  rate.mean = second_choice("take");
+  rate.line = second_choice("between");
   return rate;
 }
 
-std::vector<std::string> part_words(const GraphSpec& part) {
-  std::vector<std::string> words = {"use", "voices", "about"};
-  for (const auto* word : {"rate", "take", "between"})
-    if (!declares(part.inputs, word) && !declares(part.controls, word)) words.emplace_back(word);
-  return words;
+std::vector<std::string> part_keys(const GraphSpec& part) {
+  auto keys = part_fields().keys();
+  std::erase_if(keys, [&](const std::string& key) { return declares(part, key); });
+  return keys;
 }
 
 }  // namespace tactus

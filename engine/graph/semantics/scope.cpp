@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "engine/core/dimension.h"
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/error_list.h"
 
 namespace tactus {
 namespace {
@@ -38,38 +38,36 @@ Result<int> Scope::find(const std::string& name, const Source& at) const {
   if (const auto it = not_signals_.find(name); it != not_signals_.end())
     return fail(Errc::UnknownName, at.text(), "'" + name + "' is not a signal", it->second);
   if (tolerates(name)) return FlatGraph::kMissing;
-  const auto near = suggestion(name);
-  const auto dot = name.find('.');
-  if (near.empty() && dot != std::string::npos && signals_.contains(name.substr(0, dot)))
+  const auto near = suggestion(name), owner = first_word(name);
+  if (near.empty() && owner != name && signals_.contains(owner))
     return fail(Errc::UnknownName, at.text(),
-                "'" + name.substr(0, dot) + "' has no output '" + name.substr(dot + 1) + "'",
+                "'" + owner + "' has no output '" + name.substr(owner.size() + 1) + "'",
                 "`tactus nodes` lists the outputs of every type");
   return fail(
       Errc::UnknownName, at.text(), "there is no '" + name + "'",
       near.empty() ? "name an input, a control or a node of this file" : "did you mean '" + near + "'?");
 }
 
-void NameSpace::add(const std::string& name, const std::string& kind, const Source& at, Mistakes& mistakes) {
+void NameSpace::add(const std::string& name, const std::string& kind, const Source& at, ErrorList& errors) {
   const auto quoted = "'" + name + "'";
+  const auto refuse = [&](const char* because, const char* remedy) {
+    errors.add(Errc::Syntax, at, quoted + because + " cannot name " + kind, remedy);
+  };
   if (!well_formed(name))
-    return mistakes.add(Errc::Syntax, at, quoted + " cannot name " + kind,
-                        "names begin with a small letter and continue with small letters, digits and _");
-  if (name.size() > 1 && is_unit_symbol(name))
-    return mistakes.add(Errc::Syntax, at, quoted + " is a unit and cannot name " + kind,
-                        "choose another name");
-  if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
-    return mistakes.add(Errc::Syntax, at, quoted + " is reserved and cannot name " + kind,
-                        "choose another name");
+    return refuse("", "names begin with a small letter and continue with small letters, digits and _");
+  if (name.size() > 1 && is_unit_symbol(name)) return refuse(" is a unit and", "choose another name");
+  if (std::ranges::find(kReserved, name) != kReserved.end())
+    return refuse(" is reserved and", "choose another name");
   const auto [owner, is_new] = owners_.try_emplace(name, Owner{kind, at});
   if (is_new) return;
   // The error is the later one in the file, whichever section was read first.
   const bool later = std::tie(at.line, at.column) > std::tie(owner->second.at.line, owner->second.at.column);
   const Owner here = later ? Owner{kind, at} : owner->second;
   const Owner there = later ? owner->second : Owner{kind, at};
-  mistakes.add(Errc::Duplicate, here.at,
-               quoted + " cannot name " + here.kind + ": it names " + there.kind + " in line " +
-                   std::to_string(there.at.line),
-               "choose another name");
+  errors.add(Errc::Duplicate, here.at,
+             quoted + " cannot name " + here.kind + ": it names " + there.kind + " in line " +
+                 std::to_string(there.at.line),
+             "choose another name");
 }
 
 }  // namespace tactus

@@ -2,14 +2,14 @@
 
 // Thread: [control].
 
+#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "engine/core/error.h"
-#include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/source.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/graph/file/value.h"
 #include "engine/graph/semantics/flat_graph.h"
 
 namespace tactus {
@@ -22,7 +22,7 @@ class Scope {
   void add(const std::string& name, int signal) {
     if (!signals_.emplace(name, signal).second) hide(name);
   }
-  /// A name that exists but is no signal by itself; `why` says what to write instead.
+  /// A name that exists but is no signal by itself; `why` is the remedy.
   void explain(const std::string& name, std::string why) { not_signals_[name] = std::move(why); }
 
   /// A name whose own error was reported already: it and all below it are FlatGraph::kMissing.
@@ -49,13 +49,13 @@ class Scope {
   mutable int suggestions_ = 0;
 };
 
-/// Names that must differ from each other: those of the inputs, controls, nodes and networks of a file, say.
-/// A name is [a-z][a-z0-9_]*, no unit of more than one letter ("ms" would be read as one behind a number; the
-/// letter of "2 * s" is not), and none of `system`, `min`, `max`, `abs`.
+/// Names that must differ from each other: those of the inputs, controls, nodes and networks of a file, for
+/// example. A name is [a-z][a-z0-9_]*, no unit of more than one letter ("ms" would be read as one behind a
+/// number; the letter of "2 * s" is not), and none of `system`, `min`, `max`, `abs`.
 class NameSpace {
  public:
-  /// `kind` says in messages what is named: "node", "control".
-  void add(const std::string& name, const std::string& kind, const Source& at, Mistakes& mistakes);
+  /// `kind` is what messages call it: "node", "control".
+  void add(const std::string& name, const std::string& kind, const Source& at, ErrorList& errors);
 
  private:
   struct Owner {
@@ -64,5 +64,17 @@ class NameSpace {
   };
   std::map<std::string, Owner, std::less<>> owners_;
 };
+
+/// A value in a signal port as a Expression: a number, a quantity or expression in a string, a list of lanes,
+/// or a spread { from, to, curve } over the lanes. After an error, the missing signal.
+Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors);
+
+/// Replaces what an error left out, and raises no second error.
+Expression missing_signal(const Source& at);
+
+/// A setting read from the `fields` of its node, or its fallback. `folder` is where files start.
+SettingValue bind_setting(const Setting& setting, const Value::Table& fields,
+                          const std::filesystem::path& folder, const std::string& owner, const Source& at,
+                          ErrorList& errors);
 
 }  // namespace tactus

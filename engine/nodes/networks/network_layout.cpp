@@ -8,9 +8,8 @@
 #include <unordered_map>
 
 #include "engine/core/index.h"
-#include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/nearest.h"
-#include "engine/graph/semantics/bind.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/graph/semantics/scope.h"
 #include "engine/nodes/networks/solver_names.h"
 
 namespace tactus {
@@ -262,7 +261,7 @@ class LayoutReader {
 
   const NetworkSpec& spec_;
   NetworkLayout layout_;
-  Mistakes mistakes_;
+  ErrorList mistakes_;
   std::unordered_map<std::string, int> index_;
   std::unordered_map<const ElementType*, std::vector<std::string>> keys_;
 };

@@ -19,7 +19,7 @@ enum FirSetting { kTaps, kRate };
 /// Reads the one node of a graph without errors.
 class PathReader {
  public:
-  explicit PathReader(const GraphSpec& graph) : graph_(graph), mistakes_(graph.file) {}
+  explicit PathReader(const GraphSpec& graph) : graph_(graph), errors_(graph.file) {}
 
   Checked<PathFile> read() {
     if (const auto* node = the_node()) {
@@ -27,7 +27,7 @@ class PathReader {
       read_rate(*node);
       path_.taps = setting(*node, kTaps).numbers;
     }
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    if (errors_.any()) return tl::unexpected(errors_.take());
     path_.name = graph_.name;
     path_.about = graph_.about;
     path_.source = graph_.source;
@@ -35,7 +35,7 @@ class PathReader {
   }
 
  private:
-  void other(const Source& at, const std::string& what) { mistakes_.add(Errc::BadFile, at, what, kForm); }
+  void other(const Source& at, const std::string& what) { errors_.add(Errc::BadFile, at, what, kForm); }
 
   const NodeSpec* the_node() {
     const NodeSpec* path = nullptr;
@@ -69,24 +69,24 @@ class PathReader {
   }
 
   SettingValue setting(const NodeSpec& node, std::size_t which) {
-    return bind_setting(fir_type().settings[which], node.fields, {}, "fir 'path'", node.at, mistakes_);
+    return bind_setting(fir_type().settings[which], node.fields, {}, "fir 'path'", node.at, errors_);
   }
 
   void read_rate(const NodeSpec& node) {
     const auto rate = setting(node, kRate);
     path_.rate = Hertz{rate.number};
     if (!rate.given)
-      mistakes_.add(Errc::Missing, node.at, "fir 'path' lacks 'rate'",
-                    "write the sample rate that its taps were measured at, as in rate = \"48 kHz\"");
+      errors_.add(Errc::Missing, node.at, "fir 'path' lacks 'rate'",
+                  "write the sample rate that its taps were measured at, as in rate = \"48 kHz\"");
   }
 
   const GraphSpec& graph_;
-  ErrorList mistakes_;
+  ErrorList errors_;
   PathFile path_;
 };
 
 Checked<PathFile> read(LoadedGraph loaded) {
-  auto wrong = std::move(loaded.mistakes);
+  auto wrong = std::move(loaded.errors);
   if (wrong.empty()) wrong = check(*loaded.spec, standard_nodes(), {});
   if (!wrong.empty()) return tl::unexpected(std::move(wrong));
   return PathReader{*loaded.spec}.read();

@@ -48,20 +48,20 @@ bool may_have_more(const SceneSpec& scene, const std::string& name) {
 
 /// A number of [expect] or [accuracy] beside the measure that it is a value of.
 void check_unit(const std::optional<QuantityValue>& number, const MeasureEntry& entry, const Measure& type,
-                ErrorList& mistakes) {
+                ErrorList& errors) {
   if (!number || number->bare || type.unit == Measure::kUnitOfSubject) return;
   if (number->unit.dimension == parse_unit(type.unit)->dimension) return;
-  mistakes.add(Errc::UnitMismatch, entry.at,
-               "'" + entry.measure + "' is " + (type.unit.empty() ? "a plain number" : "in " + type.unit) +
-                   ", but it is to be compared with " + in_unit(number->si, number->unit),
-               type.unit.empty() ? "leave the unit out" : "give it in " + type.unit);
+  errors.add(Errc::UnitMismatch, entry.at,
+             "'" + entry.measure + "' is " + (type.unit.empty() ? "a plain number" : "in " + type.unit) +
+                 ", but it is to be compared with " + in_unit(number->si, number->unit),
+             type.unit.empty() ? "leave the unit out" : "give it in " + type.unit);
 }
 
 /// Checks that signals are recorded.
 class RecordedSignals {
  public:
-  RecordedSignals(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes)
-      : scene_(scene), names_(recorded_names(scene, table)), mistakes_(mistakes) {}
+  RecordedSignals(const SceneSpec& scene, const NodeTable& table, ErrorList& errors)
+      : scene_(scene), names_(recorded_names(scene, table)), errors_(errors) {}
 
   /// `measure`: what needs the signal, if the scene does not name it there.
   void check(const std::string& signal, const Source& at, const std::string& measure = {}) const {
@@ -69,11 +69,10 @@ class RecordedSignals {
     auto names = names_;  // with "instrument.hit" for its first output
     for (const auto& name : names_)
       if (name.find('.') != name.rfind('.')) names.push_back(name.substr(0, name.rfind('.')));
-    mistakes_.add(Errc::UnknownName, at,
-                  measure.empty()
-                      ? "no signal '" + signal + "' is recorded"
-                      : "'" + measure + "' needs '" + signal + "', and no such signal is recorded",
-                  suggest(signal, names, "recorded are " + listed(names_)));
+    errors_.add(Errc::UnknownName, at,
+                measure.empty() ? "no signal '" + signal + "' is recorded"
+                                : "'" + measure + "' needs '" + signal + "', and no such signal is recorded",
+                suggest(signal, names, "recorded are " + listed(names_)));
   }
   /// The same of the signal with a role.
   void check_role(const std::string& signal, const Source& at, const std::string& role,
@@ -83,34 +82,34 @@ class RecordedSignals {
       return part.graph == nullptr || part.graph->incomplete;
     });
     if (!unknown && !scene_.incomplete)
-      mistakes_.add(Errc::Missing, at, "'" + needed_by + "' needs a signal with the role '" + role + "'",
-                    "name one under [roles], as in " + role + " = \"plant." + role + "\"");
+      errors_.add(Errc::Missing, at, "'" + needed_by + "' needs a signal with the role '" + role + "'",
+                  "name one under [roles], as in " + role + " = \"plant." + role + "\"");
   }
   std::string example() const { return names_.empty() ? "part.output" : names_.back(); }
 
  private:
   const SceneSpec& scene_;
   std::vector<std::string> names_;
-  ErrorList& mistakes_;
+  ErrorList& errors_;
 };
 
-void check_port(const Expectation& expectation, const SceneSpec& scene, ErrorList& mistakes) {
+void check_port(const Expectation& expectation, const SceneSpec& scene, ErrorList& errors) {
   if (scene.port(expectation.of) != nullptr) return;
   const auto names = names_of(scene.ports);
-  mistakes.add(Errc::UnknownName, expectation.of_at, "there is no port '" + expectation.of + "'",
-               suggest(expectation.of, names,
-                       names.empty() ? "declare it under [ports]" : "there are " + listed(names)));
+  errors.add(Errc::UnknownName, expectation.of_at, "there is no port '" + expectation.of + "'",
+             suggest(expectation.of, names,
+                     names.empty() ? "declare it under [ports]" : "there are " + listed(names)));
 }
 
 void check_subject(const Expectation& expectation, const Measure& type, const SceneSpec& scene,
-                   const RecordedSignals& recorded, ErrorList& mistakes) {
+                   const RecordedSignals& recorded, ErrorList& errors) {
   if (!expectation.of.empty() && type.subject == Measure::Subject::Port)
-    check_port(expectation, scene, mistakes);
+    check_port(expectation, scene, errors);
   else if (!expectation.of.empty())
     recorded.check(expectation.of, expectation.of_at);
   else if (type.of.empty())
-    mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
-                 "name a signal, as in of = \"" + recorded.example() + "\"");
+    errors.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
+               "name a signal, as in of = \"" + recorded.example() + "\"");
   else
     recorded.check_role(signal_of(scene.roles, type.of), expectation.at, type.of, type.name);
   if (!type.beside.empty())
@@ -118,29 +117,28 @@ void check_subject(const Expectation& expectation, const Measure& type, const Sc
 }
 
 void check_expectation(const Expectation& expectation, const SceneSpec& scene,
-                       const RecordedSignals& recorded, ErrorList& mistakes) {
+                       const RecordedSignals& recorded, ErrorList& errors) {
   const auto* type = find_measure(expectation.measure);
   if (type == nullptr) return;  // reported when the scene was read
-  for (const auto& limit : {expectation.min, expectation.max})
-    check_unit(limit, expectation, *type, mistakes);
+  for (const auto& limit : {expectation.min, expectation.max}) check_unit(limit, expectation, *type, errors);
   if (type->subject == Measure::Subject::Nothing) return;
   if (type->subject != Measure::Subject::Playing)
-    return check_subject(expectation, *type, scene, recorded, mistakes);
+    return check_subject(expectation, *type, scene, recorded, errors);
   if (!scene.playability && !scene.incomplete)
-    mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs [playability]",
-                 "add the section with kind = \"roll\" or kind = \"tone\"");
+    errors.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs [playability]",
+               "add the section with kind = \"roll\" or kind = \"tone\"");
 }
 
-void check_signals(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
-  const RecordedSignals recorded{scene, table, mistakes};
+void check_signals(const SceneSpec& scene, const NodeTable& table, ErrorList& errors) {
+  const RecordedSignals recorded{scene, table, errors};
   for (const auto& role : scene.roles)
     if (role.written) recorded.check(role.signal, role.at);
-  for (const auto& expectation : scene.expect) check_expectation(expectation, scene, recorded, mistakes);
+  for (const auto& expectation : scene.expect) check_expectation(expectation, scene, recorded, errors);
   for (const auto& accuracy : scene.accuracy) {
     const auto* type = find_measure(accuracy.measure);
     if (type == nullptr || accuracy.of.empty()) continue;  // reported when the scene was read
     recorded.check(accuracy.of, accuracy.of_at);
-    for (const auto& number : {accuracy.exact, accuracy.scale}) check_unit(number, accuracy, *type, mistakes);
+    for (const auto& number : {accuracy.exact, accuracy.scale}) check_unit(number, accuracy, *type, errors);
   }
   if (!scene.playability) return;
   const auto check = [&](const Playability::Signal& signal, const char* role) {
@@ -167,7 +165,7 @@ std::vector<std::string> outputs_around(const SceneSpec& scene) {
 
 /// The unit of an output; nothing, and an error where that is certain, if there is none of that name.
 std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string& signal, const Source& at,
-                                      ErrorList& mistakes) {
+                                      ErrorList& errors) {
   if (signal.empty()) return std::nullopt;
   const auto dot = signal.find('.');
   const auto* part = scene.part(signal.substr(0, dot));
@@ -176,8 +174,8 @@ std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string&
   const bool around = part != nullptr && part->name != "instrument" && dot != std::string::npos;
   const auto* output = around ? find_named(part->graph->outputs, signal.substr(dot + 1)) : nullptr;
   if (output == nullptr) {
-    mistakes.add(Errc::UnknownName, at, "no part other than the instrument has an output '" + signal + "'",
-                 suggest(signal, outputs_around(scene)));
+    errors.add(Errc::UnknownName, at, "no part other than the instrument has an output '" + signal + "'",
+               suggest(signal, outputs_around(scene)));
     return std::nullopt;
   }
   const auto* unit = find(output->fields, "unit");
@@ -186,18 +184,18 @@ std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string&
   return parsed ? std::optional{parsed->dimension} : std::nullopt;
 }
 
-void check_ports(const SceneSpec& scene, ErrorList& mistakes) {
+void check_ports(const SceneSpec& scene, ErrorList& errors) {
   for (const auto& port : scene.ports) {
-    const auto force = dimension_of(scene, port.force, port.force_at, mistakes);
-    const auto position = dimension_of(scene, port.position, port.position_at, mistakes);
+    const auto force = dimension_of(scene, port.force, port.force_at, errors);
+    const auto position = dimension_of(scene, port.position, port.position_at, errors);
     if (force && position && !(*force * *position == parse_unit("J")->dimension))
-      mistakes.add(Errc::UnitMismatch, port.at,
-                   "'" + port.force + "' times a change of '" + port.position + "' is not an energy",
-                   "name a force in N and a position in m, or a torque in N m and an angle");
+      errors.add(Errc::UnitMismatch, port.at,
+                 "'" + port.force + "' times a change of '" + port.position + "' is not an energy",
+                 "name a force in N and a position in m, or a torque in N m and an angle");
   }
 }
 
-void check_drives(const SceneSpec& scene, ErrorList& mistakes) {
+void check_drives(const SceneSpec& scene, ErrorList& errors) {
   const auto* instrument = scene.part("instrument");
   if (instrument == nullptr || instrument->graph == nullptr || instrument->graph->incomplete) return;
   std::vector<std::string> names;
@@ -206,55 +204,55 @@ void check_drives(const SceneSpec& scene, ErrorList& mistakes) {
     if (read_use(output, reported_elsewhere) != OutputUse::Audio) names.push_back(output.name);
   for (const auto& [name, at] : scene.drive_places)
     if (std::find(names.begin(), names.end(), name) == names.end())
-      mistakes.add(Errc::UnknownName, at, "the instrument has no drive '" + name + "'",
-                   suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
+      errors.add(Errc::UnknownName, at, "the instrument has no drive '" + name + "'",
+                 suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
 }
 
 void check_comparison(const SceneSpec& scene, const std::string& name, double value, const Source& at,
-                      ErrorList& mistakes) {
+                      ErrorList& errors) {
   const auto dot = name.find('.');
   const auto owner = dot == std::string::npos ? "instrument" : name.substr(0, dot);
   const auto port = dot == std::string::npos ? name : name.substr(dot + 1);
   const auto* part = scene.part(owner);
   if (part == nullptr && !scene.incomplete)
-    mistakes.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
+    errors.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
   if (part == nullptr || part->graph == nullptr || part->graph->incomplete) return;
   if (const auto* control = find_named(part->graph->controls, port)) {
     ErrorList reported_elsewhere;
     const auto read = control->broken ? ReadControl{{}, false} : read_control(*control, reported_elsewhere);
-    if (read.unit_known) check_range(read.control, value, at, mistakes);
+    if (read.unit_known) check_range(read.control, value, at, errors);
     return;
   }
   auto known = names_of(part->graph->controls);
   if (owner != "instrument")
     for (const auto& input : part->graph->inputs) known.push_back(input.name);
   if (std::find(known.begin(), known.end(), port) == known.end())
-    mistakes.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",
-                 suggest(port, known));
+    errors.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",
+               suggest(port, known));
 }
 
 }  // namespace
 
-void check_scene(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
-  check_signals(scene, table, mistakes);
-  check_drives(scene, mistakes);
-  check_ports(scene, mistakes);
+void check_scene(const SceneSpec& scene, const NodeTable& table, ErrorList& errors) {
+  check_signals(scene, table, errors);
+  check_drives(scene, errors);
+  check_ports(scene, errors);
   if (scene.compare)
     for (const auto& [name, at] : scene.compare->places)
-      check_comparison(scene, name, scene.compare->set.at(name), at, mistakes);
+      check_comparison(scene, name, scene.compare->set.at(name), at, errors);
 }
 
-void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, ErrorList& mistakes) {
+void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, ErrorList& errors) {
   if (!scene.playability) return;
   const auto& pitch = scene.playability->pitch;
   static const auto kHertz = parse_unit("Hz")->dimension;
   for (const auto& tap : taps)
     if (tap.name == pitch.name && !(tap.dimension == kHertz))
-      mistakes.add(Errc::UnitMismatch, pitch.at,
-                   "'" + pitch.name + "' is " +
-                       (tap.dimension.plain() ? "a plain number" : "in " + to_string(tap.dimension)) +
-                       ", but 'pitch' is in Hz",
-                   "name an output in Hz, or give it a unit in its part");
+      errors.add(Errc::UnitMismatch, pitch.at,
+                 "'" + pitch.name + "' is " +
+                     (tap.dimension.plain() ? "a plain number" : "in " + to_string(tap.dimension)) +
+                     ", but 'pitch' is in Hz",
+                 "name an output in Hz, or give it a unit in its part");
 }
 
 }  // namespace tactus

@@ -165,7 +165,7 @@ struct SceneSpec {
 /// A scene together with the errors in its text and those of its parts; `build_scene` finds the others.
 struct LoadedScene {
   std::optional<SceneSpec> scene;  ///< nothing if the file cannot be read or is no TOML
-  std::vector<Error> mistakes;     ///< by file, line and column
+  std::vector<Error> errors;       ///< by file, line and column
 };
 
 /// [control] Reads a scene and the files of its parts; a folder means its scene.toml. `root` is the folder

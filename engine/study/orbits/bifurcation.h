@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 #include "engine/scene/file/scene_spec.h"
 #include "engine/scene/measures/landings.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/scene/file/scene_spec.h"
 #include "engine/scene/play_scene.h"
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "engine/core/index.h"
-#include "engine/graph/plan/strong_components.h"
+#include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
 std::vector<std::vector<int>> loops_of(const LinearGraph& graph, bool events) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/study/stability/stability.h"
 
 // The verdict in sentences: is it stable, what becomes unstable first, what to change.

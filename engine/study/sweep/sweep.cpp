@@ -6,10 +6,9 @@
 #include <atomic>
 #include <mutex>
 
-#include "engine/graph/file/entry_fields.h"
-#include "engine/graph/file/mistakes.h"
-#include "engine/graph/file/nearest.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/scene/measures/measure.h"
 #include "engine/study/sweep/parallel_for.h"
 #include "engine/study/sweep/run_cache.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/scene_spec.h"
 #include "engine/scene/play_scene.h"

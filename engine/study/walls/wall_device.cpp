@@ -3,8 +3,8 @@
 #include <string>
 
 #include "engine/core/named.h"
-#include "engine/graph/file/entry_fields.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
 
 namespace tactus {
 namespace {
@@ -21,7 +21,7 @@ Result<std::optional<double>> setting_of(const ScenePart& plant, const DeviceCon
   if (control == nullptr) return std::nullopt;
   const auto* wire = find(plant.wires, expected.name);
   if (wire == nullptr) {
-    Mistakes reported_elsewhere;
+    ErrorList reported_elsewhere;
     return std::optional{read_control(*control, reported_elsewhere).control.value};
   }
   const auto number = read_quantity(*wire, parse_unit(expected.unit).value_or(Unit{}), expected.name);

@@ -7,7 +7,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
-#include "engine/graph/node_table.h"
+#include "engine/graph/node_type.h"
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {

@@ -36,7 +36,7 @@ Analysis cable() {
   for (double centre = 31.25; centre < 17e3; centre *= 2)
     analysis.group_delay.push_back({centre, kDelay - 40 / centre, 3 / centre});
   for (int k = 0; k < 8; ++k)
-    analysis.sweeps.push_back({24000 + 22000 * k, kDelay + 0.001 * (k % 3 - 1), -6.02, 0.25});
+    analysis.probes.push_back({24000 + 22000 * k, kDelay + 0.001 * (k % 3 - 1), -6.02, 0.25});
   for (double f = 20; f < 24e3; f *= 1.02)
     analysis.spectrum.push_back(
         {f, -6.02 - 10 * std::log10(1 + std::pow(12 / f, 2)), 0.0, -96 + 3 * std::sin(f)});
@@ -198,7 +198,7 @@ SweepRow row(int block, double delay_frames, std::int64_t gaps = 0) {
   row.setting.delay_frames = delay_frames;
   row.setting.standard_error_frames = 0.001;
   row.setting.gaps = row.xruns = gaps;
-  row.setting.listened_s = 12;
+  row.setting.measured_s = 12;
   return row;
 }
 

@@ -7,7 +7,7 @@ using namespace tactus;
 
 TEST_CASE("loop_card: every name in the list is a card, and says what it is", "[loop]") {
   REQUIRE(loop_cards().size() > 10);
-  for (const auto& [name, about] : loop_cards()) {
+  for (const auto& [name, about, settings] : loop_cards()) {
     CAPTURE(name);
     CHECK(loop_card(name));
     CHECK(std::string{about}.size() > 5);

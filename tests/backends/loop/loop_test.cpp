@@ -128,7 +128,7 @@ TEST_CASE("loop: lost frames shorten the delay, repeated ones lengthen it, and a
           "[loop]") {
   auto card = delayed(300.0);
   const bool told = GENERATE(true, false);
-  card.drops_told = told;
+  card.drops_reported = told;
   card.drops = {{Seconds{0.01}, Seconds{0.0}, 20}, {Seconds{0.02}, Seconds{0.0}, -50}};
   const auto played = run(card, impulse_at(250, 2000));
   CHECK(played.heard[0][250 + 280] == 0.5);  // after the first at 480, before the second at 960

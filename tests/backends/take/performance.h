@@ -87,7 +87,7 @@ class Performance {
 
   std::unique_ptr<Plan> compiled() {
     const auto loaded = load_graph_leniently(graph_, graph_.parent_path());
-    if (loaded.spec == nullptr) throw std::runtime_error(to_string(loaded.mistakes));
+    if (loaded.spec == nullptr) throw std::runtime_error(to_string(loaded.errors));
     files_ = app::take_files(loaded, standard_nodes(), graph_.parent_path());
     CompileOptions options;
     options.sample_rate = kRate;

@@ -3,7 +3,6 @@
 #include <sstream>
 #include <thread>
 
-#include "backends/take/take_lines.h"
 #include "engine/rig/profile.h"
 #include "tests/backends/take/performance.h"
 #include "tests/conformance/random_graph.h"

@@ -190,7 +190,7 @@ TEST_CASE("take: a stream that begins again ends the take", "[take]") {
   (*recorder)->tap().applied({0, JournalEntry::Kind::Arm, 0, 1.0});
   for (int n = 0; n < 5; ++n) stream.block();
   CHECK((*recorder)->status().restarted);
-  CHECK((*recorder)->status().words.size() == 1);
+  CHECK((*recorder)->status().messages.size() == 1);
   CHECK((*recorder)->finish() ==
         std::vector<std::string>{"the stream restarted at 0.006 s; the take ends there"});
   const auto take = read_take(folder.path() / "take.wav");
@@ -242,7 +242,7 @@ TEST_CASE("take: audio, writer and control thread at once lose nothing and do no
   }};
   for (int n = 0; n < kBlocks / 10; ++n) {
     (*recorder)->note_edit({0, {"a.toml", {{"a.toml", std::to_string(n)}}, {}, ""}, {}, {}});
-    CHECK((*recorder)->status().trouble.empty());
+    CHECK((*recorder)->status().error.empty());
   }
   audio.join();
   CHECK((*recorder)->finish().empty());

@@ -3,7 +3,7 @@
 #include <complex>
 #include <numbers>
 
-#include "backends/jack/jack.h"
+#include "tests/cards/ways.h"
 #include "tests/support/sound_server.h"
 #include "tests/support/wait_until.h"
 
@@ -57,8 +57,8 @@ TEST_CASE("delay client: gain, noise and a fraction of a frame are what was aske
   request.device = "jack:" + card.name();
   request.in_channels = request.out_channels = 1;
   request.client_name = card.name() + "-sine";
-  JackBackend jack;
-  const auto stream = jack.open(request, guarded);
+  const auto jack = test::backend_named("jack");
+  const auto stream = jack->open(request, guarded);
   REQUIRE(stream);
   REQUIRE((*stream)->start());
   REQUIRE(test::wait_until([&] { return sine.done.load(); }));

@@ -9,8 +9,8 @@
 #include <iostream>
 #include <map>
 
-#include "backends/jack/jack.h"
 #include "backends/reconnecting_stream.h"
+#include "tests/cards/ways.h"
 #include "tests/support/noise_probe.h"
 #include "tests/support/skip.h"
 #include "tests/support/sound_server.h"
@@ -52,7 +52,7 @@ struct Player {
     request.device = "jack:" + card->name();
     request.in_channels = request.out_channels = 1;
     request.client_name = name;
-    auto opened = ReconnectingStream::open(jack, request, probe.guarded);
+    auto opened = ReconnectingStream::open(*jack, request, probe.guarded);
     if (!opened) throw std::runtime_error{to_string(opened.error())};
     stream = std::move(*opened);
     if (auto status = stream->start(); !status) throw std::runtime_error{to_string(status.error())};
@@ -90,7 +90,7 @@ struct Player {
   std::unique_ptr<DelayClient> card =
       std::make_unique<DelayClient>(DelayClient::Settings{.delay_frames = kDelay});
   GuardedProbe probe{1, 4800};
-  JackBackend jack;
+  std::unique_ptr<Backend> jack = test::backend_named("jack");
   std::unique_ptr<ReconnectingStream> stream;
   std::string events;
 };
@@ -284,8 +284,8 @@ TEST_CASE("jack: frames that the server did not wait for are counted to the fram
   request.device = "jack:" + card.name();
   request.in_channels = request.out_channels = 1;
   request.client_name = "tactus-" + std::to_string(::getpid());
-  JackBackend jack;
-  const auto stream = jack.open(request, probe.guarded);
+  const auto jack = test::backend_named("jack");
+  const auto stream = jack->open(request, probe.guarded);
   REQUIRE(stream);
   REQUIRE((*stream)->start());
   REQUIRE(wait_until([&] { return probe.probe.frames() > 2 * 9600; }));
@@ -311,12 +311,12 @@ TEST_CASE("jack: a server that does not answer is told, and nobody waits for it 
   REQUIRE_FALSE(refused);
   CHECK(to_string(refused.error()).find("the JACK server does not answer") == 0);
   GuardedProbe other{1};
-  const auto devices = player.jack.devices();
+  const auto devices = player.jack->devices();
   REQUIRE_FALSE(devices);
   CHECK(to_string(devices.error()).find("the JACK server does not answer") == 0);
   player.stream.reset();
   server->go_on();
-  CHECK(wait_until([&] { return player.jack.devices().has_value(); }));
+  CHECK(wait_until([&] { return player.jack->devices().has_value(); }));
 }
 
 TEST_CASE("jack: a stall ends by itself, and is told", "[cards][jack]") {
@@ -336,7 +336,7 @@ TEST_CASE("jack: without a server there are words, and nothing is started or pri
   std::FILE* caught = std::tmpfile();
   const int stderr_before = ::dup(STDERR_FILENO);
   ::dup2(::fileno(caught), STDERR_FILENO);
-  const auto devices = JackBackend{}.devices();
+  const auto devices = test::backend_named("jack")->devices();
   ::dup2(stderr_before, STDERR_FILENO);
   ::close(stderr_before);
   ::unsetenv("JACK_DEFAULT_SERVER");
@@ -350,7 +350,7 @@ TEST_CASE("jack: without a server there are words, and nothing is started or pri
 TEST_CASE("jack: the server's sound card comes first and is the default", "[cards][jack]") {
   const auto server = start_sound_server({.channels = 3});
   DelayClient card{{.channels = 5, .input_latency = 7, .output_latency = 8}};
-  const auto devices = JackBackend{}.devices();
+  const auto devices = test::backend_named("jack")->devices();
   REQUIRE(devices);
   REQUIRE(devices->size() == 3);
   CHECK(devices->front().id == "jack:system");
@@ -372,7 +372,7 @@ TEST_CASE("jack: two players of one name are two clients", "[cards][jack]") {
   StreamRequest request;
   request.in_channels = request.out_channels = 1;
   request.client_name = first.name;
-  const auto second = first.jack.open(request, probe.guarded);
+  const auto second = first.jack->open(request, probe.guarded);
   REQUIRE(second);
   REQUIRE((*second)->start());
   CHECK(wait_until([&] { return probe.probe.frames() > 0; }));

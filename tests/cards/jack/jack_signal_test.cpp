@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "backends/jack/jack.h"
+#include "tests/cards/ways.h"
 #include "tests/support/noise_probe.h"
 #include "tests/support/sound_server.h"
 #include "tests/support/wait_until.h"
@@ -28,8 +28,8 @@ StreamRequest request_for(const std::string& client, int inputs, int outputs) {
 
 /// Plays until the probe has heard enough. What was granted.
 StreamGranted play(const StreamRequest& request, GuardedProbe& probe) {
-  JackBackend jack;
-  auto stream = jack.open(request, probe.guarded);
+  const auto jack = test::backend_named("jack");
+  auto stream = jack->open(request, probe.guarded);
   if (!stream) throw std::runtime_error{to_string(stream.error())};
   probe.guarded.skip_soft_start();
   REQUIRE((*stream)->start());
@@ -129,7 +129,7 @@ TEST_CASE("jack: runs at every rate of the server from 8 kHz to 192 kHz", "[card
   CHECK(play(request, probe).format.sample_rate == *request.sample_rate);
   CHECK(probe.probe.delay(0, 0) == 64 + 256);
   request.sample_rate = 48_kHz;
-  const auto other = JackBackend{}.open(request, probe.guarded);
+  const auto other = test::backend_named("jack")->open(request, probe.guarded);
   REQUIRE_FALSE(other);
   CHECK(to_string(other.error()).find("it runs at " + std::to_string(rate) + " Hz") != std::string::npos);
 }
@@ -147,8 +147,8 @@ TEST_CASE("jack: starts and stops a hundred times", "[cards][jack]") {
   const auto server = start_sound_server({.period = 64});
   DelayClient card;
   GuardedProbe probe{2, 64};
-  JackBackend jack;
-  auto stream = jack.open(request_for(card.name(), 2, 2), probe.guarded);
+  const auto jack = test::backend_named("jack");
+  auto stream = jack->open(request_for(card.name(), 2, 2), probe.guarded);
   REQUIRE(stream);
   for (int turn = 0; turn < 100; ++turn) {
     CAPTURE(turn);
@@ -167,10 +167,10 @@ TEST_CASE("jack: a device is opened and closed again and again", "[cards][jack]"
   const auto server = start_sound_server({.period = 64});
   DelayClient card;
   GuardedProbe probe{2, 64};
-  JackBackend jack;
+  const auto jack = test::backend_named("jack");
   for (int turn = 0; turn < 20; ++turn) {
     CAPTURE(turn);
-    auto stream = jack.open(request_for(card.name(), 2, 2), probe.guarded);
+    auto stream = jack->open(request_for(card.name(), 2, 2), probe.guarded);
     REQUIRE(stream);
     if (turn % 2 == 0) REQUIRE((*stream)->start());  // closed while it runs, and before it ever ran
   }

@@ -1,5 +1,3 @@
-#include "backends/portaudio/portaudio.h"
-
 #include <catch2/catch.hpp>
 
 #include "tests/cards/ways.h"
@@ -13,8 +11,8 @@ TEST_CASE("portaudio: with the server's own blocks the round trip is one of them
   auto request = rig->request({"portaudio:jack", nullptr}, 1, 1);
   request.block_frames.reset();
   test::GuardedProbe probe{1, 4800};
-  PortAudioBackend portaudio;
-  const auto stream = portaudio.open(request, probe.guarded);
+  const auto portaudio = test::backend_named("portaudio");
+  const auto stream = portaudio->open(request, probe.guarded);
   REQUIRE(stream);
   probe.guarded.skip_soft_start();
   CHECK((*stream)->granted().block_frames == 0);
@@ -28,12 +26,12 @@ TEST_CASE("portaudio: with the server's own blocks the round trip is one of them
 TEST_CASE("portaudio: a latency below zero is none, and not a day", "[cards]") {
   const auto server = test::start_sound_server();
   const test::DelayClient card;  // it says that it has none, and PortAudio subtracts a block
-  PortAudioBackend portaudio;
+  const auto portaudio = test::backend_named("portaudio");
   test::GuardedProbe probe{1};
   StreamRequest request;
   request.in_channels = request.out_channels = 1;
   request.device = "portaudio:jack:" + card.name();
-  const auto stream = portaudio.open(request, probe.guarded);
+  const auto stream = portaudio->open(request, probe.guarded);
   REQUIRE(stream);
   CHECK((*stream)->granted().input_latency_frames == std::nullopt);
   CHECK((*stream)->granted().output_latency_frames == std::nullopt);

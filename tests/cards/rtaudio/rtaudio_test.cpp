@@ -1,5 +1,3 @@
-#include "backends/rtaudio/rtaudio.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -10,7 +8,7 @@ using namespace tactus;
 namespace {
 
 std::optional<Device> listed(const std::string& client) {
-  const auto devices = RtAudioBackend{}.devices();
+  const auto devices = test::backend_named("rtaudio")->devices();
   REQUIRE(devices);
   const auto found = std::find_if(devices->begin(), devices->end(), [&](const Device& device) {
     return device.id == "rtaudio:jack:" + client;

@@ -1,6 +1,6 @@
-#include "engine/core/control_inbox.h"
-
 #include <catch2/catch.hpp>
+
+#include "engine/core/journal.h"
 
 using namespace tactus;
 

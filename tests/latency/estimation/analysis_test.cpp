@@ -36,7 +36,7 @@ Analysis analysis_of(const SimulatedLoop& loop) { return analysis_of(loop.record
 /// Mean square of a sweep at full level.
 double sweep_power() {
   double sum = 0.0;
-  const auto sweep = measuring_sweep(48_kHz).samples(48_kHz);
+  const auto sweep = measuring_probe(48_kHz).samples(48_kHz);
   for (const double sample : sweep)
     sum += kLevel * kLevel * sample * sample / static_cast<double>(sweep.size());
   return sum;
@@ -117,7 +117,7 @@ TEST_CASE("analysis: 50 ppm of drift are found within 1 ppm, and the delay in th
   CHECK(analysis.drift_ppm == Approx(ppm).epsilon(0).margin(0.01));
   // What was played at t is captured at (t + 960.25)(1 + ppm).
   const double middle =
-      0.5 * static_cast<double>(analysis.sweeps.front().played_at + analysis.sweeps.back().played_at + 16800);
+      0.5 * static_cast<double>(analysis.probes.front().played_at + analysis.probes.back().played_at + 16800);
   // Where a sweep begins is known within 100 frames: its first ones are too soft.
   const double expected = (middle + 960.25) * (1 + 1e-6 * ppm) - middle;
   CHECK(std::abs(analysis.delay_frames - expected) < 0.0005 + 1e-4 * std::abs(ppm));
@@ -241,12 +241,12 @@ TEST_CASE("analysis: a probe with dither in its pauses is taken apart all the sa
   }
   const auto analysis = analysis_of(recording);
   CHECK(verdict(analysis) == "ok");
-  CHECK(analysis.sweeps.size() == SweepTrain::kSweeps);
+  CHECK(analysis.probes.size() == ProbeTrain::kProbes);
   CHECK(std::abs(analysis.delay_frames - 1234.37) < 0.0005);
 }
 
 TEST_CASE("analysis: of one burst nobody knows whether clocks differ", "[latency]") {
-  auto samples = measuring_sweep(48_kHz).samples(48_kHz);
+  auto samples = measuring_probe(48_kHz).samples(48_kHz);
   samples.insert(samples.begin(), 24000, 0.0);
   const auto analysis =
       analysis_of(SimulatedLoop{.delay_frames = 1234.37, .gain = 0.2, .noise = 1e-4}.record(samples, 48_kHz));
@@ -321,7 +321,7 @@ TEST_CASE("analysis: of a recording that begins late or ends early, the whole sw
     captured.resize(static_cast<std::size_t>(sweeps[4].end()));
     const auto analysis = analysis_of(recording);
     CHECK(verdict(analysis) == "ok");
-    CHECK(analysis.sweeps.size() == 4);
+    CHECK(analysis.probes.size() == 4);
     CHECK(analysis.delay_frames == Approx(960.25).epsilon(0).margin(0.001));
   }
   SECTION("it begins within the second sweep") {
@@ -329,7 +329,7 @@ TEST_CASE("analysis: of a recording that begins late or ends early, the whole sw
     captured.erase(captured.begin(), captured.begin() + static_cast<std::ptrdiff_t>(late));
     const auto analysis = analysis_of(recording);
     CHECK(verdict(analysis) == "ok");
-    CHECK(analysis.sweeps.size() == 6);
+    CHECK(analysis.probes.size() == 6);
     CHECK(analysis.delay_frames == Approx(960.25 - static_cast<double>(late)).epsilon(0).margin(0.001));
   }
   SECTION("it has two from beginning to end") {

@@ -26,7 +26,7 @@ struct Path {
 };
 
 struct Search {
-  Step last = Step::Listen;
+  Step last = Step::Wait;
   PathLevel found;
   std::vector<double> levels;  ///< of the level probes
   int windows = 0;
@@ -47,7 +47,7 @@ Search search(const Path& path, LevelSearch::Settings settings = {0.003, 0.5, Se
       result.levels.push_back(level.level());
       played.resize(static_cast<std::size_t>(result.windows) + 1);
       played.insert(played.end(), LevelSearch::kLevelProbeWindows, level.level());
-    } else if (result.last != Step::Listen) {
+    } else if (result.last != Step::Wait) {
       break;
     }
   }
@@ -106,9 +106,9 @@ TEST_CASE("level: when the softest level probe is too loud, that is said", "[lat
 TEST_CASE("level: an input that stays loud when nothing is played is a howl", "[latency][level]") {
   LevelSearch level{{0.003, 0.5, Seconds{0.0}, {}}};
   level.overload();
-  Step step = Step::Listen;
+  Step step = Step::Wait;
   int windows = 0;
-  for (; step == Step::Listen && windows < 100; ++windows) step = level.observe({0.5, 1.0});
+  for (; step == Step::Wait && windows < 100; ++windows) step = level.observe({0.5, 1.0});
   CHECK(step == Step::Feedback);
   CHECK(windows == 30);
 }

@@ -11,7 +11,7 @@ using namespace tactus;
 TEST_CASE("probe: a sweep runs from its first to its last frequency, in equal times for equal ratios",
           "[latency]") {
   const auto rate = GENERATE(44.1_kHz, 48_kHz, 96_kHz, 192_kHz);
-  const auto sweep = measuring_sweep(rate);
+  const auto sweep = measuring_probe(rate);
   const auto samples = sweep.samples(rate);
   CHECK(static_cast<double>(samples.size()) == Approx(0.35 * rate.value).epsilon(0).margin(1));
   // Zero crossings from t1 to t2 are 2 start growth (exp(t2 / growth) - exp(t1 / growth)).
@@ -45,11 +45,11 @@ TEST_CASE("bursts: a stimulus is taken apart into eight sweeps and a pilot", "[l
   const auto samples = stimulus(48_kHz, 0.25);
   const auto bursts = find_bursts(samples, 48_kHz);
   REQUIRE(bursts);
-  REQUIRE(bursts->repeated.size() == SweepTrain::kSweeps);
+  REQUIRE(bursts->repeated.size() == ProbeTrain::kProbes);
   std::vector<std::int64_t> distances;
-  for (int k = 0; k < SweepTrain::kSweeps; ++k) {
+  for (int k = 0; k < ProbeTrain::kProbes; ++k) {
     const auto& burst = bursts->repeated[static_cast<std::size_t>(k)];
-    CHECK(burst.gain == Approx(SweepTrain::gain(k)).epsilon(1e-6));
+    CHECK(burst.gain == Approx(ProbeTrain::gain(k)).epsilon(1e-6));
     for (int before = 0; before < k; ++before)
       distances.push_back(burst.at - bursts->repeated[static_cast<std::size_t>(before)].at);
   }

@@ -51,7 +51,7 @@ struct Stimulus {
   double slopes = 0.0;  ///< sum of s'(n)² over all that is played
 
   Stimulus() {
-    const auto sweep = measuring_sweep(kRate).samples(kRate);
+    const auto sweep = measuring_probe(kRate).samples(kRate);
     for (const double sample : sweep)
       power += kLevel * kLevel * sample * sample / static_cast<double>(sweep.size());
     Fourier fourier{samples.size()};
@@ -211,9 +211,9 @@ void drift(int count) {
       sample += std::sqrt(stimulus.power * 1e-3) * normal(draw.random);
     const auto analysis = analyze(recording).value();
     told += analysis.finding.verdict == Verdict::ClocksDiffer;
-    const double first = static_cast<double>(analysis.sweeps.front().played_at);
-    const double last = static_cast<double>(analysis.sweeps.back().played_at) +
-                        frames_in(measuring_sweep(kRate).duration, kRate);
+    const double first = static_cast<double>(analysis.probes.front().played_at);
+    const double last = static_cast<double>(analysis.probes.back().played_at) +
+                        frames_in(measuring_probe(kRate).duration, kRate);
     const double middle = 0.5 * (first + last);
     const double truth = (middle + loop.delay_frames) * (1.0 + 1e-6 * ppm) - middle;
     errors[static_cast<std::size_t>(n)] = {analysis.drift_ppm - ppm, analysis.delay_frames - truth};

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 
 namespace tactus::app {
 namespace {

@@ -79,13 +79,13 @@ x = { unit = "m/" }
 [inputs]
 x = { lanes = "two" }
 )",
-     R"(test.toml:3:15: 'lanes' must be a whole number; give one from 1 to 1024)"},
+     R"(test.toml:3:15: 'lanes' of input 'x' must be a whole number; give one from 1 to 1024)"},
     {"too many lanes",
      R"(format = 1
 [inputs]
 x = { lanes = 1000000 }
 )",
-     R"(test.toml:3:15: 'lanes' cannot be 1e+06; give one from 1 to 1024)"},
+     R"(test.toml:3:15: 'lanes' of input 'x' cannot be 1e+06; give one from 1 to 1024)"},
     {"an unknown field of an input",
      R"(format = 1
 [inputs]
@@ -140,7 +140,7 @@ test.toml:3:39: '5 N' is in N, but 'range' is in m; give "12 mm")"},
 [controls]
 g = { value = "30 mm", range = ["0 mm", "20 mm"] }
 )",
-     R"(test.toml:3:15: control 'g' starts at 30 mm, which is outside its range; it goes from 0 m to 20 mm)"},
+     R"(test.toml:3:15: control 'g' starts at 30 mm, which is outside its range; it runs from 0 m to 20 mm)"},
     {"a date",
      R"(format = 1
 [controls]
@@ -164,16 +164,16 @@ Mix = "1"
 [controls]
 gain = { value ßoss, range = [0, 1] }
 )",
-     R"(test.toml:3:16: 'ß' (U+00DF) stands outside of quotes; put the text that it belongs to in quotes, or take it out)"},
+     R"(test.toml:3:16: 'ß' (U+00DF) is outside of quotes; put the text that it belongs to in quotes, or remove it)"},
     {"a name in UTF-8 without quotes",
      R"(format = 1
 [nodes]
 größe = "1"
 )",
-     R"(test.toml:3:3: 'ö' (U+00F6) stands outside of quotes; put the text that it belongs to in quotes, or take it out)"},
+     R"(test.toml:3:3: 'ö' (U+00F6) is outside of quotes; put the text that it belongs to in quotes, or remove it)"},
     {"a blank that is none",
      "format = 1\n[nodes]\na\xC2\xA0= 1\n",
-     "test.toml:3:2: '\xC2\xA0' (U+00A0) stands outside of quotes; put the text that it belongs to in quotes, or take it out"},
+     "test.toml:3:2: '\xC2\xA0' (U+00A0) is outside of quotes; put the text that it belongs to in quotes, or remove it"},
     {"a name with a dot",
      R"(format = 1
 [nodes]
@@ -280,7 +280,7 @@ x = {}
 [nodes]
 a = { type = "low_pass", in = "x", cutoff = 100 Hz }
 )",
-     R"(test.toml:5:45: '100 Hz' stands without quotes; write "100 Hz")"},
+     R"(test.toml:5:45: '100 Hz' needs quotes; write "100 Hz")"},
     {"a negative time",
      R"(format = 1
 [inputs]
@@ -353,13 +353,13 @@ x = {}
 [nodes]
 a = { type = "quantiser", in = "x", step = 0.1, rounding = "up" }
 )",
-     R"(test.toml:5:60: 'rounding' of quantiser 'a' cannot be "up"; choose one of "nearest", "floor")"},
+     R"(test.toml:5:60: 'rounding' of quantiser 'a' cannot be 'up'; there are 'nearest' and 'floor')"},
     {"a seed in words",
      R"(format = 1
 [nodes]
 a = { type = "noise", seed = "seven" }
 )",
-     R"(test.toml:3:30: 'seed' of noise 'a' must be a whole number, not a string; write it without quotes or brackets)"},
+     R"(test.toml:3:30: 'seed' of noise 'a' must be a whole number; give one from 0 to 9007199254740992)"},
     {"an expression that stops",
      R"(format = 1
 [inputs]
@@ -483,7 +483,7 @@ y = { from = "" }
 [networks.n]
 a = { mass = "1 kg" }
 )",
-     R"(test.toml:3:1: element 'a' of network 'n' has no 'type'; say what it is, as in type = "mass")"},
+     R"(test.toml:3:1: element 'a' of network 'n' has no 'type'; give its type, as in type = "mass")"},
     {"a mass of nothing",
      R"(format = 1
 [networks.n]
@@ -524,7 +524,7 @@ s = { type = "spring", between = ["a", "b"], stiffness = "1 N" }
 [delay]
 tested = ["40 ms", "0 ms"]
 )",
-     R"(test.toml:3:10: 'tested' of [delay] is upside down; write the lower end first)"},
+     R"(test.toml:3:10: 'tested' of [delay] has its ends in the wrong order; write the lower end first)"},
     {"Windows lines",
      "format = 1\r\n[nodes]\r\na = { type = \"clip\" }\r\n",
      R"(test.toml:3:1: clip 'a' lacks 'in'; write in = … (signal))"},

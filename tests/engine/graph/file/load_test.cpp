@@ -130,7 +130,7 @@ drum.toml:11:14: 'type' is empty; name something
 drum.toml:14:1: 'mic' cannot name an input: it names a node in line 12; choose another name
 drum.toml:14:7: 'mic' in [inputs] must be a table, not a number; write mic = { unit = "full scale" }
 drum.toml:16:7: 'mic' in [outputs] must be a table, not a string; write mic = { from = "node" }
-drum.toml:18:1: element 'a' of network 'n' has no 'type'; say what it is, as in type = "mass"
+drum.toml:18:1: element 'a' of network 'n' has no 'type'; give its type, as in type = "mass"
 drum.toml:21:2: 'gestures' belongs in a scene, and this is a graph; move it to the scene's file)");
 }
 
@@ -150,5 +150,5 @@ TEST_CASE("graph: one letter may name a node although it is a unit, and an outpu
 }
 
 TEST_CASE("graph: a syntax error comes alone", "[graph]") {
-  CHECK(mistakes("[nods]\nx = 12 ms") == "drum.toml:2:5: '12 ms' stands without quotes; write \"12 ms\"");
+  CHECK(mistakes("[nods]\nx = 12 ms") == "drum.toml:2:5: '12 ms' needs quotes; write \"12 ms\"");
 }

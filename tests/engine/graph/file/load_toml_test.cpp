@@ -52,24 +52,23 @@ TEST_CASE("toml: a byte order mark and Windows line ends are fine", "[graph]") {
 
 TEST_CASE("toml: a syntax error is said in words, with its place", "[graph]") {
   const auto [text, message] = GENERATE(table<std::string, std::string>({
-      {"x = { time = 12 ms }", "a.toml:1:14: '12 ms' stands without quotes; write \"12 ms\""},
-      {"in = microphone # why", "a.toml:1:6: 'microphone' stands without quotes; write \"microphone\""},
-      {"range = [0, 60 dB]", "a.toml:1:13: '60 dB' stands without quotes; write \"60 dB\""},
+      {"x = { time = 12 ms }", "a.toml:1:14: '12 ms' needs quotes; write \"12 ms\""},
+      {"in = microphone # why", "a.toml:1:6: 'microphone' needs quotes; write \"microphone\""},
+      {"range = [0, 60 dB]", "a.toml:1:13: '60 dB' needs quotes; write \"60 dB\""},
       {"a = 1\na = 2", "a.toml:2:5: cannot redefine existing integer 'a'; rename or remove one of them"},
       {"[n]\nx = 1\n[n]",
        "a.toml:3:1: cannot redefine existing table 'n'; put all that belongs to it under one heading, or "
        "rename "
        "one of them"},
       {"[nodes\nx = 1",
-       "a.toml:1:7: in this table header: expected ']', saw '\\n'; mend it to see what else there is"},
-      {"a = [1,", "a.toml:1:8: in this array: encountered end-of-file; mend it to see what else there is"},
-      {"a = \"x", "a.toml:1:7: in this string: encountered end-of-file; mend it to see what else there is"},
+       "a.toml:1:7: in this table header: expected ']', saw '\\n'; fix it to see further errors"},
+      {"a = [1,", "a.toml:1:8: in this array: encountered end-of-file; fix it to see further errors"},
+      {"a = \"x", "a.toml:1:7: in this string: encountered end-of-file; fix it to see further errors"},
       {"a = 1\nb = 'caf\xe9'", "a.toml:2:9: this is not UTF-8 text; save the file as UTF-8"},
       {"a = \"\xed\xa0\x80\"", "a.toml:1:6: this is not UTF-8 text; save the file as UTF-8"},
       {"a = [1, {x = 2]", "a.toml:1:15: ']' closes a '{'; write '}'"},
       {"a = [ }", "a.toml:1:7: '}' closes a '['; write ']'"},
-      {"a = ]",
-       "a.toml:1:5: in this key-value pair: expected value, saw ']'; mend it to see what else there is"},
+      {"a = ]", "a.toml:1:5: in this key-value pair: expected value, saw ']'; fix it to see further errors"},
       {"a = inf", "a.toml:1:5: inf and nan are not numbers here; give a finite number"},
       {"a = 2007-06-06",
        "a.toml:1:5: dates and times of day mean nothing here; put it in quotes if it is a text"},

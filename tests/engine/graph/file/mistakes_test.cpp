@@ -54,12 +54,12 @@ y = { from = "i + j + k + l + m_ + n + o + net.mass_.position" }
         R"(test.toml:3:5: 'i' in [inputs] must be a table, not a number; write i = { unit = "full scale" }
 test.toml:4:14: 'furlong' is not a unit; write units as "m/s", "N/m", "ms", "dB" or "full scale"
 test.toml:6:5: 'k' in [controls] must be a table, not a number; write k = { value = 0.5, range = [0, 1] }
-test.toml:7:1: control 'l' lacks 'value'; say where it starts, as in value = 0.5
+test.toml:7:1: control 'l' lacks 'value'; give its start value, as in value = 0.5
 test.toml:8:16: '3 N' is in N, but 'value' is in m; give "12 mm"
 test.toml:10:1: node 'n' has neither 'type' nor 'use'; is 'typ' meant as 'type'?
 test.toml:11:9: the expression ends too early; a number, a name or '(' belongs here
 test.toml:12:1: 'j' cannot name a node: it names an input in line 4; choose another name
-test.toml:14:1: element 'mass_' of network 'net' has no 'type'; say what it is, as in type = "mass")");
+test.toml:14:1: element 'mass_' of network 'net' has no 'type'; give its type, as in type = "mass")");
 }
 
 TEST_CASE("mistakes: in a section with a wrong name, nothing is missed", "[graph]") {
@@ -110,21 +110,21 @@ h = { type = "noise", seed = 1.5 }
 y = { form = "a", kind = "sound" }
 )") ==
         R"(test.toml:3:14: there is no node type 'lowpas'; did you mean 'low_pass'?
-test.toml:4:62: 'interpolation' of delay 'b' cannot be "cubik"; choose one of "none", "linear", "lagrange3", "lagrange5"
+test.toml:4:62: 'interpolation' of delay 'b' cannot be 'cubik'; there are 'none', 'linear', 'lagrange3' and 'lagrange5'
 test.toml:5:1: delay 'c' lacks 'in'; write in = … (signal to delay)
 test.toml:5:23: delay 'c' has no 'inn'; did you mean 'in'?
 test.toml:5:39: a signal cannot be true or false; give a number, a quantity such as "15 ms", or an expression such as "0.5 * x"
-test.toml:6:62: 'interpolation' of delay 'd' must be a string, not a number; choose one of "none", "linear", "lagrange3", "lagrange5"
+test.toml:6:62: 'interpolation' of delay 'd' must be a string, not a number; put it in quotes
 test.toml:7:28: 'b' has no output 'left'; `tactus nodes` lists the outputs of every type
 test.toml:8:27: a signal cannot be an empty list; give a number, a quantity such as "15 ms", or an expression such as "0.5 * x"
 test.toml:8:37: a spread over lanes lacks 'to'; write { from = …, to = …, curve = "linear" or "exponential" }
-test.toml:8:60: 'voices' cannot be 0; give one from 1 to 1024
+test.toml:8:60: 'voices' of clip 'f' cannot be 0; give one from 1 to 1024
 test.toml:9:46: '1 m' is in m, but 'points' is in s; give "15 ms"
 test.toml:9:57: 'points' of curve 'g' must hold pairs; write [[x, y], [x, y], …]
-test.toml:10:30: 'seed' of noise 'h' must be a whole number; give one without a point
-test.toml:12:1: output 'y' lacks 'from'; say what it gives out, as in from = "node"
+test.toml:10:30: 'seed' of noise 'h' must be a whole number; give one from 0 to 9007199254740992
+test.toml:12:1: output 'y' lacks 'from'; name its source, as in from = "node"
 test.toml:12:7: output 'y' has no 'form'; did you mean 'from'?
-test.toml:12:26: an output cannot be of kind 'sound'; write "drive" or "audio")");
+test.toml:12:26: 'kind' of output 'y' cannot be 'sound'; there are 'drive' and 'audio')");
 }
 
 TEST_CASE("mistakes: lanes", "[graph]") {
@@ -141,10 +141,10 @@ e = { type = "clip", in = { from = 0, to = 1, curve = "exponential" }, voices = 
 [outputs]
 y = { from = "a" }
 )") ==
-        R"(test.toml:4:18: 'lanes' cannot be 0; give one from 1 to 1024
+        R"(test.toml:4:18: 'lanes' of input 'many' cannot be 0; give one from 1 to 1024
 test.toml:6:6: 2 lanes meet 3; give both the same number of lanes, or put a 'mix' between them
 test.toml:8:28: a lane cannot be a list; a list holds one number, quantity or expression for each lane
-test.toml:9:51: a spread over lanes has no 'curve' like this; write { from = …, to = …, curve = "linear" or "exponential" }
+test.toml:9:51: 'curve' of a spread over lanes cannot be 'round'; there are 'linear' and 'exponential'
 test.toml:10:48: this is in s, but it ends a spread from what is in m; give both the same unit
 test.toml:11:27: an exponential spread cannot begin, end or pass at 0; give both ends the same sign, or take the linear curve)");
 }
@@ -162,21 +162,21 @@ h = { value = 1, rnage = [0, 2] }
 [delay]
 tested = ["40 ms", "0 m"]
 )") ==
-        R"(test.toml:3:15: control 'a' starts at 2, which is outside its range; it goes from 0 to 1
-test.toml:4:15: control 'b' starts at -70 dB, which is outside its range; it goes from -60 dB to 0 dB
-test.toml:5:28: 'range' of control 'c' is upside down; write the lower end first
+        R"(test.toml:3:15: control 'a' starts at 2, which is outside its range; it runs from 0 to 1
+test.toml:4:15: control 'b' starts at -70 dB, which is outside its range; it runs from -60 dB to 0 dB
+test.toml:5:28: 'range' of control 'c' has its ends in the wrong order; write the lower end first
 test.toml:6:32: '1 mm' is in m, but 'range' is in s; give "15 ms"
 test.toml:6:40: '20 mm' is in m, but 'range' is in s; give "15 ms"
 test.toml:7:28: 'range' of control 'e' must have two ends; write range = [low, high]
 test.toml:8:15: 'loud' is not a quantity; write a number and its unit, such as "15 ms"
-test.toml:9:27: 'smooth' cannot be negative; give a time, such as "10 ms"
+test.toml:9:27: 'smooth' of control 'g' cannot be -1 ms; it must be at least 0 s
 test.toml:10:18: control 'h' has no 'rnage'; did you mean 'range'?
 test.toml:12:20: '0 m' is in m, but 'tested' is in s; give "15 ms")");
   CompileOptions options;
   options.controls = {{"gain", 3.0}, {"loudness", 1.0}};
   CHECK(
       mistakes("format = 1\n[controls]\ngain = { value = \"1 V\", range = [\"0 V\", \"2 V\"] }\n", options) ==
-      R"(control 'gain' cannot be set to 3 V; it goes from 0 V to 2 V
+      R"(control 'gain' cannot be set to 3 V; it runs from 0 V to 2 V
 there is no control 'loudness'; this graph has 'gain')");
 }
 

@@ -1,7 +1,7 @@
-#include "engine/graph/file/nearest.h"
-
 #include <catch2/catch.hpp>
 #include <vector>
+
+#include "engine/graph/file/error_list.h"
 
 using tactus::nearest_name;
 

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "engine/graph/plan/passes.h"
+#include "engine/graph/plan/compile.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,7 +1,7 @@
-#include "engine/graph/plan/strong_components.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
+
+#include "engine/graph/plan/vertex_graph.h"
 
 using namespace tactus;
 

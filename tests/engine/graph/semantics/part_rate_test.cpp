@@ -50,12 +50,11 @@ TEST_CASE("part rate: what is no such rate is told with those nearby", "[graph]"
 }
 
 TEST_CASE("part rate: words about a rate stand beside one, and are known", "[graph]") {
-  CHECK(
-      told("between = \"line\"") ==
-      "test.toml:5:45: 'between' of part 'p' says nothing without a 'rate'; give the part a rate of its own, "
-      "or leave 'between' out");
+  CHECK(told("between = \"line\"") ==
+        "test.toml:5:45: 'between' of part 'p' has no effect without a 'rate'; give the part a rate of its "
+        "own, or remove 'between'");
   CHECK(told("rate = \"1/2\", take = \"first\"") ==
-        "test.toml:5:56: 'take' of part 'p' cannot be this; write \"last\" or \"mean\"");
+        "test.toml:5:56: 'take' of part 'p' cannot be 'first'; there are 'last' and 'mean'");
 }
 
 TEST_CASE("part rate: a part in a part divides the rate that is around it", "[graph]") {

@@ -273,7 +273,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 3]] }
 )",
-     R"(scene.toml:4:82: gesture 'rise' moves control 'strength' to 3, which is outside its range; it goes from 0 to 1)"},
+     R"(scene.toml:4:82: gesture 'rise' moves control 'strength' to 3, which is outside its range; it runs from 0 to 1)"},
     {"a control beyond its range",
      R"(format = 1
 duration = "1 s"
@@ -281,7 +281,7 @@ duration = "1 s"
 instrument = { use = "instrument.toml", mic = "plant.mic", pedal = 0, strength = 7 }
 plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 )",
-     R"(scene.toml:4:82: control 'strength' cannot be set to 7; it goes from 0 to 1)"},
+     R"(scene.toml:4:82: control 'strength' cannot be set to 7; it runs from 0 to 1)"},
     {"too many bits",
      R"(format = 1
 duration = "1 s"
@@ -455,7 +455,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 name = "soft"
 strength = 9
 )",
-     R"(scene.toml:8:1: control 'strength' cannot be set to 9; it goes from 0 to 1)"},
+     R"(scene.toml:8:1: control 'strength' cannot be set to 9; it runs from 0 to 1)"},
 };
 // clang-format on
 

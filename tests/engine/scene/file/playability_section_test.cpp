@@ -46,7 +46,7 @@ TEST_CASE("playability section: a tone has a pitch, a beginning and an end", "[s
   const auto loaded = folder.load(
       "kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"110 Hz\"\nbegin = \"50 ms\"\nto = \"3 s\"\nquiet = "
       "\"-40 dB\"\n");
-  CHECK(loaded.mistakes.empty());
+  CHECK(loaded.errors.empty());
   REQUIRE(loaded.scene->playability);
   CHECK(loaded.scene->playability->pitch_hz == 110);
   CHECK(loaded.scene->playability->begin_s == Approx(0.05));

@@ -83,7 +83,7 @@ plant = { use = "plant.toml", drive = 0, lift = "1 s" }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 2]] }
 )") ==
-      R"(scene.toml:4:72: gesture 'rise' moves control 'strength' to 2, which is outside its range; it goes from 0 to 1
+      R"(scene.toml:4:72: gesture 'rise' moves control 'strength' to 2, which is outside its range; it runs from 0 to 1
 scene.toml:5:50: 'lift' is in m, but this is in s; give a quantity in m)");
   CHECK(
       folder.mistakes(R"(format = 1
@@ -107,7 +107,7 @@ plant = { use = "plant.toml", drive = "instrument.anything", lift = "1 s" }
 some = { measure = "count", of = "instrument.anything", max = 3 }
 )") ==
         R"(scene.toml:5:70: 'lift' is in m, but this is in s; give a quantity in m
-broken.toml:2:8: in this table header: expected ']', saw '\n'; mend it to see what else there is)");
+broken.toml:2:8: in this table header: expected ']', saw '\n'; fix it to see further errors)");
   CHECK(folder.mistakes(R"(format = 1
 duration = "1 s"
 [parts]

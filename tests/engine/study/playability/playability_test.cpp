@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "engine/graph/file/entry_fields.h"
+#include "engine/graph/file/read_graph.h"
 #include "engine/nodes/table.h"
 #include "tests/support/temporary_folder.h"
 

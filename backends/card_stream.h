@@ -1,0 +1,52 @@
+#pragma once
+
+#include "backends/card_callback.h"
+
+namespace tactus {
+
+/// A stream on a sound library: its state, and the order in which callback and library start and stop.
+class CardStream : public Stream {
+ public:
+  explicit CardStream(StreamGranted granted) : granted_(std::move(granted)) {}
+
+  const StreamGranted& granted() const final { return granted_; }
+  Status start() final {
+    if (running_) return {};
+    if (lost())
+      return fail(Errc::Device, "", "'" + granted_.device + "' was disconnected",
+                  granted_.comes_back ? "open it again" : "end the program and start it again");
+    if (auto status = start_library(); !status) return status;
+    card().play();
+    running_ = true;
+    return {};
+  }
+  Status stop() final {
+    const bool finished = running_ && !lost() && card().finish();
+    if (!std::exchange(running_, false)) return {};
+    card().abandon();
+    return stop_library(finished);
+  }
+  StreamState state() const final {
+    if (lost()) return StreamState::Lost;
+    if (!running_) return StreamState::Stopped;
+    return card().stalled() ? StreamState::Stalled : StreamState::Running;
+  }
+  Health health() const final { return card().health(); }
+
+ protected:
+  bool running() const { return running_; }
+
+ private:
+  virtual CardCallback& card() const = 0;
+  /// [control] The device or its server went away.
+  virtual bool lost() const = 0;
+  /// [control] Blocks begin to flow. Errors: Device.
+  virtual Status start_library() = 0;
+  /// [control] No block comes any more. `finished`: the last block was played. Errors: Device.
+  virtual Status stop_library(bool finished) = 0;
+
+  StreamGranted granted_;
+  bool running_ = false;
+};
+
+}  // namespace tactus
