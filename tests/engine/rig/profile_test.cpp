@@ -132,7 +132,7 @@ TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]
   CHECK(to_string(raise_limit(limits, "ceiling", "0.7", "--raise-limit").error()) ==
         "--raise-limit: 'ceiling' is 0.8 as it is; a limit can only be raised here");
   CHECK(to_string(raise_limit(limits, "ceiling", "1.2", "--raise-limit").error()) ==
-        "--raise-limit: the ceiling of a drive lies outside (0, 1] full scale; give it as a fraction of what "
+        "--raise-limit: the ceiling of a drive is outside (0, 1] full scale; give it as a fraction of what "
         "the "
         "converter can put out");
   CHECK(to_string(raise_limit(limits, "travel", "8 mm", "--raise-limit").error()) ==
