@@ -104,8 +104,8 @@ class Backend {
 
   /// [any] "jack", "rtaudio", "offline": what `--backend` takes and device ids begin with.
   virtual std::string name() const = 0;
-  /// [control] Everything that `open` could open now. No device is an empty list; Errors: Device, when it is
-  /// not possible to tell, with what to do about it.
+  /// [control] Everything that `open` could open now. No device is an empty list; Errors: Device, when the
+  /// list is not available, with what to do about it.
   virtual Result<std::vector<Device>> devices() = 0;
   /// [control] Opens a device and calls `processor.prepare` with the granted format. `processor` must outlive
   /// the stream. Errors: UnknownName for the device; Device; BadArgument; those of `prepare`.

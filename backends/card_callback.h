@@ -69,7 +69,7 @@ class FrameWatch {
 class CardCallback {
  public:
   /// [control] `processor` is prepared for `granted.format` and outlives `abandon`. `request` has the channel
-  /// maps; `watch_clock`: the library does not say how many frames it lost.
+  /// maps; `watch_clock`: the library does not report how many frames it lost.
   CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted,
                bool watch_clock);
 
@@ -121,7 +121,7 @@ class CardCallback {
   std::atomic<std::int64_t> last_block_ns_{0};  ///< of the steady clock; when `play` began, until the first
   std::atomic<std::int64_t> last_gap_ns_{0};
   std::int64_t first_block_ns_ = 0;
-  std::int64_t frames_ = 0;  ///< since `play`, with those that the library said it lost
+  std::int64_t frames_ = 0;  ///< since `play`, with those that the library reported lost
   FrameWatch clock_;
   bool first_ = true;
   HealthMeter meter_;

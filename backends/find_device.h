@@ -19,14 +19,14 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
 /// mean.
 Result<Device> find_device(const std::vector<Device>& devices, const std::string& text);
 
-/// [any] Can `device` give what is asked for? Looks at rate, block, channels and channel maps of one
+/// [any] Can `device` give what is asked for? Checks rate, block, channels and channel maps of one
 /// direction or both. Errors: BadArgument, OutOfRange.
 Status fits(const StreamRequest& request, const Device& input, const Device& output);
 
 /// What a request comes to. Where one direction has no channels, both are the device of the other.
 struct DeviceChoice {
   std::size_t input = 0, output = 0;  ///< places in the list
-  StreamGranted granted;              ///< but for what only the driver knows
+  StreamGranted granted;              ///< without what only the driver reports
 };
 
 /// [any] The devices that `request` means, at the rate it asks for or else at the default one of the outputs.

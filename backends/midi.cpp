@@ -10,24 +10,19 @@ std::optional<MidiMessage> parse_midi(std::span<const std::uint8_t> bytes) noexc
   message.channel = 1 + (bytes[0] & 0x0f);
   message.number = bytes[1];
   message.value = bytes[2];
-  switch (bytes[0] & 0xf0) {
-    case 0x80:
-      message.kind = Kind::NoteOff;
-      return message;
-    case 0x90:  // a note that begins with velocity 0 ends
-      message.kind = message.value > 0 ? Kind::NoteOn : Kind::NoteOff;
-      return message;
-    case 0xb0:
-      message.kind = Kind::Controller;
-      return message;
-    case 0xe0:
-      message.kind = Kind::PitchBend;
-      message.value = bytes[1] + 128 * bytes[2];
-      message.number = 0;
-      return message;
-    default:
-      return std::nullopt;
+  const int type = bytes[0] & 0xf0;
+  if (type == 0x80 || (type == 0x90 && message.value == 0)) {  // a note that begins with velocity 0 ends
+    message.kind = Kind::NoteOff;
+  } else if (type == 0x90) {
+    message.kind = Kind::NoteOn;
+  } else if (type == 0xe0) {
+    message.kind = Kind::PitchBend;
+    message.value = bytes[1] + 128 * bytes[2];
+    message.number = 0;
+  } else if (type != 0xb0) {
+    return std::nullopt;
   }
+  return message;
 }
 
 }  // namespace tactus

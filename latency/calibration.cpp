@@ -15,12 +15,12 @@
 namespace tactus {
 namespace {
 
-constexpr double kLeastSnr = 20.0;       // dB
-constexpr double kMostLeft = 0.05;       // unexplained share that a profile may leave
-constexpr double kTail = 1e-7;           // of the energy, that is cut off at the end of the taps
-constexpr double kFlattest = 1e-5;       // of the probe's power: where nothing was played nothing is guessed
-constexpr double kQuietest = 1e-18;      // variance: -180 dBFS
-constexpr double kFirstSwing = 1.0 / 3;  // of the highest
+constexpr double kLeastSnr = 20.0;        // dB
+constexpr double kMaxUnexplained = 0.05;  // unexplained share that a profile may leave
+constexpr double kTail = 1e-7;            // of the energy, that is cut off at the end of the taps
+constexpr double kFlattest = 1e-5;        // of the probe's power: where nothing was played nothing is guessed
+constexpr double kQuietest = 1e-18;       // variance: -180 dBFS
+constexpr double kFirstSwing = 1.0 / 3;   // of the highest
 
 /// The card's whole frames are taken off by cutting later, the rest by turning the phase.
 CapturedWindow without_delay(ProbeWindows& windows, std::span<const double> captured, double delay,
@@ -75,7 +75,7 @@ std::optional<double> half_power(const std::vector<double>& power, std::size_t p
   return std::nullopt;
 }
 
-/// Of one resonance, half of the power is at f0 (sqrt(1 + 1 / 4Q²) ± 1 / 2Q): either side tells Q, both
+/// Of one resonance, half of the power is at f0 (sqrt(1 + 1 / 4Q²) ± 1 / 2Q): either side gives Q, both
 /// together best.
 std::optional<Resonance> resonance_of(const Spectrum& path, double hertz_per_bin, Hertz low, Hertz high) {
   std::vector<double> power(path.size(), 0.0);
@@ -113,7 +113,7 @@ Finding verdict_of(const Calibration& calibration, double electrical_frames) {
   if (calibration.analysis.snr_db < kLeastSnr)
     return {Verdict::LowSnr, "the noise is too strong to determine the path's shape",
             "play louder (within the actuator's limits), raise the sensor's gain, or find the noise"};
-  if (calibration.unexplained <= kMostLeft) return {};
+  if (calibration.unexplained <= kMaxUnexplained) return {};
   if (calibration.analysis.delay_frames < electrical_frames - 1.0)
     return {Verdict::NotFlat,
             fmt::format("it is captured {:.0f} frames before the card's own delay has passed",

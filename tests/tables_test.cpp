@@ -32,7 +32,6 @@ struct Exception {
 const std::vector<Exception> kExceptions = {
     {"engine/rig/profile.cpp", "slew", "a limit of an actuator"},
     {"engine/graph/semantics/bind.cpp", "curve", "a key of a spread over voices"},
-    {"engine/study/sweep/sweep.cpp", "delay", "the delay of a scene"},
 };
 
 std::vector<std::string> sources() {

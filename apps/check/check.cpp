@@ -166,7 +166,7 @@ Checked<std::vector<ExtremeRun>> run_all(const CheckJob& job, const StabilityVer
     if (!*run) return tl::unexpected(run->error());
     runs.push_back(std::move(**run));
   }
-  leave_out_play(runs);
+  exclude_player_energy(runs);
   return runs;
 }
 
@@ -176,7 +176,7 @@ int run_check(const CheckOptions& options) {
   std::vector<ExtremeRun> runs;
   auto verdict = [&] {
     Progress progress{"analysing the loops"};
-    return judge_stability(job.subject(), job.options, [&](double share) { progress(share); });
+    return analyse_stability(job.subject(), job.options, [&](double share) { progress(share); });
   }();
   if (!verdict) return report(verdict.error());
   if (!options.quick) {

@@ -10,7 +10,7 @@
 
 #include "apps/render/resample.h"
 #include "backends/wav_file.h"
-#include "engine/dsp/delays/taps_at_rate.h"
+#include "engine/dsp/delays/resample.h"
 #include "engine/scene/file/path_file.h"
 
 namespace tactus::app {

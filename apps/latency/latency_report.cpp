@@ -112,15 +112,15 @@ class Lines {
                    fmt::format(format, std::forward<Args>(args)...));
   }
   void blank() { text_ += '\n'; }
-  /// Words that may need several lines.
-  void wrap(const char* heading, const std::string& words) {
+  /// Text that may need several lines.
+  void wrap(const char* heading, const std::string& text) {
     constexpr std::size_t kWidth = 85;
     std::size_t at = 0;
-    while (at < words.size()) {
-      auto end = words.size();
-      if (end - at > kWidth) end = words.rfind(' ', at + kWidth);
-      if (end == std::string::npos || end <= at) end = words.size();
-      add(std::exchange(heading, ""), "{}", words.substr(at, end - at));
+    while (at < text.size()) {
+      auto end = text.size();
+      if (end - at > kWidth) end = text.rfind(' ', at + kWidth);
+      if (end == std::string::npos || end <= at) end = text.size();
+      add(std::exchange(heading, ""), "{}", text.substr(at, end - at));
       at = end + 1;
     }
   }
@@ -154,15 +154,15 @@ void add_openings(const LatencyReport& report, Lines& lines) {
   const auto& measurement = report.measurement;
   const auto& shown = *report.shown();
   if (report.live) {
-    std::string words;
+    std::string delays;
     bool numbers = false;
     for (const auto& opening : measurement.openings) {
       const bool ok = opening.finding.verdict == Verdict::Ok;
-      words += (words.empty() ? "" : "  ") + (ok ? fmt::format("{:.3f}", opening.analysis.delay_frames)
-                                                 : std::string{code(opening.finding.verdict)});
+      delays += (delays.empty() ? "" : "  ") + (ok ? fmt::format("{:.3f}", opening.analysis.delay_frames)
+                                                   : std::string{code(opening.finding.verdict)});
       numbers = numbers || ok;
     }
-    lines.wrap("openings", words + (numbers ? " [frames]" : ""));
+    lines.wrap("openings", delays + (numbers ? " [frames]" : ""));
   }
   if (measurement.openings.size() > 1 && report.ok())
     lines.add("spread", "{:.2g} frames over openings, {:.2g} over {} probes", measurement.spread_frames,
@@ -175,9 +175,9 @@ void add_openings(const LatencyReport& report, Lines& lines) {
 void add_driver(const LatencyReport& report, Lines& lines) {
   const auto& measurement = report.measurement;
   if (!measurement.reported_frames) return lines.add("driver", "no latency");
-  const double said = *measurement.reported_frames;
-  const double beside = said - measurement.delay_frames;
-  lines.add("driver", "{:.0f} frames{}", said,
+  const double reported = *measurement.reported_frames;
+  const double beside = reported - measurement.delay_frames;
+  lines.add("driver", "{:.0f} frames{}", reported,
             !report.ok()             ? ""
             : std::abs(beside) < 0.5 ? ", as measured"
                                      : fmt::format(": {:.1f} frames {} than measured", std::abs(beside),
@@ -185,15 +185,16 @@ void add_driver(const LatencyReport& report, Lines& lines) {
 }
 
 std::string detected_gaps(const Analysis& analysis) {
-  constexpr std::size_t kMost = 4;
+  constexpr std::size_t kMaxSteps = 4;
   const auto& steps = analysis.steps;
   if (steps.empty()) return analysis.compared ? "none detected" : "not known";
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMost, steps.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMaxSteps, steps.size()); ++i)
     text += fmt::format("{}{} {:.0f} frames at {:.2f} s", i == 0 ? "" : ", ",
                         steps[i].frames < 0 ? "lost" : "repeated", std::abs(steps[i].frames),
                         static_cast<double>(steps[i].frame) / analysis.sample_rate.value);
-  return steps.size() > kMost ? text + fmt::format(", and {} times more", steps.size() - kMost) : text;
+  return steps.size() > kMaxSteps ? text + fmt::format(", and {} times more", steps.size() - kMaxSteps)
+                                  : text;
 }
 
 void add_gaps(const LatencyReport& report, Lines& lines) {

@@ -53,7 +53,7 @@ int first_channel(const Ports& ports) {
   return 1;
 }
 
-/// What is connected to an output, from 1, as far as the rig knows; nullptr: nothing.
+/// What is connected to an output, from 1, as far as the rig has it; nullptr: nothing.
 const RigOutput* port_on(const Rig& rig, int channel) {
   if (const auto* actuator = rig.actuator_on(channel)) return actuator;
   for (const auto& output : rig.outputs)

@@ -47,7 +47,7 @@ Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSe
 /// "jack:system, 48 kHz, 64 frames a block, 2 periods; output 1 to input 1"
 std::string source_text(const MeasureSettings& settings, const StreamGranted& granted);
 
-/// The level that an option says, in dBFS: "-12", "-12 dB", "-12 dBFS". Errors: Syntax, OutOfRange above 0.
+/// The level in an option, in dBFS: "-12", "-12 dB", "-12 dBFS". Errors: Syntax, OutOfRange above 0.
 Result<double> parse_level(const std::string& text, const char* option);
 /// A sample rate that a card may have. Errors: Syntax, OutOfRange.
 Result<Hertz> parse_rate(const std::string& text, const char* option);

@@ -68,7 +68,7 @@ Json entry_json(const ElementField& field) {
             {"required", !field.fallback && !field.optional}};
   if (field.fallback) json["default"] = *field.fallback;
   add_range(json, field.low, field.high);
-  json["constant"] = !field.signal;
+  json["constant"] = field.fixed;
   return json;
 }
 

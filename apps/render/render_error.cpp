@@ -4,7 +4,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/study/work_precision_report.h"
+#include "apps/study/reports.h"
 #include "engine/nodes/table.h"
 
 namespace tactus::app {

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/study/playability_report.h"
-#include "apps/study/study_commands.h"
+#include "apps/study/reports.h"
 #include "apps/study/sweep_options.h"
 #include "engine/nodes/table.h"
-#include "engine/study/playability/playability_plot.h"
 
 namespace tactus::app {
 namespace {
@@ -53,30 +50,22 @@ Result<PlayabilityOptions> study_options(const PlayabilityArguments& options, Sc
   return PlayabilityOptions{std::move(*plan), std::move(*delays)};
 }
 
-int publish(const PlayabilityStudy& study, const PlayabilityArguments& options) {
-  Status written;
-  if (!options.picture.empty()) written = write_picture(options.picture, study);
-  if (options.json)
-    fmt::print("{}\n", json_of(study).dump(2));
-  else
-    fmt::print("{}", text_of(study));
-  if (!written) return report(written.error());
-  const auto verdicts = study.verdicts();
-  return std::all_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.playable; }) ? kDone
-                                                                                                 : kNo;
-}
-
 int run_playability(const PlayabilityArguments& options) {
-  const auto file = resolve_target(options.target, "scene.toml");
-  auto scene = load_scene(file, root_of(file));
+  auto scene = load_target(options);
   if (!scene) return report(scene.error());
   auto plan = study_options(options, *scene);
   if (!plan) return report(plan.error()), kUsage;
-  SweepMonitor monitor{*scene, *plan};
+  SweepMonitor monitor{scene->name, *plan};
   const auto study = study_playability(*scene, standard_nodes(), *plan);
   if (!study) return report(study.error());
-  if (const auto exit = monitor.end(study->finished(), study->runs.size())) return *exit;
-  return publish(*study, options);
+  if (const auto exit = monitor.end(study->finished(), std::ssize(study->runs))) return *exit;
+  if (const int failed = publish(options, text_of(*study), json_of(*study), plots_of(*study),
+                                 study->over.size() > 1 ? 2 : 1))
+    return failed;
+  const auto verdicts = study->verdicts();
+  const bool playable =
+      std::all_of(verdicts.begin(), verdicts.end(), [](const auto& v) { return v.playable; });
+  return playable ? kDone : kNo;
 }
 
 }  // namespace
@@ -84,7 +73,7 @@ int run_playability(const PlayabilityArguments& options) {
 void add_study_playability(CLI::App& study, int& exit_code) {
   auto* command = study.add_subcommand("playability", "Playability of a scene over the delay");
   auto options = std::make_shared<PlayabilityArguments>();
-  command->add_option("SCENE", options->target, "scene with [playability]; a folder means its scene.toml")
+  add_study_options(*command, *options, "scene with [playability]; a folder means its scene.toml")
       ->required();
   command->add_option("--delay", options->delay, "FROM:TO:STEP, or one")->capture_default_str();
   add_sweep_options(*command, *options);

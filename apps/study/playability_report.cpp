@@ -1,12 +1,9 @@
-#include "apps/study/playability_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
-#include "engine/study/playability/playability_plot.h"
+#include "apps/study/reports.h"
 
 namespace tactus::app {
 namespace {
@@ -15,46 +12,26 @@ using Json = nlohmann::ordered_json;
 
 std::string ms(double seconds) { return fmt::format("{:.4g}", 1e3 * seconds); }
 
-char letter_of(const PlayabilityStudy& study, const PlayedRun& run) {
-  const auto& kinds = run_kinds(study.kind);
-  return std::find_if(kinds.begin(), kinds.end(),
-                      [&](const RunKind& kind) { return kind.name == run.result->kind; })
-      ->letter;
-}
-
-/// The setting of a run: "strength 0.2, weight x 0.5".
-std::string place_of(const PlayabilityStudy& study, const PlayedRun& run) {
-  std::string text;
-  for (std::size_t i = 0; i < run.at.size(); ++i) {
-    const auto& swept = study.over[i];
-    const auto value = std::find_if(swept.values.begin(), swept.values.end(),
-                                    [&](const ControlValue& v) { return v.si == run.at[i]; });
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", swept.name,
-                        value_text(swept, static_cast<std::size_t>(value - swept.values.begin())));
-  }
-  return text;
-}
-
 // ---- the table
 
-std::string head(const PlayabilityStudy& study) {
-  auto text = fmt::format("{:>8}  {:8}  {:>5}  {:<10}", "delay ms", "playable", "score", "kind");
-  for (const auto& type : measure_columns(study.kind))
-    text += fmt::format("  {:>{}}", type.head, std::max<std::size_t>(type.head.size(), 6));
-  if (study.variants.size() > 1) text += "  others";
-  return text + (study.over.empty() ? "\n" : "  worst at\n");
+std::vector<std::string> head(const PlayabilityStudy& study) {
+  std::vector<std::string> names{"delay ms", "playable", "score", "kind"};
+  for (const auto& type : measure_columns(study.kind)) names.push_back(type.head);
+  if (study.variants.size() > 1) names.emplace_back("others");
+  if (!study.over.empty()) names.emplace_back("worst at");
+  return names;
 }
 
-std::string row(const PlayabilityStudy& study, const DelayVerdict& verdict) {
+std::vector<std::string> row(const PlayabilityStudy& study, const DelayVerdict& verdict) {
   const auto& run = study.runs[verdict.worst];
-  auto text = fmt::format("{:>8}  {:8}  {:>5.2f}  {:<10}", ms(verdict.delay_s),
-                          verdict.playable ? "yes" : "no", verdict.score, run.result->kind);
+  std::vector<std::string> cells{ms(verdict.delay_s), verdict.playable ? "yes" : "no",
+                                 fmt::format("{:.2f}", verdict.score), run.result->kind};
   const auto& types = measure_columns(study.kind);
   for (std::size_t i = 0; i < types.size(); ++i)
-    text += fmt::format("  {:>{}.{}f}", run.result->readings[i],
-                        std::max<std::size_t>(types[i].head.size(), 6), types[i].digits);
-  if (verdict.varied > 0) text += fmt::format("  {}/{}", verdict.varied_good, verdict.varied);
-  return text + (study.over.empty() ? "" : "  " + place_of(study, run)) + "\n";
+    cells.push_back(fmt::format("{:.{}f}", run.result->readings[i], types[i].digits));
+  if (study.variants.size() > 1) cells.push_back(fmt::format("{}/{}", verdict.varied_good, verdict.varied));
+  if (!study.over.empty()) cells.push_back(setting_text(study.over, run.at));
+  return cells;
 }
 
 constexpr std::size_t kMostMaps = 6;
@@ -65,18 +42,18 @@ char worst_letter(const PlayabilityStudy& study, std::size_t first, std::size_t 
   for (auto i = first; i < first + count; ++i)
     if (study.runs[i].as_written() && study.runs[i].result->score < study.runs[worst].result->score)
       worst = i;
-  return letter_of(study, study.runs[worst]);
+  return run_kinds(study.kind)[study.kind_of(study.runs[worst])].letter;
 }
 
 /// Rows of letters, one for each value of a quantity.
 std::string map_text(const SweptValue& upwards, const std::string& across,
                      const std::function<std::string(std::size_t)>& row_of) {
+  const auto values = value_texts(upwards);
   std::size_t widest = upwards.name.size();
-  for (std::size_t r = 0; r < upwards.values.size(); ++r)
-    widest = std::max(widest, value_text(upwards, r).size());
+  for (const auto& value : values) widest = std::max(widest, value.size());
   auto text = fmt::format("\n{:>{}}  {}\n", upwards.name, widest, across);
-  for (std::size_t r = upwards.values.size(); r-- > 0;)
-    text += fmt::format("{:>{}}  {}\n", value_text(upwards, r), widest, row_of(r));
+  for (std::size_t r = values.size(); r-- > 0;)
+    text += fmt::format("{:>{}}  {}\n", values[r], widest, row_of(r));
   return text;
 }
 
@@ -95,8 +72,9 @@ std::string map_over_delay(const PlayabilityStudy& study) {
 /// At one delay: the first quantity across, the second upwards.
 std::string map_at_delay(const PlayabilityStudy& study, std::size_t delay) {
   const auto& first = study.over[0];
-  const auto across = fmt::format("at {} ms, {} {} to {}", ms(study.delays_s[delay]), first.name,
-                                  value_text(first, 0), value_text(first, first.values.size() - 1));
+  const auto across =
+      fmt::format("at {} ms, {} {} to {}", ms(study.delays_s[delay]), first.name,
+                  value_text(first, first.values.front().si), value_text(first, first.values.back().si));
   const auto rows = study.over[1].values.size(), variants = study.variants.size();
   return map_text(study.over[1], across, [&](std::size_t row) {
     std::string letters;
@@ -131,17 +109,16 @@ std::string ranges(const std::vector<DelayVerdict>& verdicts, bool playable) {
                                : "from " + ms(verdicts[i].delay_s) + " to " + ms(verdicts[end].delay_s));
     i = end + 1;
   }
-  std::string text;
-  for (std::size_t i = 0; i < found.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == found.size() ? " and " : ", ") + found[i];
-  return text + " ms";
+  const auto last = found.back();
+  found.pop_back();
+  return fmt::format("{}{}{} ms", fmt::join(found, ", "), found.empty() ? "" : " and ", last);
 }
 
 std::string lacking(const PlayabilityStudy& study, const DelayVerdict& verdict) {
   const auto& run = study.runs[verdict.worst];
   auto text = fmt::format("{}, score {:.2f}", run.result->kind, run.result->score);
   if (study.over.empty() && verdict.varied == 0) return text;
-  if (!study.over.empty()) text += " at " + place_of(study, run);
+  if (!study.over.empty()) text += " at " + setting_text(study.over, run.at);
   if (verdict.varied > 0)
     text += fmt::format("; {} of {} other actuators and plants", verdict.varied_good, verdict.varied);
   return text;
@@ -170,7 +147,7 @@ std::string describe_settings(const PlayabilityStudy& study, const std::string& 
                                       : fmt::format("{} of {} settings are playable at every delay, not ",
                                                     count - failing.size(), count);
   for (std::size_t i = 0; failing.size() < count && i < std::min(failing.size(), kMostNamed); ++i)
-    text += (i == 0 ? "" : " / ") + place_of(study, *failing[i]);
+    text += (i == 0 ? "" : " / ") + setting_text(study.over, failing[i]->at);
   if (failing.size() < count && failing.size() > kMostNamed)
     text += fmt::format(" and {} more", failing.size() - kMostNamed);
   const auto good = std::count_if(study.runs.begin(), study.runs.end(),
@@ -197,11 +174,10 @@ std::string describe_verdict(const PlayabilityStudy& study) {
 }
 
 std::string text_of(const PlayabilityStudy& study) {
-  const auto verdicts = study.verdicts();
-  auto text = fmt::format("{}\n\n{}", study.scene, head(study));
-  for (const auto& verdict : verdicts) text += row(study, verdict);
-  if (!study.over.empty()) text += maps_text(study);
-  return text + "\n" + describe_verdict(study) + "\n";
+  Table table{{head(study)}};
+  for (const auto& verdict : study.verdicts()) table.rows.push_back(row(study, verdict));
+  return study.scene + "\n\n" + table.text() + (study.over.empty() ? "" : maps_text(study)) + "\n" +
+         describe_verdict(study) + "\n";
 }
 
 Json json_of(const PlayabilityStudy& study) {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/cli/commands.h"
-#include "apps/study/study_commands.h"
+#include "apps/study/sweep_options.h"
 
 namespace tactus::app {
 

@@ -134,7 +134,7 @@ Result<SweptValue> read_swept(const std::string& text, const SceneSpec& scene) {
 }
 
 /// "2/4": the second of four shares.
-Status read_part(const std::string& text, SweepPlan& plan) {
+Status read_part(const std::string& text, RunPlan& plan) {
   if (text.empty()) return {};
   int part = 0, parts = 0, read = 0;
   const bool whole = std::sscanf(text.c_str(), "%d/%d%n", &part, &parts, &read) == 2 &&
@@ -178,22 +178,9 @@ Status check_swept_once(const SweepPlan& plan) {
 Status read_variants(const SweepOptions& options, SweepPlan& plan) {
   plan.draws = options.draws;
   plan.seed = options.seed;
-  const auto within = parse_option(options.within, "", "within");
-  if (!within) return tl::unexpected(within.error());
-  if (!(*within > 0 && *within < 1))
-    return fail(Errc::OutOfRange, "--within", "must lie above 0 and below 100 %", "");
-  plan.within = *within;
+  if (auto status = read_option(options.within, "", "within", 1e-6, 0.999999, plan.within); !status)
+    return status;
   return read_gain(options.gain, plan);
-}
-
-Status read_duration(const SweepOptions& options, SceneSpec& scene) {
-  if (options.duration.empty()) return {};
-  const auto duration = parse_option(options.duration, "s", "duration");
-  if (!duration) return tl::unexpected(duration.error());
-  if (!(*duration >= 1e-3 && *duration <= 3600))
-    return fail(Errc::OutOfRange, "--duration", "is too short or too long", "choose 1 ms to an hour");
-  scene.duration = Seconds{*duration};
-  return {};
 }
 
 std::string remaining_text(double seconds) {
@@ -203,6 +190,52 @@ std::string remaining_text(double seconds) {
 }
 
 }  // namespace
+
+Status read_option(const std::string& text, const char* unit, const char* name, double least, double most,
+                   double& value) {
+  if (text.empty()) return {};
+  const auto given = parse_option(text, unit, name);
+  if (!given) return tl::unexpected(given.error());
+  if (!(*given >= least && *given <= most))
+    return fail(Errc::OutOfRange, std::string{"--"} + name, "'" + text + "' is out of range",
+                fmt::format("choose {:g} to {:g} {}", least, most, unit));
+  value = *given;
+  return {};
+}
+
+CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const std::string& scene) {
+  command.add_option("--svg,--report", options.picture, "the plots, an SVG file")->check(writable_file());
+  command.add_flag("--json", options.json, "for machines");
+  return command.add_option("SCENE", options.target, scene);
+}
+
+Checked<SceneSpec> load_target(const StudyOptions& options) {
+  const auto file = resolve_target(options.target, "scene.toml");
+  return load_scene(file, root_of(file));
+}
+
+int publish(const StudyOptions& options, const std::string& text, const nlohmann::ordered_json& json,
+            const std::vector<Plot>& page, int columns) {
+  fmt::print("{}", options.json ? json.dump(2) + "\n" : text);
+  if (options.picture.empty()) return kDone;
+  if (const auto written = write_svg(options.picture, page, columns); !written)
+    return report(written.error());
+  if (!options.json) fmt::print("plot: {}\n", options.picture);
+  return kDone;
+}
+
+void add_run_options(CLI::App& command, RunOptions& options) {
+  command.add_option("--keep", options.cache, "folder of finished runs, which are not executed again")
+      ->check(writable_folder());
+  command.add_option("--part", options.part, "I/N: executes only that part of the runs, into --keep");
+  command.add_option("--workers", options.workers, "threads; [one per core]")->check(CLI::Range(1, 1024));
+}
+
+Status read_run_plan(const RunOptions& options, RunPlan& plan) {
+  plan.workers = options.workers;
+  plan.cache = options.cache;
+  return read_part(options.part, plan);
+}
 
 void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command
@@ -222,18 +255,11 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command.add_option("--within", options.within, "largest deviation of a quantity of the plant in a draw")
       ->capture_default_str();
   command.add_option("--seed", options.seed, "of the draws")->capture_default_str();
-  command.add_option("--keep", options.cache, "folder of finished runs, which are not played again")
-      ->check(writable_folder());
-  command.add_option("--part", options.part, "I/N: plays only that part of the runs, into --keep");
-  command.add_option("--workers", options.workers, "threads; [one per core]")->check(CLI::Range(1, 1024));
-  command.add_option("--svg", options.picture, "the plot, an SVG file")->check(writable_file());
-  command.add_flag("--json", options.json, "for machines");
+  add_run_options(command, options);
 }
 
 Result<SweepPlan> read_plan(const SweepOptions& options, SceneSpec& scene) {
   SweepPlan plan;
-  plan.workers = options.workers;
-  plan.cache = options.cache;
   for (const auto& text : options.over) {
     auto swept = read_swept(text, scene);
     if (!swept) return tl::unexpected(swept.error());
@@ -243,20 +269,19 @@ Result<SweepPlan> read_plan(const SweepOptions& options, SceneSpec& scene) {
   if (!set) return tl::unexpected(set.error());
   plan.set = std::move(*set);
   auto status = check_swept_once(plan);
-  if (status) status = read_duration(options, scene);
-  if (status) status = read_part(options.part, plan);
+  if (status) status = read_option(options.duration, "s", "duration", 1e-3, 3600, scene.duration.value);
+  if (status) status = read_run_plan(options, plan);
   if (status) status = read_variants(options, plan);
   if (!status) return tl::unexpected(status.error());
   return plan;
 }
 
-SweepMonitor::SweepMonitor(const SceneSpec& scene, SweepPlan& plan)
-    : plan_(plan), progress_("sweep of " + scene.name) {
+SweepMonitor::SweepMonitor(const std::string& name, RunPlan& plan)
+    : plan_(plan), progress_("sweep of " + name) {
   using Clock = std::chrono::steady_clock;
   install_signal_handlers();
   plan.stop = interrupted;
-  plan.progress = [this, name = scene.name, start = Clock::now(),
-                   shown_s = std::make_shared<double>(0)](double share) {
+  plan.progress = [this, name, start = Clock::now(), shown_s = std::make_shared<double>(0)](double share) {
     const double passed_s = std::chrono::duration<double>(Clock::now() - start).count();
     if (share < 1 && passed_s < *shown_s + 1) return;  // once a second
     *shown_s = passed_s;
@@ -264,12 +289,12 @@ SweepMonitor::SweepMonitor(const SceneSpec& scene, SweepPlan& plan)
   };
 }
 
-std::optional<int> SweepMonitor::end(std::ptrdiff_t finished, std::size_t runs) {
+std::optional<int> SweepMonitor::end(std::ptrdiff_t finished, std::ptrdiff_t runs) {
   progress_.reset();
-  if (interrupted() && finished < static_cast<std::ptrdiff_t>(runs)) {
+  if (interrupted() && finished < runs) {
     fmt::print(stderr, "interrupted after {} of {} runs; {}\n", finished, runs,
                plan_.cache.empty()
-                   ? "nothing was kept: with --keep FOLDER an interrupted sweep can be resumed"
+                   ? "no runs were stored: with --keep FOLDER an interrupted sweep can be resumed"
                    : "the same command resumes it");
     return kInterrupted;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,13 +22,45 @@ Result<std::vector<ControlValue>> parse_steps(const std::string& text, const std
 /// sign, and are not 0.
 Result<std::vector<ControlValue>> parse_spread(const std::string& text, const std::string& option);
 
-/// Options that every sweep of a scene has.
-struct SweepOptions {
-  std::string target, gain, within = "20 %", duration, part, cache, picture;
-  std::vector<std::string> over, set;
-  int draws = 0, workers = 0;
-  std::uint64_t seed = 1;
+// Each adds itself below `tactus study`.
+void add_study_work_precision(CLI::App& study, int& exit_code);
+void add_study_stability(CLI::App& study, int& exit_code);
+void add_study_playability(CLI::App& study, int& exit_code);
+void add_study_bifurcation(CLI::App& study, int& exit_code);
+
+/// Reads a quantity such as "9 g" of --name into `value`, if it is given. Errors: of the text; OutOfRange.
+Status read_option(const std::string& text, const char* unit, const char* name, double least, double most,
+                   double& value);
+
+/// Options of every study.
+struct StudyOptions {
+  std::string target, picture;
   bool json = false;
+};
+/// SCENE, --svg (also --report) and --json. `scene`: the help of SCENE.
+CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const std::string& scene);
+/// The scene of --target, or the scene.toml of that folder.
+Checked<SceneSpec> load_target(const StudyOptions& options);
+/// Prints a report, as JSON with --json, and writes its plots to --svg. Returns an exit code.
+int publish(const StudyOptions& options, const std::string& text, const nlohmann::ordered_json& json,
+            const std::vector<Plot>& page, int columns = 1);
+
+/// Options of studies that execute many runs.
+struct RunOptions : StudyOptions {
+  std::string part, cache;
+  int workers = 0;
+};
+/// --keep, --part, --workers.
+void add_run_options(CLI::App& command, RunOptions& options);
+/// Errors: Syntax, Missing.
+Status read_run_plan(const RunOptions& options, RunPlan& plan);
+
+/// Options of every sweep of a scene.
+struct SweepOptions : RunOptions {
+  std::string gain, within = "20 %", duration;
+  std::vector<std::string> over, set;
+  int draws = 0;
+  std::uint64_t seed = 1;
 };
 void add_sweep_options(CLI::App& command, SweepOptions& options);
 
@@ -38,12 +71,12 @@ Result<SweepPlan> read_plan(const SweepOptions& options, SceneSpec& scene);
 /// Progress with the remaining time, and the end by Ctrl-C, for a plan.
 class SweepMonitor {
  public:
-  SweepMonitor(const SceneSpec& scene, SweepPlan& plan);
+  SweepMonitor(const std::string& name, RunPlan& plan);
   /// Ends the progress bar. The exit code if the runs are not all of the sweep, with a message.
-  std::optional<int> end(std::ptrdiff_t finished, std::size_t runs);
+  std::optional<int> end(std::ptrdiff_t finished, std::ptrdiff_t runs);
 
  private:
-  const SweepPlan& plan_;
+  const RunPlan& plan_;
   std::optional<Progress> progress_;
 };
 

@@ -1,9 +1,9 @@
-#include "apps/study/wall_report.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <functional>
+
+#include "apps/study/reports.h"
 
 namespace tactus::app {
 namespace {
@@ -35,57 +35,59 @@ std::string describe(const MappedDevice& mapped) {
   return text + "\n";
 }
 
-std::string head(const WallMap& map, const std::string& what) {
-  auto text = fmt::format("{:<26}", what);
-  for (const auto& mapped : map.devices) text += fmt::format("{:>16}", mapped.name);
-  return text + fmt::format("{:>16}\n", map.devices.front().name + ", passive");
+/// A row of limits, one for each device, and what is passive for the first.
+std::vector<std::string> row_of(const std::string& name, const std::vector<WallLimit>& limits) {
+  std::vector<std::string> row{name};
+  for (const auto& limit : limits) row.push_back(n_per_m(limit.stiffest));
+  row.push_back(n_per_m(limits.front().passive));
+  return row;
+}
+
+Table table_of(const WallMap& map, const std::string& what) {
+  Table table{{{what}}};
+  for (const auto& mapped : map.devices) table.rows[0].push_back(mapped.name);
+  table.rows[0].push_back(map.devices.front().name + ", passive");
+  return table;
 }
 
 std::string curve_text(const WallMap& map, const Curves& curves, const std::string& what,
                        const std::function<std::string(const WallLimit&)>& name) {
-  auto text = head(map, what);
+  auto table = table_of(map, what);
   const auto last = curves.front().size() - 1;
   for (std::size_t i = 0; i <= last; i = i == last ? last + 1 : std::min(last, i + kRows)) {
-    text += fmt::format("  {:<24}", name(curves.front()[i]));
-    for (const auto& curve : curves) text += fmt::format("{:>16}", n_per_m(curve[i].stiffest));
-    text += fmt::format("{:>16}\n", n_per_m(curves.front()[i].passive));
+    std::vector<WallLimit> limits;
+    for (const auto& curve : curves) limits.push_back(curve[i]);
+    table.rows.push_back(row_of(name(limits.front()), limits));
   }
-  return text;
+  return "\n" + table.text();
 }
 
 std::string controllers_text(const WallMap& map) {
-  auto text = head(map, "controllers");
-  for (const auto& [controller, limits, fixed] : map.controllers) {
-    text += fmt::format("  {:<24}",
-                        fmt::format("{} {} {}", controller.name, hz(controller.rate), ms(controller.delay)));
-    for (const auto& limit : limits) text += fmt::format("{:>16}", n_per_m(limit.stiffest));
-    text += fmt::format("{:>16}\n", n_per_m(limits.front().passive));
-  }
-  return text;
+  auto table = table_of(map, "controllers");
+  for (const auto& [controller, limits, fixed] : map.controllers)
+    table.rows.push_back(
+        row_of(fmt::format("{} {} {}", controller.name, hz(controller.rate), ms(controller.delay)), limits));
+  return "\n" + table.text();
 }
 
 std::string fixed_point_text(const MappedController& mapped) {
   if (!mapped.fixed_point) return {};
   const auto& fixed = *mapped.fixed_point;
   return fmt::format(
-      "  {} reckons in {} bits: force in steps of {:.3g} mN, stiffness in steps of {}; the motor's limit is "
-      "reached\n  {:.2g} mm deep. In the simulation its border lies at {} with the encoder alone, at {} with "
-      "the bits too.\n",
+      "  {} computes in {} bits: force in steps of {:.3g} mN, stiffness in steps of {}; the motor's limit is "
+      "reached\n  {:.2g} mm deep. In the simulation the border is {} with the encoder alone, {} with the "
+      "bits "
+      "too.\n",
       mapped.controller.name, mapped.controller.bits, 1e3 * fixed.force_step, n_per_m(fixed.stiffness_step),
       1e3 * fixed.full_depth, n_per_m(fixed.with_encoder), n_per_m(fixed.with_bits));
 }
 
-/// Nothing where the position has no steps.
+/// Empty if the position has no steps.
 std::string friction_text(double limit) {
   if (!std::isfinite(limit)) return {};
-  if (limit > 0)
-    return fmt::format("\nDry friction stills what the steps of the encoder stir, up to {}.\n",
-                       n_per_m(limit));
-  return "\nWithout dry friction a hand that leans between two steps of the encoder feels every wall "
-         "tremble.\n";
+  if (limit > 0) return fmt::format("\nDry friction suppresses encoder noise up to {}.\n", n_per_m(limit));
+  return "\nWithout dry friction every wall oscillates around the steps of the encoder.\n";
 }
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 const char* name_of(LoopTrend trend) {
   return trend == LoopTrend::Decays ? "decays" : trend == LoopTrend::Grows ? "grows" : "undecided";
@@ -118,13 +120,9 @@ Json part_json(const MappedController& mapped, const std::vector<MappedDevice>& 
   return json;
 }
 
-double delay_of(const WallLimit& limit) { return limit.loop.delay.value; }
-double rate_of(const WallLimit& limit) { return limit.loop.rate.value; }
-
 PlotSeries series_of(const std::string& label, const std::vector<WallLimit>& limits, const Abscissa& x,
                      double WallLimit::*y) {
-  PlotSeries series;
-  series.label = label;
+  PlotSeries series{.label = label};
   for (const auto& limit : limits) {
     series.x.push_back(x(limit));
     series.y.push_back(limit.*y);
@@ -165,18 +163,17 @@ Plot plot_of(const WallMap& map, const Curves& curves, const Abscissa& x, PlotAx
 }  // namespace
 
 std::string text_of(const WallMap& map) {
-  std::string text = "The stiffest wall that does not explode\n";
+  std::string text = "The stiffest stable wall\n";
   for (const auto& mapped : map.devices) text += describe(mapped);
-  text += "\n" + curve_text(map, map.by_delay, "delay, at " + hz(map.rate),
-                            [](const WallLimit& limit) { return ms(limit.loop.delay); });
-  text += "\n" + curve_text(map, map.by_rate, "rate, one frame of delay",
-                            [](const WallLimit& limit) { return hz(limit.loop.rate); });
-  text += "\n" + controllers_text(map);
+  text += curve_text(map, map.by_delay, "delay, at " + hz(map.rate),
+                     [](const WallLimit& limit) { return ms(limit.loop.delay); });
+  text += curve_text(map, map.by_rate, "rate, one frame of delay",
+                     [](const WallLimit& limit) { return hz(limit.loop.rate); });
+  text += controllers_text(map);
   for (const auto& controller : map.controllers) text += fixed_point_text(controller);
   return text + friction_text(map.friction_limit) +
          fmt::format(
-             "\n{} of {} borders confirmed: at 0.98 of each the simulation decays, at 1.02 it "
-             "grows.\n",
+             "\n{} of {} borders confirmed: at 0.98 of each the simulation decays, at 1.02 it grows.\n",
              map.confirmed(), map.borders());
 }
 
@@ -192,27 +189,29 @@ Json json_of(const WallMap& map) {
                                {"damping_n_s_per_m", device.damping},
                                {"friction_n", device.friction},
                                {"step_m", device.quantum},
-                               {"force_limit_n", number(device.force_limit)}});
+                               {"force_limit_n", device.force_limit}});
     json["by_delay"][name] = part_json(map.by_delay[d]);
     json["by_rate"][name] = part_json(map.by_rate[d]);
   }
   for (const auto& controller : map.controllers)
     json["controllers"].push_back(part_json(controller, map.devices));
-  json["friction_limit_n_per_m"] = number(map.friction_limit);
+  json["friction_limit_n_per_m"] = map.friction_limit;
   json["borders"] = map.borders();
   json["confirmed"] = map.confirmed();
   return json;
 }
 
-std::vector<Plot> picture_of(const WallMap& map) {
-  auto by_delay = plot_of(map, map.by_delay, delay_of, {.label = "delay from sensor to motor", .unit = "s"});
+std::vector<Plot> plots_of(const WallMap& map) {
+  auto by_delay = plot_of(map, map.by_delay, [](const WallLimit& limit) { return limit.loop.delay.value; },
+                          {.label = "delay from sensor to motor", .unit = "s"});
   by_delay.title = "The stiffest stable wall";
   by_delay.subtitle = fmt::format(
       "Over the delay: curves at {}; over the rate: curves with one frame of delay. Diamonds: controllers, "
       "each with its own rate and delay, for the device '{}'. {} of {} borders confirmed by simulation on "
       "both sides.",
       hz(map.rate), map.devices.front().name, map.confirmed(), map.borders());
-  return {by_delay, plot_of(map, map.by_rate, rate_of, {.label = "sample rate", .unit = "Hz"})};
+  return {by_delay, plot_of(map, map.by_rate, [](const WallLimit& limit) { return limit.loop.rate.value; },
+                            {.label = "sample rate", .unit = "Hz"})};
 }
 
 }  // namespace tactus::app

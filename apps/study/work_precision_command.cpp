@@ -1,33 +1,27 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <optional>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/writable.h"
 #include "apps/play/play_report.h"
-#include "apps/study/study_commands.h"
-#include "apps/study/work_precision_report.h"
-#include "engine/graph/file/error_list.h"
+#include "apps/study/reports.h"
+#include "apps/study/sweep_options.h"
 #include "engine/nodes/table.h"
-#include "engine/study/sweep/scene_variants.h"
-#include "engine/study/work_precision/work_precision_plot.h"
 
 namespace tactus::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct WorkPrecisionArguments {
-  std::string target, folder;
+struct WorkPrecisionArguments : StudyOptions {
+  std::string folder;
   std::vector<std::string> solvers, rates;
   std::vector<int> oversamples;
   int repeats = 5;
-  bool json = false;
 };
 
 Status write_text(const fs::path& file, const std::string& text) {
@@ -48,45 +42,31 @@ Status write_files(const WorkPrecision& study, const fs::path& folder) {
 Result<std::vector<Hertz>> rates_of(const std::vector<std::string>& texts) {
   std::vector<Hertz> rates;
   for (const auto& text : texts) {
-    const auto rate = parse_option(text, "Hz", "rates");
-    if (!rate) return tl::unexpected(rate.error());
-    if (!(*rate >= 1e3 && *rate <= 768e3))
-      return fail(Errc::OutOfRange, "--rates", text + " is out of range", "choose 1 kHz to 768 kHz");
-    rates.push_back(Hertz{*rate});
+    auto& rate = rates.emplace_back();
+    if (auto status = read_option(text, "Hz", "rates", 1e3, 768e3, rate.value); !status)
+      return tl::unexpected(status.error());
   }
   return rates;
 }
 
-/// Errors: UnknownName of a solver.
-Status check_solvers(const std::vector<std::string>& asked) {
-  const auto known = stepping_solvers();
-  for (const auto& word : asked)
-    if (std::find(known.begin(), known.end(), word) == known.end())
-      return fail(Errc::UnknownName, "--solvers", "there is no solver '" + word + "'",
-                  "there are " + listed(known));
-  return {};
-}
-
 int run_work_precision(const WorkPrecisionArguments& options) {
-  if (const auto status = check_solvers(options.solvers); !status) return report(status.error()), kUsage;
+  if (const auto solvers = swept_solvers(options.solvers, "--solvers"); !solvers)
+    return report(solvers.error());
   const auto rates = rates_of(options.rates);
   if (!rates) return report(rates.error()), kUsage;
-  const auto file = resolve_target(options.target, "scene.toml");
-  const auto scene = load_scene(file, root_of(file));
+  const auto scene = load_target(options);
   if (!scene) return report(scene.error());
-  std::optional<Progress> progress{std::in_place, "studying " + scene->name};
-  const auto study =
-      study_work_precision(*scene, standard_nodes(),
-                           {options.solvers, *rates, options.oversamples, options.repeats,
-                            [&](double share, const std::string& what) { (*progress)(share, what); }});
-  progress.reset();
+  const auto study = [&] {
+    Progress progress{"studying " + scene->name};
+    return study_work_precision(*scene, standard_nodes(),
+                                {options.solvers, *rates, options.oversamples, options.repeats,
+                                 [&](double share, const std::string& what) { progress(share, what); }});
+  }();
   if (!study) return report(study.error());
   const auto written = options.folder.empty() ? Status{} : write_files(*study, options.folder);
-  if (options.json)
-    fmt::print("{}\n", json_of(*study).dump(2));
-  else
-    fmt::print("{}", text_of(*study));
+  const int failed = publish(options, text_of(*study), json_of(*study), plots_of(*study));
   if (!written) return report(written.error());
+  if (failed) return failed;
   return study->cheapest(1.0) == nullptr ? kNo : kDone;
 }
 
@@ -96,8 +76,7 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
   auto* command = study.add_subcommand(
       "work-precision", "Error against computing time for every solver, rate and oversampling");
   auto options = std::make_shared<WorkPrecisionArguments>();
-  command->add_option("SCENE", options->target, "scene with [accuracy]; a folder means its scene.toml")
-      ->required();
+  add_study_options(*command, *options, "scene with [accuracy]; a folder means its scene.toml")->required();
   command->add_option("--solvers", options->solvers, "such as explicit,passive; [all]")->delimiter(',');
   command->add_option("--rates", options->rates, "such as 24kHz,96kHz; [the scene's, half and twice that]")
       ->delimiter(',');
@@ -111,7 +90,6 @@ void add_study_work_precision(CLI::App& study, int& exit_code) {
       ->add_option("--out", options->folder,
                    "folder for the picture (SVG), the table (Markdown) and the JSON")
       ->check(writable_folder());
-  command->add_flag("--json", options->json, "for machines");
   command->footer(
       "Examples:\n  tactus study work-precision instruments/numerics/stick_impact\n"
       "  tactus study work-precision instruments/numerics/woofer --solvers explicit,passive --rates 48kHz "

@@ -1,8 +1,8 @@
-#include "apps/study/work_precision_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+
+#include "apps/study/reports.h"
 
 namespace tactus::app {
 namespace {
@@ -18,13 +18,28 @@ std::vector<const WorkPoint*> by_load(const WorkPrecision& study) {
   return points;
 }
 
-/// Mark after an error: on the Pareto front; the reference is less than ten times more accurate.
-std::string mark(const WorkPoint& point, std::size_t a) {
-  return std::string{point.trusted(a) ? " " : "?"} + (point.front[a] ? "*" : " ");
+/// An error with marks: the reference is less than ten times more accurate; on the Pareto front.
+std::string error_text(const WorkPoint& point, std::size_t a) {
+  return fmt::format("{:.2e}{}{}", point.errors[a], point.trusted(a) ? "" : "?", point.front[a] ? " *" : "");
 }
 
-std::string why_not(const WorkPoint& point) {
-  return point.refused ? "refused: " + point.refused->what : "unstable";
+/// A row per variant, by computing time.
+Table table_of(const WorkPrecision& study) {
+  Table table{{{"solver", "steps a frame", "rate", "ns a frame", "of real time"}}};
+  for (const auto& used : study.references) table.rows[0].push_back(used.accuracy);
+  for (const auto* point : by_load(study)) {
+    auto& row = table.rows.emplace_back();
+    row = {point->variant.solver, std::to_string(point->variant.oversample),
+           fmt::format("{:g} kHz", point->variant.rate.value / 1e3)};
+    if (point->known())
+      row.insert(row.end(),
+                 {fmt::format("{:.1f}", point->ns_per_frame), fmt::format("{:.2g} %", 100 * point->load())});
+    else
+      row.insert(row.end(), {"", "", point->refused ? "refused: " + point->refused->what : "unstable"});
+    for (std::size_t a = 0; a < point->errors.size(); ++a) row.push_back(error_text(*point, a));
+    row.resize(table.rows[0].size());
+  }
+  return table;
 }
 
 std::string own_error_of(const ReferenceUsed& used) {
@@ -52,47 +67,17 @@ std::string text_of(const WorkPrecision& study) {
   for (const auto& used : study.references)
     text += fmt::format("  {}: {} of {}, against {}{}\n", used.accuracy, used.measure, used.of, used.what,
                         own_error_of(used));
-  text +=
-      fmt::format("\n{:<10} {:>5} {:>7} {:>11} {:>11}", "solver", "steps", "kHz", "ns a frame", "real time");
-  for (const auto& used : study.references) text += fmt::format("  {:>12}  ", used.accuracy);
-  text += "\n";
-  for (const auto* point : by_load(study)) {
-    const auto& variant = point->variant;
-    text += fmt::format("{:<10} {:>5} {:>7g}", variant.solver, variant.oversample, variant.rate.value / 1e3);
-    if (!point->known()) {
-      text += fmt::format("  {}\n", why_not(*point));
-      continue;
-    }
-    text += fmt::format(" {:>11.1f} {:>9.2g} %", point->ns_per_frame, 100 * point->load());
-    for (std::size_t a = 0; a < point->errors.size(); ++a)
-      text += fmt::format("  {:>12.2e}{}", point->errors[a], mark(*point, a));
-    text += "\n";
-  }
-  return text +
+  return text + "\n" + table_of(study).text() +
          "\n* nothing cheaper is closer; ? not ten times the reference's own error. Errors are relative.\n" +
          advice(study);
 }
 
 std::string markdown_of(const WorkPrecision& study) {
-  std::string text = "| solver | steps a frame | rate | ns a frame | of real time |";
-  std::string line = "|---|---|---|---|---|";
-  for (const auto& used : study.references) text += " " + used.accuracy + " |", line += "---|";
-  text += "\n" + line + "\n";
-  for (const auto* point : by_load(study)) {
-    const auto& variant = point->variant;
-    text +=
-        fmt::format("| {} | {} | {:g} kHz |", variant.solver, variant.oversample, variant.rate.value / 1e3);
-    if (point->known())
-      text += fmt::format(" {:.1f} | {:.2g} % |", point->ns_per_frame, 100 * point->load());
-    else
-      text += " | |";
-    for (std::size_t a = 0; a < study.references.size(); ++a)
-      text += point->known() ? fmt::format(" {:.1e}{}{} |", point->errors[a], point->trusted(a) ? "" : "?",
-                                           point->front[a] ? " \\*" : "")
-                             : (a == 0 ? " " + why_not(*point) + " |" : " |");
-    text += "\n";
-  }
-  return text;
+  auto table = table_of(study);
+  for (auto& row : table.rows)
+    for (auto& cell : row)
+      if (cell.ends_with(" *")) cell.replace(cell.size() - 1, 1, "\\*");
+  return table.markdown();
 }
 
 Json json_of(const WorkPrecision& study) {

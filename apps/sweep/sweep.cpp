@@ -1,15 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
+#include "apps/study/reports.h"
 #include "apps/study/sweep_options.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/measure.h"
-#include "engine/study/sweep/sweep_plot.h"
 
 namespace tactus::app {
 namespace {
@@ -20,14 +19,6 @@ struct Options : SweepOptions {
   std::vector<std::string> measures;
   std::string from, to;
 };
-
-/// The index of the value that a point has of a swept quantity.
-std::size_t value_index(const SweptValue& swept, double si) {
-  const auto& values = swept.values;
-  const auto found =
-      std::find_if(values.begin(), values.end(), [&](const auto& value) { return value.si == si; });
-  return static_cast<std::size_t>(found - values.begin());
-}
 
 /// "440", or with variants "440 (431 to 452)".
 std::string cell_text(const SweepTable& table, std::size_t first, std::size_t measure) {
@@ -40,29 +31,23 @@ std::string cell_text(const SweepTable& table, std::size_t first, std::size_t me
   return text + fmt::format(" ({:.5g} to {:.5g})", low, high);
 }
 
-/// A row per setting: swept values, then measures.
+}  // namespace
+
 std::string text_of(const SweepTable& table) {
-  std::vector<std::vector<std::string>> rows(1);
-  for (const auto& swept : table.over) rows[0].push_back(swept.name);
-  for (const auto& measure : table.measures) rows[0].push_back(measure.label);
+  Table text{{{}}};
+  for (const auto& swept : table.over) text.rows[0].push_back(swept.name);
+  for (const auto& measure : table.measures) text.rows[0].push_back(measure.label);
   for (std::size_t i = 0; i < table.points.size(); i += table.variants.size()) {
-    auto& row = rows.emplace_back();
+    auto& row = text.rows.emplace_back();
     for (std::size_t a = 0; a < table.over.size(); ++a)
-      row.push_back(value_text(table.over[a], value_index(table.over[a], table.points[i].at[a])));
+      row.push_back(value_text(table.over[a], table.points[i].at[a]));
     for (std::size_t m = 0; m < table.measures.size(); ++m) row.push_back(cell_text(table, i, m));
   }
-  auto text = table.scene + "\n\n";
-  for (const auto& row : rows) {
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      std::size_t width = 0;
-      for (const auto& other : rows) width = std::max(width, other[c].size());
-      text += fmt::format("{:>{}}", row[c], width + 2);
-    }
-    text += "\n";
-  }
-  if (table.variants.size() > 1)
-    text += fmt::format("\nin brackets: lowest and highest of {} variants\n", table.variants.size());
-  return text;
+  const auto note =
+      table.variants.size() == 1
+          ? std::string{}
+          : fmt::format("\nin brackets: lowest and highest of {} variants\n", table.variants.size());
+  return table.scene + "\n\n" + text.text() + note;
 }
 
 Json json_of(const SweepTable& table) {
@@ -76,17 +61,16 @@ Json json_of(const SweepTable& table) {
     Json run{{"at", Json::object()}, {"variant", point.variant}, {"measures", Json::object()}};
     for (std::size_t a = 0; a < table.over.size(); ++a) {
       const auto& swept = table.over[a];
-      run["at"][swept.name] =
-          swept.words.empty() ? Json(point.at[a]) : Json(swept.words[static_cast<std::size_t>(point.at[a])]);
+      run["at"][swept.name] = swept.names.empty() ? Json(point.at[a]) : Json(value_text(swept, point.at[a]));
     }
-    for (std::size_t m = 0; m < table.measures.size(); ++m) {
-      const double value = (*point.result)[m];
-      run["measures"][table.measures[m].label] = std::isfinite(value) ? Json(value) : Json(nullptr);
-    }
+    for (std::size_t m = 0; m < table.measures.size(); ++m)
+      run["measures"][table.measures[m].label] = (*point.result)[m];  // null if it is not finite
     json["runs"].push_back(std::move(run));
   }
   return json;
 }
+
+namespace {
 
 Result<std::vector<SweptMeasure>> read_measures(const Options& options, const SceneSpec& scene) {
   std::vector<SweptMeasure> measures;
@@ -106,24 +90,17 @@ Result<std::vector<SweptMeasure>> read_measures(const Options& options, const Sc
 }
 
 int run(const Options& options) {
-  const auto file = resolve_target(options.target, "scene.toml");
-  auto scene = load_scene(file, root_of(file));
+  auto scene = load_target(options);
   if (!scene) return report(scene.error());
   auto plan = read_plan(options, *scene);
   if (!plan) return report(plan.error()), kUsage;
   const auto measures = read_measures(options, *scene);
   if (!measures) return report(measures.error()), kUsage;
-  SweepMonitor monitor{*scene, *plan};
+  SweepMonitor monitor{scene->name, *plan};
   const auto table = sweep_measures(*scene, standard_nodes(), *plan, *measures);
   if (!table) return report(table.error());
-  if (const auto exit = monitor.end(finished(table->points), table->points.size())) return *exit;
-  if (options.json)
-    fmt::print("{}\n", json_of(*table).dump(2));
-  else
-    fmt::print("{}", text_of(*table));
-  if (options.picture.empty()) return kDone;
-  const auto written = write_svg(options.picture, sweep_plots(*table), table->over.size() > 2 ? 2 : 1);
-  return written ? kDone : report(written.error());
+  if (const auto exit = monitor.end(finished(table->points), std::ssize(table->points))) return *exit;
+  return publish(options, text_of(*table), json_of(*table), plots_of(*table), table->over.size() > 2 ? 2 : 1);
 }
 
 }  // namespace
@@ -132,7 +109,7 @@ void add_sweep(CLI::App& app, int& exit_code) {
   auto* command =
       app.add_subcommand("sweep", "Run a scene over ranges of its quantities and measure each run");
   auto options = std::make_shared<Options>();
-  command->add_option("SCENE", options->target, "a folder means its scene.toml")->required();
+  add_study_options(*command, *options, "a folder means its scene.toml")->required();
   add_sweep_options(*command, *options);
   command
       ->add_option("--measure", options->measures,

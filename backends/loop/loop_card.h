@@ -45,7 +45,7 @@ struct LoopCard {
 
   // What else happens to it.
   bool agc = false;          ///< towards peaks of 0.1, with gains up to 40 dB
-  bool echo_cancel = false;  ///< an adaptive filter that knows what is played
+  bool echo_cancel = false;  ///< an adaptive filter fed with what is played
   Monitor monitor;
   std::vector<Drop> drops;
   bool drops_reported = true;  ///< as gaps in Health

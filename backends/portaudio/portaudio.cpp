@@ -47,7 +47,7 @@ void count_gaps(Line& line, double time, PaStreamCallbackFlags flags) noexcept {
   const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
   const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
   if ((!input && !output) || time == std::exchange(line.reported_at, time)) return;
-  if (line.jack) {  // it does not say where: both are always there
+  if (line.jack) {  // it does not report where: both are always there
     line.card->gap(Gap::Server);
     return;
   }

@@ -90,12 +90,12 @@ class Line {
 
 // RtAudio's error callback does not say which stream it is about. On a control thread the message is stored
 // here; on a stream's own thread the stream is known.
-thread_local std::string* listener = nullptr;
+thread_local std::string* error_message = nullptr;
 thread_local Line* at_work = nullptr;
 
 void Line::on_error(RtAudioError::Type type, const std::string& text) {
   const bool warning = type == RtAudioError::WARNING || type == RtAudioError::DEBUG_WARNING;
-  if (listener != nullptr && !warning) *listener = text;
+  if (error_message != nullptr && !warning) *error_message = text;
   if (at_work == nullptr) return;
   at_work->failed_ = true;
   // It will never call again, although the stream counts as running.
@@ -105,13 +105,13 @@ void Line::on_error(RtAudioError::Type type, const std::string& text) {
 template <class Call>
 Status Line::checked(Call call) {
   std::string message;
-  listener = &message;
+  error_message = &message;
   try {
     call();
   } catch (const std::exception& error) {
     message = error.what();
   }
-  listener = nullptr;
+  error_message = nullptr;
   if (message.empty()) return {};
   return fail(Errc::Device, "", "RtAudio: " + plain_message(message), "see tactus doctor");
 }
@@ -199,7 +199,7 @@ int Line::bring_block(void* out, void* in, unsigned frames, double, RtAudioStrea
     std::fill_n(out_samples, self.out_.size() * frames, 0.0f);
     return 0;
   }
-  if (self.jack_) {  // it does not say where: both flags are always there
+  if (self.jack_) {  // it does not report where: both flags are always there
     if (status != 0) self.card->gap(Gap::Server);
   } else {
     if ((status & RTAUDIO_INPUT_OVERFLOW) != 0) self.card->gap(Gap::Input);

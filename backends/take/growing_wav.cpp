@@ -18,7 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "samples are written as they lie in memory");
 
 constexpr std::uint64_t kMost32 = std::numeric_limits<std::uint32_t>::max();
-constexpr int kMostChannels = 1024;
+constexpr int kMaxChannels = 1024;
 
 class Bytes {
  public:
@@ -44,7 +44,7 @@ tl::unexpected<Error> cannot_write(const std::filesystem::path& path) {
 std::string why_not_written() {
   const std::error_code error{errno, std::generic_category()};
   if (error == std::errc::no_space_on_device) return "the disk is full";
-  return fmt::format("writing to the disk failed ({})", error ? error.message() : "it does not say why");
+  return fmt::format("writing to the disk failed ({})", error ? error.message() : "unknown error");
 }
 
 std::string wav_header(Hertz sample_rate, int channels, std::int64_t frames) {
@@ -74,9 +74,9 @@ GrowingWav::GrowingWav(std::filesystem::path path, Hertz sample_rate, int channe
       file_(path_, std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc) {}
 
 Result<GrowingWav> GrowingWav::create(const std::filesystem::path& path, Hertz sample_rate, int channels) {
-  if (channels < 1 || channels > kMostChannels)
+  if (channels < 1 || channels > kMaxChannels)
     return fail(Errc::BadArgument, path.string(), fmt::format("a WAV file cannot have {} channels", channels),
-                fmt::format("record 1 to {}", kMostChannels));
+                fmt::format("record 1 to {}", kMaxChannels));
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored))
     return fail(Errc::BadFile, path.string(), "this take is there already",
@@ -96,10 +96,10 @@ Status GrowingWav::append(const float* samples, std::int64_t frames) {
 }
 
 Status GrowingWav::append_silence(std::int64_t frames) {
-  constexpr std::int64_t kPiece = 4096;
-  const std::vector<float> zeros(index(kPiece * channels_), 0.0f);
-  for (; frames > 0; frames -= kPiece)
-    if (auto status = append(zeros.data(), std::min(frames, kPiece)); !status) return status;
+  constexpr std::int64_t kBlock = 4096;
+  const std::vector<float> zeros(index(kBlock * channels_), 0.0f);
+  for (; frames > 0; frames -= kBlock)
+    if (auto status = append(zeros.data(), std::min(frames, kBlock)); !status) return status;
   return {};
 }
 

@@ -18,7 +18,7 @@ namespace tactus {
 /// so that a file can turn from one into the other while it grows.
 std::string wav_header(Hertz sample_rate, int channels, std::int64_t frames);
 
-/// [control] Why the last write failed, in words: "the disk is full".
+/// [control] Why the last write failed: "the disk is full".
 std::string why_not_written();
 
 /// A WAV file that any program can open at any time while it is written, and after the writer was killed:

@@ -95,7 +95,7 @@ std::string gap_line(const TakeGap& gap);
 std::string edit_line(const TakeEdit& edit);
 std::string progress_line(const Take& take);
 
-/// [any] Why a replay cannot be promised to be the same bit for bit, in words; empty if it can.
+/// [any] Why a replay cannot be promised to be the same bit for bit; empty if it can.
 std::string why_not_exact(const Take& take);
 
 }  // namespace tactus

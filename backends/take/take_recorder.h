@@ -71,7 +71,7 @@ class TakeRecorder {
 
   Hertz sample_rate_;
   std::unique_ptr<TakeRing> ring_;
-  mutable std::mutex mutex_;  ///< between control and writer: the audio thread knows nothing of it
+  mutable std::mutex mutex_;  ///< between control and writer: never taken by the audio thread
   std::condition_variable wake_;
   TakeWriter writer_;
   bool done_ = false;

@@ -73,7 +73,7 @@ void TakeRing::copy(const BlockIo& io, std::int64_t at) noexcept {
   if (rounded > 0) rounded_.fetch_add(rounded, kRelaxed);
 }
 
-TakeRing::Piece TakeRing::front(std::int64_t written) const noexcept {
+TakeRing::Segment TakeRing::front(std::int64_t written) const noexcept {
   const auto read = read_.load(kRelaxed);
   const auto slot = read % capacity_;
   return {samples_.data() + index(slot) * index(channels()), std::min(written - read, capacity_ - slot)};

@@ -29,19 +29,19 @@ class TakeRing final : public BlockTap {
   /// [control] Room for `frames` frames of `in_channels` + `out_channels` samples.
   TakeRing(int in_channels, int out_channels, std::int64_t frames);
 
-  /// [realtime] Hears Guarded and Player alike.
+  /// [realtime] Tap of Guarded and of Player.
   void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING override;
   void observe(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override;
 
   /// Samples that lie one after the other, frame by frame: the inputs, then the outputs.
-  struct Piece {
+  struct Segment {
     const float* samples;
     std::int64_t frames;
   };
   /// [writer] How many frames were put in so far, gaps left out. All events of these frames are there too.
   std::int64_t written() const noexcept { return written_.load(std::memory_order_acquire); }
   /// [writer] The oldest of them, as many as lie together.
-  Piece front(std::int64_t written) const noexcept;
+  Segment front(std::int64_t written) const noexcept;
   void drop_front(std::int64_t frames) noexcept {
     read_.store(read_.load(std::memory_order_relaxed) + frames, std::memory_order_release);
   }

@@ -74,17 +74,17 @@ void TakeWriter::write_gap(const TakeGap& gap) {
 
 /// Missing frames are zeros, so that frame n of the file is frame n of the stream.
 Status TakeWriter::write_samples(std::int64_t written) {
-  for (auto piece = ring_->front(written); piece.frames > 0 || !gaps_.empty();
-       piece = ring_->front(written)) {
+  for (auto segment = ring_->front(written); segment.frames > 0 || !gaps_.empty();
+       segment = ring_->front(written)) {
     if (!gaps_.empty() && gaps_.front().frame == wav_.frames()) {
       if (auto status = wav_.append_silence(gaps_.front().frames); !status) return status;
       gaps_.pop_front();
       continue;
     }
-    if (!gaps_.empty()) piece.frames = std::min(piece.frames, gaps_.front().frame - wav_.frames());
-    if (piece.frames == 0) break;  // the gap lies behind what was written so far
-    if (auto status = wav_.append(piece.samples, piece.frames); !status) return status;
-    ring_->drop_front(piece.frames);
+    if (!gaps_.empty()) segment.frames = std::min(segment.frames, gaps_.front().frame - wav_.frames());
+    if (segment.frames == 0) break;  // the gap lies behind what was written so far
+    if (auto status = wav_.append(segment.samples, segment.frames); !status) return status;
+    ring_->drop_front(segment.frames);
   }
   return {};
 }

@@ -6,9 +6,9 @@
 
 // What kernels are written with. A kernel is the step of a node as text that compiles as C99 and
 // as C++20: structs of state, all zero at the start, and `static inline` functions over one number type. It
-// allocates nothing and calls nothing but <math.h> and what stands here; the vectorised forms beside it give
-// the same bits. `*_kernel.h` files include only kernels; tests/engine/nodes/kernels_test.cpp compiles them
-// as C.
+// allocates nothing and calls nothing but <math.h> and the functions below; the vectorised forms beside it
+// give the same bits. `*_kernel.h` files include only kernels; tests/engine/nodes/kernels_test.cpp compiles
+// them as C.
 
 typedef double tactus_real;
 

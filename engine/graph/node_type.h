@@ -131,11 +131,11 @@ using MakeNode = std::function<Result<std::unique_ptr<Node>>(const NodeSetup&)>;
 /// The declaration of a kind of node: validation, `tactus nodes` and docs/nodes.md are all made from it.
 struct NodeType {
   std::string name;
-  std::string group;     ///< heading in the reference: "filters", "delays", …
-  std::string summary;   ///< one sentence
-  std::string equation;  ///< plain text, symbols as the ports are named
-  std::string source;    ///< where the method comes from
-  std::string example;   ///< one line of a graph file
+  std::string group = {};  ///< heading in the reference, set by the table: "filters", "delays", …
+  std::string summary;     ///< one sentence
+  std::string equation;    ///< plain text, symbols as the ports are named
+  std::string source;      ///< where the method comes from
+  std::string example;     ///< one line of a graph file
   std::vector<InputPort> inputs;
   std::vector<OutputPort> outputs;  ///< the first is what the node's bare name means
   std::vector<Setting> settings = {};

@@ -81,8 +81,6 @@ Status Guarded::prepare(const StreamFormat& format) {
     if (warm == ThermalState{}) continue;
     channel.guard.warm_to(warm);
     channel.publish();
-    (void)applied_.push({0, JournalEntry::Kind::CoilHeat, static_cast<int>(c), warm.coil});
-    (void)applied_.push({0, JournalEntry::Kind::BodyHeat, static_cast<int>(c), warm.body});
   }
   take_pending([this](const JournalEntry& command) { (void)apply_command(command); });
   open_guards(0);  // commands that came while no block did hold from the first frame on
@@ -134,7 +132,7 @@ void Guarded::process(const BlockIo& io) noexcept {
     const NoDenormals no_denormals;
     if (std::exchange(stopped_, false)) {
       open_guards(first_frame);
-      publish({first_frame, JournalEntry::Kind::Halt, 0, 0.0});
+      if (tap_ != nullptr) tap_->applied({first_frame, JournalEntry::Kind::Halt, 0, 0.0});
     }
     inner_.process(io);
     guard_block(io, first_frame);
@@ -207,11 +205,6 @@ void Guarded::apply(JournalEntry entry, std::int64_t frame) noexcept {
   if (known && entry.kind == JournalEntry::Kind::Arm && entry.value > 0.5)
     for (auto& sensor : sensors_) sensor.rearm();
   entry.frame = frame;
-  publish(entry);
-}
-
-void Guarded::publish(const JournalEntry& entry) noexcept {
-  (void)applied_.push(entry);  // full when nobody reads it
   if (tap_ != nullptr) tap_->applied(entry);
 }
 

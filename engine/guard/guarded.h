@@ -102,8 +102,6 @@ class Guarded final : public BlockProcessor {
   /// applied at once, and one for kNow before all that wait for their frame. A heat can only make warmer.
   /// False: the queue is full, try again after a block; or it is another kind.
   [[nodiscard]] bool post(const JournalEntry& entry) noexcept;
-  /// [control, one thread] What was applied, with its true frame, oldest first. False: nothing new.
-  [[nodiscard]] bool take_applied(JournalEntry& entry) noexcept { return applied_.pop(entry); }
   /// [control, one thread] What made drives fade out, oldest first. False: nothing new.
   [[nodiscard]] bool take_event(GuardEvent& event) noexcept { return events_.pop(event); }
 
@@ -131,7 +129,6 @@ class Guarded final : public BlockProcessor {
   template <class Apply>
   void take_pending(Apply apply) noexcept;
   void apply(JournalEntry entry, std::int64_t frame) noexcept;
-  void publish(const JournalEntry& entry) noexcept;
   bool apply_command(const JournalEntry& command) noexcept;
   void open_guards(std::int64_t frame) noexcept;
 
@@ -147,7 +144,6 @@ class Guarded final : public BlockProcessor {
   GuardSwitch arm_, mute_, fade_;
   ControlInbox inbox_;
   SpscQueue<JournalEntry> at_once_{256};
-  SpscQueue<JournalEntry> applied_{1024};
   SpscQueue<GuardEvent> events_{64};
 };
 

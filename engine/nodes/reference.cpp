@@ -40,7 +40,7 @@ Row row_of(const OutputPort& port) {
   return {port.name, port.kind == OutputKind::Trigger ? "trigger" : unit_text(port.unit), "", "", port.doc};
 }
 
-/// "points, of s and as unit": what stands in the brackets.
+/// "points, of s and as unit": the text in brackets.
 std::string units_text(const std::vector<std::string>& units) {
   std::string text;
   for (const auto& unit : units) text += (text.empty() ? " of " : " and ") + unit_text(unit);
@@ -65,7 +65,7 @@ Row row_of(const ElementField& field) {
           field.fallback   ? short_number(*field.fallback)
           : field.optional ? "optional"
                            : "required",
-          field.doc + (field.signal ? " (signal)" : "")};
+          field.doc + (field.late ? " (signal)" : "")};
 }
 
 Row row_of(const ElementQuantity& quantity) {
@@ -206,29 +206,20 @@ void write_type(Page& page, const NodeType& type) {
   page.paragraph("Source: " + type.source + ".");
 }
 
-/// The fields that name other elements.
-std::string ends_text(ElementType::Ends ends) {
-  using Ends = ElementType::Ends;
-  switch (ends) {
-    case Ends::On:
-      return " `on` names the mass.";
-    case Ends::Against:
-      return " `on` names the point that it acts on.";
-    case Ends::Between:
-      return " `between` names its two points, the lower one first.";
-    case Ends::None:
-      break;
-  }
-  return "";
+/// The fields that name other elements, by ElementType::Ends.
+const char* ends_text(ElementType::Ends ends) {
+  static constexpr const char* kTexts[] = {"", " `on` names the mass.",
+                                           " `on` names the point that it acts on.",
+                                           " `between` names its two points, the lower one first."};
+  return kTexts[static_cast<int>(ends)];
 }
 
 void write_networks(Page& page) {
   page.title("Networks", 2);
   page.paragraph(
       "Elements of `[networks.<name>]`. Up is positive. Outputs at a frame are the state at that frame; "
-      "inputs "
-      "act on the step to the next one. An output is named `network.element.output`; `network.element` alone "
-      "is its first one.");
+      "inputs act on the step to the next one. An output is named `network.element.output`; "
+      "`network.element` alone is its first one.");
   for (const auto& element : network_elements()) {
     page.title(element.name, 3);
     page.paragraph(element.doc + ends_text(element.ends));
@@ -267,9 +258,10 @@ std::string reference_overview(const NodeTable& table) {
   for (const auto& element : network_elements())
     text += wrapped("  " + padded(element.name, kNameWidth), element.doc);
   return text + "\n" +
-         wrapped("",
-                 "`tactus nodes NAME` tells all about one type, `tactus nodes network` about the elements of "
-                 "networks.");
+         wrapped(
+             "",
+             "`tactus nodes NAME` describes one type in full, `tactus nodes network` about the elements of "
+             "networks.");
 }
 
 std::string reference_text(const NodeType& type) {
@@ -290,7 +282,7 @@ std::string reference_markdown(const NodeTable& table) {
   page.paragraph(
       "Everything that a graph file can name behind `type`. Made from the declarations in `engine/nodes` by "
       "`scripts/renew_docs`; a test keeps it up to date. Numbers are in SI units unless a unit is given; how "
-      "graph files are written is told in [graph_files.md](graph_files.md).");
+      "graph files are written is described in [graph_files.md](graph_files.md).");
   for (const auto& group : groups_of(table)) {
     std::string heading = group;
     heading[0] = static_cast<char>(std::toupper(heading[0]));

@@ -1,22 +1,39 @@
 #include "engine/nodes/table.h"
 
-#include "engine/nodes/delays/delays.h"
-#include "engine/nodes/envelopes/envelopes.h"
-#include "engine/nodes/filters/filters.h"
-#include "engine/nodes/generators/generators.h"
-#include "engine/nodes/logic/logic.h"
-#include "engine/nodes/mechanics/mechanics.h"
 #include "engine/nodes/networks/network.h"
-#include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
+namespace {
+
+struct Family {
+  const char* name;
+  std::vector<NodeType (*)()> types;  ///< in the order of the reference
+};
+
+const Family kFamilies[] = {
+    {"generators", {sine_type, noise_type, wavetable_type, sample_type, curve_type}},
+    {"shapers", {clip_type, map_type, mix_type, quantiser_type, slew_type, hysteresis_type}},
+    {"envelopes", {envelope_type, decay_type, adsr_type, onset_type}},
+    {"filters",
+     {one_pole_type, low_pass_type, high_pass_type, band_pass_type, fir_type, modal_type, dc_blocker_type,
+      difference_type, velocity_type}},
+    {"delays", {delay_type, string_type, align_type}},
+    {"logic", {threshold_type, sample_hold_type, latch_type, counter_type}},
+    {"mechanics", {spring_type, damper_type, wall_type, terrain_type, modal_body_type, waveguide_type}},
+};
+
+}  // namespace
 
 const NodeTable& standard_nodes() {
+  static const std::vector<NodeType> types = [] {
+    std::vector<NodeType> all;
+    for (const auto& family : kFamilies)
+      for (const auto type : family.types) all.emplace_back(type()).group = family.name;
+    return all;
+  }();
   static const NodeTable table = [] {
     NodeTable all{.types = {}, .network = network_type};
-    for (const auto family : {generators_types, shapers_types, envelopes_types, filters_types, delays_types,
-                              logic_types, mechanics_types})
-      for (const auto* type : family()) all.types.push_back(type);
+    for (const auto& type : types) all.types.push_back(&type);
     return all;
   }();
   return table;

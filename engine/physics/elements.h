@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/physics/couplings/bond_law.h"
-#include "engine/physics/couplings/friction_law.h"
+#include "engine/physics/couplings/force_laws.h"
 
 namespace tactus {
 
@@ -17,6 +16,7 @@ namespace tactus {
 struct NetworkInput {
   int signal = -1;
   std::optional<Hertz> bandwidth;
+  int low_pass = -1;  ///< where there is a bandwidth: which of `NetworkModel::low_passes`
 };
 
 /// A point on the axis of the network; up is positive. [m], [m/s], [kg]
@@ -117,9 +117,6 @@ struct NetworkElements {
   std::vector<WavePort> ports;
 };
 
-/// [control] Points are called `to[point]` from now on, by all links.
-void renumber(NetworkElements& elements, const std::vector<int>& to);
-
 /// A hand holds a mass by a spring and a damper and pushes. It moves only as fast as `bandwidth` (at most
 /// 10 Hz) lets it, so that any faster roll comes from bouncing.
 struct Hand {
@@ -137,6 +134,14 @@ struct HandParts {
 };
 
 /// [control] Adds the hand as a driven point, a spring and a force.
-HandParts attach(NetworkElements& elements, const Hand& hand);
+inline HandParts attach(NetworkElements& elements, const Hand& hand) {
+  const auto last = [](const auto& list) { return static_cast<int>(list.size()) - 1; };
+  auto& point = elements.points.emplace_back();
+  point.kind = Point::Kind::Motion;
+  point.input = {hand.position, hand.bandwidth};
+  elements.springs.push_back({hand.on, last(elements.points), hand.stiffness, hand.damping, 0.0});
+  elements.forces.push_back({hand.on, {hand.force, hand.bandwidth}});
+  return {last(elements.points), last(elements.springs), last(elements.forces)};
+}
 
 }  // namespace tactus

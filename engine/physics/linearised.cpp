@@ -195,8 +195,8 @@ Eigen::MatrixXcd StepResponse::at(std::complex<double> z) const {
 
 // ---- the rate that it needs
 
-Result<double> radius_of(const NetworkElements& elements, int signals, const StepChoice& choice) {
-  const auto network = Network::make(elements, signals, choice.rate, choice.solver, choice.oversample);
+Result<double> radius_of(const NetworkElements& elements, int signals, Hertz rate, Solver solver) {
+  const auto network = Network::make(elements, signals, rate, solver, 1);
   if (!network) return tl::unexpected(network.error());
   return state_size(elements, signals) > kMostLinearised
              ? radius_by_running(*network, elements, signals)
@@ -206,7 +206,7 @@ Result<double> radius_of(const NetworkElements& elements, int signals, const Ste
 std::optional<Hertz> least_rate(const NetworkElements& elements, int signals, Solver solver) {
   constexpr double kLowest = 100.0, kHighest = 1e8;
   const auto stable_at = [&](double rate) {
-    const auto radius = radius_of(elements, signals, {Hertz{rate}, solver, 1});
+    const auto radius = radius_of(elements, signals, Hertz{rate}, solver);
     return radius && *radius <= 1.0 + kRoundOfRadius;
   };
   if (stable_at(kLowest)) return std::nullopt;

@@ -66,20 +66,14 @@ class StepResponse {
   Eigen::MatrixXcd at(std::complex<double> z) const;
 
  private:
-  /// Rows lie in one piece: elimination goes along them.
+  /// Row by row in memory: elimination goes along rows.
   using Rows = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Rows minus_h_;
   Eigen::MatrixXcd b_, c_;
 };
 
-/// What a network is run with.
-struct StepChoice {
-  Hertz rate;
-  Solver solver = Solver::Passive;
-  int oversample = 1;
-};
 /// [control] The largest |pole| of the elements, run so. Errors: of Network::make.
-Result<double> radius_of(const NetworkElements& elements, int signals, const StepChoice& choice);
+Result<double> radius_of(const NetworkElements& elements, int signals, Hertz rate, Solver solver);
 /// [control] The least rate (times oversample) at which no mode grows, to a thousandth, between 100 Hz and
 /// 100 MHz. nullopt: one grows at none of these; infinite: one grows at all of them.
 std::optional<Hertz> least_rate(const NetworkElements& elements, int signals, Solver solver);

@@ -6,9 +6,7 @@
 
 #include "engine/core/index.h"
 #include "engine/dsp/simd/lanes.h"
-#include "engine/physics/solvers/centred_solver.h"
-#include "engine/physics/solvers/exact_solver.h"
-#include "engine/physics/solvers/reference_solver.h"
+#include "engine/physics/reference/reference_solver.h"
 
 namespace tactus {
 namespace {
@@ -21,30 +19,10 @@ double before(const NetworkState& state, const NetworkInput& input) {
   return input.signal < 0 ? 0.0 : state.held[index(input.signal)];
 }
 
-Result<std::unique_ptr<NetworkSolver>> make_solver(const NetworkModel& model, const NetworkElements& elements,
-                                                   Solver solver) {
-  switch (solver) {
-    case Solver::Explicit:
-      return CentredSolver::make(model, CentredSolver::Kind::Explicit);
-    case Solver::Implicit:
-      return CentredSolver::make(model, CentredSolver::Kind::Implicit);
-    case Solver::Exact:
-      return ExactSolver::make(model);
-    case Solver::Reference:
-      return std::make_unique<ReferenceSolver>(model, elements);
-    case Solver::Passive:
-    case Solver::Auto:
-      break;
-  }
-  return CentredSolver::make(model, CentredSolver::Kind::Passive);
-}
-
-double extension_of(const NetworkState& state, const Spring& spring) {
-  return state.position[index(spring.upper)] - state.position[index(spring.lower)] - spring.rest;
-}
-
-double indentation_of(const NetworkState& state, const NetworkModel::Contact& contact) {
-  return state.position[index(contact.lower)] - state.position[index(contact.upper)] + contact.offset;
+Result<std::unique_ptr<NetworkSolver>> make_solver(const NetworkModel& model, Solver solver) {
+  if (solver == Solver::Exact) return make_exact_solver(model);
+  if (solver == Solver::Reference) return std::make_unique<ReferenceSolver>(model);
+  return make_centred_solver(model, solver);
 }
 
 }  // namespace
@@ -62,7 +40,7 @@ Result<Network> Network::make(const NetworkElements& elements, int signals, Hert
   }
   const double step_s = 1.0 / (rate.value * network.oversample_);
   network.model_ = std::make_shared<const NetworkModel>(elements, signals, step_s);
-  auto made = make_solver(*network.model_, elements, network.solver_);
+  auto made = make_solver(*network.model_, network.solver_);
   if (!made) return tl::unexpected(made.error());
   network.network_solver_ = std::move(*made);
   return network;
@@ -120,19 +98,19 @@ void Network::adopt(NetworkState& state, const NetworkState& before) const noexc
 
 /// Driven points and hands do not jump to their first place, they have been there before the start.
 void Network::settle(NetworkState& state, const double* inputs) const noexcept {
-  for (const auto& motion : model_->motions) {
-    const double place = now(motion.input, inputs);
-    state.position[index(motion.slot)] = place;
+  for (const auto& [on, input] : model_->motions) {
+    const double place = now(input, inputs);
+    state.position[index(on)] = place;
     for (auto* list : {&state.moved, &state.moved_before})
-      if (!list->empty()) (*list)[index(motion.slot)] = 0.0;
-    if (motion.input.signal >= 0) state.held[index(motion.input.signal)] = place;
-    if (motion.low_pass >= 0) state.low_pass[index(motion.low_pass)] = {place, 0.0};
+      if (!list->empty()) (*list)[index(on)] = 0.0;
+    if (input.signal >= 0) state.held[index(input.signal)] = place;
+    if (input.low_pass >= 0) state.low_pass[index(input.low_pass)] = {place, 0.0};
   }
-  for (const auto& force : model_->forces)
-    if (force.low_pass >= 0) state.low_pass[index(force.low_pass)] = {now(force.input, inputs), 0.0};
+  for (const auto& [on, input] : model_->forces)
+    if (input.low_pass >= 0) state.low_pass[index(input.low_pass)] = {now(input, inputs), 0.0};
   for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
     const auto& bond = model_->bonds[b];
-    const double n = state.position[index(bond.lower)] - state.position[index(bond.upper)];
+    const double n = between(state.position, bond);
     if (std::abs(bond.law->force(n)) > bond.limit) state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
   }
   state.settled = true;
@@ -148,40 +126,40 @@ void Network::step(NetworkState& state, const double* inputs) const noexcept {
 }
 
 /// A value held from frame to frame, as the solver sees it in step `part` of a frame.
-double Network::enter(NetworkState& state, const NetworkModel::Driven& driven, const double* inputs,
+double Network::enter(NetworkState& state, const NetworkInput& input, const double* inputs,
                       int part) const noexcept {
-  const double value = now(driven.input, inputs);
-  if (driven.low_pass >= 0) {
-    auto& filter = state.low_pass[index(driven.low_pass)];
+  const double value = now(input, inputs);
+  if (input.low_pass >= 0) {
+    auto& filter = state.low_pass[index(input.low_pass)];
     const double filtered = filter.value;
-    model_->low_passes[index(driven.low_pass)].step(filter, value);
+    model_->low_passes[index(input.low_pass)].step(filter, value);
     return filtered;
   }
-  return part == 0 && network_solver_->centred() ? 0.5 * (before(state, driven.input) + value) : value;
+  return part == 0 && network_solver_->centred() ? 0.5 * (before(state, input) + value) : value;
 }
 
 void Network::substep(NetworkState& state, const double* inputs, int part) const noexcept {
   if (!model_->motions.empty()) move_driven(state, inputs, part);
   for (std::size_t i = 0; i < model_->forces.size(); ++i)
-    state.force[i] = enter(state, model_->forces[i], inputs, part);
+    state.force[i] = enter(state, model_->forces[i].input, inputs, part);
   for (std::size_t i = 0; i < model_->coils.size(); ++i)
     state.voltage[i] = enter(state, model_->coils[i].voltage, inputs, part);
   for (std::size_t i = 0; i < model_->ports.size(); ++i)
-    state.wave[i] = now(model_->ports[i].wave.input, inputs);  // a sample of a wave, not a held force
+    state.wave[i] = now(model_->ports[i].wave, inputs);  // a sample of a wave, not a held force
   if (!model_->frictions.empty()) press(state, inputs, part);
   network_solver_->step(state);
 }
 
 void Network::move_driven(NetworkState& state, const double* inputs, int part) const noexcept {
   for (std::size_t i = 0; i < model_->motions.size(); ++i) {
-    const auto& motion = model_->motions[i];
-    double next = now(motion.input, inputs);
-    if (motion.low_pass >= 0) {
-      auto& filter = state.low_pass[index(motion.low_pass)];
-      model_->low_passes[index(motion.low_pass)].step(filter, next);
+    const auto& input = model_->motions[i].input;
+    double next = now(input, inputs);
+    if (input.low_pass >= 0) {
+      auto& filter = state.low_pass[index(input.low_pass)];
+      model_->low_passes[index(input.low_pass)].step(filter, next);
       next = filter.value;
     } else if (part + 1 < oversample_) {
-      const double last = before(state, motion.input);
+      const double last = before(state, input);
       next = last + (next - last) * (part + 1) / oversample_;
     }
     state.next[i] = next;
@@ -192,98 +170,42 @@ void Network::move_driven(NetworkState& state, const double* inputs, int part) c
 void Network::press(NetworkState& state, const double* inputs, int part) const noexcept {
   for (std::size_t f = 0; f < model_->frictions.size(); ++f) {
     const auto& friction = model_->frictions[f];
-    state.normal[f] = friction.normal_contact >= 0 ? push_of(state, friction.normal_contact)
-                      : friction.normal_spring >= 0
-                          ? tension(state, model_->springs[index(friction.normal_spring)])
-                          : enter(state, friction.normal, inputs, part);
+    state.normal[f] = friction.normal_contact >= 0  ? contact_force(state, friction.normal_contact)
+                      : friction.normal_spring >= 0 ? spring_force(state, friction.normal_spring)
+                                                    : enter(state, friction.normal, inputs, part);
   }
 }
 
-double Network::speed_between(const NetworkState& state, int one, int other) const noexcept {
-  return network_solver_->velocity(state, one) - network_solver_->velocity(state, other);
+double Network::spring_force(const NetworkState& state, int spring) const noexcept {
+  const auto& s = model_->springs[index(spring)];
+  return s.stiffness * extension(state, spring) + s.damping * speed_between(state, s.upper, s.lower);
 }
 
-double Network::tension(const NetworkState& state, const Spring& s) const noexcept {
-  return s.stiffness * extension_of(state, s) + s.damping * speed_between(state, s.upper, s.lower);
+double Network::indentation(const NetworkState& state, int contact) const noexcept {
+  return std::max(0.0, tactus::indentation(state.position, model_->contacts[index(contact)]));
 }
 
-double Network::push_of(const NetworkState& state, int contact) const noexcept {
+double Network::contact_force(const NetworkState& state, int contact) const noexcept {
   const auto& c = model_->contacts[index(contact)];
-  const double n = indentation_of(state, c);
+  const double n = tactus::indentation(state.position, c);
   if (n <= 0.0) return 0.0;
   const double speed = speed_between(state, c.lower, c.upper);
   return std::max(0.0, c.law.force(n) * (1.0 + state.loss[index(contact)] * speed));
 }
 
-double Network::position(const NetworkState& state, int point) const noexcept {
-  return state.position[index(model_->slot[index(point)])];
-}
-
-double Network::velocity(const NetworkState& state, int point) const noexcept {
-  return network_solver_->velocity(state, model_->slot[index(point)]);
-}
-
-double Network::extension(const NetworkState& state, int spring) const noexcept {
-  return extension_of(state, model_->springs[index(spring)]);
-}
-
-double Network::spring_force(const NetworkState& state, int spring) const noexcept {
-  return tension(state, model_->springs[index(spring)]);
-}
-
-double Network::indentation(const NetworkState& state, int contact) const noexcept {
-  return std::max(0.0, indentation_of(state, model_->contacts[index(contact)]));
-}
-
-double Network::contact_force(const NetworkState& state, int contact) const noexcept {
-  return push_of(state, contact);
-}
-
 double Network::applied_force(const NetworkState& state, int force) const noexcept {
-  const auto& f = model_->forces[index(force)];
-  if (f.low_pass >= 0) return state.low_pass[index(f.low_pass)].value;
-  return f.input.signal < 0 ? 0.0 : state.held[index(f.input.signal)];
-}
-
-double Network::current(const NetworkState& state, int coil) const noexcept {
-  return network_solver_->current(state, coil);
-}
-
-double Network::coil_force(const NetworkState& state, int coil) const noexcept {
-  return model_->coils[index(coil)].force_factor * current(state, coil);
-}
-
-double Network::friction_force(const NetworkState& state, int friction) const noexcept {
-  return state.friction_force[index(friction)];
-}
-
-double Network::friction_velocity(const NetworkState& state, int friction) const noexcept {
-  return state.friction_velocity[index(friction)];
+  const auto& input = model_->forces[index(force)].input;
+  return input.low_pass >= 0 ? state.low_pass[index(input.low_pass)].value : before(state, input);
 }
 
 double Network::bond_force(const NetworkState& state, int bond) const noexcept {
   if (state.slipped[index(bond)] != 0.0) return 0.0;
   const auto& b = model_->bonds[index(bond)];
-  const double n = state.position[index(b.lower)] - state.position[index(b.upper)];
+  const double n = bond_distance(state, bond);
   const double law = b.law->linear()
                          ? b.law->root_slope(n) * state.root[model_->contacts.size() + index(bond)]
                          : b.law->force(n);
   return law + b.damping * speed_between(state, b.lower, b.upper);
 }
-
-double Network::bond_distance(const NetworkState& state, int bond) const noexcept {
-  const auto& b = model_->bonds[index(bond)];
-  return state.position[index(b.lower)] - state.position[index(b.upper)];
-}
-
-double Network::wave(const NetworkState& state, int port) const noexcept {
-  return state.wave_back[index(port)];
-}
-
-double Network::port_force(const NetworkState& state, int port) const noexcept {
-  return state.wave[index(port)] + state.wave_back[index(port)];
-}
-
-double Network::energy(const NetworkState& state) const noexcept { return network_solver_->energy(state); }
 
 }  // namespace tactus

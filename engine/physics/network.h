@@ -6,10 +6,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
-#include "engine/physics/elements.h"
-#include "engine/physics/network_state.h"
 #include "engine/physics/solvers/network_solver.h"
-#include "engine/physics/solvers/solver.h"
 #include "engine/physics/solvers/solver_choice.h"
 
 namespace tactus {
@@ -19,7 +16,7 @@ namespace tactus {
 ///
 /// Forces, voltages and waves of frame n are held until frame n + 1. Driven points go in a straight line to
 /// the position of frame n until frame n + 1. On the first frame they, and hands, are there already. Outputs
-/// at frame n depends on inputs before frame n only.
+/// at frame n depend on inputs before frame n only.
 class Network {
  public:
   /// [control] `signals` inputs are handed to each step. rate > 0; 1 <= oversample <= 64, or 0: as many as
@@ -40,29 +37,47 @@ class Network {
   void step(NetworkState& state, const double* inputs) const noexcept;
 
   /// [realtime] Of a point, in the order of the elements.
-  double position(const NetworkState& state, int point) const noexcept;
-  double velocity(const NetworkState& state, int point) const noexcept;
-  double extension(const NetworkState& state, int spring) const noexcept;
+  double position(const NetworkState& state, int point) const noexcept {
+    return state.position[index(model_->slot[index(point)])];
+  }
+  double velocity(const NetworkState& state, int point) const noexcept {
+    return network_solver_->velocity(state, model_->slot[index(point)]);
+  }
+  double extension(const NetworkState& state, int spring) const noexcept {
+    return tactus::extension(state.position, model_->springs[index(spring)]);
+  }
   /// Tension.
   double spring_force(const NetworkState& state, int spring) const noexcept;
   /// Never below 0.
   double indentation(const NetworkState& state, int contact) const noexcept;
   double contact_force(const NetworkState& state, int contact) const noexcept;
   double applied_force(const NetworkState& state, int force) const noexcept;
-  double current(const NetworkState& state, int coil) const noexcept;
-  double coil_force(const NetworkState& state, int coil) const noexcept;
+  double current(const NetworkState& state, int coil) const noexcept {
+    return network_solver_->current(state, coil);
+  }
+  double coil_force(const NetworkState& state, int coil) const noexcept {
+    return model_->coils[index(coil)].force_factor * current(state, coil);
+  }
   /// Of the last step.
-  double friction_force(const NetworkState& state, int friction) const noexcept;
-  double friction_velocity(const NetworkState& state, int friction) const noexcept;
+  double friction_force(const NetworkState& state, int friction) const noexcept {
+    return state.friction_force[index(friction)];
+  }
+  double friction_velocity(const NetworkState& state, int friction) const noexcept {
+    return state.friction_velocity[index(friction)];
+  }
   double bond_force(const NetworkState& state, int bond) const noexcept;
   /// x_lower - x_upper.
-  double bond_distance(const NetworkState& state, int bond) const noexcept;
+  double bond_distance(const NetworkState& state, int bond) const noexcept {
+    return between(state.position, model_->bonds[index(bond)]);
+  }
   /// What goes out of a port, a - Z v, mean of the last frame; and the force a + b on the mass with it.
-  double wave(const NetworkState& state, int port) const noexcept;
-  double port_force(const NetworkState& state, int port) const noexcept;
+  double wave(const NetworkState& state, int port) const noexcept { return state.wave_back[index(port)]; }
+  double port_force(const NetworkState& state, int port) const noexcept {
+    return state.wave[index(port)] + state.wave_back[index(port)];
+  }
   /// Stored in masses, springs, contacts, bonds and inductances (centred solvers: half a step before the
   /// frame).
-  double energy(const NetworkState& state) const noexcept;
+  double energy(const NetworkState& state) const noexcept { return network_solver_->energy(state); }
 
   /// [any]
   bool springs_averaged() const { return network_solver_->springs_averaged(); }
@@ -76,13 +91,12 @@ class Network {
   Network() = default;
   void settle(NetworkState& state, const double* inputs) const noexcept;
   void substep(NetworkState& state, const double* inputs, int part) const noexcept;
-  double enter(NetworkState& state, const NetworkModel::Driven& driven, const double* inputs,
-               int part) const noexcept;
+  double enter(NetworkState& state, const NetworkInput& input, const double* inputs, int part) const noexcept;
   void move_driven(NetworkState& state, const double* inputs, int part) const noexcept;
   void press(NetworkState& state, const double* inputs, int part) const noexcept;
-  double speed_between(const NetworkState& state, int one, int other) const noexcept;
-  double tension(const NetworkState& state, const Spring& spring) const noexcept;
-  double push_of(const NetworkState& state, int contact) const noexcept;
+  double speed_between(const NetworkState& state, int one, int other) const noexcept {
+    return network_solver_->velocity(state, one) - network_solver_->velocity(state, other);
+  }
 
   int oversample_ = 1;
   Solver solver_ = Solver::Passive;

@@ -12,6 +12,20 @@ namespace {
 // Up to here eigenvalues are computed; beyond, the row sums bound them (Gershgorin).
 constexpr int kMostEigenvalues = 64;
 
+/// Points are called `to[point]` from now on, by all links.
+void renumber(NetworkElements& elements, const std::vector<int>& to) {
+  const auto move = [&](int& point) {
+    if (point >= 0) point = to[index(point)];
+  };
+  const auto ends = [&](auto& links) {
+    for (auto& link : links) move(link.lower), move(link.upper);
+  };
+  ends(elements.springs), ends(elements.contacts), ends(elements.frictions), ends(elements.bonds);
+  for (auto& force : elements.forces) move(force.on);
+  for (auto& port : elements.ports) move(port.on);
+  for (auto& coil : elements.coils) move(coil.on), move(coil.against);
+}
+
 }  // namespace
 
 NetworkModel::NetworkModel(NetworkElements elements, int signals_, double step_s)
@@ -20,10 +34,11 @@ NetworkModel::NetworkModel(NetworkElements elements, int signals_, double step_s
   take_links(elements);
 }
 
-NetworkModel::Driven NetworkModel::driven(int of, const NetworkInput& input) {
-  if (!input.bandwidth) return {of, input, -1};
+/// Gives an input that has a bandwidth its low-pass.
+void NetworkModel::filter(NetworkInput& input) {
+  if (!input.bandwidth) return;
+  input.low_pass = static_cast<int>(low_passes.size());
   low_passes.emplace_back(*input.bandwidth, Hertz{1.0 / k});
-  return {of, input, static_cast<int>(low_passes.size()) - 1};
 }
 
 void NetworkModel::take_points(NetworkElements& elements) {
@@ -42,7 +57,7 @@ void NetworkModel::take_points(NetworkElements& elements) {
       start_velocity.push_back(kind == Point::Kind::Mass ? point.velocity : 0.0);
       if (kind == Point::Kind::Mass) mass.push_back(point.mass);
       if (kind == Point::Kind::Mass) scale.push_back(k * k / point.mass);
-      if (kind == Point::Kind::Motion) motions.push_back(driven(slot[i], point.input));
+      if (kind == Point::Kind::Motion) filter(motions.emplace_back(AppliedForce{slot[i], point.input}).input);
     }
   }
   masses = static_cast<int>(mass.size());
@@ -52,21 +67,20 @@ void NetworkModel::take_links(NetworkElements& elements) {
   renumber(elements, slot);
   springs = std::move(elements.springs);
   bonds = std::move(elements.bonds);
+  forces = std::move(elements.forces);
+  frictions = std::move(elements.frictions);
+  ports = std::move(elements.ports);
   for (const auto& c : elements.contacts)
-    contacts.push_back({c.lower, c.upper, c.offset, c.loss,
-                        c.restitution ? loss_for_restitution(*c.restitution) : 0.0,
-                        ContactLaw(c.stiffness, c.exponent)});
-  for (const auto& force : elements.forces) forces.push_back(driven(force.on, force.input));
+    contacts.push_back(
+        {c, c.restitution ? loss_for_restitution(*c.restitution) : 0.0, ContactLaw(c.stiffness, c.exponent)});
+  for (auto& force : forces) filter(force.input);
   for (const auto& coil : elements.coils) {
     const double memory = 2.0 * coil.inductance / k;
-    coils.push_back({coil.on, coil.against, coil.force_factor, coil.inductance, coil.resistance, memory,
-                     memory + coil.resistance, memory > 0.0 ? std::exp(-coil.resistance / memory) : 0.0,
-                     driven(coil.on, coil.voltage)});
+    coils.push_back(
+        {coil, memory, memory + coil.resistance, memory > 0.0 ? std::exp(-coil.resistance / memory) : 0.0});
+    filter(coils.back().voltage);
   }
-  for (const auto& f : elements.frictions)
-    frictions.push_back(
-        {f.lower, f.upper, f.law, f.viscous, driven(f.lower, f.normal), f.normal_contact, f.normal_spring});
-  for (const auto& port : elements.ports) ports.push_back({port.impedance, driven(port.on, port.wave)});
+  for (auto& friction : frictions) filter(friction.normal);
 }
 
 NetworkModel::Links NetworkModel::links(bool eliminated) const {
@@ -93,8 +107,7 @@ NetworkModel::Links NetworkModel::links(bool eliminated) const {
     pull(c.against, c.on, 0.0, damping, 0.0);
   }
   for (const auto& port : ports)
-    if (is_mass(port.wave.slot))
-      links.entries.push_back({port.wave.slot, port.wave.slot, 0.0, port.impedance / k});
+    if (is_mass(port.on)) links.entries.push_back({port.on, port.on, 0.0, port.impedance / k});
   return links;
 }
 
@@ -117,6 +130,18 @@ double NetworkModel::stiffest(double k_share, double b_share) const {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
       .eigenvalues()
       .maxCoeff();
+}
+
+double NetworkModel::linear_energy(const NetworkState& state) const noexcept {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < mass.size(); ++i) sum += 0.5 * mass[i] * square(state.velocity[i]);
+  for (const auto& s : springs) sum += 0.5 * s.stiffness * square(extension(state.position, s));
+  return sum;
+}
+
+double NetworkModel::with_inductances(double sum, const NetworkState& state) const noexcept {
+  for (std::size_t i = 0; i < coils.size(); ++i) sum += 0.5 * coils[i].inductance * square(state.current[i]);
+  return sum;
 }
 
 }  // namespace tactus

@@ -1,48 +1,128 @@
 #pragma once
 
-// Thread: [control]
-#include <optional>
+// Thread: [any], except where a function says otherwise
+#include <array>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
-#include "engine/physics/couplings/contact_law.h"
+#include "engine/core/index.h"
+#include "engine/core/units.h"
 #include "engine/physics/elements.h"
-#include "engine/physics/solvers/critical_low_pass.h"
+#include "engine/physics/numbers.h"
 #include "engine/physics/solvers/link_operator.h"
 
 namespace tactus {
 
+/// Two equal real poles:  y'' = w^2 (x - y) - 2 w y',  stepped exactly for an input held over the step.
+/// The -3 dB point is `bandwidth`: w = 2 pi bandwidth / sqrt(sqrt(2) - 1). The step response never
+/// overshoots.
+class CriticalLowPass {
+ public:
+  struct State {
+    double value = 0.0, slope = 0.0;
+  };
+
+  /// bandwidth > 0.
+  CriticalLowPass(Hertz bandwidth, Hertz step_rate)
+      : pole_(2.0 * std::numbers::pi * bandwidth.value / std::sqrt(std::numbers::sqrt2 - 1.0)),
+        step_(1.0 / step_rate.value),
+        decay_(std::exp(-pole_ * step_)) {}
+
+  /// [realtime]
+  void step(State& state, double input) const noexcept {
+    const double away = state.value - input;
+    const double push = (state.slope + pole_ * away) * step_;
+    state.value = input + (away + push) * decay_;
+    state.slope = (state.slope - pole_ * push) * decay_;
+  }
+
+ private:
+  double pole_, step_, decay_;
+};
+
+/// A contact or a bond that acts in the step that is being made, linear in the motion of its ends:
+///   force = static_force + resistance * motion,   motion: of `lower` towards `upper` [m].
+/// With `Couplings::Method::Explicit` only `force` counts, known from the start; with `Gradient` the first
+/// three are those of the last iteration.
+struct ActiveCoupling {
+  int coupling;               ///< contacts, then bonds
+  double slope = 0.0;         ///< of the root of the energy, over the step (quadratised energy)
+  double static_force = 0.0;  ///< without motion [N]
+  double resistance = 0.0;    ///< [N/m]
+  double free_motion = 0.0;   ///< without this force
+  double motion = 0.0;        ///< with all forces: after the solution (Gradient: of the last iteration)
+  double force = 0.0;         ///< [N]
+};
+
+/// Where a network is. Everything that `Network::step` changes. [m], [J^1/2], [A]
+struct NetworkState {
+  AlignedNumbers position;           ///< of every slot: q
+  AlignedNumbers moved;              ///< of centred solvers, in the last step: u = q - q-
+  AlignedNumbers moved_before;       ///< in the step before it
+  AlignedNumbers velocity;           ///< of the others, of every slot [m/s]
+  AlignedNumbers change;             ///< workspace: e = u+ - u, or the way of the step
+  AlignedNumbers root;               ///< of each contact's and bond's energy: psi
+  AlignedNumbers loss;               ///< of each contact: r [s/m]
+  AlignedNumbers slipped;            ///< of each bond: 0 while it holds, else the sign of n where it slipped
+  AlignedNumbers sliding;            ///< of each friction: the sign of its velocity, 0 while it holds
+  AlignedNumbers friction_force;     ///< of each friction: its force in the last step [N]
+  AlignedNumbers friction_velocity;  ///< of each friction: its velocity in the last step
+  AlignedNumbers current;            ///< of each coil (centred solvers: half a step ago)
+  AlignedNumbers mean_current;       ///< of each coil, over the last step
+  AlignedNumbers voltage;            ///< on each coil in the last step
+  AlignedNumbers force;              ///< of each applied force in the last step
+  AlignedNumbers wave;               ///< into each port in the last step
+  AlignedNumbers wave_back;          ///< out of each port, mean of the last frame
+  AlignedNumbers normal;             ///< of each friction in the last step
+  AlignedNumbers held;               ///< inputs of the last frame
+  std::vector<CriticalLowPass::State> low_pass;  ///< of each input with a bandwidth
+  bool settled = false;                          ///< driven points have found their first place
+
+  /// With `audit` each step of a solver that keeps account adds up what went in and what was lost [J].
+  bool audit = false;
+  double supplied = 0.0, dissipated = 0.0;
+
+  /// All lists of numbers that the next step depends on.
+  static constexpr auto memory() {
+    using S = NetworkState;
+    return std::array{
+        &S::position, &S::moved,   &S::moved_before,   &S::velocity,          &S::root,    &S::loss,
+        &S::slipped,  &S::sliding, &S::friction_force, &S::friction_velocity, &S::current, &S::mean_current,
+        &S::voltage,  &S::force,   &S::wave,           &S::wave_back,         &S::normal,  &S::held};
+  }
+
+  std::vector<ActiveCoupling> active;
+  AlignedNumbers next;                 ///< workspace: driven points' next place, by slot
+  AlignedNumbers flow, entering;       ///< workspace of the exact solver: where it goes, and from what
+  AlignedNumbers matrix, right, work;  ///< workspace
+};
+
+/// x_lower - x_upper of a link.
+template <class Numbers, class Link>
+double between(const Numbers& x, const Link& link) noexcept {
+  return x[index(link.lower)] - x[index(link.upper)];
+}
+template <class Numbers>
+double extension(const Numbers& x, const Spring& spring) noexcept {
+  return x[index(spring.upper)] - x[index(spring.lower)] - spring.rest;
+}
+/// How deep a contact is; below 0 where it is open.
+template <class Numbers>
+double indentation(const Numbers& x, const Contact& contact) noexcept {
+  return between(x, contact) + contact.offset;
+}
+
 /// The elements of a network as all solvers use them. Places are *slots*: masses in the
 /// order of the elements, then driven points, then fixed ones. Never changes once it is made.
 struct NetworkModel {
-  struct Contact {
-    int lower, upper;
-    double offset, loss;
+  struct Contact : tactus::Contact {
     double loss_speed;  ///< r v where a restitution sets it, else 0
     ContactLaw law;
   };
-  /// A signal that acts on a slot; `low_pass` is its place in `low_passes`, or -1.
-  struct Driven {
-    int slot;
-    NetworkInput input;
-    int low_pass;
-  };
-  struct Coil {
-    int on, against;
-    double force_factor, inductance, resistance;
+  struct Coil : tactus::Coil {
     double memory, impedance;  ///< 2L/k, 2L/k + R
     double half_step_decay;    ///< exp(-R k / 2L)
-    Driven voltage;
-  };
-  struct Friction {
-    int lower, upper;
-    FrictionLaw law;
-    double viscous;
-    Driven normal;
-    int normal_contact, normal_spring;
-  };
-  struct Port {
-    double impedance;
-    Driven wave;
   };
 
   /// [control] Steps of `step_s` seconds; `signals` inputs are handed to each frame.
@@ -64,6 +144,17 @@ struct NetworkModel {
   bool is_mass(int of) const { return of < masses; }
   bool moves(int of) const { return of < masses + static_cast<int>(motions.size()); }
 
+  /// [realtime] Kinetic energy and that of the springs, where a state has velocities.
+  double linear_energy(const NetworkState& state) const noexcept;
+  /// [realtime] `sum` and the energy of the inductances.
+  double with_inductances(double sum, const NetworkState& state) const noexcept;
+  /// [realtime] Adds to `wave_back` what goes out of each port, whose slot goes `way(slot)` in the step.
+  template <class Way>
+  void send_waves(NetworkState& state, Way way) const noexcept {
+    for (std::size_t i = 0; i < ports.size(); ++i)
+      state.wave_back[i] += state.wave[i] - ports[i].impedance * way(ports[i].on) / k;
+  }
+
   double k;  ///< seconds a step
   int signals = 0, masses = 0;
   std::vector<int> slot;                                            ///< of each point of the elements
@@ -71,14 +162,15 @@ struct NetworkModel {
   std::vector<Spring> springs;                                      ///< these and all that follow name slots
   std::vector<Contact> contacts;
   std::vector<Coil> coils;
-  std::vector<Driven> forces, motions;
+  std::vector<AppliedForce> forces;
+  std::vector<AppliedForce> motions;  ///< the driven points
   std::vector<Friction> frictions;
   std::vector<Bond> bonds;
-  std::vector<Port> ports;
+  std::vector<WavePort> ports;
   std::vector<CriticalLowPass> low_passes;
 
  private:
-  Driven driven(int of, const NetworkInput& input);
+  void filter(NetworkInput& input);
   void take_points(NetworkElements& elements);
   void take_links(NetworkElements& elements);
 };

@@ -1,13 +1,12 @@
-#include "engine/plot/axis.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <string_view>
 
-namespace tactus {
-namespace plot {
+#include "engine/plot/layout.h"
+
+namespace tactus::plot {
 namespace {
 
 constexpr std::array<std::string_view, 15> kSymbols = {"m",  "s", "Hz",  "N", "V", "A", "W", "J",
@@ -157,5 +156,4 @@ std::string axis_title(const PlotAxis& axis, const PrefixedUnit& prefixed) {
   return axis.label.empty() ? "[" + prefixed.text + "]" : axis.label + " [" + prefixed.text + "]";
 }
 
-}  // namespace plot
-}  // namespace tactus
+}  // namespace tactus::plot

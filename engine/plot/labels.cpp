@@ -1,9 +1,9 @@
-#include "engine/plot/labels.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
+
+#include "engine/plot/layout.h"
 
 namespace tactus::plot {
 namespace {

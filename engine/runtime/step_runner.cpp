@@ -155,7 +155,7 @@ StepRunner::Fault StepRunner::run_step(const Step& step, bool loop, int offset, 
   } else {
     NodeBlock block{plan_->inputs.data() + step.first_in, plan_->outputs.data() + step.first_out, frames,
                     now_ + offset};
-    if (offset > 0) move_operands(step, offset, block);
+    if (offset > 0) move(step, offset, 1, offset, block);
     fault = run_node(step, block);
   }
   if (loop && fault.vertex != kSound) silence(step, offset + fault.frame, frames - fault.frame);
@@ -186,11 +186,6 @@ StepRunner::Fault StepRunner::fault_of(const Step& step, const NodeBlock& block)
       fault.frame =
           std::min(fault.frame, first_nonfinite(block.out[i], block.frames * step.width) / step.width);
   return fault;
-}
-
-/// What a step reads and writes `offset` frames into the sub-block.
-void StepRunner::move_operands(const Step& step, int offset, NodeBlock& block) noexcept {
-  move(step, offset, 1, offset, block);
 }
 
 /// Operands from frame `from` on, every `apart`th; outputs from frame `to` on.

@@ -44,11 +44,10 @@ class StepRunner {
   Fault run_node(const Step& step, const NodeBlock& block) noexcept;
   Fault run_operations(const Step& step, bool loop, int offset, int frames) noexcept;
   bool run_at_rest(const MicroOperation& operation, const Signal* operands, int frames) noexcept;
-  [[gnu::noinline]] void move_operands(const Step& step, int offset, NodeBlock& block) noexcept;
   // Steps of a part with a rate divider, and at its border.
   [[gnu::noinline]] Fault run_divided(const Step& step, bool loop, int offset, int frames) noexcept;
   void move_divided(const Step& step, int offset, NodeBlock& block) noexcept;
-  void move(const Step& step, int from, int apart, int to, NodeBlock& block) noexcept;
+  [[gnu::noinline]] void move(const Step& step, int from, int apart, int to, NodeBlock& block) noexcept;
   /// nullptr: none.
   const RateDivider* divider(int of) const noexcept {
     return of == 0 ? nullptr : &running_->dividers[index(of)];

@@ -20,10 +20,9 @@ class ScenePlotter {
       : scene_(scene), recording_(recording), from_(from_s), to_(std::min(to_s, recording.seconds())) {}
 
   Plot run() {
-    Plot plot;
-    plot.title = scene_.name;
-    plot.subtitle = scene_.about;
-    plot.x = {.label = "time", .unit = "s", .low = from_, .high = to_};
+    Plot plot{.title = scene_.name,
+              .subtitle = scene_.about,
+              .x = {.label = "time", .unit = "s", .low = from_, .high = to_}};
     add_pitch(plot);
     add_motion(plot);
     for (const auto& input : recording_.inputs) add_sensor(plot, input);
@@ -48,10 +47,9 @@ class ScenePlotter {
   void add_pitch(Plot& plot) const {
     const auto melody = melody_of(recording_);
     if (!melody) return;
-    Subplot subplot;
-    subplot.y = {.label = "pitch", .unit = "Hz", .log = true, .notes = true};
-    subplot.height = 1.6;
-    subplot.series.push_back(trace("expected", *melody->expected));
+    Subplot subplot{.y = {.label = "pitch", .unit = "Hz", .log = true, .notes = true},
+                    .series = {trace("expected", *melody->expected)},
+                    .height = 1.6};
     PlotSeries detected{.label = "detected", .color = PlotColor::Vermillion};
     for (const auto& point : melody->detected) {
       if (point.time_s < from_ || point.time_s > to_) continue;
@@ -83,10 +81,9 @@ class ScenePlotter {
       auto subplot =
           std::find_if(subplots.begin(), subplots.end(), [&](const auto& p) { return p.first == unit; });
       if (subplot == subplots.end()) {
-        subplots.emplace_back(unit, Subplot{});
+        subplots.emplace_back(unit, Subplot{.y = {.label = quantity_name(unit), .unit = unit},
+                                            .height = unit == "m" ? 2.0 : 0.8});
         subplot = subplots.end() - 1;
-        subplot->second.y = {.label = quantity_name(unit), .unit = unit};
-        subplot->second.height = unit == "m" ? 2.0 : 0.8;
       }
       subplot->second.series.push_back(trace(short_name(signal.name), signal));
     }
@@ -101,9 +98,7 @@ class ScenePlotter {
   }
 
   void add_sensor(Plot& plot, const std::string& input) {
-    Subplot subplot;
-    subplot.y = {.label = "sensor: " + input, .unit = ""};
-    subplot.series.push_back(trace(input, *recording_.find("instrument." + input)));
+    auto subplot = signal_subplot("sensor", input);
     // Triggers are shown once, with the first input.
     for (const auto& signal : recording_.signals) {
       if (input != recording_.inputs.front() || !signal.name.starts_with("instrument.") ||
@@ -123,12 +118,13 @@ class ScenePlotter {
   }
 
   void add_drives(Plot& plot) const {
-    for (const auto& output : drive_names(recording_)) {
-      Subplot subplot;
-      subplot.y = {.label = "drive: " + output, .unit = ""};
-      subplot.series.push_back(trace(output, *recording_.find("instrument." + output)));
-      plot.subplots.push_back(std::move(subplot));
-    }
+    for (const auto& output : drive_names(recording_))
+      plot.subplots.push_back(signal_subplot("drive", output));
+  }
+
+  Subplot signal_subplot(const std::string& kind, const std::string& name) const {
+    return {.y = {.label = kind + ": " + name},
+            .series = {trace(name, *recording_.find("instrument." + name))}};
   }
 
   const SceneSpec& scene_;

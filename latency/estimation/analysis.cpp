@@ -26,8 +26,8 @@ std::optional<double> level_probe_gain_db(std::span<const double> all_played, co
   std::optional<double> highest;
   for (const auto& burst : loop.located.bursts.others) {
     if (burst.at > loop.located.bursts.repeated.front().at) continue;
-    const auto played = stretch(all_played, burst.at, burst.end());
-    const auto captured = stretch(loop.clock.samples, burst.at + loop.path.at, burst.end() + loop.path.at);
+    const auto played = part_of(all_played, burst.at, burst.end());
+    const auto captured = part_of(loop.clock.samples, burst.at + loop.path.at, burst.end() + loop.path.at);
     if (captured.size() < played.size()) continue;
     double common = 0.0, loudness = 0.0;
     for (std::size_t n = 0; n < played.size(); ++n) {
@@ -153,8 +153,8 @@ double usual_level(const LoopEstimate& loop, std::span<const double> first, std:
                    std::int64_t frames) {
   std::vector<double> levels;
   for (const auto& burst : loop.located.bursts.repeated) {
-    const auto whole = stretch(first, burst.at + loop.path.at, burst.end() + loop.path.at);
-    const auto again = stretch(rest, burst.at + frames, burst.end() + frames);
+    const auto whole = part_of(first, burst.at + loop.path.at, burst.end() + loop.path.at);
+    const auto again = part_of(rest, burst.at + frames, burst.end() + frames);
     const bool recorded = again.size() == whole.size();
     levels.push_back(recorded ? std::abs(product(again, whole)) / product(whole, whole) : 0.0);
   }

@@ -16,8 +16,7 @@ namespace tactus {
 struct ResponsePoint {
   double frequency_hz = 0.0;
   double gain_db = 0.0;
-  double phase_rad = 0.0;  ///< with the delay taken off
-  double noise_db = 0.0;   ///< at the same scale
+  double noise_db = 0.0;  ///< at the same scale
 };
 
 /// The slope of the phase in one octave.

@@ -22,9 +22,9 @@ double neighbours_slope(std::span<const DelayPoint> points) {
   return median(slopes);
 }
 
-/// Stretches as lists of points.
-std::vector<std::vector<std::size_t>> stretches(std::span<const DelayPoint> points, double slope,
-                                                double least_step, std::vector<DelayStep>& steps) {
+/// Segments between steps, as lists of points.
+std::vector<std::vector<std::size_t>> segments(std::span<const DelayPoint> points, double slope,
+                                               double least_step, std::vector<DelayStep>& steps) {
   std::vector<std::vector<std::size_t>> found{{0}};
   for (std::size_t n = 1; n < points.size(); ++n) {
     const double time = static_cast<double>(points[n].played_at - points[n - 1].played_at);
@@ -42,10 +42,10 @@ struct Means {
   double time = 0.0, delay = 0.0;
 };
 
-Means means(std::span<const DelayPoint> points, const std::vector<std::size_t>& stretch) {
+Means means(std::span<const DelayPoint> points, const std::vector<std::size_t>& segment) {
   Means mean;
-  const auto count = static_cast<double>(stretch.size());
-  for (const auto n : stretch) {
+  const auto count = static_cast<double>(segment.size());
+  for (const auto n : segment) {
     mean.time += static_cast<double>(points[n].played_at) / count;
     mean.delay += points[n].delay_frames / count;
   }
@@ -57,7 +57,7 @@ Means means(std::span<const DelayPoint> points, const std::vector<std::size_t>& 
 DelayTrend DelayTrend::of(std::span<const DelayPoint> points, double least_step) {
   DelayTrend trend;
   if (points.empty()) return trend;
-  const auto parts = stretches(points, neighbours_slope(points), least_step, trend.steps);
+  const auto parts = segments(points, neighbours_slope(points), least_step, trend.steps);
   double times = 0.0, common = 0.0;
   for (const auto& part : parts) {
     const auto mean = means(points, part);

@@ -15,14 +15,14 @@ struct DelayPoint {
 };
 
 /// A straight line through delays, and where they jump off it. Between jumps it is least squares with one
-/// slope for all stretches; before that the slope is the median of those between neighbours, which a jump
+/// slope for all segments; before that the slope is the median of those between neighbours, which a jump
 /// does not move.
 struct DelayTrend {
   double slope = 0.0;            ///< frames per frame
   double slope_deviation = 0.0;  ///< from the scatter around the line; 0 for fewer than three points
   std::vector<DelayStep> steps;
-  std::vector<std::size_t> longest;  ///< points of the stretch without a step that has most of them
-  double scatter = 0.0;              ///< standard deviation around the line in that stretch
+  std::vector<std::size_t> longest;  ///< points of the segment without a step that has most of them
+  double scatter = 0.0;              ///< standard deviation around the line in that segment
 
   /// [control] A jump is more than `least_step` frames off the line.
   static DelayTrend of(std::span<const DelayPoint> points, double least_step);

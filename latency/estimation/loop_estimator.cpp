@@ -11,12 +11,12 @@
 namespace tactus {
 namespace {
 
-constexpr Seconds kLoopEstimatorQuiet{0.5};  // as much silence as is listened to
+constexpr Seconds kLoopEstimatorQuiet{0.5};  // as much silence as is used
 constexpr Seconds kAir{0.005};               // before the first burst is captured
 constexpr Seconds kRinging{0.1};             // after the last one
 constexpr Seconds kLoopEstimatorShortestQuiet{0.1};
 constexpr double kFarLouder = 4.0;       // power
-constexpr std::size_t kLeastProbes = 3;  // their spacing tells which of them they are
+constexpr std::size_t kLeastProbes = 3;  // their spacing identifies them
 constexpr std::int64_t kLoopEstimatorSearch = 8192;
 constexpr double kLeastStep = 0.75;              // frames
 constexpr double kLoopEstimatorCertain = 6.0;    // standard deviations
@@ -138,7 +138,7 @@ double least_step_of(const Spectrum& part, std::size_t size, double variance) {
 std::vector<std::int64_t> pilot_damage(const std::vector<double>& whole, std::span<const double> captured,
                                        std::int64_t begin, double variance) {
   constexpr std::int64_t kBlock = 64;
-  constexpr std::int64_t kLongest = 40;  // blocks; what lasts longer is a gain that changes
+  constexpr std::int64_t kMaxBlocks = 40;  // blocks; what lasts longer is a gain that changes
   const auto blocks = static_cast<std::int64_t>(whole.size()) / kBlock;
   double usual = 0.0;  // power of a block: at the ends there is less
   for (const double sample : whole) usual += sample * sample * kBlock / static_cast<double>(whole.size());
@@ -154,7 +154,7 @@ std::vector<std::int64_t> pilot_damage(const std::vector<double>& whole, std::sp
     }
     return unexplained > 0.25 * std::max(explained, usual) && unexplained > 36.0 * kBlock * variance;
   };
-  auto places = short_runs(blocks, kLongest, broken);
+  auto places = short_runs(blocks, kMaxBlocks, broken);
   for (auto& place : places) place = begin + place * kBlock;
   return places;
 }
@@ -261,8 +261,8 @@ LocatedProbes LoopEstimator::locate() {
 NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
   const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, rate())); };
   const auto copy = [&](std::int64_t from, std::int64_t to) {
-    const auto piece = stretch(captured_, from, to);
-    return std::vector<double>{piece.begin(), piece.end()};
+    const auto part = part_of(captured_, from, to);
+    return std::vector<double>{part.begin(), part.end()};
   };
   if (!coarse.found()) return NoiseFloor::of(captured_);
   auto all = bursts_.repeated;
@@ -273,15 +273,15 @@ NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
   std::vector<double> between;
   for (std::size_t n = 1; n < all.size(); ++n) {
     const auto pause = all[n].at - all[n - 1].end();
-    const auto piece = copy(all[n].at + coarse.frames - pause / 3, all[n].at + coarse.frames - frames(kAir));
-    between.insert(between.end(), piece.begin(), piece.end());
+    const auto part = copy(all[n].at + coarse.frames - pause / 3, all[n].at + coarse.frames - frames(kAir));
+    between.insert(between.end(), part.begin(), part.end());
   }
   // Something else may sound in one of them.
   std::optional<NoiseFloor> best;
-  for (const auto& piece : {copy(begin - frames(kLoopEstimatorQuiet), begin),
-                            copy(end, end + frames(kLoopEstimatorQuiet)), between}) {
-    if (piece.size() < index(frames(kLoopEstimatorShortestQuiet))) continue;
-    auto found = NoiseFloor::of(piece);
+  for (const auto& part : {copy(begin - frames(kLoopEstimatorQuiet), begin),
+                           copy(end, end + frames(kLoopEstimatorQuiet)), between}) {
+    if (part.size() < index(frames(kLoopEstimatorShortestQuiet))) continue;
+    auto found = NoiseFloor::of(part);
     if (!best || best->variance > kFarLouder * found.variance) best = std::move(found);
   }
   return best.value_or(NoiseFloor::of({}));
@@ -294,7 +294,7 @@ NoiseFloor LoopEstimator::noise_floor(const CoarseDelay& coarse) const {
   floor.variance = std::max(floor.variance, rounding);
   for (auto& each : floor.per_frame) each = std::max(each, rounding);
   const auto from = bursts_.repeated.front().at + coarse.frames;
-  const double signal = power(stretch(captured_, from, from + bursts_.repeated.front().frames), floor.mean);
+  const double signal = power(part_of(captured_, from, from + bursts_.repeated.front().frames), floor.mean);
   for (auto& each : floor.per_frame) each = std::max(each, kLoopEstimatorSilence * signal + kNothing);
   return floor;
 }

@@ -28,7 +28,7 @@ struct PathProfile {
 };
 
 /// [any] The frames [from, to) of `all`, as far as there are any.
-inline std::span<const double> stretch(std::span<const double> all, std::int64_t from, std::int64_t to) {
+inline std::span<const double> part_of(std::span<const double> all, std::int64_t from, std::int64_t to) {
   const auto size = static_cast<std::int64_t>(all.size());
   from = std::clamp<std::int64_t>(from, 0, size);
   to = std::clamp<std::int64_t>(to, from, size);

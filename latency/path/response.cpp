@@ -110,21 +110,17 @@ std::vector<ResponsePoint> Response::spectrum() const {
     const double bins = f / sample_rate_.value * static_cast<double>(window_.size);
     const auto low = static_cast<std::size_t>(std::ceil(bins * std::exp2(-1.0 / 24)));
     const auto high = std::max(low, static_cast<std::size_t>(bins * std::exp2(1.0 / 24)));
-    Complex answer = 0.0;
     double power = 0.0, noise = 0.0;
     int count = 0;
     for (auto b = low; b <= high && b + 1 < window_.played.size(); ++b) {
       const double played_power = std::norm(window_.played[b]);
       if (!(played_power > least)) continue;
-      const double w = angular_frequency(b, window_.size);
-      const auto ratio = window_.captured[b] / window_.played[b];
-      answer += ratio * std::polar(1.0, w * model_.delay_frames);
-      power += std::norm(ratio);
+      power += std::norm(window_.captured[b] / window_.played[b]);
       noise += window_.noise[b] / played_power;
       ++count;
     }
     if (count == 0) continue;
-    points.push_back({f, power_to_db(power / count), std::arg(answer), power_to_db(noise / count)});
+    points.push_back({f, power_to_db(power / count), power_to_db(noise / count)});
   }
   return points;
 }

@@ -9,7 +9,7 @@ using namespace tactus;
 namespace {
 
 /// A stream of blocks, each as late as `late_seconds` says, of which some frames never come.
-struct Stream {
+struct TestStream {
   double rate = 48000.0;
   int block = 256;
   double clock = 1.0;  ///< the card's over ours
@@ -44,7 +44,7 @@ TEST_CASE("frame watch: finds how many frames are missing, within a second", "[b
   const int lost = GENERATE(300, 1000, 4800, 96000);
   const int block = GENERATE(16, 64, 256);
   FrameWatch watch{48000.0};
-  Stream stream{.block = block};
+  TestStream stream{.block = block};
   CHECK(sum(stream.play(watch, 2.0, kOnTime)) == 0);
   stream.lose(lost);
   CHECK(std::llabs(sum(stream.play(watch, 1.1, kOnTime)) - lost) <= 1);
@@ -53,7 +53,7 @@ TEST_CASE("frame watch: finds how many frames are missing, within a second", "[b
 
 TEST_CASE("frame watch: blocks that come late, but come, are not missing", "[backends]") {
   FrameWatch watch{48000.0};
-  Stream stream;
+  TestStream stream;
   std::mt19937 random{1};
   std::exponential_distribution<double> late{1 / 0.002};  // 2 ms on average
   CHECK(sum(stream.play(watch, 60.0, [&] { return late(random); })) == 0);
@@ -61,7 +61,7 @@ TEST_CASE("frame watch: blocks that come late, but come, are not missing", "[bac
 
 TEST_CASE("frame watch: a stall that is caught up with is no loss", "[backends]") {
   FrameWatch watch{48000.0};
-  Stream stream;
+  TestStream stream;
   stream.play(watch, 2.0, kOnTime);
   double late = 0.3;  // the blocks of 300 ms come in one go
   CHECK(sum(stream.play(watch, 0.3, [&] { return late = std::max(0.0, late - 256 / 48000.0); })) == 0);
@@ -70,13 +70,13 @@ TEST_CASE("frame watch: a stall that is caught up with is no loss", "[backends]"
 
 TEST_CASE("frame watch: clocks that are 0.1 % apart lose nothing", "[backends]") {
   FrameWatch watch{48000.0};
-  Stream stream{.block = 64, .clock = GENERATE(0.999, 1.001)};
+  TestStream stream{.block = 64, .clock = GENERATE(0.999, 1.001)};
   CHECK(sum(stream.play(watch, 60.0, kOnTime)) == 0);
 }
 
 TEST_CASE("frame watch: blocks longer than its half second are no loss", "[backends]") {
   FrameWatch watch{8000.0};
-  Stream stream{.rate = 8000.0, .block = 8192};
+  TestStream stream{.rate = 8000.0, .block = 8192};
   CHECK(sum(stream.play(watch, 60.0, kOnTime)) == 0);
   stream.lose(3 * 8192);
   CHECK(sum(stream.play(watch, 10.0, kOnTime)) == 3 * 8192);

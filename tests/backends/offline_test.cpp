@@ -4,6 +4,8 @@
 #include <limits>
 #include <vector>
 
+#include "backends/health.h"
+
 using namespace tactus;
 
 namespace {

@@ -16,7 +16,7 @@ namespace {
 constexpr int kFrames = 1500;
 constexpr unsigned kSeeds = 5;
 
-Outputs whole(NodeRunner& runner) { return runner.run(even_cutting(kFrames, kLongestPiece)); }
+Outputs whole(NodeRunner& runner) { return runner.run(even_cutting(kFrames, kLongestSubBlock)); }
 
 /// Calls `check(case, runner)` for every case of every type; a node that cannot be made fails there.
 template <class Check>
@@ -46,12 +46,12 @@ Outputs run_with_strides(const NodeCase& one, Node& node, bool constants_as_samp
   for (const auto& port : one.type->inputs) {
     const auto& value = one.inputs.at(port.name);
     const auto* constant = std::get_if<double>(&value);
-    expanded.push_back(constant ? Samples(kLongestPiece, *constant) : std::get<Samples>(value));
+    expanded.push_back(constant ? Samples(kLongestSubBlock, *constant) : std::get<Samples>(value));
   }
   Outputs outputs(one.type->outputs.size(), Samples(kFrames));
   node.reset();
   for (int from = 0; from < kFrames;) {
-    const int frames = std::min(kLongestPiece, kFrames - from);
+    const int frames = std::min(kLongestSubBlock, kFrames - from);
     std::vector<Signal> in;
     std::vector<double*> out;
     for (std::size_t i = 0; i < expanded.size(); ++i) {
@@ -69,14 +69,14 @@ Outputs run_with_strides(const NodeCase& one, Node& node, bool constants_as_samp
 
 /// Allocations inside the node's real-time functions while it runs `one` from a reset on.
 std::int64_t allocations(const NodeCase& one, Node& node, bool halves) {
-  Outputs outputs(one.type->outputs.size(), Samples(kLongestPiece));
+  Outputs outputs(one.type->outputs.size(), Samples(kLongestSubBlock));
   std::vector<double*> out;
   for (auto& output : outputs) out.push_back(output.data());
   std::vector<Signal> in(one.type->inputs.size());
   const auto before = allocation_count();
   node.reset();
   for (int from = 0; from < kFrames;) {
-    const int frames = halves ? 1 : std::min(from % kLongestPiece + 1, kFrames - from);
+    const int frames = halves ? 1 : std::min(from % kLongestSubBlock + 1, kFrames - from);
     for (std::size_t i = 0; i < in.size(); ++i) {
       const auto& value = one.inputs.at(one.type->inputs[i].name);
       const auto* constant = std::get_if<double>(&value);
@@ -197,7 +197,7 @@ TEST_CASE("nodes: a change at an input reaches an output after its declared dela
 TEST_CASE("nodes: emit and absorb give the bits of process", "[conformance]") {
   for_ordinary_cases([](const NodeCase& one, NodeRunner& runner) {
     if (!has_late_inputs(*one.type)) return;
-    int least = kLongestPiece;
+    int least = kLongestSubBlock;
     for (std::size_t i = 0; i < one.type->inputs.size(); ++i)
       for (std::size_t o = 0; one.type->inputs[i].late && o < one.type->outputs.size(); ++o)
         least = std::min(least, runner.node().delay(static_cast<int>(i), static_cast<int>(o)).least);

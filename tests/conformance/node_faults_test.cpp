@@ -187,7 +187,7 @@ TEST_CASE("faults: a node that was given what is no number is as new after a res
   for (const auto* type : standard_nodes().types)
     for (const auto& one : ordinary_cases(*type, 640, 2)) {
       auto runner = one.runner();
-      const auto fresh = runner.run(even_cutting(640, kLongestPiece));
+      const auto fresh = runner.run(even_cutting(640, kLongestSubBlock));
       for (const auto bad : kAllBad)
         for (const auto& port : type->inputs) {
           if (port.fixed) continue;
@@ -200,14 +200,14 @@ TEST_CASE("faults: a node that was given what is no number is as new after a res
           std::vector<Signal> in;
           for (const auto& values : held) in.push_back({values.data(), 1});
           Outputs outputs(type->outputs.size(), Samples(640));
-          for (int from = 0; from < 640; from += kLongestPiece) {
+          for (int from = 0; from < 640; from += kLongestSubBlock) {
             std::vector<double*> out;
             auto moved = in;
             for (auto& signal : moved) signal.data += from;
             for (auto& output : outputs) out.push_back(output.data() + from);
-            runner.node().process({moved.data(), out.data(), kLongestPiece, from});
+            runner.node().process({moved.data(), out.data(), kLongestSubBlock, from});
           }
-          CHECK(first_difference(fresh, runner.run(even_cutting(640, kLongestPiece))) == "");
+          CHECK(first_difference(fresh, runner.run(even_cutting(640, kLongestSubBlock))) == "");
         }
     }
 }

@@ -40,7 +40,7 @@ Samples run(const Rest& rest, std::size_t input, std::size_t output, int frames,
   moving[kSettle] += impulse;
   inputs[rest.type->inputs[input].name] = moving;
   NodeRunner runner(*rest.type, inputs, rest.settings, Hertz{kRate}, typical_ranges(*rest.type));
-  return runner.run(even_cutting(kSettle + frames, kLongestPiece))[output];
+  return runner.run(even_cutting(kSettle + frames, kLongestSubBlock))[output];
 }
 
 double step_of(const Rest& rest, std::size_t input) {

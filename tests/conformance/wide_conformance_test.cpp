@@ -48,7 +48,7 @@ class WideRunner {
 
   bool made() const { return node_ != nullptr; }
   Node& node() { return *node_; }
-  Outputs scalar(std::size_t lane) { return scalars_[lane]->run(even_cutting(kFrames, kLongestPiece)); }
+  Outputs scalar(std::size_t lane) { return scalars_[lane]->run(even_cutting(kFrames, kLongestSubBlock)); }
 
   /// Interleaved.
   Outputs run(const std::vector<int>& pieces, bool halves = false) {
@@ -100,7 +100,7 @@ class WideRunner {
   }
 
   std::vector<Signal> signals(int from, bool without_late) const {
-    static const Samples unknown(kLongestPiece * kVectorWidth, std::numeric_limits<double>::quiet_NaN());
+    static const Samples unknown(kLongestSubBlock * kVectorWidth, std::numeric_limits<double>::quiet_NaN());
     std::vector<Signal> signals;
     for (std::size_t i = 0; i < inputs_.size(); ++i)
       signals.push_back(
@@ -152,7 +152,7 @@ int for_all_lanes(Check check) {
 
 TEST_CASE("wide: each lane gives what its node gives, but for rounding", "[conformance]") {
   const int types = for_all_lanes([](const Lanes& lanes, WideRunner& runner) {
-    const auto wide = runner.run(even_cutting(kFrames, kLongestPiece));
+    const auto wide = runner.run(even_cutting(kFrames, kLongestSubBlock));
     for (std::size_t lane = 0; lane < lanes.cases.size(); ++lane) {
       const auto alone = runner.scalar(lane);
       for (std::size_t o = 0; o < alone.size(); ++o) {
@@ -172,7 +172,7 @@ TEST_CASE("wide: each lane gives what its node gives, but for rounding", "[confo
 
 TEST_CASE("wide: the cutting into blocks changes no bit", "[conformance]") {
   for_all_lanes([](const Lanes&, WideRunner& runner) {
-    const auto whole = runner.run(even_cutting(kFrames, kLongestPiece));
+    const auto whole = runner.run(even_cutting(kFrames, kLongestSubBlock));
     CHECK(first_difference(whole, runner.run(even_cutting(kFrames, 1))) == "");
     CHECK(first_difference(whole, runner.run(random_cutting(kFrames, 3))) == "");
     CHECK(first_difference(whole, runner.run(random_cutting(kFrames, 4, 11))) == "");
@@ -192,7 +192,7 @@ TEST_CASE("wide: halves give what the whole gives, and delays are those of all l
       CHECK(runner.node().delay(input, 0).least == all.least);
       CHECK(runner.node().delay(input, 0).most == all.most);
       if (all.least < 1) continue;
-      const auto whole = runner.run(even_cutting(kFrames, kLongestPiece));
+      const auto whole = runner.run(even_cutting(kFrames, kLongestSubBlock));
       CHECK(first_difference(whole, runner.run(even_cutting(kFrames, std::min(all.least, 64)), true)) == "");
     }
   });
@@ -200,7 +200,7 @@ TEST_CASE("wide: halves give what the whole gives, and delays are those of all l
 
 TEST_CASE("wide: nothing is allocated while it runs", "[conformance]") {
   for_all_lanes([](const Lanes&, WideRunner& runner) {
-    Samples silence(kLongestPiece * kVectorWidth);
+    Samples silence(kLongestSubBlock * kVectorWidth);
     std::vector<Samples> outputs(4, silence);
     std::vector<double*> out;
     for (auto& output : outputs) out.push_back(output.data());
@@ -208,7 +208,7 @@ TEST_CASE("wide: nothing is allocated while it runs", "[conformance]") {
     const auto before = allocation_count();
     runner.node().reset();
     for (int n = 0; n < 10; ++n)
-      runner.node().process({in.data(), out.data(), kLongestPiece, n * kLongestPiece});
+      runner.node().process({in.data(), out.data(), kLongestSubBlock, n * kLongestSubBlock});
     CHECK(allocation_count() == before);
   });
 }

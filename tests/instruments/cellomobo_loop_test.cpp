@@ -59,7 +59,7 @@ RegimeVerdict judged(const Loop& loop) {
   const auto& table = standard_nodes();
   StabilityOptions options;
   options.world.rate = Hertz{kRate};
-  auto verdict = judge_stability({nullptr, &graph, &table}, options);
+  auto verdict = analyse_stability({nullptr, &graph, &table}, options);
   if (!verdict) throw std::runtime_error(to_string(verdict.error()));
   return verdict->regimes.at(0);
 }

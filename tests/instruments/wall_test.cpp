@@ -2,8 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/study/walls/wall_border.h"
-#include "engine/study/walls/wall_device.h"
+#include "engine/study/walls/wall_map.h"
 #include "tests/support/shipped_scene.h"
 
 using namespace tactus;

@@ -78,8 +78,6 @@ class PlayedGraph {
     const auto kind = random() % 2 == 0 ? JournalEntry::Kind::Arm : JournalEntry::Kind::Mute;
     (void)guarded_.post(
         {JournalEntry::kNow, kind, JournalEntry::kAllChannels, random() % 2 == 0 ? 1.0 : 0.0});
-    JournalEntry applied;
-    while (guarded_.take_applied(applied)) continue;
     GuardEvent event;
     while (guarded_.take_event(event)) continue;
     for (int c = 0; c < engine_->out_channels(); ++c) {

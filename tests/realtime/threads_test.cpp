@@ -22,6 +22,13 @@ struct Faulty final : BlockProcessor {
   }
 };
 
+/// Counts the entries that are applied.
+struct CountingTap final : BlockTap {
+  void applied(const JournalEntry&) noexcept override { ++entries; }
+  void observe(const BlockIo&, std::int64_t) noexcept override {}
+  std::atomic<int> entries{0};
+};
+
 constexpr int kFrames = 16;
 
 /// Runs blocks on a thread of its own until `finish`; one of them begins after that.
@@ -56,6 +63,8 @@ TEST_CASE("Guarded: arms, mutes and counts from another thread, every entry is a
   constexpr int kEntries = 2000;
   Faulty faulty;
   Guarded guarded{faulty, {}};
+  CountingTap journal;
+  guarded.set_tap(&journal);
   REQUIRE(guarded.prepare({48_kHz, 1, 1, kFrames}));
   AudioThread audio{guarded};
   int applied = 0;
@@ -65,8 +74,7 @@ TEST_CASE("Guarded: arms, mutes and counts from another thread, every entry is a
     const auto kind = posted % 2 == 0 ? JournalEntry::Kind::Mute : JournalEntry::Kind::Arm;
     if (posted < kEntries && guarded.post({JournalEntry::kNow, kind, 0, posted % 4 < 2 ? 1.0 : 0.0}))
       ++posted;
-    JournalEntry entry;
-    while (guarded.take_applied(entry)) ++applied;
+    applied = journal.entries;
     const auto now = guarded.counts(0)[GuardStage::NonFinite].frames;
     rising = rising && now >= counted && guarded.frame() >= frame;
     counted = now;

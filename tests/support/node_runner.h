@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "engine/core/dimension.h"
-#include "engine/graph/node_type.h"
+#include "engine/nodes/table.h"
 
 namespace tactus::test {
 
@@ -22,7 +22,9 @@ using Samples = std::vector<double>;
 using Outputs = std::vector<Samples>;  ///< [output][frame]
 using InputValue = std::variant<double, Samples>;
 
-inline constexpr int kLongestPiece = 64;
+inline constexpr int kLongestSubBlock = 64;
+
+inline const NodeType& node_type(std::string_view name) { return *standard_nodes().find(name); }
 
 /// Uniform noise in [low, high], the same for the same seed on every machine.
 inline Samples noise(int frames, unsigned seed, double low = -1, double high = 1) {
@@ -46,7 +48,7 @@ inline std::vector<int> even_cutting(int frames, int length) {
 }
 
 /// `frames` in blocks of random length up to `longest`.
-inline std::vector<int> random_cutting(int frames, unsigned seed, int longest = kLongestPiece) {
+inline std::vector<int> random_cutting(int frames, unsigned seed, int longest = kLongestSubBlock) {
   std::mt19937 bits(seed);
   std::vector<int> lengths;
   while (frames > 0) {
@@ -161,16 +163,17 @@ class NodeRunner {
     return **node_;
   }
 
-  /// Blocks longer than 64 frames reach the node in pieces, as in the engine. Every run starts from `reset`,
-  /// except the first, which starts from `make`: so a second run also tests `reset`.
+  /// Blocks longer than 64 frames reach the node as sub-blocks, as in the engine. Every run starts from
+  /// `reset`, except the first, which starts from `make`: so a second run also tests `reset`.
   Outputs run(std::span<const int> block_lengths, std::int64_t first_frame = 0) {
-    return run_pieces(block_lengths, first_frame, [this](const NodeBlock& block) { node().process(block); });
+    return run_sub_blocks(block_lengths, first_frame,
+                          [this](const NodeBlock& block) { node().process(block); });
   }
 
   /// The same through `emit` and `absorb`, as on a loop. The late inputs are NaN during `emit`.
   Outputs run_halves(std::span<const int> block_lengths, std::int64_t first_frame = 0) {
-    return run_pieces(block_lengths, first_frame, [this](const NodeBlock& block) {
-      static const Samples unknown(kLongestPiece, std::numeric_limits<double>::quiet_NaN());
+    return run_sub_blocks(block_lengths, first_frame, [this](const NodeBlock& block) {
+      static const Samples unknown(kLongestSubBlock, std::numeric_limits<double>::quiet_NaN());
       std::vector<Signal> early(block.in, block.in + type_.inputs.size());
       for (std::size_t i = 0; i < early.size(); ++i)
         if (type_.inputs[i].late) early[i] = {unknown.data(), 1};
@@ -181,9 +184,9 @@ class NodeRunner {
     });
   }
 
-  /// "" if random cuttings of `frames` frames, single frames and whole pieces give the same bits.
+  /// "" if random cuttings of `frames` frames, single frames and whole sub-blocks give the same bits.
   std::string cutting_matters(int frames, unsigned seeds = 4, std::int64_t first_frame = 0) {
-    const auto whole = run(even_cutting(frames, kLongestPiece), first_frame);
+    const auto whole = run(even_cutting(frames, kLongestSubBlock), first_frame);
     auto difference = first_difference(whole, run(even_cutting(frames, 1), first_frame));
     for (unsigned seed = 1; seed <= seeds && difference.empty(); ++seed)
       difference =
@@ -208,7 +211,7 @@ class NodeRunner {
   }
 
   template <class Step>
-  Outputs run_pieces(std::span<const int> block_lengths, std::int64_t first_frame, Step step) {
+  Outputs run_sub_blocks(std::span<const int> block_lengths, std::int64_t first_frame, Step step) {
     if (ran_) node().reset();
     ran_ = true;
     int frames = 0;
@@ -217,13 +220,13 @@ class NodeRunner {
                     Samples(static_cast<std::size_t>(frames), std::numeric_limits<double>::quiet_NaN()));
     int from = 0;
     for (const int length : block_lengths)
-      for (const int piece : even_cutting(length, kLongestPiece)) {
+      for (const int count : even_cutting(length, kLongestSubBlock)) {
         std::vector<Signal> in;
         std::vector<double*> out;
-        for (std::size_t i = 0; i < values_.size(); ++i) in.push_back(signal(i, from, piece));
+        for (std::size_t i = 0; i < values_.size(); ++i) in.push_back(signal(i, from, count));
         for (auto& output : outputs) out.push_back(output.data() + from);
-        step(NodeBlock{in.data(), out.data(), piece, first_frame + from});
-        from += piece;
+        step(NodeBlock{in.data(), out.data(), count, first_frame + from});
+        from += count;
       }
     return outputs;
   }

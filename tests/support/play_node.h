@@ -7,7 +7,7 @@ namespace tactus::test {
 /// The first output of a fresh node over `frames` frames.
 inline Samples play_node(const NodeType& type, int frames, const std::map<std::string, InputValue>& inputs,
                          const std::map<std::string, std::string>& settings = {}) {
-  return NodeRunner(type, inputs, settings).run(even_cutting(frames, kLongestPiece))[0];
+  return NodeRunner(type, inputs, settings).run(even_cutting(frames, kLongestSubBlock))[0];
 }
 
 /// What a node type says when it refuses to make a node; "" if it does not.

@@ -10,7 +10,7 @@
 
 namespace tactus {
 
-/// The last samples of a signal, readable in a row: the first ones of the ring stand behind its end once
+/// The last samples of a signal, contiguous: the first ones of the ring stand behind its end once
 /// more, so that up to `longest_run` samples never wrap.
 class DelayLine {
  public:

@@ -9,38 +9,111 @@
 
 namespace tactus {
 
-/// Sum over k of weight[k] * newest[-k] in two chains, even and odd taps, so that a single frame waits for
-/// half the additions. `start` is what the sum starts from.
-template <std::size_t Count>
-double tap_sum(const double* newest, const std::array<double, Count>& weight, double start) noexcept {
-  double even = fused_multiply_add(weight[0], newest[0], start), odd = 0;
-  if constexpr (Count > 1) odd = weight[1] * *(newest - 1);
+/// product over j != k of (k - j)
+template <std::size_t Taps>
+constexpr std::array<double, Taps> lagrange_divisors() {
+  std::array<double, Taps> divisors{};
+  for (std::size_t k = 0; k < Taps; ++k) {
+    divisors[k] = 1;
+    for (std::size_t j = 0; j < Taps; ++j)
+      if (j != k) divisors[k] *= static_cast<double>(k) - static_cast<double>(j);
+  }
+  return divisors;
+}
+
+/// Weights that read between samples: the polynomial through Order + 1 taps at 0, 1 … Order frames, taken at
+/// `t` frames from the newest:
+///
+///   w[k] = product over j != k of (t - j) / (k - j)
+///
+/// Exact for polynomials up to Order. In the middle interval (t between (Order-1)/2 and (Order+1)/2) the gain
+/// is at most 1 at every frequency, which makes it safe in a loop; outside it rises above 1 at high
+/// frequencies. Source: Laakso, Valimaki, Karjalainen & Laine, "Splitting the unit delay", IEEE SP Magazine
+/// 13, 1996.
+template <int Order>
+std::array<double, Order + 1> lagrange_weights(double t) noexcept {
+  static_assert(Order == 1 || Order == 3 || Order == 5);
+  constexpr std::size_t kTaps = Order + 1;
+  std::array<double, kTaps> w{};
+  double product = 1;
+  for (std::size_t k = 0; k < kTaps; ++k) {
+    w[k] = product;
+    product *= t - static_cast<double>(k);
+  }
+  constexpr auto divisors = lagrange_divisors<kTaps>();
+  product = 1;
+  for (std::size_t k = kTaps; k-- > 0;) {
+    w[k] *= product / divisors[k];
+    product *= t - static_cast<double>(k);
+  }
+  return w;
+}
+
+/// start + sum over k of weight(k) * tap(k) in two chains, even and odd taps, which halves the
+/// latency of a single frame. `Number` is double or Lanes.
+template <std::size_t Count, class Number, class Weight, class Tap>
+Number tap_sum(Weight weight, Tap tap, Number start) noexcept {
+  Number even = fused_multiply_add(weight(0), tap(0), start), odd{};
+  if constexpr (Count > 1) odd = weight(1) * tap(1);
   for (std::size_t k = 2; k < Count; ++k) {
-    double& chain = k % 2 == 0 ? even : odd;
-    chain = fused_multiply_add(weight[k], *(newest - k), chain);
+    Number& chain = k % 2 == 0 ? even : odd;
+    chain = fused_multiply_add(weight(k), tap(k), chain);
   }
   return even + odd;
 }
 
-/// The same for `frames` frames in a row: y[n] = start[n] + sum of weight[k] * newest[n - k], with the same
-/// bits. `start` may be nullptr for 0. `y` overlaps nothing.
+/// start + sum of weight[k] * newest[-k].
+template <std::size_t Count>
+double tap_sum(const double* newest, const std::array<double, Count>& weight, double start) noexcept {
+  return tap_sum<Count>([&](std::size_t k) { return weight[k]; },
+                        [&](std::size_t k) { return *(newest - k); }, start);
+}
+
+/// The same for `frames` consecutive frames: y[n] = start[n] + sum of weight[k] * newest[n - k], with the
+/// same bits. `start` may be nullptr for 0. `y` overlaps nothing.
 template <std::size_t Count>
 void tap_sums(const double* newest, const std::array<double, Count>& weight, const double* start, double* y,
               int frames) noexcept {
   int n = 0;
-  for (; n + Lanes::kCount <= frames; n += Lanes::kCount) {
-    const double* at = newest + n;
-    auto even = fused_multiply_add(Lanes::broadcast(weight[0]), Lanes::load(at),
-                                   start != nullptr ? Lanes::load(start + n) : Lanes::broadcast(0));
-    auto odd = Lanes::broadcast(0);
-    if constexpr (Count > 1) odd = Lanes::broadcast(weight[1]) * Lanes::load(at - 1);
-    for (std::size_t k = 2; k < Count; ++k) {
-      auto& chain = k % 2 == 0 ? even : odd;
-      chain = fused_multiply_add(Lanes::broadcast(weight[k]), Lanes::load(at - k), chain);
-    }
-    (even + odd).store(y + n);
-  }
+  for (; n + Lanes::kCount <= frames; n += Lanes::kCount)
+    tap_sum<Count>([&](std::size_t k) { return Lanes::broadcast(weight[k]); },
+                   [&](std::size_t k) { return Lanes::load(newest + n - k); },
+                   start != nullptr ? Lanes::load(start + n) : Lanes::broadcast(0))
+        .store(y + n);
   for (; n < frames; ++n) y[n] = tap_sum(newest + n, weight, start != nullptr ? start[n] : 0);
 }
+
+/// A place in the past of each of eight interleaved signals.
+using LanePlaces = std::array<const double*, Lanes::kCount>;
+
+/// The last Count samples of eight interleaved signals, newest first, shifted on frame by frame, so that each
+/// frame fetches one sample a lane whatever the number of taps.
+template <std::size_t Count>
+class VectorTaps {
+ public:
+  /// Its oldest taps for the first frame lie at `oldest`; the newest is fetched by `next`.
+  explicit VectorTaps(const LanePlaces& oldest) noexcept {
+    for (std::size_t k = Count; k-- > 1;) at_[k - 1] = Lanes::gather(oldest.data(), offset(Count - 1 - k));
+  }
+
+  /// Tap k lies at oldest + Count - 1 - k of frame 0.
+  void next(const LanePlaces& oldest, int frame) noexcept {
+    for (std::size_t k = Count; k-- > 1;) at_[k] = at_[k - 1];
+    at_[0] = Lanes::gather(oldest.data(), offset(Count - 1 + static_cast<std::size_t>(frame)));
+  }
+
+  Lanes newest() const noexcept { return at_[0]; }
+  Lanes sum(const std::array<Lanes, Count>& weight, Lanes start) const noexcept {
+    return tap_sum<Count>([&](std::size_t k) { return weight[k]; }, [&](std::size_t k) { return at_[k]; },
+                          start);
+  }
+
+ private:
+  static std::ptrdiff_t offset(std::size_t frame) noexcept {
+    return static_cast<std::ptrdiff_t>(frame) * Lanes::kCount;
+  }
+
+  std::array<Lanes, Count> at_;
+};
 
 }  // namespace tactus

@@ -2,7 +2,7 @@
 
 // Thread: [realtime].
 
-#include "engine/dsp/kernel.h"
+#include "engine/dsp/envelopes/time_constant_kernel.h"
 
 /// Peak envelope:  r = |in|,  e += (r > e ? 1 - a : 1 - d) * (r - e),  where a and d are what the
 /// attack and the release keep in a frame (`tactus_keep`). Written without a branch: while the attack is the
@@ -21,10 +21,14 @@ static inline tactus_real tactus_follower_step(tactus_follower* s, tactus_real i
   return s->envelope;
 }
 
-/// `frames` steps with the same times.
-static inline void tactus_follower_run(tactus_follower* s, const tactus_real* in, tactus_real* out,
-                                       int frames, tactus_real attack_keep, tactus_real release_keep) {
-  tactus_follower now = *s;
-  for (int n = 0; n < frames; ++n) out[n] = tactus_follower_step(&now, in[n], attack_keep, release_keep);
-  *s = now;
+/// With times in seconds.
+typedef struct tactus_envelope {
+  tactus_time_constant attack, release;
+  tactus_follower follower;
+} tactus_envelope;
+
+static inline tactus_real tactus_envelope_step(tactus_envelope* s, tactus_real in, tactus_real attack,
+                                               tactus_real release, tactus_real rate) {
+  return tactus_follower_step(&s->follower, in, tactus_time_constant_keep(&s->attack, attack, rate),
+                              tactus_time_constant_keep(&s->release, release, rate));
 }

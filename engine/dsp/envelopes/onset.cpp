@@ -20,7 +20,7 @@ constexpr int kNewestLow = 2;  // so much more in band 0, where a cycle is long
 constexpr double kMaskStays = 10;
 constexpr int kFloorHeld = 100;
 constexpr int kFloorStart = 10;
-constexpr double kDeaf[4] = {0, 20, 45, 60};
+constexpr double kBlocked[4] = {0, 20, 45, 60};
 constexpr double kLowest_hz = 30;
 constexpr double kCutoff_hz[4] = {0, 400, 2000, 7000};
 constexpr double kFall_s[4] = {0.020, 0.001, 0.001, 0.001};
@@ -31,7 +31,8 @@ constexpr double kMaskSpeed[4] = {0.15, 1, 1, 1};        // a fundamental rings 
 constexpr double kSoft = 0.63;                           // -4 dB
 constexpr double kRingFall = 0.986279;                   // -0.12 dB a group
 constexpr double kFloorRise_db_per_s = 20;
-constexpr Four kQuietest = {1e-5, 1e-5, 1e-5, 1e-5};  // after digital silence the floor must find its way up
+constexpr Four kLeastFloor = {1e-5, 1e-5, 1e-5,
+                              1e-5};  // after digital silence the floor must find its way up
 
 }  // namespace
 
@@ -44,8 +45,8 @@ OnsetDetector::OnsetDetector(const Settings& settings) : sample_rate_(settings.s
   const double group_s = group_frames_ / rate;
   for (int b = 0; b < 4; ++b) {
     const double cutoff = b > 0 ? std::max(kCutoff_hz[b], settings.high_pass.value) : kLowest_hz;
-    deaf_[b] = b > 0 || settings.high_pass.value <= kLowest_hz ? kDeaf[b] * ringing / kRinging
-                                                               : std::numeric_limits<double>::infinity();
+    blocked_[b] = b > 0 || settings.high_pass.value <= kLowest_hz ? kBlocked[b] * ringing / kRinging
+                                                                  : std::numeric_limits<double>::infinity();
     feedback_[b] = 1 / (1 + 2 * std::numbers::pi * cutoff / rate);
     fast_fall_[b] = std::exp(-1 / (rate * kFall_s[b]));
   }
@@ -84,13 +85,13 @@ void OnsetDetector::close_group(State& state, const Sensitivity& sensitivity) co
   if (state.groups_free_ >= mask_stays_) state.mask_ *= mask_fall_;
   if (state.groups_since_ > kFloorHeld) state.floor_ *= floor_rise_;
   state.floor_ = state.groups_ < kFloorStart ? state.mean_ : min(state.mean_, state.floor_);
-  state.floor_ = max(state.floor_, kQuietest);
+  state.floor_ = max(state.floor_, kLeastFloor);
   const Four ring = ringing(state) * kRingMargin * sensitivity.margin;
   const Four stroke = max(ring, min(ring * kSoftMargin, state.last_ * kSoft));
   state.bar_ = max(max(stroke, state.mask_ * sensitivity.margin),
                    max(state.floor_ * sensitivity.noise_margin, kThreshold * sensitivity.threshold));
   for (int b = 0; b < 4; ++b)
-    if (state.groups_since_ < deaf_[b]) state.bar_[b] = std::numeric_limits<double>::infinity();
+    if (state.groups_since_ < blocked_[b]) state.bar_[b] = std::numeric_limits<double>::infinity();
   state.group_ = state.fast_;
   state.groups_since_ = std::min(state.groups_since_ + 1, kLongAgo);
   state.groups_free_ = state.hold_ > 0 ? 0 : std::min(state.groups_free_ + 1, kLongAgo);

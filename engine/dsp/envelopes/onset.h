@@ -6,20 +6,39 @@
 #include <array>
 
 #include "engine/core/units.h"
-#include "engine/dsp/simd/four.h"
+
+// Without AVX, GCC points out that code with AVX would pass a Four differently. No Four crosses a border
+// between files that are compiled with different flags.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
 
 namespace tactus {
 
-/// Hears hits in a microphone signal: soft ones after loud ones, and ringing ones only once.
+/// Four doubles in one register (a vector type of GCC and Clang; without AVX it becomes two). The four bands
+/// of the onset detector; Lanes would leave half of its register empty. Operators work lane by lane, `v[i]`
+/// is a lane, a comparison gives a mask for `?:`.
+using Four = double __attribute__((vector_size(32)));
+
+inline Four max(const Four& a, const Four& b) { return a > b ? a : b; }
+inline Four min(const Four& a, const Four& b) { return a < b ? a : b; }
+inline Four abs(const Four& a) { return max(a, -a); }
+/// Whether a > b in any lane.
+inline bool any_above(const Four& a, const Four& b) {
+  const auto above = a > b;
+  return (above[0] | above[1] | above[2] | above[3]) != 0;
+}
+
+/// Detects hits in a microphone signal: soft ones after loud ones, and ringing ones only once.
 ///
 ///     y_b   = in, twice through a one-pole high-pass at f_b       f = 30 Hz, 400 Hz, 2 kHz, 7 kHz
 ///     e_b   = max(|y_b|, e_b exp(-T / tau_b))                     fast envelope, tau = 20, 1, 1, 1 ms
 ///     bar_b = max(q_b threshold, margin mask_b, margin ring_b, noise_margin floor_b)
 ///     hit when e_0 > threshold and e_b > bar_b in any band, `hold` or more after the last hit
 ///
-/// Four bands, because a drum rings where it is tuned and a new stroke is also heard elsewhere; a weighting
-/// towards high frequencies is the classic way to hear it (Bello et al., IEEE Trans. Speech Audio Process.
-/// 13, 2005, section III). In each band:
+/// Four bands, because a drum rings where it is tuned and a new stroke also excites other frequencies; a
+/// weighting towards high frequencies is the usual way to detect it (Bello et al., IEEE Trans. Speech Audio
+/// Process. 13, 2005, section III). In each band:
 ///
 /// - mask: the highest envelope of the last hit until its hold was over. Stays for 10 ms more, then falls by
 ///   20 dB every `mask_time` (by 3 dB in band 0, where drums ring near their peak for long).
@@ -30,23 +49,23 @@ namespace tactus {
 /// so
 ///   that a long roll does not become noise.
 ///
-/// The bands above are deaf for 20, 45 and 60 ms after a hit, because the wires of a snare strike again.
-/// The bars change once a millisecond. All these times but the 5 and 7 ms are for `ringing` = 28 ms, and go
-/// with it.
+/// The upper bands detect nothing for 20, 45 and 60 ms after a hit, because the wires of a snare strike
+/// again. The bars change once a millisecond. All these times but the 5 and 7 ms are for `ringing` = 28 ms,
+/// and go with it.
 ///
-/// `high_pass` above 30 Hz is for a microphone that also hears an actuator: hits are then told only from what
-/// lies above it, while their strength is still that of the whole signal.
+/// `high_pass` above 30 Hz is for a microphone that also picks up an actuator: hits are then detected only
+/// above it, while their strength is still that of the whole signal.
 ///
 /// Valid: sample_rate >= 16 kHz, high_pass below a quarter of it.
 class OnsetDetector {
  public:
   struct Settings {
     Hertz sample_rate = 48_kHz;
-    Hertz high_pass = 30_Hz;  ///< above 30 Hz: band 0 is not asked for hits, and no other listens below
+    Hertz high_pass = 30_Hz;  ///< above 30 Hz: band 0 detects no hits, and the other bands use nothing below
     Seconds mask_time = 20_ms;
     /// How long what is struck rings and rattles, 8 to 31 ms: the window of `ring`, and in proportion the
-    /// time for which the mask stays and the upper bands are deaf. Two strokes closer than this count as two
-    /// only if the second is the louder.
+    /// time for which the mask stays and the upper bands detect nothing. Two strokes closer than this count
+    /// as two only if the second is the louder.
     Seconds ringing = 28_ms;
   };
   /// Amplitude ratios; threshold in full scales.
@@ -65,7 +84,7 @@ class OnsetDetector {
   bool step(State& state, double in, const Sensitivity& sensitivity) const noexcept;
 
  private:
-  static constexpr int kPast = 32;  ///< groups kept: more than `ring` looks back
+  static constexpr int kPast = 32;  ///< groups stored: more than `ring` looks back
   static constexpr int kLongAgo = 1000;
   static constexpr int kLevel = 5;  ///< groups in which `level` still rises: 5 ms
 
@@ -76,12 +95,12 @@ class OnsetDetector {
   double sample_rate_;
   int group_frames_;
   int window_, mask_stays_;  ///< groups
-  Four feedback_, fast_fall_, mask_fall_, deaf_;
+  Four feedback_, fast_fall_, mask_fall_, blocked_;
   double mean_rise_, floor_rise_;
 };
 
-/// All that changes. A new one has heard nothing; the first frame it is given counts as silence, whatever DC
-/// it stands on.
+/// All that changes. A new one starts from silence; the first frame counts as silence, whatever its DC
+/// component.
 class OnsetDetector::State {
  public:
   /// Envelope above 30 Hz, full scales: time constant 20 ms.

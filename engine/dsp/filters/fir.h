@@ -30,7 +30,7 @@ class Fir {
     next_ = history_;
   }
 
-  /// [realtime] Remembers the inputs that `other` heard, as many as it has taps.
+  /// [realtime] Takes over the inputs of `other`, as many as it has taps.
   void adopt(const Fir& other) noexcept {
     const auto count = std::min(history_, other.history_);
     std::copy_n(other.inputs_.data() + (other.next_ - count), count, inputs_.data() + (next_ - count));

@@ -26,7 +26,7 @@ inline int group_position(std::int64_t frame) noexcept { return static_cast<int>
 ///   y[k] = free1[k] y[-1] (+ free2[k] y[-2]) + sum over j <= k of h[k-j] v[j]
 ///
 /// so that the chain from group to group is one multiply-add an order instead of eight. A group that is cut
-/// by the end of a block keeps its sums and goes on later with the same operations in the same order: the
+/// by the end of a block stores its sums and continues later with the same operations in the same order: the
 /// output is bit for bit the same for any cutting into blocks (the sums of frames to come add ±0; hence the +
 /// 0 at the end). Error against exact arithmetic: that of the plain recurrence, a rounding a frame at most.
 /// `design` belongs at the start of a group; anywhere else the rest of the group mixes two recurrences.
@@ -69,13 +69,13 @@ class Recurrence {
     if (const int left = frames % kGroup; left > 0) part(v + groups * kGroup, y + groups * kGroup, left, 0);
   }
 
-  /// [realtime] Goes on from what `other` remembers, at the start of a group.
+  /// [realtime] Continues from the state of `other`, at the start of a group.
   void adopt(const Recurrence& other) noexcept {
     last_ = other.last_;
     sums_ = other.sums_;
   }
 
-  /// [realtime] `run` for one frame: the output does not wait for the lanes.
+  /// [realtime] `run` for one frame: the output does not depend on all lanes.
   double run_single(double v, int position) noexcept {
     const auto k = static_cast<std::size_t>(position);
     double y = position == 0 ? 0.0 : sums_[k];

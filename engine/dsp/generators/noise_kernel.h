@@ -4,8 +4,8 @@
 
 #include "engine/dsp/kernel.h"
 
-/// Noise as a function of the frame number instead of a running generator: any frame can be asked
-/// for in any order, so that blocks, restarts and lanes cannot change it.
+/// Noise as a function of the frame number instead of a running generator: frames can be computed
+/// in any order, so that blocks, restarts and lanes cannot change it.
 ///   u(n) = mix(key + (n + 1) * 0x9e3779b97f4a7c15),  key = mix(mix(seed) + lane)
 /// `mix` is the finaliser of SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number
 /// generators", OOPSLA 2014, with the constants of Stafford's variant 13), modulo 2^64.

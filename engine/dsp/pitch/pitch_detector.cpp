@@ -42,8 +42,8 @@ std::vector<double> without_mean(std::span<const double> x) {
 
 /// Offset of the top of the parabola through three equally distant values, in [-0.5, 0.5].
 double top(double before, double at, double after) {
-  const double bend = before - 2 * at + after;
-  return bend < 0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0;
+  const double curvature = before - 2 * at + after;
+  return curvature < 0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0;
 }
 
 struct Period {
@@ -159,9 +159,9 @@ class Tracker {
     if (thin_.size() < reach) return std::nullopt;
     const auto start =
         static_cast<std::size_t>(std::clamp(first, 0.0, static_cast<double>(thin_.size() - reach)));
-    const auto piece = without_mean(std::span{thin_}.subspan(start, reach));
-    if (rms(piece) < kSilence) return std::nullopt;
-    auto coarse = coarse_period(likeness(piece, window, thin_longest_), thin_shortest_);
+    const auto section = without_mean(std::span{thin_}.subspan(start, reach));
+    if (rms(section) < kSilence) return std::nullopt;
+    auto coarse = coarse_period(likeness(section, window, thin_longest_), thin_shortest_);
     if (!coarse) return std::nullopt;
     return fine(time_s, middle, coarse->frames * static_cast<double>(by_), coarse->clarity);
   }

@@ -50,8 +50,8 @@ void ModalBank::retune(Bundle& bundle, std::size_t lane, const ModeDesign& desig
   bundle.sine[lane] = design.sine;
 }
 
-/// Bundles in a row, one inside the other: what stands in an array stays in memory, and each frame would wait
-/// for the round trip.
+/// Consecutive bundles, one nested in the other: an array would stay in memory, with the latency of a store
+/// and a load in each frame.
 template <int Count>
 class ModalBank::InRegisters {
  public:
@@ -102,7 +102,7 @@ void ModalBank::advance(Bundle* bundles, const double* x, Sums& sums, int frames
   modes.store(bundles);
 }
 
-void ModalBank::run_piece(const double* x, double* y, int frames) noexcept {
+void ModalBank::run_block(const double* x, double* y, int frames) noexcept {
   Sums sums;
   std::fill_n(sums.rows.begin(), frames, Row{});
   std::size_t done = 0;
@@ -114,8 +114,8 @@ void ModalBank::run_piece(const double* x, double* y, int frames) noexcept {
 }
 
 void ModalBank::run(const double* in_before, double* out, int frames) noexcept {
-  for (int done = 0; done < frames; done += kLongest)
-    run_piece(in_before + done, out + done, std::min(kLongest, frames - done));
+  for (int done = 0; done < frames; done += kMaxFrames)
+    run_block(in_before + done, out + done, std::min(kMaxFrames, frames - done));
 }
 
 void ModalBank::reset() noexcept {

@@ -30,7 +30,7 @@ struct Mode {
 ///   d[n] = y[n] - y[n-1] = turn d[n-1] - pull y[n-2] + x[n-1]
 ///   turn = 2 r cos(w) - 1,  pull = 1 - 2 r cos(w) + r^2 = (1 - r)^2 + 4 r sin^2(w / 2)
 ///
-/// A mode that is retuned while it rings goes on from the same phase and amplitude: with P[n] = r e^(jw)
+/// A mode that is retuned while it rings continues with the same phase and amplitude: with P[n] = r e^(jw)
 /// (P[n-1]
 /// + x[n-1]), out = gain Im P, it is P that stays. So no movement of the frequency adds energy.
 ///
@@ -48,8 +48,8 @@ struct ModeDesign {
   double cosine = 0, sine = 0;           ///< r cos(w), r sin(w)
 };
 
-/// Many resonators with one input, summed. Eight modes share a vector register, and four registers step side
-/// by side through the frames of a piece, so that none waits for its own last result. The order of additions
+/// Many resonators with one input, summed. Eight modes share a vector register, and four registers step
+/// together through the frames, so that the latency of one is hidden by the others. The order of additions
 /// is fixed: each lane adds its modes in their order, the lanes are added last. So the output is the same for
 /// any cutting into blocks. Error against exact arithmetic: a rounding of y a frame while the mode lasts.
 class ModalBank {
@@ -57,12 +57,12 @@ class ModalBank {
   /// [control] All modes are silent.
   explicit ModalBank(int modes);
 
-  /// [realtime] From the next frame on; what rings goes on ringing.
+  /// [realtime] From the next frame on; ringing continues.
   void set(int mode, const ModeDesign& design) noexcept;
   /// [realtime] `in_before[n]` is the input one frame before `out[n]`; the two may be the same memory.
   void run(const double* in_before, double* out, int frames) noexcept;
   void reset() noexcept;
-  /// [realtime] Goes on sounding as `other` did, mode by mode, as far as there are as many, until `set`.
+  /// [realtime] Continues from the state of `other`, mode by mode, as far as there are as many, until `set`.
   void adopt(const ModalBank& other) noexcept;
 
  private:
@@ -74,13 +74,13 @@ class ModalBank {
   };
   template <int Count>
   class InRegisters;
-  static constexpr int kLongest = 64;  ///< frames worked on at once
+  static constexpr int kMaxFrames = 64;  ///< frames worked on at once
   struct alignas(64) Sums {
-    std::array<Row, kLongest> rows;
+    std::array<Row, kMaxFrames> rows;
   };
 
   static void retune(Bundle& bundle, std::size_t lane, const ModeDesign& design) noexcept;
-  void run_piece(const double* x, double* y, int frames) noexcept;
+  void run_block(const double* x, double* y, int frames) noexcept;
   template <int Count>
   static void advance(Bundle* bundles, const double* x, Sums& sums, int frames) noexcept;
 

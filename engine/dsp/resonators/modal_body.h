@@ -66,10 +66,10 @@ class ModalBody {
   /// [realtime] One frame; `wave` is `a` [N].
   Answer step(double wave) noexcept;
   void reset() noexcept;
-  /// [realtime] Goes on moving as `other` did, mode by mode, as far as there are as many.
+  /// [realtime] Continues from the state of `other`, mode by mode, as far as there are as many.
   void adopt(const ModalBody& other) noexcept;
 
-  /// [any] What the modes hold [J].
+  /// [any] Energy stored in the modes [J].
   double energy() const noexcept;
 
  private:

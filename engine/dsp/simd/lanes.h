@@ -12,9 +12,9 @@
 
 namespace tactus {
 
-/// Eight doubles that are worked on at once. Written out for the vector units because compilers turn a loop
-/// of eight fused multiply-adds into eight scalar ones; every variant rounds alike, so the bits are the same
-/// on all machines that have the instruction.
+/// Eight doubles in one or two vector registers. Written out for the vector units because compilers turn a
+/// loop of eight fused multiply-adds into eight scalar ones; every variant rounds alike, so the bits are the
+/// same on all machines that have the instruction.
 struct Lanes {
   static constexpr int kCount = 8;
 
@@ -181,7 +181,7 @@ struct Lanes {
 
 inline Lanes operator-(Lanes a) noexcept { return Lanes::broadcast(-0.0) - a; }
 
-/// For the short runs of signals, which would wait longer for the library's copy than for their samples.
+/// For short blocks, where the library's copy has more overhead than work.
 inline void copy_samples(const double* from, int count, double* to) noexcept {
   int n = 0;
   for (; n + Lanes::kCount <= count; n += Lanes::kCount) Lanes::load(from + n).store(to + n);

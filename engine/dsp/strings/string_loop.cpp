@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include "engine/dsp/delays/lagrange.h"
 #include "engine/dsp/delays/taps.h"
 
 namespace tactus {
@@ -58,32 +58,49 @@ int StringLoop::longest_delay(Hertz sample_rate, double lowest_pitch) {
   return static_cast<int>(sample_rate.value / std::max(kLowestPitch, lowest_pitch)) + StringDesign::kTaps;
 }
 
-StringLoop::StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)
-    : filter_(filter),
-      sample_rate_(sample_rate),
-      design_(parameters_, filter, sample_rate),
-      line_(longest_delay(sample_rate, lowest_pitch), kLongest + StringDesign::kTaps) {
-  losses_.design({design_.pole});
+DesignedLine::DesignedLine(LossFilter filter, int longest)
+    : filter_(filter), line_(longest, kMostFrames + StringDesign::kTaps) {}
+
+bool DesignedLine::changed(const StringParameters& parameters) noexcept {
+  return std::exchange(parameters_, parameters) != parameters;
 }
 
-void StringLoop::tune(const StringParameters& parameters) noexcept {
-  if (parameters == parameters_) return;
-  parameters_ = parameters;
-  design_ = StringDesign{parameters, filter_, sample_rate_};
-  losses_.design({design_.pole});
+void DesignedLine::set(const StringDesign& design) noexcept {
+  design_ = design;
+  losses_.design({design.pole});
+}
+
+const double* DesignedLine::newest_tap(int written) const noexcept {
+  constexpr int kOlder = StringDesign::kTaps - 1;
+  return line_.behind(design_.newest + kOlder + written) + kOlder;
+}
+
+void DesignedLine::reset() noexcept {
+  line_.reset();
+  losses_.reset();
+}
+
+void DesignedLine::adopt(DesignedLine& other) noexcept {
+  line_.adopt(other.line_);
+  if (filter_ == other.filter_) losses_.adopt(other.losses_);
+}
+
+StringLoop::StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)
+    : DesignedLine(filter, longest_delay(sample_rate, lowest_pitch)), sample_rate_(sample_rate) {
+  set({parameters_, filter, sample_rate});
+}
+
+void StringLoop::tune(const StringParameters& parameters, int /*lane*/) noexcept {
+  if (changed(parameters)) set({parameters, filter_, sample_rate_});
 }
 
 /// As long as the newest tap lies before it, and ending with a group where that is possible: a cut group
 /// costs nearly as much as a whole one.
 int StringLoop::sub_block(int frames, int position) const noexcept {
-  const int most = std::min(kLongest, design_.newest);
+  const int most = std::min(kMostFrames, design_.newest);
   if (frames <= most) return frames;
   const int whole = most - (position + most) % kGroup;
   return whole > 0 ? whole : most;
-}
-
-const double* StringLoop::newest_tap() const noexcept {
-  return line_.behind(design_.newest + StringDesign::kTaps - 1) + StringDesign::kTaps - 1;
 }
 
 double StringLoop::run_single(double x, int position) noexcept {
@@ -102,7 +119,7 @@ void StringLoop::run(const double* x, double* y, int frames, int position) noexc
     if (filter_ == LossFilter::OneZero) {
       tap_sums(newest, design_.taps, x, y, count);
     } else {
-      std::array<double, kLongest> around;
+      std::array<double, kMostFrames> around;
       tap_sums(newest, design_.taps, nullptr, around.data(), count);
       losses_.run(around.data(), around.data(), count, position);
       for (int n = 0; n < count; ++n) y[n] = x[n] + around[static_cast<std::size_t>(n)];
@@ -113,9 +130,33 @@ void StringLoop::run(const double* x, double* y, int frames, int position) noexc
   }
 }
 
-void StringLoop::reset() noexcept {
+VectorStringLoop::VectorStringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)
+    : filter_(filter),
+      sample_rate_(sample_rate),
+      line_(StringLoop::longest_delay(sample_rate, lowest_pitch) * Lanes::kCount,
+            (kMostFrames + StringDesign::kTaps) * Lanes::kCount) {
+  const StringDesign design{{}, filter, sample_rate};
+  for (int lane = 0; lane < Lanes::kCount; ++lane) take(lane, design);
+}
+
+void VectorStringLoop::tune(const StringParameters& parameters, int lane) noexcept {
+  auto& before = parameters_[static_cast<std::size_t>(lane)];
+  if (parameters == before) return;
+  before = parameters;
+  take(lane, StringDesign{parameters, filter_, sample_rate_});
+}
+
+void VectorStringLoop::take(int lane, const StringDesign& design) noexcept {
+  const auto l = static_cast<std::size_t>(lane);
+  newest_[l] = design.newest;
+  pole_[l] = design.pole;
+  for (std::size_t k = 0; k < kTaps; ++k) weights_[k][l] = design.taps[k];
+  shortest_ = *std::min_element(newest_.begin(), newest_.end());
+}
+
+void VectorStringLoop::reset() noexcept {
   line_.reset();
-  losses_.reset();
+  loss_.fill(0.0);
 }
 
 }  // namespace tactus

@@ -2,18 +2,20 @@
 
 // Thread: [realtime]; constructors [control].
 
+#include <algorithm>
 #include <array>
 #include <complex>
 
 #include "engine/core/units.h"
 #include "engine/dsp/delays/delay_line.h"
+#include "engine/dsp/delays/taps.h"
 #include "engine/dsp/filters/recurrence.h"
 
 namespace tactus {
 
 enum class LossFilter { OneZero, OnePole };
 
-/// What a string is asked for. Out of range is clamped: pitch to [10 Hz, 0.3 fs], gain to [0, 0.9999] (on a
+/// Parameters of a string. Out of range is clamped: pitch to [10 Hz, 0.3 fs], gain to [0, 0.9999] (on a
 /// loop), loss to [0, 1] (one zero) or [0, 0.99] (one pole).
 struct StringParameters {
   double pitch_hz = 220;
@@ -42,6 +44,7 @@ struct StringParameters {
 struct StringDesign {
   static constexpr int kTaps = 7;  ///< six of the interpolator; the one-zero filter is folded in and adds one
 
+  StringDesign() = default;
   /// `most_gain` is 1 where the string is not itself a loop, `frames_outside` what the rest of its loop
   /// takes.
   StringDesign(StringParameters p, LossFilter filter, Hertz sample_rate, double most_gain = 0.9999,
@@ -56,23 +59,41 @@ struct StringDesign {
   double pole = 0;
 };
 
-class StringLoop {
+/// What a string and one end of a waveguide have in common: a line that is read through a design.
+class DesignedLine {
+ public:
+  void reset() noexcept;
+  /// [realtime] Continues from the state of `other`.
+  void adopt(DesignedLine& other) noexcept;
+
+ protected:
+  DesignedLine(LossFilter filter, int longest);
+  /// Whether the parameters are new.
+  bool changed(const StringParameters& parameters) noexcept;
+  void set(const StringDesign& design) noexcept;
+  /// Where the newest tap lies, `written` frames before the last that was written.
+  const double* newest_tap(int written = 0) const noexcept;
+
+  static constexpr int kMostFrames = 64;  ///< written or read at once
+
+  LossFilter filter_;
+  StringParameters parameters_;
+  StringDesign design_;
+  DelayLine line_;
+  Recurrence<1> losses_;
+};
+
+class StringLoop : public DesignedLine {
  public:
   /// [control] Allocates for `lowest_pitch`, below which it is never tuned.
   StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch = kLowestPitch);
 
   /// [realtime] At the start of a group only (see Recurrence). Does nothing when nothing changed.
-  void tune(const StringParameters& parameters) noexcept;
+  void tune(const StringParameters& parameters, int lane = 0) noexcept;
   /// [realtime] `position` is the group_position of the first frame; `x` and `y` do not overlap.
   void run(const double* x, double* y, int frames, int position) noexcept;
   /// [realtime] `run` for one frame.
   double run_single(double x, int position) noexcept;
-  void reset() noexcept;
-  /// [realtime] Goes on sounding as `other` did.
-  void adopt(StringLoop& other) noexcept {
-    line_.adopt(other.line_);
-    if (filter_ == other.filter_) losses_.adopt(other.losses_);
-  }
 
   static constexpr double kLowestPitch = 10;
   /// Frames that a string of this pitch remembers.
@@ -80,16 +101,76 @@ class StringLoop {
 
  private:
   int sub_block(int frames, int position) const noexcept;
-  const double* newest_tap() const noexcept;
 
-  static constexpr int kLongest = 64;  ///< frames worked on at once
+  Hertz sample_rate_;
+};
+
+/// Eight StringLoops in vector registers, each with its own parameters. The pole of the loss filter runs
+/// frame by frame in all lanes at once; against StringLoop the output differs by rounding.
+class VectorStringLoop {
+ public:
+  /// [control] Allocates for `lowest_pitch`.
+  VectorStringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch);
+
+  /// [realtime] From the next frame on. Does nothing when nothing changed.
+  void tune(const StringParameters& parameters, int lane) noexcept;
+  void reset() noexcept;
+  /// [realtime] Continues from the state of `other`.
+  void adopt(VectorStringLoop& other) noexcept {
+    line_.adopt(other.line_);
+    if (filter_ == other.filter_) loss_ = other.loss_;
+  }
+
+  /// [realtime] `x` gives the Lanes of a frame (`x[n]`, `x + n`), `y` is interleaved.
+  template <class Input>
+  void run(const Input& x, double* y, int frames, int /*position*/) noexcept {
+    for (int done = 0; done < frames;) {
+      const int count = std::min({frames - done, kMostFrames, shortest_});
+      run_frames(x + done, y + done * Lanes::kCount, count);
+      line_.write(y + done * Lanes::kCount, count * Lanes::kCount);
+      done += count;
+    }
+  }
+
+ private:
+  static constexpr std::size_t kTaps = StringDesign::kTaps;
+  static constexpr int kMostFrames = 64;  ///< frames worked on at once
+  using Row = std::array<double, Lanes::kCount>;
+
+  void take(int lane, const StringDesign& design) noexcept;
+
+  /// No longer than the newest tap is away.
+  template <class Input>
+  void run_frames(const Input& x, double* y, int frames) noexcept {
+    LanePlaces oldest;
+    for (std::size_t lane = 0; lane < oldest.size(); ++lane)
+      oldest[lane] = line_.behind((newest_[lane] + static_cast<int>(kTaps) - 1) * Lanes::kCount) + lane;
+    std::array<Lanes, kTaps> weights;
+    for (std::size_t k = 0; k < kTaps; ++k) weights[k] = Lanes::load(weights_[k].data());
+    const auto pole = Lanes::load(pole_.data());
+    auto loss = Lanes::load(loss_.data());
+    VectorTaps<kTaps> taps{oldest};
+    for (int n = 0; n < frames; ++n, y += Lanes::kCount) {
+      taps.next(oldest, n);
+      if (filter_ == LossFilter::OneZero) {
+        taps.sum(weights, x[n]).store(y);
+      } else {
+        loss = fused_multiply_add(pole, loss, taps.sum(weights, Lanes::broadcast(0)));
+        (x[n] + loss).store(y);
+      }
+    }
+    loss.store(loss_.data());
+  }
 
   LossFilter filter_;
   Hertz sample_rate_;
-  StringParameters parameters_;
-  StringDesign design_;
-  DelayLine line_;
-  Recurrence<1> losses_;
+  std::array<StringParameters, Lanes::kCount> parameters_{};
+  std::array<int, Lanes::kCount> newest_{};
+  int shortest_ = 0;  ///< of the newest taps
+  alignas(64) std::array<Row, kTaps> weights_{};
+  alignas(64) Row pole_{};
+  alignas(64) Row loss_{};  ///< last output of the pole
+  DelayLine line_;          ///< interleaved
 };
 
 }  // namespace tactus

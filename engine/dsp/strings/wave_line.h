@@ -6,8 +6,8 @@
 
 namespace tactus {
 
-/// What holds the far end of a line. Waves of force come back from a fixed end as they went, from a free end
-/// upside down.
+/// Termination of the far end of a line. Waves of force come back from a fixed end as they went, from a free
+/// end upside down.
 enum class FarEnd { Fixed, Free };
 
 /// A string or a rod seen from one end: waves of force go in, travel to the far end and come back.
@@ -18,18 +18,18 @@ enum class FarEnd { Fixed, Free };
 /// are left to what the line hangs on, so that both together, N frames around, are in tune: with a rigid near
 /// end the line sounds at the pitch (fixed), or at odd multiples of half the pitch (free). It reflects at
 /// most `gain`: |out / in| = gain |H_LP| |interpolator| <= 1 at every frequency, as long as pitch and loss
-/// rest. At least `least_delay` frames lie between in and out whatever is asked for. Source: J. O. Smith,
+/// rest. At least `least_delay` frames lie between in and out for all parameters. Source: J. O. Smith,
 /// Physical Audio Signal Processing, W3K, 2010.
-class WaveLine {
+class WaveLine : public DesignedLine {
  public:
-  /// The pitches that it may be asked for; others are clamped to these and to [10 Hz, 0.2 fs].
+  /// The range of its pitch; others are clamped to these and to [10 Hz, 0.2 fs].
   struct Pitches {
     double lowest, highest;
   };
   static constexpr double kMostGain = 1;
   /// What a network's port takes to answer.
   static constexpr double kPortFrames = 1.0;
-  static constexpr int kLongest = 64;  ///< frames that may be written or read at once
+  using DesignedLine::kMostFrames;
 
   /// [control] Allocates for the lowest pitch.
   WaveLine(LossFilter filter, FarEnd end, Hertz sample_rate, Pitches pitches);
@@ -41,34 +41,18 @@ class WaveLine {
   /// [realtime] What comes back, beginning `written` frames before the last that was written. `position` is
   /// the group_position of the first frame. Not before the line's delay: frames - written <= least_delay().
   void read(double* out, int frames, int written, int position) noexcept;
-  void reset() noexcept;
-  /// [realtime] Goes on sounding as `other` did.
-  void adopt(WaveLine& other) noexcept;
-
   int least_delay() const noexcept { return least_; }
   int most_delay() const noexcept { return most_; }
   /// [any] out / in at any z^-1.
   std::complex<double> response(const StringParameters& parameters, std::complex<double> delay) const;
 
  private:
-  using Taps = std::array<double, StringDesign::kTaps>;
-  struct Aim {
-    int newest;
-    Taps taps;
-    double pole;
-  };
-  StringDesign designed(StringParameters parameters) const;
-  Aim aim_at(const StringParameters& parameters) const;
+  StringDesign designed(const StringParameters& parameters) const;
 
-  LossFilter filter_;
   double sign_;
   Hertz sample_rate_;
   Pitches pitches_;
   int least_, most_;
-  StringParameters parameters_;
-  Aim aim_;
-  DelayLine line_;
-  Recurrence<1> losses_;
 };
 
 }  // namespace tactus

@@ -69,10 +69,8 @@ class Builder {
     for (std::size_t v = 0; v < plan_->vertices.size(); ++v) {
       const auto& vertex = plan_->vertices[v];
       if (vertex.kind != Kind::Constant || read_[v].empty()) continue;
-      if (vertex.width == 1)
-        *(plan_->arena.data() + place_[v]) = vertex.value;
-      else
-        std::copy_n(vertex.values.begin(), kVectorWidth, plan_->arena.data() + place_[v]);
+      const double* const values = vertex.width == 1 ? &vertex.value : vertex.values.data();
+      std::copy_n(values, vertex.width, plan_->arena.data() + place_[v]);
     }
   }
 
@@ -145,10 +143,7 @@ class Builder {
   }
 
   void add_section(const OrderedSection& ordered) {
-    Section section;
-    section.first_step = static_cast<int>(plan_->steps.size());
-    section.sub_block = ordered.sub_block;
-    section.loop = ordered.loop;
+    Section section{static_cast<int>(plan_->steps.size()), 0, ordered.sub_block, ordered.loop};
     for (const auto& item : ordered.vertices) add_step(item, section.first_step);
     section.end_step = static_cast<int>(plan_->steps.size());
     if (section.end_step == section.first_step) return;
@@ -164,11 +159,8 @@ class Builder {
   void add_step(const OrderedVertex& item, int section_start) {
     using Half = OrderedVertex::Half;
     Step step;
-    if (item.half == Half::Outside) {
-      step.kind = Step::Kind::Outside;
-      plan_->steps.push_back(step);
-      return;
-    }
+    step.kind = Step::Kind::Outside;
+    if (item.half == Half::Outside) return plan_->steps.push_back(step);
     auto& vertex = at(item.vertex);
     if (vertex.runs < 0 && vertex.kind == Kind::Operation)
       return add_operation(item.vertex, vertex, section_start);
@@ -233,9 +225,7 @@ class Builder {
   }
 
   void report_loop(const OrderedSection& ordered) {
-    LoopReport report;
-    report.sub_block = ordered.sub_block;
-    report.delay_frames = ordered.delay_frames;
+    LoopReport report{{}, ordered.sub_block, ordered.delay_frames};
     for (const auto& item : ordered.vertices)
       if (item.half != OrderedVertex::Half::Absorb && item.half != OrderedVertex::Half::Outside &&
           (report.paths.empty() || report.paths.back() != at(item.vertex).path))

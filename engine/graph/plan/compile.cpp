@@ -81,17 +81,15 @@ std::map<std::string, ControlValue> settable(std::map<std::string, ControlValue>
 
 FlatGraph flatten(const GraphSpec& spec, const NodeTable& table, const CompileOptions& options,
                   ErrorList& errors) {
-  auto resolved = resolve(spec, table, options.sample_rate, options.taps, options.most_nodes);
-  const bool whole = !resolved.too_large;
-  errors.add(std::move(resolved.errors));
-  set_controls(resolved.graph, settable(options.controls, spec), errors);
-  errors.add(infer(resolved.graph));
-  if (whole && unfolded_nodes(resolved.graph) > options.most_nodes)
+  auto flat = resolve(spec, table, options.sample_rate, errors, options.taps, options.most_nodes);
+  set_controls(flat, settable(options.controls, spec), errors);
+  infer(flat, errors);
+  if (!flat.too_large && unfolded_nodes(flat) > options.most_nodes)
     errors.add(Errc::OutOfRange, spec.file,
                "with all its lanes the graph has more than " + std::to_string(options.most_nodes) +
                    " nodes and operators",
                "take fewer voices, or fewer parts");
-  return std::move(resolved.graph);
+  return flat;
 }
 
 /// Vectorised where that makes no cycle of what was none: a lane may answer another one in the same frame.
@@ -107,29 +105,22 @@ std::optional<std::vector<OrderedSection>> order_vectorised(VertexGraph& graph, 
   return std::move(*sections);
 }
 
-Checked<std::unique_ptr<Plan>> make_plan(const FlatGraph& flat, const CompileOptions& options) {
+/// nullptr after an error.
+std::unique_ptr<Plan> make_plan(const FlatGraph& flat, const CompileOptions& options, ErrorList& errors) {
   auto graph = lower(flat);
   simplify(graph, flat, options.sample_rate);
-  ErrorList errors;
   check_constants(graph, errors);
-  if (errors.any()) return tl::unexpected(errors.take());
-  auto made = make_nodes(graph, flat, options);
-  if (!made.errors.empty()) {
-    errors.add(std::move(made.errors));
-    if (const auto cycles = order(graph, options.closed_outside); !cycles) errors.add(cycles.error());
-    return tl::unexpected(errors.take());
-  }
-  auto sections = order_vectorised(graph, flat, options);
+  if (errors.any()) return nullptr;
+  const auto frozen_controls = make_nodes(graph, flat, options, errors);
+  auto sections = errors.any() ? std::nullopt : order_vectorised(graph, flat, options);
   if (!sections) {
-    expand_sums(graph);
+    if (!errors.any()) expand_sums(graph);
     auto scalar = order(graph, options.closed_outside);
-    if (!scalar) {
-      errors.add(scalar.error());
-      return tl::unexpected(errors.take());
-    }
+    if (!scalar) errors.add(scalar.error());
+    if (errors.any()) return nullptr;
     sections = std::move(*scalar);
   }
-  return build_plan(std::move(graph), flat, *sections, made.frozen_controls, options);
+  return build_plan(std::move(graph), flat, *sections, frozen_controls, options);
 }
 
 }  // namespace
@@ -145,8 +136,9 @@ Checked<std::unique_ptr<Plan>> compile(const GraphSpec& spec, const NodeTable& t
   ErrorList errors{spec.file};
   const auto flat = flatten(spec, table, options, errors);
   if (errors.any()) return tl::unexpected(errors.take());
-  auto plan = make_plan(flat, options);
-  if (plan) (*plan)->name = spec.name;
+  auto plan = make_plan(flat, options, errors);
+  if (plan == nullptr) return tl::unexpected(errors.take());
+  plan->name = spec.name;
   return plan;
 }
 

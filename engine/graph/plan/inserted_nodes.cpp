@@ -94,8 +94,8 @@ std::optional<Interval> PhaseDelay::range(const std::shared_ptr<const Node>& oth
       const double time = tuned.low * std::pow(tuned.high / tuned.low, static_cast<double>(step) / kSteps);
       const auto delay = probe.phase_delay(time);
       if (!delay) continue;
-      if (!found) found = Interval::exactly(*delay);
-      found = Interval{std::min(found->low, *delay), std::max(found->high, *delay)};
+      const auto here = Interval::exactly(*delay);
+      found = found.value_or(here).joined(here);
     }
   }
   return found;

@@ -42,12 +42,15 @@ class Maker {
   using Kind = Vertex::Kind;
 
  public:
-  Maker(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options)
-      : graph_(graph), flat_(flat), options_(options), memory_(options.most_bytes) {
-    made_.frozen_controls.assign(flat.controls.size(), false);
-  }
+  Maker(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options, ErrorList& errors)
+      : graph_(graph),
+        flat_(flat),
+        options_(options),
+        errors_(errors),
+        memory_(options.most_bytes),
+        frozen_controls_(flat.controls.size(), false) {}
 
-  MadeNodes run() {
+  std::vector<bool> run() {
     // Nodes that others are compensated for come first: their response bounds the delay of those.
     for (const bool compensated : {false, true}) {
       if (compensated) fold_phase_delays();
@@ -62,10 +65,10 @@ class Maker {
       if (other.node != nullptr)
         vertex.node = std::make_shared<PhaseDelay>(other.node, static_cast<int>(vertex.in.size()) - 2,
                                                    rate_of(vertex.divisor), vertex.value);
-      else if (made_.errors.empty())
+      else if (!errors_.any())
         report_phase(vertex);
     }
-    return std::move(made_);
+    return std::move(frozen_controls_);
   }
 
  private:
@@ -102,7 +105,7 @@ class Maker {
     // As the file at that place calls it, so that the error of a part used twice is reported once.
     const auto name = node.path.substr(node.path.rfind('.') + 1);
     error.what = node.type->name + " '" + name + "': " + error.what;
-    made_.errors.push_back(std::move(error));
+    errors_.add(std::move(error));
   }
 
   /// Each lane of each node keeps the numbers of its settings, besides its state.
@@ -143,10 +146,10 @@ class Maker {
         info.constant = starting_value(vertex.in[i], 0);
         right = right && info.constant.has_value();
         if (!info.constant)
-          made_.errors.push_back({Errc::WrongType, node.inputs[i]->at.text(),
-                                  "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" +
-                                      node.path + "' must not change while it runs",
-                                  "give a number, a quantity, or an expression of controls"});
+          errors_.add(Errc::WrongType, node.inputs[i]->at,
+                      "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" + node.path +
+                          "' must not change while it runs",
+                      "give a number, a quantity, or an expression of controls");
       }
       if (info.constant) info.range = Interval::exactly(*info.constant);
       setup.inputs.push_back(info);
@@ -160,7 +163,7 @@ class Maker {
     if (vertex.kind == Kind::Constant) return vertex.value;
     if (vertex.kind == Kind::SystemDelay) return options_.system_delay.value;
     if (vertex.kind == Kind::Control) {
-      made_.frozen_controls[index(vertex.index)] = true;
+      frozen_controls_[index(vertex.index)] = true;
       return flat_.controls[index(vertex.index)].value;
     }
     if (vertex.kind == Kind::Sum) return starting_sum(vertex, depth);
@@ -208,23 +211,25 @@ class Maker {
   }
 
   void report_phase(const Vertex& phase_delay) {
-    made_.errors.push_back(
-        {Errc::BadArgument, phase_delay.at.text(),
-         "the phase delay of '" + compensated(phase_delay).path + "' cannot be compensated: it is not known",
-         "name filters that lie in the same loop"});
+    errors_.add(
+        Errc::BadArgument, phase_delay.at,
+        "the phase delay of '" + compensated(phase_delay).path + "' cannot be compensated: it is not known",
+        "name filters that lie in the same loop");
   }
 
   VertexGraph& graph_;
   const FlatGraph& flat_;
   const CompileOptions& options_;
+  ErrorList& errors_;
   MemoryBudget memory_;
-  MadeNodes made_;
+  std::vector<bool> frozen_controls_;
 };
 
 }  // namespace
 
-MadeNodes make_nodes(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options) {
-  return Maker{graph, flat, options}.run();
+std::vector<bool> make_nodes(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options,
+                             ErrorList& errors) {
+  return Maker{graph, flat, options, errors}.run();
 }
 
 }  // namespace tactus

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/semantics/flat_graph.h"
 
 // Thread: [control].
@@ -128,13 +129,11 @@ std::vector<std::vector<int>> strong_components(const std::vector<std::vector<in
 struct CompileOptions;
 struct Plan;
 
-struct MadeNodes {
-  std::vector<bool> frozen_controls;  ///< their value was needed to make a node
-  std::vector<Error> errors;          ///< why nodes could not be made: they are nullptr
-};
-
 /// Makes the node of every vertex that has one. Phase delays that never change become constants of `graph`.
-MadeNodes make_nodes(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options);
+/// Returns which controls are frozen: their value was needed to make a node. Nodes that cannot be made are
+/// nullptr, with an error.
+std::vector<bool> make_nodes(VertexGraph& graph, const FlatGraph& flat, const CompileOptions& options,
+                             ErrorList& errors);
 
 /// One vertex at one place of the order: whole, or one half of it.
 struct OrderedVertex {

@@ -25,8 +25,8 @@ Expression number_expression(double si, Dimension dimension, bool bare, const So
   return {.number = si, .dimension = dimension, .bare = bare, .name = {}, .arguments = {}, .at = at};
 }
 
-Expression after(ErrorList& errors, Errc code, const Source& at, const std::string& what,
-                 const std::string& remedy) {
+Expression missing_with_error(ErrorList& errors, Errc code, const Source& at, const std::string& what,
+                              const std::string& remedy) {
   errors.add(code, at, what, remedy);
   return missing_signal(at);
 }
@@ -46,16 +46,18 @@ Expression bind_spread(const Value& value, ErrorList& errors) {
   expression.exponential = fields.choice("curve") == 1;
   for (const auto* key : {"from", "to"}) {
     if (!fields.has(key))
-      return after(errors, Errc::Missing, value.at, std::string{"a spread over lanes lacks '"} + key + "'",
-                   "write { from = …, to = …, curve = \"linear\" or \"exponential\" }");
+      return missing_with_error(errors, Errc::Missing, value.at,
+                                std::string{"a spread over lanes lacks '"} + key + "'",
+                                "write { from = …, to = …, curve = \"linear\" or \"exponential\" }");
     const auto quantity = fields.any(key);
     if (!quantity) return missing_signal(value.at);
     expression.arguments.push_back(
         number_expression(quantity->si, quantity->unit.dimension, quantity->bare, fields.value(key)->at));
   }
   if (expression.exponential && !(expression.arguments[0].number * expression.arguments[1].number > 0))
-    return after(errors, Errc::OutOfRange, value.at, "an exponential spread cannot begin, end or pass at 0",
-                 "give both ends the same sign, or take the linear curve");
+    return missing_with_error(errors, Errc::OutOfRange, value.at,
+                              "an exponential spread cannot begin, end or pass at 0",
+                              "give both ends the same sign, or take the linear curve");
   return expression;
 }
 
@@ -79,16 +81,17 @@ Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors
     auto expression = make(Expression::Op::Lanes, value.at);
     for (const auto& lane : *list) {
       if (lane.list() != nullptr || lane.table() != nullptr)
-        return after(errors, Errc::WrongType, lane.at, "a lane cannot be " + lane.kind(),
-                     "a list holds one number, quantity or expression for each lane");
+        return missing_with_error(errors, Errc::WrongType, lane.at, "a lane cannot be " + lane.kind(),
+                                  "a list holds one number, quantity or expression for each lane");
       expression.arguments.push_back(bind_signal(lane, scope, errors));
     }
     if (!expression.arguments.empty()) return expression;
   }
   if (value.table() != nullptr) return bind_spread(value, errors);
-  return after(errors, Errc::WrongType, value.at,
-               "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
-               "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\"");
+  return missing_with_error(
+      errors, Errc::WrongType, value.at,
+      "a signal cannot be " + (value.list() ? "an empty list" : value.kind()),
+      "give a number, a quantity such as \"15 ms\", or an expression such as \"0.5 * x\"");
 }
 
 }  // namespace tactus

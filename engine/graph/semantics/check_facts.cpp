@@ -19,16 +19,15 @@ class Checks {
   using UnitKind = UnitFact::Kind;
 
  public:
-  explicit Checks(const FlatGraph& graph) : graph_(graph) {}
+  Checks(const FlatGraph& graph, ErrorList& errors) : graph_(graph), errors_(errors) {}
 
-  std::vector<Error> run() {
+  void run() {
     for (const auto& node : graph_.nodes)
       for (std::size_t i = 0; i < node.inputs.size(); ++i)
         if (node.inputs[i]) check_input(node, i, *node.inputs[i]);
     for (const auto& signal : graph_.signals)
       if (signal.kind == FlatSignal::Kind::Expression) check_expression(signal);
     for (const auto& output : graph_.outputs) check_output(output);
-    return errors_.take();
   }
 
  private:
@@ -148,11 +147,11 @@ class Checks {
   }
 
   const FlatGraph& graph_;
-  ErrorList errors_;
+  ErrorList& errors_;
 };
 
 }  // namespace
 
-std::vector<Error> check_facts(const FlatGraph& graph) { return Checks{graph}.run(); }
+void check_facts(const FlatGraph& graph, ErrorList& errors) { Checks{graph, errors}.run(); }
 
 }  // namespace tactus

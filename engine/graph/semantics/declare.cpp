@@ -182,7 +182,7 @@ void Instance::declare_part(const NodeSpec& node) {
 
 bool Instance::too_large(const NodeSpec& node) {
   if (flat_.signals.size() < resolving_.most_signals) return false;
-  if (!std::exchange(resolving_.too_large, true))
+  if (!std::exchange(flat_.too_large, true))
     errors_.add(Errc::OutOfRange, node.type_at,
                 "the parts come to more than " + std::to_string(resolving_.most_signals) + " signals",
                 "use fewer parts inside parts");
@@ -239,18 +239,15 @@ void Instance::declare_as_part() {
   declare_inside();
 }
 
-Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
-                 const std::vector<std::string>& taps, std::size_t most_signals) {
-  Resolved resolved;
-  resolved.graph.signals.emplace_back().kind = FlatSignal::Kind::Missing;
-  ErrorList errors;
-  Resolving resolving{table, sample_rate, resolved.graph, errors, most_signals};
+FlatGraph resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate, ErrorList& errors,
+                  const std::vector<std::string>& taps, std::size_t most_signals) {
+  FlatGraph flat;
+  flat.signals.emplace_back().kind = FlatSignal::Kind::Missing;
+  Resolving resolving{table, sample_rate, flat, errors, most_signals};
   Instance top{spec, resolving, "", 1};
   top.declare_top();
   top.connect_top(taps);
-  resolved.too_large = resolving.too_large;
-  resolved.errors = errors.take();
-  return resolved;
+  return flat;
 }
 
 }  // namespace tactus

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/error.h"
+#include "engine/graph/file/error_list.h"
 #include "engine/graph/semantics/flat_graph.h"
 
 namespace tactus {
@@ -38,11 +38,11 @@ PortUnit port_unit(const FlatNode& node, const std::string& declared);
 
 /// Works out and checks the unit, the number of lanes and the range of every signal, loops included, and
 /// fills them in. Each fact starts as "unknown" and passes are made until nothing changes; ranges start
-/// unbounded and only shrink, so they are valid at every pass. Returns the errors, in file order.
-std::vector<Error> infer(FlatGraph& graph);
+/// unbounded and only shrink, so they are valid at every pass.
+void infer(FlatGraph& graph, ErrorList& errors);
 
 /// Where units, lanes and ranges, once inferred, contradict each other or what a port wants; by place. A
 /// error in the file of a part that is used twice is reported once.
-std::vector<Error> check_facts(const FlatGraph& graph);
+void check_facts(const FlatGraph& graph, ErrorList& errors);
 
 }  // namespace tactus

@@ -102,6 +102,7 @@ struct FlatGraph {
   std::vector<FlatInput> inputs;
   std::vector<FlatControl> controls;
   std::vector<FlatOutput> outputs;
+  bool too_large = false;  ///< parts were left out, with an error: there are more than `most_signals`
 };
 
 }  // namespace tactus

@@ -190,9 +190,9 @@ class Inference {
 
 }  // namespace
 
-std::vector<Error> infer(FlatGraph& graph) {
+void infer(FlatGraph& graph, ErrorList& errors) {
   Inference{graph}.run();
-  return check_facts(graph);
+  check_facts(graph, errors);
 }
 
 }  // namespace tactus

@@ -16,16 +16,10 @@
 
 namespace tactus {
 
-struct Resolved {
-  FlatGraph graph;  ///< FlatSignal::Kind::Missing replaces what is missing
-  std::vector<Error> errors;
-  bool too_large = false;  ///< parts were left out, with an error: the graph has more than `most_signals`
-};
-
 /// Looks every name up: node types, ports, settings, signals; unfolds parts. `taps` names signals of the top
 /// file ("hit", "hit.level") that become outputs of their own.
-Resolved resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate,
-                 const std::vector<std::string>& taps = {}, std::size_t most_signals = 1'000'000);
+FlatGraph resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate, ErrorList& errors,
+                  const std::vector<std::string>& taps = {}, std::size_t most_signals = 1'000'000);
 
 /// How a part runs at a fraction of the rate around it:
 ///
@@ -51,7 +45,6 @@ struct Resolving {
   FlatGraph& flat;
   ErrorList& errors;
   std::size_t most_signals;  ///< parts of parts multiply: 32 files that use the next one twice make 2^32
-  bool too_large = false;
 };
 
 /// One file at one place in the tree of parts: first all its names become signals (`declare`), parts

@@ -1,33 +1,59 @@
 #include <cmath>
+#include <numbers>
 
 #include "engine/dsp/delays/delay_line.h"
-#include "engine/dsp/delays/loop_pad.h"
 #include "engine/dsp/delays/taps.h"
 #include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/nodes/declare.h"
 #include "engine/nodes/delays/delay_taps.h"
-#include "engine/nodes/delays/delays.h"
+#include "engine/nodes/process.h"
 
 namespace tactus {
 namespace {
 
-enum Input { kIn, kPeriod, kDelay, kPhase, kTrigger, kOn };
-
 constexpr double kLongestPeriod_s = 0.1;  // 10 Hz, the lowest string
-constexpr double kFade_s = 0.010;
+constexpr double kAlignFade_s = 0.010;
 constexpr double kHalfSemitone = 0.0293;  // 2^(1/24) - 1
+
+/// Delay that makes a loop a whole number of periods long at its pitch:
+///
+///   pad = k P − rest,   rest = delay − phase P / 2π
+///
+/// P [s] is one period, `delay` [s] what the loop takes without the pad, `phase` [rad] what turns in it
+/// besides (below 0 it lags). k is chosen when a note starts, the least with a pad of at least `shortest`;
+/// after that the pad follows P with the same k, from `shortest` to `shortest` + 1.5 P: so wide that a
+/// vibrato at one end of it moves to the middle and stays there. Source: Berdahl, Steiner & Oldham, NIME
+/// 2008, section 7.2, for the loop; k P from the condition of oscillation (Barkhausen).
+struct LoopPad {
+  double shortest;  ///< [s]
+
+  static double rest(double period, double delay, double phase) noexcept {
+    return delay - phase * period / (2 * std::numbers::pi);
+  }
+  /// k of a new note.
+  double turns(double period, double rest) const noexcept { return std::ceil((rest + shortest) / period); }
+  /// Whether k still serves.
+  bool serves(double turns, double period, double rest) const noexcept {
+    const double pad = turns * period - rest;
+    return pad >= shortest && pad <= longest(period);
+  }
+  double longest(double period) const noexcept { return shortest + 1.5 * period; }
+};
 
 /// Two taps on one line: where the pad is, and, while it moves from one number of periods to another, where
 /// it was. Their gains add up to 1: at the pitch both are in phase.
-class Align final : public Node {
+class AlignNode final : public Node {
  public:
-  explicit Align(const NodeSetup& setup)
+  enum Input { kIn, kPeriod, kDelay, kPhase, kTrigger, kOn };
+
+  explicit AlignNode(const NodeSetup& setup)
       : frame_s_(1 / setup.sample_rate.value),
         shortest_period_(2 * frame_s_),
         longest_period_(std::clamp(setup.input("period").range.high, shortest_period_, kLongestPeriod_s)),
         pad_{frame_s_},
         taps_(TimeRange{0, pad_.longest(longest_period_)}, setup.sample_rate),
         line_(taps_.longest() + kMaxSubBlock, kMaxSubBlock + kOrder),
-        fade_frames_(static_cast<int>(std::lround(kFade_s / frame_s_))) {}
+        fade_frames_(static_cast<int>(std::lround(kAlignFade_s / frame_s_))) {}
 
   static Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
     const double longest = std::min(setup.input("period").range.high, kLongestPeriod_s);
@@ -37,12 +63,12 @@ class Align final : public Node {
     const double frames = 1.5 * longest * setup.sample_rate.value;
     if (const auto fits = setup.take_memory(static_cast<std::size_t>(frames)); !fits)
       return tl::unexpected(fits.error());
-    return std::make_unique<Align>(setup);
+    return std::make_unique<AlignNode>(setup);
   }
 
   void process(const NodeBlock& block) noexcept override {
-    InARow in_a_row;
-    line_.write(in_a_row(block.in[kIn], block.frames), block.frames);
+    Contiguous in;
+    line_.write(in(block.in[kIn], block.frames), block.frames);
     for (int n = 0; n < block.frames; ++n) {
       follow(block, n);
       const int written = block.frames - n;
@@ -61,7 +87,7 @@ class Align final : public Node {
     now_ = before_ = {};
   }
   void adopt(Node& before) noexcept override {
-    if (auto* other = dynamic_cast<Align*>(&before)) line_.adopt(other->line_);
+    if (auto* other = dynamic_cast<AlignNode*>(&before)) line_.adopt(other->line_);
   }
 
   DelayRange delay(int input, int) const override { return input == kIn ? taps_.delay() : DelayRange{}; }
@@ -92,7 +118,7 @@ class Align final : public Node {
     note_ |= tactus_rise_step(&rise_, block.in[kTrigger][n]) != 0 || jumped;
     period_ = period;
     const bool moves = !started_ || note_ || on != on_ || !pad_.serves(turns_, period, rest);
-    // While one move is under way, a new note waits where the note before it was.
+    // While one move is under way, a new note has to wait.
     if (moves && fading_ == 0) move(on, period, rest);
     if (!note_) aim(on_ ? turns_ * period - rest : 0);
   }
@@ -131,55 +157,36 @@ class Align final : public Node {
 
 }  // namespace
 
-const NodeType& align_type() {
-  static const NodeType type{
+NodeType align_type() {
+  return {
       .name = "align",
-      .group = "delays",
       .summary =
           "Pads a loop that is slower than the note, so that once around it is a whole number of periods.",
       .equation =
           "out[n] = in(n - pad fs),  pad = k period - delay - sum of phase delays + phase period / (2 pi)\n"
-          "k: the least with a pad of a frame or more, chosen when a note starts, at a trigger or where "
-          "the period jumps by half a semitone. The pad then follows the period, up to 1.5 periods and a "
-          "frame; beyond, k moves by what is needed, faded over 10 ms (gains that add up to 1)",
+          "k: the least with a pad of a frame or more, chosen when a note starts, at a trigger or where the "
+          "period jumps by half a semitone. The pad then follows the period, up to 1.5 periods and a frame; "
+          "beyond, k moves by what is needed, faded over 10 ms (gains that add up to 1)",
       .source =
           "condition of oscillation: the phase once around is a whole turn (Barkhausen); the loop: Berdahl, "
           "Steiner & Oldham, NIME 2008, section 7.2",
       .example = "{ type = \"align\", in = \"string\", period = \"1 / pitch\", delay = \"system.delay\" }",
-      .inputs =
-          {{.name = "in", .unit = "any", .doc = "signal that goes around"},
-           {.name = "period",
-            .unit = "s",
-            .doc = "of the note; at most 0.1 s",
-            .low = 0,
-            .high = kLongestPeriod_s},
-           {.name = "delay",
-            .unit = "s",
-            .doc = "what the loop takes already; of an instrument system.delay",
-            .low = 0,
-            .high = 1000},
-           {.name = "phase",
-            .unit = "rad",
-            .doc = "of what else lies in the loop, at the pitch: of a shaker and a sensor, measured; below "
-                   "0 it lags",
-            .fallback = 0,
-            .low = -1000,
-            .high = 1000},
-           {.name = "trigger", .unit = "", .doc = "a note starts", .fallback = 0},
-           {.name = "on",
-            .unit = "",
-            .doc = "below 0.5 nothing is padded: what comes in goes out",
-            .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in, so much later"}},
-      .settings = {{.name = "compensate",
-                    .kind = Setting::Kind::Names,
-                    .doc =
-                        "filters in the same loop, or models of what lies outside; their phase delays at the "
-                        "pitch count as part of the loop",
-                    .optional = true}},
-      .make = Align::make,
-      .compensation = PhaseCompensation{.port = kDelay, .period = kPeriod, .sign = 1}};
-  return type;
+      .inputs = {{"in", "any", "signal that goes around"},
+                 {"period", "s", "of the note; at most 0.1 s", {}, 0, kLongestPeriod_s},
+                 {"delay", "s", "what the loop takes already; of an instrument system.delay", {}, 0, 1000},
+                 {"phase", "rad",
+                  "of what else lies in the loop, at the pitch: of a shaker and a sensor, measured; below 0 "
+                  "it lags",
+                  0, -1000, 1000},
+                 {"trigger", "", "a note starts", 0},
+                 {"on", "", "below 0.5 nothing is padded: what comes in goes out", 1}},
+      .outputs = {{"out", "=in", "what came in, so much later"}},
+      .settings = {optional(
+          {"compensate", Setting::Kind::Names,
+           "filters in the same loop, or models of what lies outside; their phase delays at "
+           "the pitch count as part of the loop"})},
+      .make = AlignNode::make,
+      .compensation = PhaseCompensation{.port = AlignNode::kDelay, .period = AlignNode::kPeriod, .sign = 1}};
 }
 
 }  // namespace tactus

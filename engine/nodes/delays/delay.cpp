@@ -1,118 +1,174 @@
 #include <cmath>
-#include <utility>
 
 #include "engine/core/dimension.h"
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/taps.h"
-#include "engine/nodes/delays/delays.h"
-#include "engine/nodes/delays/wide_delay_node.h"
-#include "engine/nodes/group_steps.h"
+#include "engine/nodes/declare.h"
+#include "engine/nodes/delays/delay_taps.h"
+#include "engine/nodes/process.h"
 
 namespace tactus {
 namespace {
 
-enum Input { kIn, kTime };
-
 constexpr double kDelayMostFrames = 1 << 24;
+constexpr int kDelayTime = 1;  ///< the input
 
 /// What delays of every order have in common.
-class RememberingNode : public Node {
+template <int Width>
+class DelayMemory : public Node {
  public:
-  explicit RememberingNode(DelayLine line) : line_(std::move(line)) {}
-  void adopt(Node& before) noexcept override {
-    if (auto* other = dynamic_cast<RememberingNode*>(&before)) line_.adopt(other->line_);
-  }
+  DelayMemory(int longest, int order)
+      : line_((longest + kMaxSubBlock) * Width, (kMaxSubBlock + order) * Width) {}
 
- protected:
-  DelayLine line_;
-};
-
-/// Reads `Order` + 1 taps; order 0 is the nearest whole frame.
-template <int Order>
-class DelayNode : public RememberingNode {
- public:
-  explicit DelayNode(const DelayTaps<Order>& taps)
-      : RememberingNode(DelayLine{taps.longest() + kMaxSubBlock, kMaxSubBlock + Order}),
-        taps_(taps),
-        aim_(taps_.at(taps_.range().low_s)) {}
-
-  void process(const NodeBlock& block) noexcept override {
-    absorb(block);
-    read(block, block.frames);
-  }
-  void emit(const NodeBlock& block) noexcept override { read(block, 0); }
   void absorb(const NodeBlock& block) noexcept override {
-    InARow in_a_row;
-    line_.write(in_a_row(block.in[kIn], block.frames), block.frames);
+    Contiguous<Width> x;
+    line_.write(x(block.in[0], block.frames), block.frames * Width);
+  }
+  void adopt(Node& before) noexcept override {
+    if (auto* other = dynamic_cast<DelayMemory*>(&before)) line_.adopt(other->line_);
   }
   void reset() noexcept override {
     line_.reset();
     clamped_ = 0;
   }
+  std::int64_t clamped() const override { return clamped_; }
 
-  DelayRange delay(int input, int) const override { return input == kIn ? taps_.delay() : DelayRange{}; }
+ protected:
+  DelayLine line_;
+  std::int64_t clamped_ = 0;
+};
+
+/// Reads `Order` + 1 taps of one signal or of eight interleaved ones; order 0 is the nearest whole frame.
+template <int Order, int Width = 1>
+class DelayNode final : public DelayMemory<Width> {
+ public:
+  using AllTaps = std::array<DelayTaps<Order>, static_cast<std::size_t>(Width)>;
+  using Used = std::array<bool, static_cast<std::size_t>(Width)>;
+
+  /// Clamped frames are counted in lanes that are `used`.
+  DelayNode(const AllTaps& taps, const Used& used)
+      : DelayMemory<Width>(longest(taps), Order), taps_(taps), used_(used) {
+    for (std::size_t lane = 0; lane < Width; ++lane) set_aim(lane, taps_[lane].range().low_s);
+  }
+
+  void process(const NodeBlock& block) noexcept override {
+    this->absorb(block);
+    read(block, block.frames);
+  }
+  void emit(const NodeBlock& block) noexcept override { read(block, 0); }
+
+  DelayRange delay(int input, int) const override {
+    if (input != 0) return {};
+    DelayRange all = taps_[0].delay();
+    for (const auto& taps : taps_)
+      all = {std::min(all.least, taps.delay().least), std::max(all.most, taps.delay().most)};
+    return all;
+  }
 
   std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
                                                std::span<const double> at) const override {
-    if (input != kIn) return std::nullopt;
-    return taps_.response(taps_.inside(at[kTime]), z);
+    if (input != 0) return std::nullopt;
+    return taps_[0].response(taps_[0].inside(at[kDelayTime]), z);
   }
 
   std::unique_ptr<Node> vectorised(std::span<const Node* const> lanes) const override {
-    std::vector<DelayTaps<Order>> taps;
-    std::array<bool, kVectorWidth> used{};
+    typename DelayNode<Order, kVectorWidth>::AllTaps taps;
+    typename DelayNode<Order, kVectorWidth>::Used used{};
     for (std::size_t lane = 0; lane < kVectorWidth; ++lane) {
       used[lane] = lanes[lane] != nullptr;
-      taps.push_back(static_cast<const DelayNode*>(used[lane] ? lanes[lane] : this)->taps_);
+      taps[lane] = static_cast<const DelayNode*>(used[lane] ? lanes[lane] : this)->taps_[0];
     }
-    return std::make_unique<WideDelayNode<Order>>(std::move(taps), used);
+    return std::make_unique<DelayNode<Order, kVectorWidth>>(taps, used);
   }
 
-  std::int64_t clamped() const override { return clamped_; }
-
  private:
-  void read(const NodeBlock& block, int written) noexcept {
-    const auto time = block.in[kTime];
-    double* y = block.out[0];
-    if (steady(time, block.frames)) {
-      const double seconds = counted(time[0], block.frames);
-      if (seconds != aimed_at_) aim_ = taps_.at(aimed_at_ = seconds);
-      const double* newest = newest_tap(aim_, written);
-      if constexpr (Order == 0)
-        copy_samples(newest, block.frames, y);
-      else
-        tap_sums(newest, aim_.weights, nullptr, y, block.frames);
-      return;
-    }
-    for (int n = 0; n < block.frames; ++n) {
-      const auto aim = taps_.at(counted(time[n], 1));
-      const double* newest = newest_tap(aim, written - n);
-      y[n] = Order == 0 ? *newest : tap_sum(newest, aim.weights, 0);
+  static int longest(const AllTaps& all) {
+    int frames = 0;
+    for (const auto& taps : all) frames = std::max(frames, taps.longest());
+    return frames;
+  }
+
+  void set_aim(std::size_t lane, double seconds) noexcept {
+    const auto aim = taps_[lane].at(seconds);
+    aimed_at_[lane] = seconds;
+    newest_[lane] = aim.newest;
+    if constexpr (Width == 1)
+      weights_ = aim.weights;
+    else
+      for (std::size_t k = 0; k <= Order; ++k) weights_[k][lane] = aim.weights[k];
+  }
+  double inside(std::size_t lane, double wanted, int frames) noexcept {
+    const double seconds = taps_[lane].inside(wanted);
+    if (seconds != wanted && used_[lane]) this->clamped_ += frames;
+    return seconds;
+  }
+  void set_aims(const VectorSignal& time, int frame, int frames) noexcept {
+    for (std::size_t lane = 0; lane < Width; ++lane) {
+      const double seconds = inside(lane, time.lane(static_cast<int>(lane), frame), frames);
+      if (seconds != aimed_at_[lane]) set_aim(lane, seconds);
     }
   }
 
   /// Also where a phase delay gives the same in every frame.
   static bool steady(const Signal& time, int frames) noexcept {
-    if (time.constant() || frames == 1) return true;
-    unsigned changes = 0;
-    for (int n = 1; n < frames; ++n) changes |= static_cast<unsigned>(time.data[n] != time.data[0]);
-    return changes == 0;
+    if (time.constant() || Width > 1) return time.constant();
+    return std::all_of(time.data, time.data + frames, [&](double t) { return t == time.data[0]; });
   }
 
-  double counted(double seconds, int frames) noexcept {
-    const double possible = taps_.inside(seconds);
-    if (possible != seconds) clamped_ += frames;
-    return possible;
+  /// `written`: how many of the frames to come the line has got already.
+  void read(const NodeBlock& block, int written) noexcept {
+    const Signal time = block.in[kDelayTime];
+    double* const y = block.out[0];
+    if (steady(time, block.frames)) {
+      set_aims(VectorSignal{time}, 0, block.frames);
+      return read_steady(y, block.frames, written);
+    }
+    for (int n = 0; n < block.frames; ++n)
+      if constexpr (Width == 1) {
+        const auto aim = taps_[0].at(inside(0, time[n], 1));
+        const double* newest = newest_tap(aim.newest, written - n);
+        y[n] = Order == 0 ? *newest : tap_sum(newest, aim.weights, 0);
+      } else {
+        set_aims(VectorSignal{time}, n, 1);
+        read_steady(y + n * Width, 1, written - n);
+      }
   }
 
-  const double* newest_tap(const DelayAim<Order>& aim, int written) const noexcept {
-    return line_.behind(aim.newest + Order + written) + Order;
+  const double* newest_tap(int newest, int written) const noexcept {
+    return this->line_.behind(newest + Order + written) + Order;
   }
 
-  DelayTaps<Order> taps_;
-  double aimed_at_ = taps_.range().low_s;
-  DelayAim<Order> aim_;
-  std::int64_t clamped_ = 0;
+  void read_steady(double* y, int frames, int written) noexcept {
+    if constexpr (Width > 1)
+      read_lanes(y, frames, written);
+    else if constexpr (Order == 0)
+      copy_samples(newest_tap(newest_[0], written), frames, y);
+    else
+      tap_sums(newest_tap(newest_[0], written), weights_, nullptr, y, frames);
+  }
+
+  void read_lanes(double* y, int frames, int written) noexcept {
+    LanePlaces oldest;
+    std::array<Lanes, Order + 1> weights;
+    for (std::size_t lane = 0; lane < Width; ++lane)
+      oldest[lane] = this->line_.behind((newest_[lane] + Order + written) * Width) + lane;
+    for (std::size_t k = 0; k <= Order; ++k) weights[k] = Lanes::load(weights_[k].data());
+    VectorTaps<Order + 1> taps{oldest};
+    for (int n = 0; n < frames; ++n, y += Width) {
+      taps.next(oldest, n);
+      (Order == 0 ? taps.newest() : taps.sum(weights, Lanes::broadcast(0))).store(y);
+    }
+  }
+
+  template <class T>
+  using PerLane = std::array<T, static_cast<std::size_t>(Width)>;
+  using Row = std::conditional_t<Width == 1, double, PerLane<double>>;
+
+  AllTaps taps_;
+  Used used_;
+  PerLane<double> aimed_at_{};
+  PerLane<int> newest_{};
+  alignas(64) std::array<Row, Order + 1> weights_{};
 };
 
 /// A setting that is a time.
@@ -151,66 +207,53 @@ Result<TimeRange> range_of(const NodeSetup& setup) {
 }
 
 template <int Order>
-Result<std::unique_ptr<Node>> made(TimeRange range, Hertz sample_rate) {
-  return std::make_unique<DelayNode<Order>>(DelayTaps<Order>{range, sample_rate});
+Result<std::unique_ptr<Node>> delay_of(TimeRange range, Hertz sample_rate) {
+  return std::make_unique<DelayNode<Order>>(std::array{DelayTaps<Order>{range, sample_rate}},
+                                            std::array{true});
 }
 
-Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+Result<std::unique_ptr<Node>> make_delay(const NodeSetup& setup) {
   const auto range = range_of(setup);
   if (!range) return tl::unexpected(range.error());
   const auto frames = static_cast<std::size_t>(std::ceil(range->high_s * setup.sample_rate.value));
   if (const auto fits = setup.take_memory(frames); !fits) return tl::unexpected(fits.error());
   const auto& word = setup.setting("interpolation").text;
-  if (word == "none") return made<0>(*range, setup.sample_rate);
-  if (word == "linear") return made<1>(*range, setup.sample_rate);
-  if (word == "lagrange5") return made<5>(*range, setup.sample_rate);
-  return made<3>(*range, setup.sample_rate);
+  if (word == "none") return delay_of<0>(*range, setup.sample_rate);
+  if (word == "linear") return delay_of<1>(*range, setup.sample_rate);
+  if (word == "lagrange5") return delay_of<5>(*range, setup.sample_rate);
+  return delay_of<3>(*range, setup.sample_rate);
 }
 
 }  // namespace
 
-const NodeType& delay_type() {
-  static const NodeType type{
+NodeType delay_type() {
+  return {
       .name = "delay",
-      .group = "delays",
       .summary =
           "Gives its input back later; it may close a loop, and its time may change from frame to frame.",
       .equation =
           "out[n] = in(n - time fs), between frames the polynomial through 2, 4 or 6 of them.\n"
           "Below 1 frame (linear), 2 (lagrange3) or 3 (lagrange5) the polynomial is taken outside its middle "
           "interval, since later frames do not exist yet: high frequencies are then passed less exactly and "
-          "up "
-          "to some dB too loud.\n"
+          "with a gain of up to some dB.\n"
           "Least delay = floor(shortest time fs) less 1 for lagrange3, 2 for lagrange5; at least 1 where the "
           "time is never below a frame",
       .source = "Laakso, Valimaki, Karjalainen & Laine, IEEE SP Magazine 13, 1996",
       .example = "{ type = \"delay\", in = \"string\", time = \"20 ms\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal to delay", .late = true},
-                 {.name = "time", .unit = "s", .doc = "how much later", .low = 0}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "what came in `time` ago"}},
+      .inputs = {late({"in", "any", "signal to delay"}), {"time", "s", "how much later", {}, 0}},
+      .outputs = {{"out", "=in", "what came in `time` ago"}},
       .settings =
-          {{.name = "interpolation",
-            .kind = Setting::Kind::Choice,
-            .doc = "between frames; none rounds to whole ones. lagrange3 is within 0.1 dB up to fs/8, with a "
-                   "tap that is one frame newer; lagrange5 up to fs/6 with two, linear up to fs/21",
-            .choices = {"none", "linear", "lagrange3", "lagrange5"},
-            .fallback = "lagrange3"},
-           {.name = "min",
-            .kind = Setting::Kind::Text,
-            .doc = "shortest time, where the graph does not tell",
-            .optional = true},
-           {.name = "max",
-            .kind = Setting::Kind::Text,
-            .doc = "longest time, where the graph does not tell",
-            .optional = true},
-           {.name = "compensate",
-            .kind = Setting::Kind::Names,
-            .doc = "filters in the same loop; their phase delays at the frequency 1/time are taken off the "
-                   "time, so that the loop is in tune",
-            .optional = true}},
-      .make = make,
-      .compensation = PhaseCompensation{.port = kTime, .period = kTime, .sign = -1}};
-  return type;
+          {choice("interpolation",
+                  "between frames; none rounds to whole ones. lagrange3 is within 0.1 dB up to fs/8, with "
+                  "a tap that is one frame newer; lagrange5 up to fs/6 with two, linear up to fs/21",
+                  {"none", "linear", "lagrange3", "lagrange5"}, "lagrange3"),
+           optional({"min", Setting::Kind::Text, "shortest time, where the graph does not determine it"}),
+           optional({"max", Setting::Kind::Text, "longest time, where the graph does not determine it"}),
+           optional({"compensate", Setting::Kind::Names,
+                     "filters in the same loop; their phase delays at the frequency 1/time are taken "
+                     "off the time, so that the loop is in tune"})},
+      .make = make_delay,
+      .compensation = PhaseCompensation{.port = kDelayTime, .period = kDelayTime, .sign = -1}};
 }
 
 }  // namespace tactus

@@ -7,13 +7,12 @@
 #include <cmath>
 #include <complex>
 
-#include "engine/dsp/delays/lagrange.h"
+#include "engine/dsp/delays/taps.h"
 #include "engine/graph/node.h"
-#include "engine/nodes/group_steps.h"
 
 namespace tactus {
 
-/// The times that a delay can be asked for.
+/// The range of the times of a delay.
 struct TimeRange {
   double low_s, high_s;
 };
@@ -29,6 +28,7 @@ struct DelayAim {
 template <int Order>
 class DelayTaps {
  public:
+  DelayTaps() = default;
   DelayTaps(TimeRange range, Hertz sample_rate)
       : range_(range),
         sample_rate_(sample_rate),
@@ -71,9 +71,9 @@ class DelayTaps {
     return std::abs(frames - whole) < 1e-9 ? whole : frames;
   }
 
-  TimeRange range_;
-  Hertz sample_rate_;
-  int newest_possible_, least_, most_;
+  TimeRange range_{};
+  Hertz sample_rate_{};
+  int newest_possible_ = 0, least_ = 0, most_ = 0;
 };
 
 }  // namespace tactus

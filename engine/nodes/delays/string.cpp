@@ -1,30 +1,35 @@
-#include <algorithm>
-
-#include "engine/dsp/strings/string_loop.h"
-#include "engine/nodes/delays/delays.h"
-#include "engine/nodes/delays/string_ports.h"
-#include "engine/nodes/delays/wide_string_node.h"
-#include "engine/nodes/filters/filter_ports.h"
-#include "engine/nodes/group_steps.h"
-#include "engine/nodes/make.h"
+#include "engine/nodes/declare.h"
+#include "engine/nodes/delays/string_setup.h"
+#include "engine/nodes/process.h"
 
 namespace tactus {
 namespace {
 
-enum Input { kIn, kPitch, kGain, kLoss };
+/// One string, or eight of them in vector registers.
+template <int Width = 1>
+class StringNode final : public Node {
+  enum Input { kIn, kPitch, kGain, kLoss };
 
-class StringNode : public Node {
  public:
+  StringNode(LossFilter filter, Hertz sample_rate, double lowest_pitch)
+      : filter_(filter),
+        sample_rate_(sample_rate),
+        lowest_pitch_(lowest_pitch),
+        string_(filter, sample_rate, lowest_pitch) {}
   explicit StringNode(const NodeSetup& setup)
-      : filter_(loss_filter_of(setup)),
-        sample_rate_(setup.sample_rate),
-        lowest_pitch_(lowest_pitch(setup)),
-        string_(filter_, setup.sample_rate, lowest_pitch_) {}
+      // Above 0.3 of the rate the pitch is clamped to that.
+      : StringNode(loss_filter_of(setup), setup.sample_rate,
+                   std::min(setup.input("pitch").range.low, 0.3 * setup.sample_rate.value)) {}
 
   void process(const NodeBlock& block) noexcept override {
-    if (block.frames > 1) return process_row(block);
-    const int position = steps_.single(block, [&] { tune(block, 0); });
-    *block.out[0] = string_.run_single(*block.in[kIn].data, position);
+    if constexpr (Width == 1) {
+      if (block.frames == 1) {
+        const int position = steps_.single(block, [&](int n) { tune(block, n); });
+        *block.out[0] = string_.run_single(*block.in[kIn].data, position);
+        return;
+      }
+    }
+    process_frames(block);
   }
 
   void adopt(Node& before) noexcept override {
@@ -40,7 +45,7 @@ class StringNode : public Node {
     double lowest = lowest_pitch_;
     for (const auto* lane : lanes)
       if (lane != nullptr) lowest = std::min(lowest, static_cast<const StringNode*>(lane)->lowest_pitch_);
-    return std::make_unique<WideStringNode>(filter_, sample_rate_, lowest);
+    return std::make_unique<StringNode<kVectorWidth>>(filter_, sample_rate_, lowest);
   }
 
   std::optional<std::complex<double>> response(int input, int, std::complex<double> z,
@@ -52,40 +57,37 @@ class StringNode : public Node {
   }
 
  private:
-  static double lowest_pitch(const NodeSetup& setup) {
-    // Above 0.3 of the rate the pitch is clamped to that.
-    return std::min(setup.input("pitch").range.low, 0.3 * setup.sample_rate.value);
-  }
-
   void tune(const NodeBlock& block, int n) noexcept {
-    const auto* in = block.in;
-    string_.tune(
-        {.pitch_hz = std::max(lowest_pitch_, in[kPitch][n]), .gain = in[kGain][n], .loss = in[kLoss][n]});
+    for (int lane = 0; lane < Width; ++lane) {
+      const auto in = [&](Input input) { return VectorSignal{block.in[input]}.lane(lane, n); };
+      string_.tune({.pitch_hz = std::max(lowest_pitch_, in(kPitch)), .gain = in(kGain), .loss = in(kLoss)},
+                   lane);
+    }
   }
 
-  // Not inlined: what many frames need to be set up would delay a single one.
-  [[gnu::noinline]] void process_row(const NodeBlock& block) noexcept {
-    InARow in_a_row;
-    const double* x = in_a_row(block.in[kIn], block.frames);
-    double* y = block.out[0];
-    steps_.go(
-        block, rest(block, kPitch, 3), [&](int n) { tune(block, n); },
-        [&](int from, int to, int position) { string_.run(x + from, y + from, to - from, position); });
+  // Not inlined: the setup for many frames would delay a single one.
+  [[gnu::noinline]] void process_frames(const NodeBlock& block) noexcept {
+    Contiguous contiguous;
+    const auto x = run_input<Width>(block, contiguous);
+    steps_.run(
+        block, all_constant(block, kPitch, 3), [&](int n) { tune(block, n); },
+        [&](int from, int to, int position) {
+          string_.run(x + from, block.out[0] + from * Width, to - from, position);
+        });
   }
 
   LossFilter filter_;
   Hertz sample_rate_;
   double lowest_pitch_;
-  StringLoop string_;
+  std::conditional_t<Width == 1, StringLoop, VectorStringLoop> string_;
   GroupSteps steps_;
 };
 
 }  // namespace
 
-const NodeType& string_type() {
-  static const NodeType type{
+NodeType string_type() {
+  return {
       .name = "string",
-      .group = "delays",
       .summary = "A lightly damped string: a tuned loop of delay and losses, driven by its input.",
       .equation =
           "out[n] = in[n] + gain (h_LP * out)[n - N],  N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs\n"
@@ -95,18 +97,12 @@ const NodeType& string_type() {
       .example = "{ type = \"string\", in = \"bow\", pitch = \"220 Hz\", gain = 0.995 }",
       .inputs = {filtered_input("what excites the string"),
                  pitch_input("of the fundamental; at most 0.3 of the sample rate"),
-                 {.name = "gain",
-                  .unit = "",
-                  .doc = "once around the loop",
-                  .fallback = 0.99,
-                  .low = 0,
-                  .high = 0.9999},
+                 {"gain", "", "once around the loop", 0.99, 0, 0.9999},
                  loss_input()},
       .outputs = {filtered_output("out", "the string where it is driven")},
       .settings = {loss_filter_setting()},
-      .make = make_node<StringNode>,
+      .make = make_node<StringNode<>>,
       .resonant = true};
-  return type;
 }
 
 }  // namespace tactus

@@ -37,8 +37,10 @@ static inline tactus_real tactus_adsr_move(tactus_adsr* s, tactus_real gate, tac
 static inline tactus_real tactus_adsr_step(tactus_adsr* s, tactus_real gate, tactus_real attack,
                                            tactus_real decay, tactus_real sustain, tactus_real release,
                                            tactus_real rate) {
+  // In this order: the division runs beside the exponentials.
   const tactus_real attack_frames = attack * rate;
-  return tactus_adsr_move(s, gate, attack_frames > 1 ? 1 / attack_frames : 1,
-                          tactus_time_constant_keep(&s->decay, decay, rate), tactus_clamp(sustain, 0.0, 1.0),
-                          tactus_time_constant_keep(&s->release, release, rate));
+  const tactus_real rise = attack_frames > 1 ? 1 / attack_frames : 1;
+  const tactus_real decay_keep = tactus_time_constant_keep(&s->decay, decay, rate);
+  const tactus_real release_keep = tactus_time_constant_keep(&s->release, release, rate);
+  return tactus_adsr_move(s, gate, rise, decay_keep, tactus_clamp(sustain, 0.0, 1.0), release_keep);
 }

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 
-#include "engine/nodes/envelopes/envelopes.h"
-#include "engine/nodes/make.h"
+#include "engine/nodes/declare.h"
 
 namespace tactus {
 namespace {
 
-enum Input { kIn, kThreshold, kHold, kMargin, kNoiseMargin, kMaskTime, kHighPass, kRinging };
+class OnsetNode final : public Node {
+  enum Input { kIn, kThreshold, kHold, kMargin, kNoiseMargin, kMaskTime, kHighPass, kRinging };
 
-class Onset final : public Node {
  public:
-  explicit Onset(const NodeSetup& setup)
+  explicit OnsetNode(const NodeSetup& setup)
       : detector_({.sample_rate = setup.sample_rate,
                    .high_pass = Hertz{*setup.inputs[kHighPass].constant},
                    .mask_time = Seconds{*setup.inputs[kMaskTime].constant},
@@ -41,62 +40,38 @@ class Onset final : public Node {
 
 }  // namespace
 
-const NodeType& onset_type() {
-  static const NodeType type = {
+NodeType onset_type() {
+  return {
       .name = "onset",
-      .group = "envelopes",
-      .summary =
-          "Triggers at each hit that a microphone hears: soft ones after loud ones, ringing ones once.",
+      .summary = "Triggers at each hit in a microphone signal: soft ones after loud ones, ringing ones once.",
       .equation =
-          "e = fast envelope of in above 30 Hz, 400 Hz, 2 kHz and 7 kHz; a hit when e > threshold in "
-          "the first, and in any e > margin * last hit's mask, e > margin * highest e of the last "
-          "ringing, and e > noise_margin * mean noise; then none for hold",
+          "e = fast envelope of in above 30 Hz, 400 Hz, 2 kHz and 7 kHz; a hit when e > threshold in the "
+          "first, and in any e > margin * last hit's mask, e > margin * highest e of the last ringing, and e "
+          "> noise_margin * mean noise; then none for hold",
       .source = "Bello et al., IEEE Trans. Speech Audio Process. 13, 2005",
       .example = "hit = { type = \"onset\", in = \"microphone\", threshold = \"-34 dB\", hold = \"15 ms\" }",
-      .inputs = {{.name = "in", .unit = "full scale", .doc = "microphone"},
+      .inputs = {{"in", "full scale", "microphone"},
                  {.name = "threshold",
                   .unit = "",
                   .doc = "softest hit, its peak",
                   .fallback = 0.01995262314968880,  // -34 dB
                   .low = 0},
-                 {.name = "hold",
-                  .unit = "s",
-                  .doc = "time from a hit in which no other counts",
-                  .fallback = 0.015,
-                  .low = 0.001,
-                  .high = 10,
-                  .hold = true},
+                 event_hold({"hold", "s", "time from a hit in which no other counts", 0.015, 0.001, 10}),
                  {.name = "margin",
                   .unit = "",
                   .doc = "how far a hit must stand out of what rings; larger misses more and doubles less",
                   .fallback = 1.41253754462275,  // 3 dB
                   .low = 0},
-                 {.name = "noise_margin",
-                  .unit = "",
-                  .doc = "how far a hit must stand out of the mean noise",
-                  .fallback = 7.0,
-                  .low = 0},
-                 {.name = "mask_time",
-                  .unit = "s",
-                  .doc = "time in which the mask of a hit falls by 20 dB, from 10 ms after its hold",
-                  .fallback = 0.020,
-                  .low = 0.001,
-                  .high = 10,
-                  .fixed = true},
-                 {.name = "high_pass",
-                  .unit = "Hz",
-                  .doc = "hits are told only from what lies above: raise it where an actuator is heard too",
-                  .fallback = 30,
-                  .low = 1,
-                  .high = 4000,
-                  .fixed = true},
-                 {.name = "ringing",
-                  .unit = "s",
-                  .doc = "how long what is struck rings: shorter hears denser strokes, longer doubles less",
-                  .fallback = 0.028,
-                  .low = 0.008,
-                  .high = 0.031,
-                  .fixed = true}},
+                 {"noise_margin", "", "how far a hit must stand out of the mean noise", 7.0, 0},
+                 fixed({"mask_time", "s",
+                        "time in which the mask of a hit falls by 20 dB, from 10 ms after its hold", 0.020,
+                        0.001, 10}),
+                 fixed({"high_pass", "Hz",
+                        "hits are detected only above it: raise it where the microphone picks up an actuator",
+                        30, 1, 4000}),
+                 fixed({"ringing", "s",
+                        "how long what is struck rings: shorter detects denser strokes, longer doubles less",
+                        0.028, 0.008, 0.031})},
       .outputs = {{.name = "hit",
                    .unit = "",
                    .doc = "1 in the frame of a hit",
@@ -106,10 +81,9 @@ const NodeType& onset_type() {
                    .unit = "=in",
                    .doc = "highest envelope of the last hit: so far in its first 5 ms, then held to the next",
                    .event_level = true},
-                  {.name = "envelope", .unit = "=in", .doc = "fast envelope above 30 Hz"}},
-      .make = make_node<Onset>,
+                  {"envelope", "=in", "fast envelope above 30 Hz"}},
+      .make = make_node<OnsetNode>,
   };
-  return type;
 }
 
 }  // namespace tactus

@@ -1,20 +1,15 @@
 #include "engine/nodes/filters/filter_node.h"
-#include "engine/nodes/filters/filter_ports.h"
-#include "engine/nodes/filters/filters.h"
 
 namespace tactus {
-const NodeType& dc_blocker_type() {
-  static const NodeType type{
-      .name = "dc_blocker",
-      .group = "filters",
-      .summary = "Takes away the mean, as the coupling capacitor of an audio input does.",
-      .equation = "out = p (out1 + in - in1),  p = 1 / (1 + 2 pi cutoff/fs)",
-      .source = "RC high-pass by backward Euler",
-      .example = "{ type = \"dc_blocker\", in = \"piezo\" }",
-      .inputs = {filtered_input(), cutoff_input("-3 dB here while it is far below the sample rate", 10)},
-      .outputs = {filtered_output("out", "without its mean")},
-      .make = FilterNode<1, 1>::maker(of_cutoff<tactus_dc_blocker>)};
-  return type;
+NodeType dc_blocker_type() {
+  return {.name = "dc_blocker",
+          .summary = "Takes away the mean, as the coupling capacitor of an audio input does.",
+          .equation = "out = p (out1 + in - in1),  p = 1 / (1 + 2 pi cutoff/fs)",
+          .source = "RC high-pass by backward Euler",
+          .example = "{ type = \"dc_blocker\", in = \"piezo\" }",
+          .inputs = {filtered_input(), cutoff_input("-3 dB here while it is far below the sample rate", 10)},
+          .outputs = {filtered_output("out", "without its mean")},
+          .make = FilterNode<1, 1>::maker(of_cutoff<tactus_dc_blocker>)};
 }
 
 }  // namespace tactus

@@ -6,29 +6,27 @@
 #include <memory>
 
 #include "engine/dsp/filters/linear_filter.h"
-#include "engine/graph/node_type.h"
-#include "engine/nodes/filters/wide_filter_node.h"
-#include "engine/nodes/group_steps.h"
+#include "engine/nodes/declare.h"
+#include "engine/nodes/process.h"
 
 namespace tactus {
 
-/// A LinearFilter as a node. Inputs: `in`, then the parameters of its design. Outputs: the filtered signal
-/// and, where the type declares a second one, what the filter took away: in - filtered. May skip unread
-/// outputs.
-template <int Order, std::size_t ParameterCount>
+/// A LinearFilter as a node, or eight of them in vector registers. Inputs: `in`, then the parameters of its
+/// design. Outputs: the filtered signal and, where the type declares a second one, what the filter took away:
+/// in - filtered. May skip unread outputs.
+template <int Order, std::size_t ParameterCount, int Width = 1>
 class FilterNode : public Node {
  public:
   using Parameters = std::array<double, ParameterCount>;
   using Design = FilterCoefficients<Order> (*)(const Parameters&, Hertz sample_rate);
 
-  FilterNode(const NodeSetup& setup, Design design)
-      : design_(design), sample_rate_(setup.sample_rate), has_rest_(setup.type->outputs.size() > 1) {}
+  FilterNode(Design design, Hertz sample_rate, bool has_remainder)
+      : design_(design), sample_rate_(sample_rate), has_remainder_(has_remainder) {}
 
   void process(const NodeBlock& block) noexcept override {
-    if (block.frames == 1)
-      process_single(block);
-    else
-      process_row(block);
+    if constexpr (Width == 1)
+      if (block.frames == 1) return process_single(block);
+    process_frames(block);
   }
 
   void reset() noexcept override {
@@ -47,53 +45,64 @@ class FilterNode : public Node {
   }
 
   std::unique_ptr<Node> vectorised(std::span<const Node* const>) const override {
-    return std::make_unique<WideFilterNode<Order, ParameterCount>>(design_, sample_rate_, has_rest_);
+    return std::make_unique<FilterNode<Order, ParameterCount, kVectorWidth>>(design_, sample_rate_,
+                                                                             has_remainder_);
   }
 
   static MakeNode maker(Design design) {
     return [design](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
-      return std::make_unique<FilterNode>(setup, design);
+      return std::make_unique<FilterNode>(design, setup.sample_rate, setup.type->outputs.size() > 1);
     };
   }
 
  private:
   void process_single(const NodeBlock& block) noexcept {
     const double x = *block.in[0].data;
-    const int position = steps_.single(block, [&] { update(block, 0); });
+    const int position = steps_.single(block, [&](int frame) { update(block, frame); });
     const double y = filter_.run_single(x, position);
     if (block.out[0] != nullptr) *block.out[0] = y;
-    if (has_rest_ && block.out[1] != nullptr) *block.out[1] = x - y;
+    if (has_remainder_ && block.out[1] != nullptr) *block.out[1] = x - y;
   }
 
-  // Not inlined: what many frames need to be set up would delay a single one.
-  [[gnu::noinline]] void process_row(const NodeBlock& block) noexcept {
-    InARow in_a_row;
-    const double* x = in_a_row(block.in[0], block.frames);
-    std::array<double, kMaxSubBlock> unread;
+  // Not inlined: the setup for many frames would delay a single one.
+  [[gnu::noinline]] void process_frames(const NodeBlock& block) noexcept {
+    Contiguous contiguous;
+    const auto x = run_input<Width>(block, contiguous);
+    std::array<double, static_cast<std::size_t>(kMaxSubBlock * Width)> unread;
     double* y = block.out[0] != nullptr ? block.out[0] : unread.data();
-    steps_.go(
-        block, rest(block, 1, ParameterCount), [&](int frame) { update(block, frame); },
-        [&](int from, int to, int position) { filter_.run(x + from, y + from, to - from, position); });
-    if (!has_rest_ || block.out[1] == nullptr) return;
-    for (int n = 0; n < block.frames; ++n) block.out[1][n] = x[n] - y[n];
+    steps_.run(
+        block, all_constant(block, 1, ParameterCount), [&](int frame) { update(block, frame); },
+        [&](int from, int to, int position) {
+          filter_.run(x + from, y + from * Width, to - from, position);
+        });
+    if (!has_remainder_ || block.out[1] == nullptr) return;
+    for (int n = 0; n < block.frames; ++n)
+      if constexpr (Width == 1)
+        block.out[1][n] = x[n] - y[n];
+      else
+        (x[n] - Lanes::load(y + n * Width)).store(block.out[1] + n * Width);
   }
 
   void update(const NodeBlock& block, int frame) noexcept {
-    Parameters now;
-    for (std::size_t i = 0; i < ParameterCount; ++i) now[i] = block.in[i + 1][frame];
-    if (designed_ && now == parameters_) return;
-    parameters_ = now;
+    for (int lane = 0; lane < Width; ++lane) {
+      Parameters now;
+      for (std::size_t i = 0; i < ParameterCount; ++i)
+        now[i] = VectorSignal{block.in[i + 1]}.lane(lane, frame);
+      auto& before = parameters_[static_cast<std::size_t>(lane)];
+      if (designed_ && now == before) continue;
+      before = now;
+      filter_.design(design_(now, sample_rate_), lane);
+    }
     designed_ = true;
-    filter_.design(design_(now, sample_rate_));
   }
 
   Design design_;
   Hertz sample_rate_;
-  bool has_rest_;
+  bool has_remainder_;
   bool designed_ = false;
-  Parameters parameters_{};
+  std::array<Parameters, static_cast<std::size_t>(Width)> parameters_{};
   GroupSteps steps_;
-  LinearFilter<Order> filter_;
+  std::conditional_t<Width == 1, LinearFilter<Order>, VectorFilter<Order>> filter_;
 };
 
 /// A design that depends on a cutoff alone, the first parameter.

@@ -1,11 +1,8 @@
 #include "engine/dsp/filters/fir.h"
 
-#include <utility>
-
-#include "engine/dsp/delays/taps_at_rate.h"
-#include "engine/nodes/filters/filter_ports.h"
-#include "engine/nodes/filters/filters.h"
-#include "engine/nodes/group_steps.h"
+#include "engine/dsp/delays/resample.h"
+#include "engine/nodes/declare.h"
+#include "engine/nodes/process.h"
 
 namespace tactus {
 namespace {
@@ -15,8 +12,8 @@ class FirNode : public Node {
   explicit FirNode(std::vector<double> taps) : fir_(std::move(taps)) {}
 
   void process(const NodeBlock& block) noexcept override {
-    InARow in_a_row;
-    fir_.run(in_a_row(block.in[0], block.frames), block.out[0], block.frames);
+    Contiguous in;
+    fir_.run(in(block.in[0], block.frames), block.out[0], block.frames);
   }
 
   void reset() noexcept override { fir_.reset(); }
@@ -33,7 +30,7 @@ class FirNode : public Node {
   Fir fir_;
 };
 
-Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+Result<std::unique_ptr<Node>> make_fir(const NodeSetup& setup) {
   const auto& taps = setup.setting("taps").numbers;
   if (taps.empty())
     return fail(Errc::OutOfRange, {}, "a filter without taps is silent",
@@ -47,28 +44,24 @@ Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
 
 }  // namespace
 
-const NodeType& fir_type() {
-  static const NodeType type{
+NodeType fir_type() {
+  return {
       .name = "fir",
-      .group = "filters",
       .summary = "A filter of any shape by its impulse response, one sample a tap.",
       .equation = "out[n] = sum over k of taps[k] in[n-k]",
       .source = "direct convolution; another rate: J. O. Smith, Digital Audio Resampling Home Page, 2002",
       .example = "{ type = \"fir\", in = \"piezo\", rate = \"48 kHz\", taps = [0.25, 0.5, 0.25] }",
       .inputs = {filtered_input()},
       .outputs = {filtered_output("out", "filtered")},
-      .settings =
-          {{.name = "taps", .kind = Setting::Kind::Numbers, .doc = "impulse response, one number a sample"},
-           {.name = "rate",
-            .kind = Setting::Kind::Quantity,
-            .doc = "sample rate that the taps were measured at: where the engine has another one they "
-                   "are resampled; left out: the engine's",
-            .choices = {"Hz"},
-            .optional = true,
-            .low = 1000,
-            .high = 1e6}},
-      .make = make};
-  return type;
+      .settings = {{"taps", Setting::Kind::Numbers, "impulse response, one number a sample"},
+                   within(1000, 1e6,
+                          optional(
+                              {"rate",
+                               Setting::Kind::Quantity,
+                               "sample rate that the taps were measured at: where the engine has another one "
+                               "they are resampled; left out: the engine's",
+                               {"Hz"}}))},
+      .make = make_fir};
 }
 
 }  // namespace tactus

@@ -1,18 +1,14 @@
-#include <algorithm>
-#include <utility>
-
 #include "engine/dsp/resonators/modal_bank.h"
-#include "engine/nodes/filters/filter_ports.h"
-#include "engine/nodes/filters/filters.h"
+#include "engine/nodes/declare.h"
 #include "engine/nodes/filters/mode_table.h"
-#include "engine/nodes/group_steps.h"
+#include "engine/nodes/process.h"
 
 namespace tactus {
 namespace {
 
-enum Input { kIn, kFrequency, kDecay };
-
 class ModalNode final : public Node {
+  enum Input { kIn, kFrequency, kDecay };
+
  public:
   ModalNode(Hertz sample_rate, ModeTable table, std::vector<double> gains)
       : sample_rate_(sample_rate),
@@ -73,8 +69,9 @@ class ModalNode final : public Node {
   }
 
   void run(const NodeBlock& block, const double* in_before) noexcept {
-    steps_.go(
-        block, rest(block, kFrequency, 2), [&](int n) { tune(block.in[kFrequency][n], block.in[kDecay][n]); },
+    steps_.run(
+        block, all_constant(block, kFrequency, 2),
+        [&](int n) { tune(block.in[kFrequency][n], block.in[kDecay][n]); },
         [&](int from, int to, int) { bank_.run(in_before + from, block.out[0] + from, to - from); });
   }
 
@@ -87,7 +84,7 @@ class ModalNode final : public Node {
   double last_in_ = 0;
 };
 
-Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+Result<std::unique_ptr<Node>> make_modal(const NodeSetup& setup) {
   auto table = ModeTable::make(setup);
   if (!table) return tl::unexpected(table.error());
   auto gains = one_each(setup.setting("gains"), "gains", table->size(), 1);
@@ -100,43 +97,37 @@ Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
 
 }  // namespace
 
-const NodeType& modal_type() {
-  static const NodeType type{
+NodeType modal_type() {
+  return {
       .name = "modal",
-      .group = "filters",
-      .summary =
-          "Many resonators side by side, summed: rings like what has these modes. It may close a loop.",
+      .summary = "A bank of resonators in parallel: rings like a body with these modes. It may close a loop.",
       .equation =
-          "out = sum of y_k;  an impulse of 1 (one frame) gives y_k = gain_k e^(-6.91 t / decay_k) sin(2 pi "
-          "f_k t)\n"
-          "y_k[n] = 2 r cos(w) y_k[n-1] - r^2 y_k[n-2] + gain_k r sin(w) in[n-1],  w = 2 pi f_k / fs,  r = "
-          "e^(-6.91 / (decay_k fs))\n"
-          "A series: f_k = frequency ratio_k,  decay_k = decay (f_1 / f_k)^decay_slope,  gain_k times (f_1 / "
-          "f_k)^gain_slope\n"
-          "A mode at half the sample rate or above is silent. Retuned every eight frames, for some 30 ns a "
-          "mode",
+          "out = sum of y_k;  an impulse of 1 (one frame) gives y_k = gain_k e^(-6.91 t / decay_k) sin(2 "
+          "pi f_k t)\n"
+          "y_k[n] = 2 r cos(w) y_k[n-1] - r^2 y_k[n-2] + gain_k r sin(w) in[n-1],  w = 2 pi f_k / fs,  r "
+          "= e^(-6.91 / (decay_k fs))\n"
+          "A series: f_k = frequency ratio_k,  decay_k = decay (f_1 / f_k)^decay_slope,  gain_k times "
+          "(f_1 / f_k)^gain_slope\n"
+          "A mode at half the sample rate or above is silent. Retuned every eight frames, for some 30 ns "
+          "a mode",
       .source =
           "Rabiner & Gold, Theory and Application of Digital Signal Processing, 1975, section 4.5; "
           "series: Fletcher & Rossing, The Physics of Musical Instruments, 2nd ed. 1998",
       .example =
           "{ type = \"modal\", in = \"strike\", frequency = \"220 Hz\", series = \"bar\", modes = 12, "
           "decay = \"1 s\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "what strikes or rubs", .late = true},
-                 mode_frequency_input(false),
+      .inputs = {late({"in", "any", "what strikes or rubs"}), mode_frequency_input(false),
                  mode_decay_input(false)},
       .outputs = {filtered_output("out", "all modes together")},
-      .settings = mode_settings({{.name = "gains",
-                                  .kind = Setting::Kind::Numbers,
-                                  .doc = "how loud each mode is; one for all, or one a mode; left out: 1",
-                                  .optional = true},
-                                 {.name = "gain_slope",
-                                  .kind = Setting::Kind::Quantity,
-                                  .doc = "high modes are softer where it is above 0",
-                                  .fallback = "0",
-                                  .low = -4,
-                                  .high = 4}}),
-      .make = make};
-  return type;
+      .settings = mode_settings({optional({"gains", Setting::Kind::Numbers,
+                                           "gain of each mode; one for all, or one a mode; left out: 1"}),
+                                 within(-4, 4,
+                                        {"gain_slope",
+                                         Setting::Kind::Quantity,
+                                         "high modes are softer where it is above 0",
+                                         {},
+                                         "0"})}),
+      .make = make_modal};
 }
 
 }  // namespace tactus

@@ -8,8 +8,8 @@
 namespace tactus {
 namespace {
 
-constexpr int kMostModes = 4096;
-constexpr double kLowestHz = 1, kShortestS = 1e-4, kLongestS = 1e4;
+constexpr int kMaxModes = 4096;
+constexpr double kLowestMode_hz = 1, kShortestDecay_s = 1e-4, kLongestDecay_s = 1e4;
 
 ModeSeries series_of(const std::string& word) {
   if (word == "geometric") return ModeSeries::Geometric;
@@ -20,13 +20,13 @@ ModeSeries series_of(const std::string& word) {
 }
 
 Result<std::vector<double>> listed_frequencies(const std::vector<double>& list) {
-  if (list.empty() || list.size() > kMostModes)
+  if (list.empty() || list.size() > kMaxModes)
     return fail(Errc::OutOfRange, {},
                 "'frequencies' has " + std::to_string(list.size()) + " numbers, and there are from 1 to " +
-                    std::to_string(kMostModes) + " modes",
+                    std::to_string(kMaxModes) + " modes",
                 "list one frequency a mode");
   for (const double f : list)
-    if (!(f >= kLowestHz))
+    if (!(f >= kLowestMode_hz))
       return fail(Errc::OutOfRange, {}, "one of 'frequencies' is below 1 Hz", "leave it out");
   return list;
 }
@@ -41,7 +41,7 @@ Result<std::vector<double>> frequencies_of(const NodeSetup& setup) {
                      setup.setting("span").number);
 }
 
-double clamped(double x, double low, double high) { return x > low ? std::min(x, high) : low; }
+double clamped_mode(double x, double low, double high) { return x > low ? std::min(x, high) : low; }
 
 }  // namespace
 
@@ -70,7 +70,8 @@ Result<ModeTable> ModeTable::make(const NodeSetup& setup) {
   table.decay_moves_ = !list.given || setup.input("decay").connected;
   const double slope = list.given ? 0 : setup.setting("decay_slope").number;
   for (std::size_t k = 0; k < table.size(); ++k)
-    table.decays_[k] = clamped(table.decays_[k] * table.falling(k, slope), kShortestS, kLongestS);
+    table.decays_[k] =
+        clamped_mode(table.decays_[k] * table.falling(k, slope), kShortestDecay_s, kLongestDecay_s);
   return table;
 }
 
@@ -80,23 +81,23 @@ double ModeTable::falling(std::size_t mode, double slope) const {
 
 double ModeTable::frequency_hz(std::size_t mode, double first_hz) const noexcept {
   if (!frequency_moves_) return frequencies_[mode];
-  return clamped(first_hz, kLowestHz, 1e6) * (frequencies_[mode] / frequencies_[0]);
+  return clamped_mode(first_hz, kLowestMode_hz, 1e6) * (frequencies_[mode] / frequencies_[0]);
 }
 
 double ModeTable::decay_s(std::size_t mode, double first_s) const noexcept {
   if (!decay_moves_) return decays_[mode];
-  return clamped(first_s, kShortestS, kLongestS) * (decays_[mode] / decays_[0]);
+  return clamped_mode(first_s, kShortestDecay_s, kLongestDecay_s) * (decays_[mode] / decays_[0]);
 }
 
 InputPort mode_frequency_input(bool fixed) {
-  return {.name = "frequency",
-          .unit = "Hz",
-          .doc =
-              "of the first mode, which the others follow; left out where `frequencies` are listed: as they "
-              "are",
-          .fallback = 220,
-          .low = 0,
-          .fixed = fixed};
+  return {
+      .name = "frequency",
+      .unit = "Hz",
+      .doc =
+          "of the first mode, which the others follow; left out where `frequencies` are listed: as they are",
+      .fallback = 220,
+      .low = 0,
+      .fixed = fixed};
 }
 
 InputPort mode_decay_input(bool fixed) {
@@ -112,40 +113,26 @@ InputPort mode_decay_input(bool fixed) {
 
 std::vector<Setting> mode_settings(std::vector<Setting> further) {
   std::vector<Setting> settings = {
-      {.name = "frequencies",
-       .kind = Setting::Kind::Numbers,
-       .doc = "of the modes, instead of a series",
-       .choices = {"Hz"},
-       .optional = true},
-      {.name = "decays",
-       .kind = Setting::Kind::Numbers,
-       .doc = "time in which each mode falls by 60 dB, instead of a slope; one for all, or one a mode",
-       .choices = {"s"},
-       .optional = true},
-      {.name = "series",
-       .kind = Setting::Kind::Choice,
-       .doc = "harmonic: 1, 2, 3 …; geometric: even steps of pitch; bar: free at both ends (marimba); "
-              "clamped_bar: held at one end (kalimba); membrane: a drum's head",
-       .choices = {"harmonic", "geometric", "bar", "clamped_bar", "membrane"},
-       .fallback = "harmonic"},
-      {.name = "modes",
-       .kind = Setting::Kind::Integer,
-       .doc = "of a series",
-       .fallback = "16",
-       .low = 1,
-       .high = kMostModes},
-      {.name = "span",
-       .kind = Setting::Kind::Quantity,
-       .doc = "last frequency of a geometric series over the first",
-       .fallback = "16",
-       .low = 1,
-       .high = 1e4},
-      {.name = "decay_slope",
-       .kind = Setting::Kind::Quantity,
-       .doc = "s in decay_k = decay (f_1 / f_k)^s: high modes die sooner where it is above 0",
-       .fallback = "0.5",
-       .low = -4,
-       .high = 4}};
+      optional({"frequencies", Setting::Kind::Numbers, "of the modes, instead of a series", {"Hz"}}),
+      optional({"decays",
+                Setting::Kind::Numbers,
+                "time in which each mode falls by 60 dB, instead of a slope; one for all, or one a mode",
+                {"s"}}),
+      choice("series",
+             "harmonic: 1, 2, 3 …; geometric: even steps of pitch; bar: free at both ends (marimba); "
+             "clamped_bar: "
+             "held at one end (kalimba); membrane: a drum's head",
+             {"harmonic", "geometric", "bar", "clamped_bar", "membrane"}, "harmonic"),
+      within(1, kMaxModes, {"modes", Setting::Kind::Integer, "of a series", {}, "16"}),
+      within(
+          1, 1e4,
+          {"span", Setting::Kind::Quantity, "last frequency of a geometric series over the first", {}, "16"}),
+      within(-4, 4,
+             {"decay_slope",
+              Setting::Kind::Quantity,
+              "s in decay_k = decay (f_1 / f_k)^s: high modes die sooner where it is above 0",
+              {},
+              "0.5"})};
   for (auto& setting : further) settings.push_back(std::move(setting));
   return settings;
 }

@@ -1,12 +1,9 @@
 #include "engine/nodes/filters/filter_node.h"
-#include "engine/nodes/filters/filter_ports.h"
-#include "engine/nodes/filters/filters.h"
 
 namespace tactus {
-const NodeType& one_pole_type() {
-  static const NodeType type{
+NodeType one_pole_type() {
+  return {
       .name = "one_pole",
-      .group = "filters",
       .summary = "A low-pass and the high-pass that completes it, 6 dB an octave.",
       .equation =
           "low = (1-p)/2 (in + in1) + p low1,  high = in - low,\n"
@@ -18,18 +15,15 @@ const NodeType& one_pole_type() {
       .inputs = {filtered_input(), cutoff_input("-3.01 dB here; at most 0.49 of the sample rate")},
       .outputs = {filtered_output("low", "what lies below the cutoff"),
                   filtered_output("high", "the rest: in - low")},
-      .settings = {{.name = "form",
-                    .kind = Setting::Kind::Choice,
-                    .doc = "matched lags half a frame less and passes a little at half the rate: for loops",
-                    .choices = {"bilinear", "matched"},
-                    .fallback = "bilinear"}},
+      .settings = {choice("form",
+                          "matched lags half a frame less and passes a little at half the rate: for loops",
+                          {"bilinear", "matched"}, "bilinear")},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
         const bool matched = setup.setting("form").text == "matched";
         return FilterNode<1, 1>::maker(matched ? of_cutoff<tactus_matched_one_pole>
                                                : of_cutoff<tactus_one_pole>)(setup);
       },
       .skips_unread = true};
-  return type;
 }
 
 }  // namespace tactus

@@ -1,14 +1,14 @@
+#include "engine/dsp/curves/curve.h"
+
 #include <cmath>
 
-#include "engine/dsp/curves/breakpoints.h"
 #include "engine/dsp/envelopes/rise_kernel.h"
-#include "engine/nodes/generators/generators.h"
-#include "engine/nodes/make.h"
+#include "engine/nodes/declare.h"
 
 namespace tactus {
 namespace {
 
-Breakpoints::Shape shape(const NodeSetup& setup) {
+Breakpoints::Shape curve_shape(const NodeSetup& setup) {
   const auto& name = setup.setting("curve").text;
   return name == "step"     ? Breakpoints::Shape::Step
          : name == "smooth" ? Breakpoints::Shape::Smooth
@@ -25,10 +25,10 @@ Breakpoints::Points in_frames(Breakpoints::Points points, Hertz sample_rate) {
   return points;
 }
 
-class Curve final : public Node {
+class CurveNode final : public Node {
  public:
-  Curve(const NodeSetup& setup, const Breakpoints::Points& points)
-      : points_(in_frames(points, setup.sample_rate), shape(setup)),
+  CurveNode(const NodeSetup& setup, const Breakpoints::Points& points)
+      : points_(in_frames(points, setup.sample_rate), curve_shape(setup)),
         waits_(setup.input("trigger").connected) {}
 
   void process(const NodeBlock& block) noexcept override {
@@ -56,15 +56,15 @@ class Curve final : public Node {
   bool started_ = false;
 };
 
-Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+Result<std::unique_ptr<Node>> make_curve(const NodeSetup& setup) {
   const auto& points = setup.setting("points").points;
-  if (const char* mistake = Breakpoints::mistake(in_frames(points, setup.sample_rate), shape(setup)))
-    return fail(Errc::BadArgument, {}, std::string{"'points' is not a curve: "} + mistake,
+  if (const char* error = Breakpoints::error_in(in_frames(points, setup.sample_rate), curve_shape(setup)))
+    return fail(Errc::BadArgument, {}, std::string{"'points' is not a curve: "} + error,
                 "write [[time, value], ...] with ascending times");
-  return std::make_unique<Curve>(setup, points);
+  return std::make_unique<CurveNode>(setup, points);
 }
 
-Interval range(int, const NodeSetup& setup) {
+Interval curve_range(int, const NodeSetup& setup) {
   Interval range{kUnlimited, -kUnlimited};
   for (const auto& [time, value] : setup.setting("points").points)
     range = range.joined(Interval::exactly(value));
@@ -73,42 +73,29 @@ Interval range(int, const NodeSetup& setup) {
 
 }  // namespace
 
-const NodeType& curve_type() {
-  static const NodeType type = {
+NodeType curve_type() {
+  return {
       .name = "curve",
-      .group = "generators",
       .summary = "Moves through points in time and holds the last value.",
       .equation =
           "t = time since the start; between the points (t0, y0) and (t1, y1), u = (t - t0) / (t1 - t0): "
-          "linear "
-          "y0 + (y1 - y0) u; step y0; smooth: cubic without overshoot, slope continuous",
+          "linear y0 + (y1 - y0) u; step y0; smooth: cubic without overshoot, slope continuous",
       .source = "smooth: Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5, 1984",
       .example =
           "stroke = { type = \"curve\", points = [[\"0 s\", \"0 m/s\"], [\"0.1 s\", \"0.1 m/s\"]], unit = "
           "\"m/s\" }",
-      .inputs = {{.name = "trigger",
-                  .unit = "",
-                  .doc = "starts the curve over; if it is connected, the curve waits for the first one",
-                  .fallback = 0}},
-      .outputs = {{.name = "out", .unit = "=unit", .doc = "value of the curve"}},
-      .settings = {{.name = "points",
-                    .kind = Setting::Kind::Points,
-                    .doc = "[[time, value], ...], times ascending; two points at one time are a jump",
-                    .choices = {"s", "=unit"}},
-                   {.name = "curve",
-                    .kind = Setting::Kind::Choice,
-                    .doc = "way between two points",
-                    .choices = {"linear", "step", "smooth"},
-                    .fallback = "linear"},
-                   {.name = "unit",
-                    .kind = Setting::Kind::Text,
-                    .doc = "unit of the values; left out: a plain number",
-                    .optional = true,
-                    .unit = true}},
-      .make = make,
-      .range = range,
+      .inputs = {{"trigger", "",
+                  "starts the curve over; if it is connected, the curve waits for the first one", 0}},
+      .outputs = {{"out", "=unit", "value of the curve"}},
+      .settings = {{"points",
+                    Setting::Kind::Points,
+                    "[[time, value], ...], times ascending; two points at one time are a jump",
+                    {"s", "=unit"}},
+                   choice("curve", "way between two points", {"linear", "step", "smooth"}, "linear"),
+                   unit_setting("values")},
+      .make = make_curve,
+      .range = curve_range,
   };
-  return type;
 }
 
 }  // namespace tactus

@@ -1,13 +1,12 @@
 #include "engine/dsp/generators/counter_noise.h"
-#include "engine/nodes/generators/generators.h"
-#include "engine/nodes/make.h"
+#include "engine/nodes/declare.h"
 
 namespace tactus {
 namespace {
 
-class Noise final : public Node {
+class NoiseNode final : public Node {
  public:
-  explicit Noise(const NodeSetup& setup)
+  explicit NoiseNode(const NodeSetup& setup)
       : noise_(static_cast<std::uint64_t>(setup.setting("seed").number),
                static_cast<std::uint64_t>(setup.lane)),
         uniform_(setup.setting("distribution").text == "uniform") {}
@@ -26,7 +25,7 @@ class Noise final : public Node {
   bool uniform_;
 };
 
-Interval range(int, const NodeSetup& setup) {
+Interval noise_range(int, const NodeSetup& setup) {
   // sqrt(-2 ln 2^-53) = 8.57: the largest value that a 53-bit number leads to.
   const double peak = setup.setting("distribution").text == "uniform" ? 1 : 8.6;
   return setup.input("level").range * Interval{-peak, peak};
@@ -34,36 +33,23 @@ Interval range(int, const NodeSetup& setup) {
 
 }  // namespace
 
-const NodeType& noise_type() {
-  static const NodeType type = {
+NodeType noise_type() {
+  return {
       .name = "noise",
-      .group = "generators",
       .summary =
           "White noise that is the same at every run: each value is a function of seed, lane and frame.",
       .equation =
           "out[n] = level u(seed, lane, n); uniform: even in [-1, 1); gaussian: normal with deviation 1",
       .source = "Steele, Lea & Flood, OOPSLA 2014 (SplitMix64); Box & Muller, Ann. Math. Stat. 1958",
       .example = "hiss = { type = \"noise\", seed = 7, level = \"-40 dB\" }",
-      .inputs = {{.name = "level",
-                  .unit = "any",
-                  .doc = "peak of uniform noise, standard deviation of gaussian noise",
-                  .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the noise"}},
-      .settings = {{.name = "seed",
-                    .kind = Setting::Kind::Integer,
-                    .doc = "another seed, another noise",
-                    .fallback = "1",
-                    .low = 0,
-                    .high = 9007199254740992},
-                   {.name = "distribution",
-                    .kind = Setting::Kind::Choice,
-                    .doc = "how the values are spread",
-                    .choices = {"uniform", "gaussian"},
-                    .fallback = "uniform"}},
-      .make = make_node<Noise>,
-      .range = range,
+      .inputs = {{"level", "any", "peak of uniform noise, standard deviation of gaussian noise", 1}},
+      .outputs = {{"out", "=level", "the noise"}},
+      .settings = {within(0, 9007199254740992,
+                          {"seed", Setting::Kind::Integer, "another seed, another noise", {}, "1"}),
+                   choice("distribution", "how the values are spread", {"uniform", "gaussian"}, "uniform")},
+      .make = make_node<NoiseNode>,
+      .range = noise_range,
   };
-  return type;
 }
 
 }  // namespace tactus

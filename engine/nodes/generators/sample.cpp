@@ -1,30 +1,90 @@
-#include <algorithm>
+#include <sndfile.h>
 
-#include "engine/nodes/generators/generators.h"
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
 #include "engine/nodes/generators/sample_kernel.h"
-#include "engine/nodes/generators/sound_file.h"
+#include "engine/nodes/kernel_node.h"
 
 namespace tactus {
 namespace {
 
+/// One channel of a recording, full scale = 1.
+struct Recording {
+  std::vector<double> samples;
+  Hertz sample_rate;
+};
+
+struct CloseFile {
+  void operator()(SNDFILE* file) const { sf_close(file); }
+};
+
+// 512 MB, which is what a whole graph may keep.
+constexpr std::size_t kSoundFileMostFrames = 64 << 20;
+
+/// Reads to the end of the data, or a little beyond kSoundFileMostFrames: the length in a damaged header
+/// cannot be trusted.
+std::vector<double> read_channel(SNDFILE* file, int channels, int channel) {
+  constexpr sf_count_t kFrames = 4096;
+  std::vector<double> interleaved(static_cast<std::size_t>(kFrames * channels));
+  std::vector<double> samples;
+  while (const auto frames = sf_readf_double(file, interleaved.data(), kFrames)) {
+    if (frames < 0 || samples.size() > kSoundFileMostFrames) break;
+    for (sf_count_t i = 0; i < frames; ++i)
+      samples.push_back(interleaved[static_cast<std::size_t>(i * channels + channel - 1)]);
+  }
+  return samples;
+}
+
+/// [control] Reads channel number `channel` (1 is the first) of a sound file of any kind that libsndfile
+/// knows. Errors: BadFile (missing, not a sound file, not finite), OutOfRange (the file has fewer channels).
+Result<Recording> read_recording(const std::string& path, int channel) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+    return fail(Errc::BadFile, {}, "'" + path + "' is no ordinary file", "name a WAV, AIFF or FLAC file");
+  SF_INFO info{};
+  const std::unique_ptr<SNDFILE, CloseFile> file{sf_open(path.c_str(), SFM_READ, &info)};
+  if (!file)
+    return fail(Errc::BadFile, {}, "cannot read '" + path + "': " + sf_strerror(nullptr),
+                "name a WAV, AIFF or FLAC file, relative to the graph file");
+  if (channel > info.channels)
+    return fail(
+        Errc::OutOfRange, {},
+        "'" + path + "' has " + std::to_string(info.channels) + " channels, not " + std::to_string(channel),
+        "choose a smaller 'channel'");
+  Recording recording{read_channel(file.get(), info.channels, channel),
+                      Hertz{static_cast<double>(info.samplerate)}};
+  if (recording.samples.size() > kSoundFileMostFrames)
+    return fail(Errc::OutOfRange, {},
+                "'" + path + "' is longer than " + std::to_string(kSoundFileMostFrames) + " frames",
+                "take a shorter recording");
+  if (!std::all_of(recording.samples.begin(), recording.samples.end(),
+                   [](double x) { return std::isfinite(x); }))
+    return fail(Errc::BadFile, {}, "'" + path + "' holds values that are not finite",
+                "export the file again");
+  return recording;
+}
+
 constexpr double kMaxSpeed = 1000;
 
-class Sample final : public Node {
+class SampleNode final : public Node {
  public:
-  Sample(const NodeSetup& setup, Recording recording)
+  SampleNode(const NodeSetup& setup, Recording recording)
       : recording_(std::move(recording)),
         samples_per_frame_(recording_.sample_rate / setup.sample_rate),
         cubic_(setup.setting("interpolation").text == "cubic") {}
 
   void process(const NodeBlock& block) noexcept override {
-    const Signal trigger = block.in[0], speed = block.in[1], level = block.in[2];
-    for (int i = 0; i < block.frames; ++i) {
-      if (tactus_rise_step(&player_.rise, trigger[i]) != 0) tactus_sample_start(&player_);
-      const double increment = std::clamp(speed[i], 0.0, kMaxSpeed) * samples_per_frame_;
-      block.out[0][i] =
-          level[i] * tactus_sample_read(&player_, recording_.samples.data(),
-                                        static_cast<int>(recording_.samples.size()), increment, cubic_);
-    }
+    run_frames<3>(block, [this](double trigger, double speed, double level) {
+      if (tactus_rise_step(&player_.rise, trigger) != 0) tactus_sample_start(&player_);
+      const double increment = std::clamp(speed, 0.0, kMaxSpeed) * samples_per_frame_;
+      const auto& samples = recording_.samples;
+      return level * tactus_sample_read(&player_, samples.data(), static_cast<int>(samples.size()), increment,
+                                        cubic_);
+    });
   }
   void reset() noexcept override { player_ = {}; }
 
@@ -35,49 +95,33 @@ class Sample final : public Node {
   tactus_sample player_{};
 };
 
-Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+Result<std::unique_ptr<Node>> make_sample(const NodeSetup& setup) {
   auto recording =
       read_recording(setup.setting("file").text, static_cast<int>(setup.setting("channel").number));
   if (!recording) return tl::unexpected<Error>(recording.error());
-  return std::make_unique<Sample>(setup, std::move(*recording));
+  return std::make_unique<SampleNode>(setup, std::move(*recording));
 }
 
 }  // namespace
 
-const NodeType& sample_type() {
-  static const NodeType type = {
+NodeType sample_type() {
+  return {
       .name = "sample",
-      .group = "generators",
       .summary = "Plays a channel of a sound file from its start at each trigger; silent before and after.",
       .equation = "out[n] = level s(p[n]); p = 0 at a trigger, p[n+1] = p[n] + speed[n] file rate / rate",
       .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
       .example = "thud = { type = \"sample\", file = \"thud.wav\", trigger = \"hit\" }",
-      .inputs = {{.name = "trigger", .unit = "", .doc = "starts the file; 1 starts it in the first frame"},
-                 {.name = "speed",
-                  .unit = "",
-                  .doc = "1 is the recorded speed; not band-limited above it",
-                  .fallback = 1,
-                  .low = 0,
-                  .high = kMaxSpeed},
-                 {.name = "level", .unit = "any", .doc = "output at full scale of the file", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the recording"}},
-      .settings = {{.name = "file",
-                    .kind = Setting::Kind::File,
-                    .doc = "WAV, AIFF or FLAC; played at its own rate whatever the engine's"},
-                   {.name = "channel",
-                    .kind = Setting::Kind::Integer,
-                    .doc = "which channel of the file; 1 is the first",
-                    .fallback = "1",
-                    .low = 1,
-                    .high = 1024},
-                   {.name = "interpolation",
-                    .kind = Setting::Kind::Choice,
-                    .doc = "between two samples of the file",
-                    .choices = {"linear", "cubic"},
-                    .fallback = "cubic"}},
-      .make = make,
+      .inputs = {{"trigger", "", "starts the file; 1 starts it in the first frame"},
+                 {"speed", "", "1 is the recorded speed; not band-limited above it", 1, 0, kMaxSpeed},
+                 {"level", "any", "output at full scale of the file", 1}},
+      .outputs = {{"out", "=level", "the recording"}},
+      .settings =
+          {{"file", Setting::Kind::File, "WAV, AIFF or FLAC; played at its own rate whatever the engine's"},
+           within(1, 1024,
+                  {"channel", Setting::Kind::Integer, "which channel of the file; 1 is the first", {}, "1"}),
+           choice("interpolation", "between two samples of the file", {"linear", "cubic"}, "cubic")},
+      .make = make_sample,
   };
-  return type;
 }
 
 }  // namespace tactus

@@ -1,23 +1,21 @@
-#include "engine/nodes/generators/generators.h"
 #include "engine/nodes/generators/wavetable_kernel.h"
-#include "engine/nodes/make.h"
+#include "engine/nodes/kernel_node.h"
 
 namespace tactus {
 namespace {
 
-class Wavetable final : public Node {
+class WavetableNode final : public Node {
  public:
-  explicit Wavetable(const NodeSetup& setup)
+  explicit WavetableNode(const NodeSetup& setup)
       : sample_rate_(setup.sample_rate.value),
         table_(setup.setting("table").numbers),
         cubic_(setup.setting("interpolation").text == "cubic") {}
 
   void process(const NodeBlock& block) noexcept override {
-    const Signal frequency = block.in[0], phase = block.in[1], level = block.in[2];
-    const int count = static_cast<int>(table_.size());
-    for (int i = 0; i < block.frames; ++i)
-      block.out[0][i] = tactus_wavetable_step(&phasor_, table_.data(), count, cubic_, frequency[i], phase[i],
-                                              level[i], sample_rate_);
+    run_frames<3>(block, [this](double frequency, double phase, double level) {
+      return tactus_wavetable_step(&phasor_, table_.data(), static_cast<int>(table_.size()), cubic_,
+                                   frequency, phase, level, sample_rate_);
+    });
   }
   void reset() noexcept override { phasor_ = {}; }
 
@@ -28,19 +26,18 @@ class Wavetable final : public Node {
   tactus_phasor phasor_{};
 };
 
-Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+Result<std::unique_ptr<Node>> make_wavetable(const NodeSetup& setup) {
   if (setup.setting("table").numbers.empty())
     return fail(Errc::BadArgument, {}, "'table' holds no number",
                 "write one period, as in table = [0, 1, 0, -1]");
-  return std::make_unique<Wavetable>(setup);
+  return std::make_unique<WavetableNode>(setup);
 }
 
 }  // namespace
 
-const NodeType& wavetable_type() {
-  static const NodeType type = {
+NodeType wavetable_type() {
+  return {
       .name = "wavetable",
-      .group = "generators",
       .summary =
           "Repeats one period given as numbers. Not band-limited: partials above half the rate fold back.",
       .equation =
@@ -48,21 +45,14 @@ const NodeType& wavetable_type() {
           "frequency[n] / rate",
       .source = "Moore, Elements of Computer Music, 1990; cubic: Catmull & Rom, 1974",
       .example = "buzz = { type = \"wavetable\", table = [0, 1, 0.5, -0.5, -1], frequency = \"60 Hz\" }",
-      .inputs = {{.name = "frequency", .unit = "Hz", .doc = "periods a second; negative runs backwards"},
-                 {.name = "phase", .unit = "rad", .doc = "added to the running phase", .fallback = 0},
-                 {.name = "level", .unit = "any", .doc = "multiplies the table", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=level", .doc = "the wave"}},
-      .settings = {{.name = "table",
-                    .kind = Setting::Kind::Numbers,
-                    .doc = "one period at even distances, at least one number"},
-                   {.name = "interpolation",
-                    .kind = Setting::Kind::Choice,
-                    .doc = "between two numbers",
-                    .choices = {"linear", "cubic"},
-                    .fallback = "linear"}},
-      .make = make,
+      .inputs = {{"frequency", "Hz", "periods a second; negative runs backwards"},
+                 {"phase", "rad", "added to the running phase", 0},
+                 {"level", "any", "multiplies the table", 1}},
+      .outputs = {{"out", "=level", "the wave"}},
+      .settings = {{"table", Setting::Kind::Numbers, "one period at even distances, at least one number"},
+                   choice("interpolation", "between two numbers", {"linear", "cubic"}, "linear")},
+      .make = make_wavetable,
   };
-  return type;
 }
 
 }  // namespace tactus

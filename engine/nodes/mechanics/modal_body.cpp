@@ -3,15 +3,14 @@
 #include <utility>
 
 #include "engine/nodes/filters/mode_table.h"
-#include "engine/nodes/group_steps.h"
-#include "engine/nodes/mechanics/mechanics.h"
+#include "engine/nodes/process.h"
 
 namespace tactus {
 namespace {
 
-enum Output { kWave, kVelocity, kPosition, kForce };
-
 class ModalBodyNode final : public Node {
+  enum Output { kWave, kVelocity, kPosition, kForce };
+
  public:
   ModalBodyNode(Hertz sample_rate, double impedance, std::vector<BodyMode> modes)
       : sample_rate_(sample_rate),
@@ -88,7 +87,7 @@ Result<std::vector<double>> masses_of(const NodeSetup& setup, std::size_t modes)
   return masses;
 }
 
-Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
+Result<std::unique_ptr<Node>> make_modal_body(const NodeSetup& setup) {
   const auto table = ModeTable::make(setup);
   if (!table) return tl::unexpected(table.error());
   const auto masses = masses_of(setup, table->size());
@@ -105,10 +104,9 @@ Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
 
 }  // namespace
 
-const NodeType& modal_body_type() {
-  static const NodeType type{
+NodeType modal_body_type() {
+  return {
       .name = "modal_body",
-      .group = "mechanics",
       .summary = "A body of many modes that a network's `port` moves: bar, plate, drum head, sound board.",
       .equation =
           "force = -(wave_in + wave),  wave = wave_in + impedance velocity; up is up as for the mass at the "
@@ -116,48 +114,35 @@ const NodeType& modal_body_type() {
           "mass_k v_k' + c_k v_k + k_k integral of v_k = force,  velocity = sum of v_k,  position = its "
           "integral\n"
           "Each mode rings at f_k and falls by 60 dB in decay_k exactly (trapezoidal rule, c_k and k_k to "
-          "match); one "
-          "at half the sample rate or above is left out. Energy only goes in through the port: sum of "
-          "(wave_in^2 - wave^2) / (impedance fs) is what the body holds and has lost.\n"
-          "Wired to a port of the same impedance, each end hears the other a frame later at most: like a "
+          "match); one at half the sample rate or above is left out. Energy only goes in through the port: "
+          "sum of (wave_in^2 - wave^2) / (impedance fs) is the energy stored and lost in the body.\n"
+          "Wired to a port of the same impedance, each end responds to the other a frame later at most: like "
+          "a "
           "thin rod of mass impedance / (2 fs) and stiffness 2 impedance fs between them",
       .source =
-          "Bilbao, Wave and Scattering Methods for Numerical Simulation, 2004, chapter 2; series: "
-          "Fletcher & Rossing, The Physics of Musical Instruments, 2nd ed. 1998",
+          "Bilbao, Wave and Scattering Methods for Numerical Simulation, 2004, chapter 2; series: Fletcher & "
+          "Rossing, The Physics of Musical Instruments, 2nd ed. 1998",
       .example =
-          "{ type = \"modal_body\", wave = \"mallet.felt.wave\", impedance = \"20 N s/m\", frequency "
-          "= \"220 Hz\", series = \"bar\", modes = 12, decay = \"1 s\", mass = \"50 g\" }",
-      .inputs = {{.name = "wave",
-                  .unit = "N",
-                  .doc = "force wave that comes in, as `wave` of a network's port"},
-                 {.name = "impedance",
-                  .unit = "N s/m",
-                  .doc = "that of the port on the other side",
-                  .low = 1e-9,
-                  .high = 1e9,
-                  .fixed = true},
+          "{ type = \"modal_body\", wave = \"mallet.felt.wave\", impedance = \"20 N s/m\", frequency = \"220 "
+          "Hz\", series = \"bar\", modes = 12, decay = \"1 s\", mass = \"50 g\" }",
+      .inputs = {{"wave", "N", "force wave that comes in, as `wave` of a network's port"},
+                 fixed({"impedance", "N s/m", "that of the port on the other side", {}, 1e-9, 1e9}),
                  mode_frequency_input(true),
                  mode_decay_input(true),
-                 {.name = "mass",
-                  .unit = "kg",
-                  .doc = "of the first mode, as felt at the point that is touched; without `masses`, of all",
-                  .fallback = 1,
-                  .low = 1e-9,
-                  .high = 1e9,
-                  .fixed = true}},
-      .outputs = {{.name = "wave", .unit = "N", .doc = "force wave that goes out"},
-                  {.name = "velocity", .unit = "m/s", .doc = "of the point that is touched"},
-                  {.name = "position", .unit = "m", .doc = "of the point that is touched"},
-                  {.name = "force", .unit = "N", .doc = "on the body"}},
-      .settings = mode_settings({{.name = "masses",
-                                  .kind = Setting::Kind::Numbers,
-                                  .doc = "of the modes, as felt at the point that is touched; one for all, "
-                                         "or one a mode",
-                                  .choices = {"kg"},
-                                  .optional = true}}),
-      .make = make,
+                 fixed({"mass", "kg",
+                        "of the first mode, as felt at the point that is touched; without `masses`, of all",
+                        1, 1e-9, 1e9})},
+      .outputs = {{"wave", "N", "force wave that goes out"},
+                  {"velocity", "m/s", "of the point that is touched"},
+                  {"position", "m", "of the point that is touched"},
+                  {"force", "N", "on the body"}},
+      .settings = mode_settings(
+          {optional({"masses",
+                     Setting::Kind::Numbers,
+                     "of the modes, as felt at the point that is touched; one for all, or one a mode",
+                     {"kg"}})}),
+      .make = make_modal_body,
       .skips_unread = true};
-  return type;
 }
 
 }  // namespace tactus

@@ -48,3 +48,22 @@ static inline tactus_terrain_shape tactus_terrain_points(const tactus_curve* cur
 static inline tactus_real tactus_terrain_force(tactus_real weight, tactus_real slope) {
   return -tactus_max(0.0, weight) * slope;
 }
+
+typedef enum tactus_terrain_profile {
+  TACTUS_TERRAIN_DETENT,
+  TACTUS_TERRAIN_SINE,
+  TACTUS_TERRAIN_POINTS  ///< makes no use of height and length
+} tactus_terrain_profile;
+
+#define TACTUS_TERRAIN_SHORTEST 1e-6  ///< length [m]
+
+/// `curve` only for points.
+static inline tactus_terrain_shape tactus_terrain_at(tactus_terrain_profile profile,
+                                                     const tactus_curve* curve, tactus_real x,
+                                                     tactus_real height, tactus_real length) {
+  if (profile == TACTUS_TERRAIN_POINTS) return tactus_terrain_points(curve, x);
+  height = tactus_max(0.0, height);
+  length = tactus_max(TACTUS_TERRAIN_SHORTEST, length);
+  return profile == TACTUS_TERRAIN_SINE ? tactus_terrain_sine(x, height, length)
+                                        : tactus_terrain_detent(x, height, length);
+}

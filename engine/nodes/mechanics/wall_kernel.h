@@ -4,7 +4,7 @@
 
 #include "engine/dsp/kernel.h"
 
-/// Force into the wall, k (x - at) + b v, before it is kept from pulling.
+/// Force into the wall, k (x - at) + b v, before the part that would pull is cut off.
 static inline tactus_real tactus_wall_push(tactus_real position, tactus_real velocity, tactus_real stiffness,
                                            tactus_real damping, tactus_real at) {
   return tactus_max(0.0, stiffness) * (position - at) + tactus_max(0.0, damping) * velocity;

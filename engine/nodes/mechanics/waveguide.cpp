@@ -1,22 +1,19 @@
-#include <algorithm>
-
 #include "engine/dsp/strings/wave_line.h"
-#include "engine/nodes/delays/string_ports.h"
-#include "engine/nodes/group_steps.h"
-#include "engine/nodes/make.h"
-#include "engine/nodes/mechanics/mechanics.h"
+#include "engine/nodes/declare.h"
+#include "engine/nodes/delays/string_setup.h"
+#include "engine/nodes/process.h"
 
 namespace tactus {
 namespace {
 
-enum Input { kWave, kPitch, kGain, kLoss };
-static_assert(WaveLine::kLongest >= kMaxSubBlock);
+static_assert(WaveLine::kMostFrames >= kMaxSubBlock);
 
 class WaveguideNode final : public Node {
+  enum Input { kWave, kPitch, kGain, kLoss };
+
  public:
   explicit WaveguideNode(const NodeSetup& setup)
-      : sample_rate_(setup.sample_rate),
-        line_(loss_filter_of(setup), setup.setting("end").text == "free" ? FarEnd::Free : FarEnd::Fixed,
+      : line_(loss_filter_of(setup), setup.setting("end").text == "free" ? FarEnd::Free : FarEnd::Fixed,
               setup.sample_rate, {setup.input("pitch").range.low, setup.input("pitch").range.high}) {}
 
   void process(const NodeBlock& block) noexcept override {
@@ -25,8 +22,8 @@ class WaveguideNode final : public Node {
   }
   void emit(const NodeBlock& block) noexcept override { read(block, 0); }
   void absorb(const NodeBlock& block) noexcept override {
-    InARow in_a_row;
-    line_.write(in_a_row(block.in[kWave], block.frames), block.frames);
+    Contiguous wave;
+    line_.write(wave(block.in[kWave], block.frames), block.frames);
   }
   void reset() noexcept override {
     line_.reset();
@@ -49,56 +46,43 @@ class WaveguideNode final : public Node {
  private:
   void read(const NodeBlock& block, int written) noexcept {
     const auto* in = block.in;
-    steps_.go(
-        block, rest(block, kPitch, 3),
+    steps_.run(
+        block, all_constant(block, kPitch, 3),
         [&](int n) { line_.tune({.pitch_hz = in[kPitch][n], .gain = in[kGain][n], .loss = in[kLoss][n]}); },
         [&](int from, int to, int position) {
           line_.read(block.out[0] + from, to - from, written - from, position);
         });
   }
 
-  Hertz sample_rate_;
   WaveLine line_;
   GroupSteps steps_;
 };
 
 }  // namespace
 
-const NodeType& waveguide_type() {
-  static const NodeType type{
-      .name = "waveguide",
-      .group = "mechanics",
-      .summary = "A string or rod as a network's `port` feels it at one end: waves go in and come back.",
-      .equation =
-          "out[n] = +-gain (h_LP * wave)[n - (N - 1)]: + from a fixed end, - from a free one\n"
-          "N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs; the frame that is missing is the port's\n"
-          "H_LP = (1 - loss/2) + loss/2 z^-1 (one_zero) or (1 - loss) / (1 - loss z^-1) (one_pole)\n"
-          "Impedance of the port: of a string of tension T and mass M a metre sqrt(T M), of a rod A sqrt(E "
-          "rho). A fixed string on a heavy mass sounds at `pitch`; on a mass m at w m = Z cot(w / (2 "
-          "pitch)). It never gives back more than came in; gain = 0 never ends",
-      .source =
-          "J. O. Smith, Physical Audio Signal Processing, 2010; Jaffe & Smith, Computer Music Journal "
-          "7(2), 1983",
-      .example = "{ type = \"waveguide\", wave = \"bridge.nut.wave\", pitch = \"220 Hz\", gain = 0.998 }",
-      .inputs =
-          {{.name = "wave", .unit = "any", .doc = "what goes in: `wave` of a network's port", .late = true},
-           pitch_input("one over the time to the far end and back; at most 0.2 of the sample rate"),
-           {.name = "gain",
-            .unit = "",
-            .doc = "to the far end and back; 0: an endless line, that swallows all",
-            .fallback = 0.998,
-            .low = 0,
-            .high = WaveLine::kMostGain},
-           loss_input()},
-      .outputs = {{.name = "out", .unit = "=wave", .doc = "what comes back"}},
-      .settings = {{.name = "end",
-                    .kind = Setting::Kind::Choice,
-                    .doc = "what holds the far end",
-                    .choices = {"fixed", "free"},
-                    .fallback = "fixed"},
-                   loss_filter_setting()},
-      .make = make_node<WaveguideNode>};
-  return type;
+NodeType waveguide_type() {
+  return {.name = "waveguide",
+          .summary = "A string or rod as a network's `port` feels it at one end: waves go in and come back.",
+          .equation =
+              "out[n] = +-gain (h_LP * wave)[n - (N - 1)]: + from a fixed end, - from a free one\n"
+              "N = fs/pitch + arg H_LP(w)/w,  w = 2 pi pitch/fs; the frame that is missing is the port's\n"
+              "H_LP = (1 - loss/2) + loss/2 z^-1 (one_zero) or (1 - loss) / (1 - loss z^-1) (one_pole)\n"
+              "Impedance of the port: of a string of tension T and mass M a metre sqrt(T M), of a rod A "
+              "sqrt(E rho). A fixed string on a heavy mass sounds at `pitch`; on a mass m at w m = Z cot(w / "
+              "(2 pitch)). It never gives back more than came in; gain = 0 never ends",
+          .source =
+              "J. O. Smith, Physical Audio Signal Processing, 2010; Jaffe & Smith, Computer Music Journal "
+              "7(2), 1983",
+          .example = "{ type = \"waveguide\", wave = \"bridge.nut.wave\", pitch = \"220 Hz\", gain = 0.998 }",
+          .inputs = {late({"wave", "any", "what goes in: `wave` of a network's port"}),
+                     pitch_input("one over the time to the far end and back; at most 0.2 of the sample rate"),
+                     {"gain", "", "to the far end and back; 0: an endless line, that swallows all", 0.998, 0,
+                      WaveLine::kMostGain},
+                     loss_input()},
+          .outputs = {{"out", "=wave", "what comes back"}},
+          .settings = {choice("end", "what holds the far end", {"fixed", "free"}, "fixed"),
+                       loss_filter_setting()},
+          .make = make_node<WaveguideNode>};
 }
 
 }  // namespace tactus

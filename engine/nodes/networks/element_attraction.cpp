@@ -59,10 +59,6 @@ void build_attraction(NetworkBuilder& b, const NetworkElement& e, ElementParts& 
                              std::make_shared<PlummerBond>(b.number(e, "strength"), b.number(e, "reach"))});
 }
 
-double attraction_distance(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.bond_distance(state, parts.bond);
-}
-
 }  // namespace
 
 std::vector<ElementType> attraction_elements() {
@@ -74,8 +70,10 @@ std::vector<ElementType> attraction_elements() {
        .ends = ElementType::Ends::Between,
        .fields = {required("strength", "N", "largest force", kTiny),
                   required("reach", "m", "distance of the largest force", kTiny)},
-       .quantities = {{"force", "N", "tension: pulls the ends together", bond_force},
-                      {"distance", "m", "second end - first end", attraction_distance}},
+       .quantities = {{"force", "N", "tension: pulls the ends together",
+                       read_part<&Network::bond_force, &ElementParts::bond>},
+                      {"distance", "m", "second end - first end",
+                       read_part<&Network::bond_distance, &ElementParts::bond>}},
        .example = "magnet = { type = \"attraction\", between = [\"base\", \"stick\"], strength = \"2 N\", "
                   "reach = \"3 mm\" }",
        .build = build_attraction,

@@ -38,24 +38,15 @@ ElementType contact() {
           "loss is set at each impact, so that the speeds before and after have this ratio.",
       .equation = "force = max(0, stiffness n^exponent (1 + loss n')),  n = x_first - x_second + offset > 0",
       .ends = Ends::Between,
-      .settings = {{.name = "sides",
-                    .kind = Setting::Kind::Integer,
-                    .doc = "2: the first rattles in the second, which holds it from below and above; forces "
-                           "then have a sign",
-                    .choices = {},
-                    .fallback = "1",
-                    .low = 1,
-                    .high = 2}},
+      .settings = {whole("sides",
+                         "2: the first rattles in the second, which holds it from below and above; forces "
+                         "then have a sign",
+                         1, 2, "1")},
       .fields = {required("stiffness", "N/m^exponent", "force at an indentation of 1 m", kTiny),
                  with_default("exponent", "", "1 linear, 1.5 a ball on a flat (Hertz)", 1.5, 1.0, 10.0),
                  with_default("loss", "s/m", "Hunt-Crossley loss", 0.0, 0.0),
-                 {.name = "restitution",
-                  .unit = "",
-                  .doc = "speed after / speed before, instead of `loss`",
-                  .low = 0.01,
-                  .high = 1.0,
-                  .optional = true,
-                  .instead_of = "loss"},
+                 if_named("restitution", "", "speed after / speed before, instead of `loss`", 0.01, 1.0,
+                          "loss"),
                  with_default("offset", "m", "indentation where both points are at one place", 0.0),
                  with_default("clearance", "m", "with two sides: how far it may go either way", 0.0, 0.0)},
       .quantities = {{"force", "N", "push, never below 0", contact_force, {0.0, kUnlimited}},
@@ -88,13 +79,6 @@ void build_friction(NetworkBuilder& b, const NetworkElement& e, ElementParts& pa
   parts.friction = b.append(b.elements.frictions, friction);
 }
 
-double friction_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.friction_force(state, parts.friction);
-}
-double friction_velocity(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.friction_velocity(state, parts.friction);
-}
-
 ElementType friction() {
   return {
       .name = "friction",
@@ -107,19 +91,16 @@ ElementType friction() {
           "- "
           "kinetic) exp(-v / speed);  rosin: mu(v) = 0.35 + 0.4 exp(-v / 0.01 m/s) + 0.45 exp(-v / 0.1 m/s)",
       .ends = Ends::Between,
-      .settings = {{.name = "law",
-                    .kind = Setting::Kind::Choice,
-                    .doc = "rosin has its own coefficients",
-                    .choices = {"falling", "rosin"},
-                    .fallback = "falling"}},
+      .settings = {choice("law", "rosin has its own coefficients", {"falling", "rosin"})},
       .fields = {signal("normal", "N", "presses them together; below 0 it counts as 0"),
                  with_default("kinetic", "", "coefficient of fast sliding", 0.3, 0.0),
                  if_named("holding", "", "coefficient of holding; none: as `kinetic` (Coulomb)", 0.0),
                  with_default("speed", "m/s", "how fast the coefficient falls", 0.1, 1e-6),
                  with_default("viscous", "N s/m", "of the lubricant", 0.0, 0.0)},
       .quantities = {{"force", "N", "drags the second point with the first, of the last step",
-                      friction_force},
-                     {"velocity", "m/s", "of sliding; 0: they hold each other", friction_velocity}},
+                      read_part<&Network::friction_force, &ElementParts::friction>},
+                     {"velocity", "m/s", "of sliding; 0: they hold each other",
+                      read_part<&Network::friction_velocity, &ElementParts::friction>}},
       .example =
           "hair = { type = \"friction\", between = [\"bow\", \"string\"], normal = \"0.5 N\", law = "
           "\"rosin\" }",
@@ -147,7 +128,8 @@ ElementType pluck() {
       .fields = {required("stiffness", "N/m", "of the plectrum", kTiny),
                  with_default("damping", "N s/m", "of the plectrum", 0.0, 0.0),
                  required("limit", "N", "it releases", kTiny)},
-      .quantities = {{"force", "N", "takes the second point along with the first", bond_force}},
+      .quantities = {{"force", "N", "takes the second point along with the first",
+                      read_part<&Network::bond_force, &ElementParts::bond>}},
       .example =
           "plectrum = { type = \"pluck\", between = [\"pick\", \"string\"], stiffness = \"500 N/m\", "
           "limit = \"2 N\" }",

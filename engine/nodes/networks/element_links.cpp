@@ -35,11 +35,10 @@ void build_coil(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts)
                              b.number(e, "inductance"), b.signal(e, "voltage")});
 }
 
-double coil_current(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.current(state, parts.coil);
-}
-double coil_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.coil_force(state, parts.coil);
+ElementField cubic() {
+  auto field = with_default("cubic", "N/m^3", "stiffens it where it is stretched or pressed far", 0.0, 0.0);
+  field.nonlinear = true;
+  return field;
 }
 
 }  // namespace
@@ -50,13 +49,7 @@ std::vector<ElementType> link_elements() {
        .doc = "A spring with a damper beside it. The first end is the lower one.",
        .equation = "force = stiffness e + cubic e^3 + damping e',  e = x_second - x_first - rest",
        .ends = Ends::Between,
-       .fields = {required("stiffness", "N/m", "force for a metre", 0.0),
-                  {.name = "cubic",
-                   .unit = "N/m^3",
-                   .doc = "stiffens it where it is stretched or pressed far",
-                   .fallback = 0.0,
-                   .low = 0.0,
-                   .nonlinear = true},
+       .fields = {required("stiffness", "N/m", "force for a metre", 0.0), cubic(),
                   with_default("damping", "N s/m", "force for a metre a second", 0.0, 0.0),
                   with_default("rest", "m", "length without force", 0.0)},
        .quantities = {kTension, kExtension},
@@ -81,8 +74,9 @@ std::vector<ElementType> link_elements() {
        .fields = {signal("voltage", "V", "at its terminals, held from frame to frame"),
                   required("force_factor", "T m", "Bl"), required("resistance", "ohm", "of the wire", 1e-3),
                   with_default("inductance", "H", "of the coil", 0.0, 0.0)},
-       .quantities = {{"current", "A", "pushes `on` up where positive", coil_current},
-                      {"force", "N", "on `on`", coil_force}},
+       .quantities = {{"current", "A", "pushes `on` up where positive",
+                       read_part<&Network::current, &ElementParts::coil>},
+                      {"force", "N", "on `on`", read_part<&Network::coil_force, &ElementParts::coil>}},
        .example =
            "coil = { type = \"coil\", on = \"cone\", voltage = \"10 V * drive\", force_factor = \"6 T m\", "
            "resistance = \"6.5 ohm\" }",

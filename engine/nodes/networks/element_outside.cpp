@@ -24,16 +24,6 @@ void build_port(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts)
 
 void build_probe(NetworkBuilder&, const NetworkElement&, ElementParts&) {}
 
-double applied_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.applied_force(state, parts.force);
-}
-double wave(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.wave(state, parts.port);
-}
-double port_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.port_force(state, parts.port);
-}
-
 }  // namespace
 
 std::vector<ElementType> outside_elements() {
@@ -43,7 +33,8 @@ std::vector<ElementType> outside_elements() {
        .equation = "mass x'' = … + force",
        .ends = Ends::On,
        .fields = {signal("force", "N", "up is positive")},
-       .quantities = {{"force", "N", "of the frame before", applied_force}},
+       .quantities = {{"force", "N", "of the frame before",
+                       read_part<&Network::applied_force, &ElementParts::force>}},
        .example = "weight = { type = \"force\", on = \"stick\", force = \"-0.3 N\" }",
        .build = build_force},
       {.name = "hand",
@@ -56,7 +47,7 @@ std::vector<ElementType> outside_elements() {
                   with_default("damping", "N s/m", "of the grip", 0.0, 0.0),
                   signal("position", "m", "target position", 0.0),
                   signal("force", "N", "push of the hand besides", 0.0),
-                  with_default("bandwidth", "Hz", "3 dB down; nobody moves faster than 10 Hz", 8.0, 0.1,
+                  with_default("bandwidth", "Hz", "3 dB down; 10 Hz is as fast as a hand moves", 8.0, 0.1,
                                10.0)},
        .quantities = {{"force", "N", "on the mass, all of it", tension},
                       {"position", "m", "of the hand", point_position}},
@@ -70,8 +61,9 @@ std::vector<ElementType> outside_elements() {
            "force = 2 a - impedance v = a + b,  b = a - impedance v,  a = wave (in), b the output `wave`",
        .ends = Ends::On,
        .fields = {required("impedance", "N s/m", "of the wave", kTiny), signal("wave", "N", "comes in", 0.0)},
-       .quantities = {{"wave", "N", "goes out, one frame later", wave},
-                      {"force", "N", "on the mass", port_force},
+       .quantities = {{"wave", "N", "goes out, one frame later",
+                       read_part<&Network::wave, &ElementParts::port>},
+                      {"force", "N", "on the mass", read_part<&Network::port_force, &ElementParts::port>},
                       kVelocity},
        .example =
            "bridge = { type = \"port\", on = \"body\", impedance = \"0.5 N s/m\", wave = \"-1 * string\" }",

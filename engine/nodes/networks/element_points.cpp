@@ -9,24 +9,6 @@ namespace {
 
 using Ends = ElementType::Ends;
 
-Setting count(const char* name, const char* doc, double most) {
-  return {.name = name,
-          .kind = Setting::Kind::Integer,
-          .doc = doc,
-          .choices = {},
-          .fallback = "",
-          .low = 1,
-          .high = most};
-}
-
-Setting ends(const char* doc) {
-  return {.name = "ends",
-          .kind = Setting::Kind::Choice,
-          .doc = doc,
-          .choices = {"fixed", "free"},
-          .fallback = "fixed"};
-}
-
 void build_mass(NetworkBuilder& b, const NetworkElement& e, ElementParts& parts) {
   parts.point =
       b.append(b.elements.points,
@@ -163,8 +145,9 @@ std::vector<ElementType> many_points() {
        .equation = "mass x_i'' = stiffness (x_{i+1} - 2 x_i + x_{i-1}) + damping (x_{i+1} - 2 x_i + "
                    "x_{i-1})' - ground_stiffness (x_i - at) - ground_damping x_i'",
        .ends = Ends::None,
-       .settings = {count("masses", "how many", 1'000'000),
-                    ends("whether springs hold the first and the last one, too")},
+       .settings = {whole("masses", "how many", 1, 1'000'000),
+                    choice("ends", "whether springs hold the first and the last one, too",
+                           {"fixed", "free"})},
        .fields = repeated_fields(),
        .example = "string = { type = \"chain\", masses = 100, mass = \"0.1 g\", stiffness = \"57 kN/m\" }",
        .build = build_lattice,
@@ -173,7 +156,7 @@ std::vector<ElementType> many_points() {
        .doc = "Masses in a ring: a chain whose last mass is the neighbour of the first.",
        .equation = "as a chain, x_0 = x_n",
        .ends = Ends::None,
-       .settings = {count("masses", "how many", 1'000'000)},
+       .settings = {whole("masses", "how many", 1, 1'000'000)},
        .fields = repeated_fields(),
        .example = "hoop = { type = \"ring\", masses = 64, mass = \"1 g\", stiffness = \"10 kN/m\" }",
        .build = build_ring,
@@ -184,8 +167,8 @@ std::vector<ElementType> many_points() {
        .equation =
            "mass x_rc'' = stiffness (x_{r+1,c} + x_{r-1,c} + x_{r,c+1} + x_{r,c-1} - 4 x_rc) + …, as a chain",
        .ends = Ends::None,
-       .settings = {count("rows", "how many rows", 1'000), count("columns", "how many columns", 1'000),
-                    ends("whether springs hold the border, too")},
+       .settings = {whole("rows", "how many rows", 1, 1'000), whole("columns", "how many columns", 1, 1'000),
+                    choice("ends", "whether springs hold the border, too", {"fixed", "free"})},
        .fields = repeated_fields(),
        .example = "membrane = { type = \"grid\", rows = 20, columns = 20, mass = \"0.1 g\", stiffness = \"20 "
                   "kN/m\" }",

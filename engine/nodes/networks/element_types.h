@@ -15,27 +15,46 @@ inline constexpr double kTiny = 1e-9;
 
 inline ElementField required(std::string name, std::string unit, std::string doc, double low = -kUnlimited,
                              double high = kUnlimited) {
-  return {.name = name, .unit = unit, .doc = doc, .low = low, .high = high};
+  return {{.name = name, .unit = unit, .doc = doc, .low = low, .high = high, .fixed = true}};
 }
 inline ElementField with_default(std::string name, std::string unit, std::string doc, double fallback,
                                  double low = -kUnlimited, double high = kUnlimited) {
-  return {.name = name, .unit = unit, .doc = doc, .fallback = fallback, .low = low, .high = high};
+  auto field = required(name, unit, doc, low, high);
+  field.fallback = fallback;
+  return field;
 }
 inline ElementField if_named(std::string name, std::string unit, std::string doc, double low,
                              double high = kUnlimited, std::string instead_of = {},
                              bool one_required = false) {
-  return {.name = name,
-          .unit = unit,
-          .doc = doc,
-          .low = low,
-          .high = high,
-          .optional = true,
-          .instead_of = instead_of,
-          .one_required = one_required};
+  return {required(name, unit, doc, low, high), true, instead_of, false, one_required};
 }
 inline ElementField signal(std::string name, std::string unit, std::string doc,
                            std::optional<double> fallback = {}) {
-  return {.name = name, .unit = unit, .doc = doc, .fallback = fallback, .signal = true};
+  return {{.name = name, .unit = unit, .doc = doc, .fallback = fallback, .late = true}};
+}
+
+/// A whole number; without a fallback it is required.
+inline Setting whole(std::string name, std::string doc, double low, double high, std::string fallback = {}) {
+  return {.name = name,
+          .kind = Setting::Kind::Integer,
+          .doc = doc,
+          .fallback = fallback,
+          .low = low,
+          .high = high};
+}
+/// The first choice is the default.
+inline Setting choice(std::string name, std::string doc, std::vector<std::string> choices) {
+  return {.name = name,
+          .kind = Setting::Kind::Choice,
+          .doc = doc,
+          .choices = choices,
+          .fallback = choices.front()};
+}
+
+/// [realtime] A quantity of one part, as `Network` reads it.
+template <double (Network::*read)(const NetworkState&, int) const noexcept, int ElementParts::*part>
+double read_part(const Network& network, const NetworkState& state, const ElementParts& parts) {
+  return (network.*read)(state, parts.*part);
 }
 
 /// [realtime] Force of the contact less that of the one that acts the other way.
@@ -56,17 +75,12 @@ inline double point_position(const Network& network, const NetworkState& state, 
 inline double point_velocity(const Network& network, const NetworkState& state, const ElementParts& parts) {
   return network.velocity(state, parts.point >= 0 ? parts.point : parts.on);
 }
-inline double extension(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.extension(state, parts.spring);
-}
-inline double bond_force(const Network& network, const NetworkState& state, const ElementParts& parts) {
-  return network.bond_force(state, parts.bond);
-}
 
 inline const ElementQuantity kPosition = {"position", "m", "height; up is positive", point_position};
 inline const ElementQuantity kVelocity = {"velocity", "m/s", "second order, from the last three steps",
                                           point_velocity};
 inline const ElementQuantity kTension = {"force", "N", "tension: pulls the ends together", tension};
-inline const ElementQuantity kExtension = {"extension", "m", "second end - first end - rest", extension};
+inline const ElementQuantity kExtension = {"extension", "m", "second end - first end - rest",
+                                           read_part<&Network::extension, &ElementParts::spring>};
 
 }  // namespace tactus

@@ -1,18 +1,48 @@
 #pragma once
 
-// Thread: [control]
+// Thread: [control], except where a function says otherwise
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "engine/core/error.h"
 #include "engine/graph/file/spec.h"
 #include "engine/graph/node_type.h"
+#include "engine/physics/network.h"
 
 namespace tactus {
 
 /// The declaration of the one node that `[networks.x]` becomes. Its inputs are the numbers and
 /// signals of the elements ("coil.voltage"), its outputs what they can be asked for: "stick.position",
-/// "stick" for the first quantity of an element, and "energy" of the whole. What elements there are:
-/// `network_elements()`. Errors: those of `read_network_layout`.
+/// "stick" for the first quantity of an element, and "energy" of the whole. Outputs at frame n are the state
+/// at n, inputs act from n to n + 1. What elements there are: `network_elements()`. Errors: those of
+/// `read_network_layout`.
 Checked<std::shared_ptr<const NodeType>> network_type(const NetworkSpec& spec);
+
+/// What a network node was made from, and how its parts are called in the file.
+struct NetworkRecipe {
+  NetworkElements elements;
+  int signals = 0;
+  Hertz rate;
+  Solver solver = Solver::Passive;
+  int oversample = 1;
+  std::vector<int> signal_ports;                       ///< input of the node of each signal
+  std::vector<std::string> points, springs, contacts;  ///< names of the elements, in their order
+};
+
+/// What studies read from the node of a network.
+class NetworkView {
+ public:
+  virtual ~NetworkView() = default;
+  /// [any]
+  virtual const NetworkRecipe& recipe() const = 0;
+  /// [any] The value of `output` of the node for a state of `network`, whose elements are in the order of
+  /// the recipe's.
+  virtual double shown(const Network& network, const NetworkState& state, int output) const = 0;
+  /// [control & stopped] What is stored in it now [J].
+  virtual double energy() const = 0;
+  /// [control & stopped] Where a point is now [m].
+  virtual double position(int point) const = 0;
+};
 
 }  // namespace tactus

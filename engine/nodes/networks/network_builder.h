@@ -7,11 +7,27 @@
 
 #include "engine/core/index.h"
 #include "engine/graph/node_type.h"
-#include "engine/nodes/networks/network_layout.h"
-#include "engine/nodes/networks/network_node.h"
-#include "engine/physics/elements.h"
+#include "engine/nodes/networks/network.h"
+#include "engine/nodes/networks/network_elements.h"
 
 namespace tactus {
+
+/// `[networks.x]` with its names resolved: which element is joined to which. Numbers are not known yet.
+struct NetworkLayout {
+  std::vector<NetworkElement> elements;
+  Solver solver = Solver::Passive;
+  int oversample = 0;  ///< 0: not in the file
+};
+
+/// Errors, all in one go: unknown types, keys and elements; ends that are missing, too many, or of
+/// the wrong kind; options out of their range. `NetworkElement::ports` is filled later.
+Checked<NetworkLayout> read_network_layout(const NetworkSpec& spec);
+
+/// One output of a network: what to read of which parts.
+struct NetworkReading {
+  ReadElement read;
+  ElementParts parts;
+};
 
 /// Builds the physical network of `[networks.x]`.
 class NetworkBuilder {

@@ -20,15 +20,9 @@ namespace tactus {
 struct ElementType;
 class NetworkBuilder;
 
-/// A field of an element that takes a number or a signal; becomes the input "element.field" of the network.
-struct ElementField {
-  std::string name;
-  std::string unit;  ///< as InputPort::unit; "N/m^exponent": by the element's own exponent
-  std::string doc;
-  std::optional<double> fallback = {};
-  double low = -kUnlimited;
-  double high = kUnlimited;
-  bool signal = false;          ///< may change from frame to frame; others are fixed when the graph is loaded
+/// A field of an element that takes a number or a signal; becomes the input "element.field" of the network,
+/// `late` if it is a signal, else `fixed`. The unit "N/m^exponent" is by the element's own exponent.
+struct ElementField : InputPort {
   bool optional = false;        ///< not there at all unless the file names it
   std::string instead_of = {};  ///< the field that it excludes
   bool nonlinear = false;       ///< an element that has it is not linear

@@ -1,15 +1,13 @@
-#include "engine/nodes/networks/network_layout.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <tuple>
 #include <unordered_map>
 
 #include "engine/core/index.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/semantics/scope.h"
+#include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/solver_names.h"
 
 namespace tactus {
@@ -17,13 +15,29 @@ namespace {
 
 using Ends = ElementType::Ends;
 
-std::string did_you_mean(std::string_view wrong, const std::vector<std::string>& known) {
-  const auto nearest = nearest_name(wrong, known);
-  return nearest.empty() ? "there are " + listed(known) : "did you mean '" + nearest + "'?";
-}
-
 // Far beyond what runs in real time.
 constexpr int kMostPoints = 1'000'000;
+
+std::string owner(const NetworkElement& element) { return element.type->name + " '" + element.name + "'"; }
+
+/// The names in a table of what meets a condition.
+template <class Table, class Condition>
+std::vector<std::string> names_of(const Table& table, const Condition& meets) {
+  std::vector<std::string> names;
+  for (const auto& entry : table)
+    if (meets(entry)) names.push_back(entry.name);
+  return names;
+}
+
+std::vector<std::string> keys_of(const ElementType& type) {
+  std::vector<std::string> keys = {"type"};
+  if (type.ends == Ends::On || type.ends == Ends::Against) keys.push_back("on");
+  if (type.ends == Ends::Against) keys.push_back("against");
+  if (type.ends == Ends::Between) keys.push_back("between");
+  for (const auto& field : type.fields) keys.push_back(field.name);
+  for (const auto& setting : type.settings) keys.push_back(setting.name);
+  return keys;
+}
 
 class LayoutReader {
  public:
@@ -32,190 +46,158 @@ class LayoutReader {
   Checked<NetworkLayout> run() {
     read_options();
     for (const auto& element : spec_.elements) read_type(element);
-    for (std::size_t i = 0; i < spec_.elements.size(); ++i) {
-      if (layout_.elements[i].type == nullptr) continue;
-      check_keys(spec_.elements[i], *layout_.elements[i].type);
-      read_settings(spec_.elements[i], layout_.elements[i]);
-    }
-    for (std::size_t i = 0; i < spec_.elements.size(); ++i) {
-      if (layout_.elements[i].type == nullptr) continue;
-      read_ends(spec_.elements[i], layout_.elements[i]);
-      read_force_field(spec_.elements[i], layout_.elements[i]);
-    }
+    for (const auto read : {&LayoutReader::check_keys, &LayoutReader::read_settings, &LayoutReader::read_ends,
+                            &LayoutReader::read_force_field})
+      for (std::size_t i = 0; i < spec_.elements.size(); ++i)
+        if (layout_.elements[i].type != nullptr) (this->*read)(spec_.elements[i], layout_.elements[i]);
     if (spec_.elements.empty())
-      mistakes_.add(Errc::Missing, spec_.at, "network '" + spec_.name + "' has no elements",
-                    "give it a mass, as in stick = { type = \"mass\", mass = \"12 g\" }");
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+      errors_.add(Errc::Missing, spec_.at, "network '" + spec_.name + "' has no elements",
+                  "give it a mass, as in stick = { type = \"mass\", mass = \"12 g\" }");
+    if (errors_.any()) return tl::unexpected(errors_.take());
     return std::move(layout_);
   }
 
  private:
   void read_options() {
-    mistakes_.unknown_keys(spec_.options, std::vector<std::string>{"solver", "oversample"});
-    const auto solver = mistakes_.text(spec_.options, "solver");
+    errors_.unknown_keys(spec_.options, std::vector<std::string>{"solver", "oversample"});
+    const auto solver = errors_.text(spec_.options, "solver");
     std::vector<std::string> known;
     for (const auto candidate : kSolvers) known.emplace_back(name_of(candidate));
     const auto found = std::find(known.begin(), known.end(), solver);
     if (found != known.end())
       layout_.solver = kSolvers[index(found - known.begin())];
     else if (!solver.empty())
-      mistakes_.add(Errc::UnknownName, find(spec_.options, "solver")->at, "unknown solver '" + solver + "'",
-                    did_you_mean(solver, known));
+      errors_.add(Errc::UnknownName, find(spec_.options, "solver")->at, "unknown solver '" + solver + "'",
+                  suggest(solver, known));
     const auto* oversample = find(spec_.options, "oversample");
     if (oversample == nullptr) return;
     const double* number = oversample->number();
-    if (number == nullptr || *number != std::round(*number) || *number < 1 || *number > 64)
-      mistakes_.add(Errc::OutOfRange, oversample->at, "'oversample' is not a whole number from 1 to 64",
-                    "it is the number of steps in a frame");
+    if (number == nullptr || *number != std::round(*number) || *number < 1 || *number > kMostOversample)
+      errors_.add(Errc::OutOfRange, oversample->at, "'oversample' is not a whole number from 1 to 64",
+                  "it is the number of steps in a frame");
     else
       layout_.oversample = static_cast<int>(*number);
   }
 
   void read_type(const NodeSpec& element) {
+    const auto* type = find_element(element.type);
+    index_.emplace(element.name, static_cast<int>(layout_.elements.size()));
     auto& read = layout_.elements.emplace_back();
+    read.type = type;
     read.name = element.name;
-    read.type = find_element(element.type);
-    index_.emplace(element.name, static_cast<int>(layout_.elements.size()) - 1);
     if (element.name == "energy")
-      mistakes_.add(Errc::Duplicate, element.at, "an element cannot be called 'energy'",
-                    "'" + spec_.name + ".energy' is the energy of the whole network");
-    if (read.type != nullptr) return;
-    std::vector<std::string> known;
-    for (const auto& type : network_elements()) known.push_back(type.name);
-    mistakes_.add(Errc::UnknownName, element.type_at, "no kind of element is called '" + element.type + "'",
-                  did_you_mean(element.type, known));
+      errors_.add(Errc::Duplicate, element.at, "an element cannot be called 'energy'",
+                  "'" + spec_.name + ".energy' is the energy of the whole network");
+    if (type == nullptr)
+      errors_.add(Errc::UnknownName, element.type_at, "no kind of element is called '" + element.type + "'",
+                  suggest(element.type, names_of(network_elements(), [](const auto&) { return true; })));
   }
 
-  void check_keys(const NodeSpec& element, const ElementType& type) {
-    auto& known = keys_[&type];
-    if (known.empty()) known = keys_of(type);
-    mistakes_.unknown_keys(element.fields, known);
-    for (const auto& field : type.fields) {
+  void check_keys(const NodeSpec& element, NetworkElement& read) {
+    errors_.unknown_keys(element.fields, keys_of(*read.type));
+    for (const auto& field : read.type->fields) {
       if (field.instead_of.empty()) continue;
       const auto* one = find(element.fields, field.instead_of);
       const auto* other = find(element.fields, field.name);
       if (one != nullptr && other != nullptr)
-        mistakes_.add(Errc::Duplicate, other->at,
-                      owner(element, type) + " has both '" + field.instead_of + "' and '" + field.name + "'",
-                      "remove one of them");
+        errors_.add(Errc::Duplicate, other->at,
+                    owner(read) + " has both '" + field.instead_of + "' and '" + field.name + "'",
+                    "remove one of them");
       if (field.one_required && one == nullptr && other == nullptr)
-        mistakes_.add(Errc::Missing, element.at,
-                      owner(element, type) + " lacks '" + field.instead_of + "' or '" + field.name + "'",
-                      "give one of them");
+        errors_.add(Errc::Missing, element.at,
+                    owner(read) + " lacks '" + field.instead_of + "' or '" + field.name + "'",
+                    "give one of them");
     }
   }
 
   void read_settings(const NodeSpec& element, NetworkElement& read) {
     for (const auto& setting : read.type->settings)
-      read.settings.push_back(
-          bind_setting(setting, element.fields, {}, owner(element, *read.type), element.at, mistakes_));
+      read.settings.push_back(bind_setting(setting, element.fields, {}, owner(read), element.at, errors_));
     if (read.points() > kMostPoints)
-      mistakes_.add(Errc::OutOfRange, element.at,
-                    owner(element, *read.type) + " has " + std::to_string(read.points()) + " masses",
-                    "a network takes " + std::to_string(kMostPoints));
+      errors_.add(Errc::OutOfRange, element.at,
+                  owner(read) + " has " + std::to_string(read.points()) + " masses",
+                  "a network takes " + std::to_string(kMostPoints));
   }
 
   /// As in `normal = "press.force"`: of an element of this network. Anything else is a signal.
   void read_force_field(const NodeSpec& element, NetworkElement& read) {
     const auto& key = read.type->force_field;
-    if (key.empty()) return;
-    const auto* value = find(element.fields, key);
-    if (value == nullptr || value->text() == nullptr) return;
-    const auto& text = *value->text();
-    const auto found = index_.find(text.substr(0, text.find('.')));
+    const auto* value = key.empty() ? nullptr : find(element.fields, key);
+    const auto* text = value != nullptr ? value->text() : nullptr;
+    const auto found = text != nullptr ? index_.find(text->substr(0, text->find('.'))) : index_.end();
     if (found == index_.end()) return;
     const auto* link = layout_.elements[index(found->second)].type;
-    if (text.ends_with(".force") && link != nullptr && link->gives_force) {
+    if (text->ends_with(".force") && link != nullptr && link->gives_force)
       read.pressed_by = found->second;
-      return;
-    }
-    std::vector<std::string> known;
-    for (const auto& type : network_elements())
-      if (type.gives_force) known.push_back(type.name);
-    mistakes_.add(Errc::WrongType, value->at, "'" + text + "' is not the force of one of: " + listed(known),
+    else
+      errors_.add(Errc::WrongType, value->at,
+                  "'" + *text + "' is not the force of one of: " +
+                      listed(names_of(network_elements(), [](const auto& type) { return type.gives_force; })),
                   "write the name of one of this network's, as in " + key + " = \"press.force\"");
   }
 
-  static std::vector<std::string> keys_of(const ElementType& type) {
-    std::vector<std::string> known = {"type"};
-    if (type.ends == Ends::On || type.ends == Ends::Against) known.push_back("on");
-    if (type.ends == Ends::Against) known.push_back("against");
-    if (type.ends == Ends::Between) known.push_back("between");
-    for (const auto& field : type.fields) known.push_back(field.name);
-    for (const auto& setting : type.settings) known.push_back(setting.name);
-    return known;
-  }
-
-  static std::string owner(const NodeSpec& element, const ElementType& type) {
-    return type.name + " '" + element.name + "'";
-  }
-
   void read_ends(const NodeSpec& element, NetworkElement& read) {
-    const auto& type = *read.type;
-    if (type.ends == Ends::Between) return read_between(element, read);
-    if (type.ends == Ends::None) return;
-    if (const auto* on = find(element.fields, "on"))
-      std::tie(read.ends[0], read.within[0]) = point(element, type, *on);
+    const auto ends = read.type->ends;
+    if (ends == Ends::None) return;
+    const auto* on = find(element.fields, ends == Ends::Between ? "between" : "on");
+    const auto* against = ends == Ends::Between ? nullptr : find(element.fields, "against");
+    if (ends == Ends::Between)
+      read_between(element, read, on);
+    else if (on != nullptr)
+      read_end(read, 0, *on);
     else
-      mistakes_.add(Errc::Missing, element.at, owner(element, type) + " lacks 'on'",
-                    "name the mass that it acts on");
-    if (const auto* against = find(element.fields, "against"))
-      std::tie(read.ends[1], read.within[1]) = point(element, type, *against);
-    check_pair(element, read, find(element.fields, "on"));
+      errors_.add(Errc::Missing, element.at, owner(read) + " lacks 'on'", "name the mass that it acts on");
+    if (against != nullptr) read_end(read, 1, *against);
+    if (on != nullptr && read.ends[0] >= 0 && read.ends[0] == read.ends[1] &&
+        read.within[0] == read.within[1])
+      errors_.add(Errc::Duplicate, on->at, "both ends of " + owner(read) + " are one point",
+                  "name two different points");
   }
 
-  void read_between(const NodeSpec& element, NetworkElement& read) {
-    const auto* between = find(element.fields, "between");
-    const std::string remedy = "name two points, the lower one first, as in between = [\"cone\", \"stick\"]";
-    if (between == nullptr)
-      return mistakes_.add(Errc::Missing, element.at, owner(element, *read.type) + " lacks 'between'",
-                           remedy);
+  void read_between(const NodeSpec& element, NetworkElement& read, const Value* between) {
+    const auto error = [&](Errc code, const Source& at, const std::string& what) {
+      errors_.add(code, at, owner(read) + what,
+                  "name two points, the lower one first, as in between = [\"cone\", \"stick\"]");
+    };
+    if (between == nullptr) return error(Errc::Missing, element.at, " lacks 'between'");
     const auto* list = between->list();
-    if (list == nullptr || list->size() != 2)
-      return mistakes_.add(Errc::WrongType, between->at,
-                           owner(element, *read.type) + " has " +
-                               (list ? std::to_string(list->size()) + (list->size() == 1 ? " end" : " ends")
-                                     : between->kind() + " for its ends"),
-                           remedy);
-    for (std::size_t end = 0; end < 2; ++end)
-      std::tie(read.ends[end], read.within[end]) = point(element, *read.type, (*list)[end]);
-    check_pair(element, read, between);
+    if (list == nullptr)
+      return error(Errc::WrongType, between->at, " has " + between->kind() + " for its ends");
+    const auto count = list->size();
+    if (count != 2)
+      return error(Errc::WrongType, between->at,
+                   " has " + std::to_string(count) + (count == 1 ? " end" : " ends"));
+    for (std::size_t end = 0; end < 2; ++end) read_end(read, end, (*list)[end]);
   }
 
-  /// The element that an end names and which of its points; -1 and a mistake if it is none.
-  std::pair<int, int> point(const NodeSpec& element, const ElementType& type, const Value& value) {
-    constexpr std::pair kNone{-1, 0};
+  /// The element that an end names and which of its points.
+  void read_end(NetworkElement& read, std::size_t end, const Value& value) {
+    const auto error = [&](const std::string& what, const std::string& remedy) {
+      errors_.add(Errc::WrongType, value.at, what, remedy);
+    };
     const auto* name = value.text();
-    if (name == nullptr) {
-      mistakes_.add(Errc::WrongType, value.at, "an end of " + owner(element, type) + " is " + value.kind(),
-                    "name an element, in quotes");
-      return kNone;
-    }
+    if (name == nullptr)
+      return error("an end of " + owner(read) + " is " + value.kind(), "name an element, in quotes");
     const auto found = index_.find(name->substr(0, name->find('.')));
-    if (found == index_.end()) return unknown_end(*name, value), kNone;
+    if (found == index_.end()) return unknown_end(*name, value);
     const auto& other = layout_.elements[index(found->second)];
-    const auto* end = other.type;
-    if (end == nullptr) return kNone;  // reported already
-    if (end->ends != Ends::None) {
-      mistakes_.add(Errc::WrongType, value.at, "'" + *name + "' is a " + end->name + ", not a point",
-                    "an end is a mass, a ground or a motion");
-      return kNone;
-    }
-    if (type.ends == Ends::On && !end->takes_force) {
-      mistakes_.add(Errc::WrongType, value.at, "'" + *name + "' is a " + end->name + ", not a mass",
-                    "a " + type.name + " acts on a mass");
-      return kNone;
-    }
-    const auto within = place_within(other, *name, value);
-    return within ? std::pair{found->second, *within} : kNone;
+    if (other.type == nullptr) return;  // reported already
+    const auto is_a = "'" + *name + "' is a " + other.type->name + ", not a ";
+    if (other.type->ends != Ends::None)
+      return error(is_a + "point", "an end is a mass, a ground or a motion");
+    if (read.type->ends == Ends::On && !other.type->takes_force)
+      return error(is_a + "mass", "a " + read.type->name + " acts on a mass");
+    if (const auto within = place_within(other, *name, value))
+      read.ends[end] = found->second, read.within[end] = *within;
   }
 
   void unknown_end(const std::string& name, const Value& value) {
-    std::vector<std::string> points;
-    for (const auto& other : layout_.elements)
-      if (other.type != nullptr && other.type->ends == Ends::None) points.push_back(other.name);
-    mistakes_.add(Errc::UnknownName, value.at, "network '" + spec_.name + "' has no element '" + name + "'",
-                  points.empty() ? "it has no masses yet" : did_you_mean(name, points));
+    const auto is_point = [](const NetworkElement& e) {
+      return e.type != nullptr && e.type->ends == Ends::None;
+    };
+    const auto points = names_of(layout_.elements, is_point);
+    errors_.add(Errc::UnknownName, value.at, "network '" + spec_.name + "' has no element '" + name + "'",
+                points.empty() ? "it has no masses yet" : suggest(name, points));
   }
 
   /// "string.3" is the third mass of a chain, "skin.2.7" the seventh in the second row of a grid.
@@ -224,46 +206,38 @@ class LayoutReader {
     bool numbers = true;
     for (auto dot = name.find('.'); dot != std::string::npos;) {
       const auto next = name.find('.', dot + 1);
-      const auto end = name.data() + std::min(next, name.size());
-      int number = 0;
-      const auto read = std::from_chars(name.data() + dot + 1, end, number);
+      const auto* end = name.data() + std::min(next, name.size());
+      const auto read = std::from_chars(name.data() + dot + 1, end, places.emplace_back());
       numbers = numbers && read.ec == std::errc{} && read.ptr == end;
-      places.push_back(number);
       dot = next;
     }
     const auto wanted = index(of.type->dimensions);
     const bool grid = wanted > 1;
-    const std::string example = of.name + (grid ? ".1.1" : wanted == 1 ? ".1" : "");
     if (!numbers || places.size() != wanted) {
-      mistakes_.add(Errc::WrongType, value.at,
-                    wanted == 0 ? "'" + of.name + "' is one mass, and '" + name + "' none of it"
-                                : "'" + of.name + "' is many masses, and '" + name + "' is not one of them",
-                    "write \"" + example + "\"");
+      errors_.add(Errc::WrongType, value.at,
+                  wanted == 0 ? "'" + of.name + "' is one mass, and '" + name + "' none of it"
+                              : "'" + of.name + "' is many masses, and '" + name + "' is not one of them",
+                  "write \"" + of.name +
+                      (grid          ? ".1.1"
+                       : wanted == 1 ? ".1"
+                                     : "") +
+                      "\"");
       return std::nullopt;
     }
     if (wanted == 0) return 0;
     const int row = grid ? places[0] : 1, column = places.back();
-    if (row < 1 || row > of.rows() || column < 1 || column > of.columns()) {
-      mistakes_.add(Errc::OutOfRange, value.at, "'" + name + "' lies outside '" + of.name + "'",
-                    "it ends with '" + of.name + (grid ? "." + std::to_string(of.rows()) : "") + "." +
-                        std::to_string(of.columns()) + "'");
-      return std::nullopt;
-    }
-    return (row - 1) * of.columns() + column - 1;
-  }
-
-  void check_pair(const NodeSpec& element, const NetworkElement& read, const Value* where) {
-    if (where == nullptr || read.ends[0] < 0 || read.ends[0] != read.ends[1]) return;
-    if (read.within[0] != read.within[1]) return;
-    mistakes_.add(Errc::Duplicate, where->at, "both ends of " + owner(element, *read.type) + " are one point",
-                  "name two different points");
+    if (row >= 1 && row <= of.rows() && column >= 1 && column <= of.columns())
+      return (row - 1) * of.columns() + column - 1;
+    errors_.add(Errc::OutOfRange, value.at, "'" + name + "' lies outside '" + of.name + "'",
+                "it ends with '" + of.name + (grid ? "." + std::to_string(of.rows()) : "") + "." +
+                    std::to_string(of.columns()) + "'");
+    return std::nullopt;
   }
 
   const NetworkSpec& spec_;
   NetworkLayout layout_;
-  ErrorList mistakes_;
+  ErrorList errors_;
   std::unordered_map<std::string, int> index_;
-  std::unordered_map<const ElementType*, std::vector<std::string>> keys_;
 };
 
 }  // namespace

@@ -8,9 +8,34 @@
 namespace tactus {
 namespace {
 
+constexpr auto kPassiveSource = "Ducceschi, Bilbao, Willemsen & Serafin, JASA 149, 2021";
+
+struct SolverEntry {
+  Solver solver;
+  const char *name, *source;
+};
+constexpr SolverEntry kEntries[] = {
+    {Solver::Explicit, "explicit", "Cadoz, Luciani & Florens, Computer Music Journal 17(1), 1993"},
+    {Solver::Passive, "passive", kPassiveSource},
+    {Solver::Implicit, "implicit",
+     "Newmark, J. Eng. Mech. 85, 1959; Bilbao, Torin & Chatziioannou, Acta Acustica 101, 2015"},
+    {Solver::Exact, "exact", "Van Loan, IEEE Trans. Autom. Control 23, 1978"},
+    {Solver::Reference, "reference",
+     "Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, Springer, 1993"},
+    {Solver::Auto, "auto", kPassiveSource}};
+
+const SolverEntry& entry_of(Solver solver) {
+  return *std::find_if(std::begin(kEntries), std::end(kEntries),
+                       [&](const SolverEntry& entry) { return entry.solver == solver; });
+}
+
+std::string steps_text(int oversample) {
+  return oversample == 1 ? "one step a frame" : fmt::format("{} steps a frame", oversample);
+}
+
 std::string described(const SolverBounds& b) {
   return b.oversample == 1 ? std::string(name_of(b.solver))
-                           : fmt::format("{} with {} steps a frame", name_of(b.solver), b.oversample);
+                           : fmt::format("{} with {}", name_of(b.solver), steps_text(b.oversample));
 }
 
 std::string percent(double error) {
@@ -56,33 +81,17 @@ std::vector<const SolverBounds*> cheaper(const SolverChoice& choice, const Solve
 }
 
 std::string warning(const SolverBounds& best) {
-  return fmt::format(
-      "\n  warning: no solver has an error below {:g} % at {}: {}", 100.0 * kGoodEnough,
-      best.oversample == 1 ? "one step a frame" : fmt::format("{} steps a frame", best.oversample),
-      best.oversample < kMostOversample
-          ? "leave `oversample` out, or take a higher rate"
-          : "take a higher rate, heavier masses or softer springs and contacts");
+  return fmt::format("\n  warning: no solver has an error below {:g} % at {}: {}", 100.0 * kGoodEnough,
+                     steps_text(best.oversample),
+                     best.oversample < kMostOversample
+                         ? "leave `oversample` out, or take a higher rate"
+                         : "take a higher rate, heavier masses or softer springs and contacts");
 }
 
 }  // namespace
 
-const char* name_of(Solver solver) {
-  switch (solver) {
-    case Solver::Explicit:
-      return "explicit";
-    case Solver::Passive:
-      return "passive";
-    case Solver::Implicit:
-      return "implicit";
-    case Solver::Exact:
-      return "exact";
-    case Solver::Reference:
-      return "reference";
-    case Solver::Auto:
-      break;
-  }
-  return "auto";
-}
+const char* name_of(Solver solver) { return entry_of(solver).name; }
+const char* source_of(Solver solver) { return entry_of(solver).source; }
 
 std::string explain_choice(const SolverChoice& choice) {
   const auto is_best = [&](const SolverBounds& b) {

@@ -12,8 +12,10 @@ namespace tactus {
 inline constexpr std::array kSolvers = {Solver::Explicit, Solver::Exact, Solver::Implicit,
                                         Solver::Passive,  Solver::Auto,  Solver::Reference};
 
-/// [any] The word in a file.
+/// [any] The name in a file.
 const char* name_of(Solver solver);
+/// [any] Where it comes from.
+const char* source_of(Solver solver);
 
 /// [any] Which solver was taken, a warning if even that one is not accurate, and why none of the cheaper
 /// ones: a line for each solver at most.

@@ -1,13 +1,12 @@
 #include <algorithm>
 
-#include "engine/nodes/elementwise.h"
+#include "engine/nodes/kernel_node.h"
 #include "engine/nodes/shapers/clip_kernel.h"
-#include "engine/nodes/shapers/shapers.h"
 
 namespace tactus {
 namespace {
 
-struct Clip {
+struct ClipFunction {
   static constexpr int kInputs = 3;
   double value(const double* in) const { return tactus_clip(in[0], in[1], in[2]); }
   Lanes value(const Lanes* in) const { return max(in[1], min(in[2], in[0])); }
@@ -19,27 +18,23 @@ struct Clip {
 
 }  // namespace
 
-const NodeType& clip_type() {
-  static const NodeType type = {
+NodeType clip_type() {
+  return {
       .name = "clip",
-      .group = "shapers",
       .summary = "Limits a signal to the range from `low` to `high`.",
       .equation = "out = max(low, min(high, in))",
       .source = "elementary",
       .example = "safe = { type = \"clip\", in = \"force\", low = \"-2 N\", high = \"2 N\" }",
-      .inputs = {{.name = "in", .unit = "any", .doc = "signal"},
-                 {.name = "low",
-                  .unit = "=in",
-                  .doc = "least output; wins where it is above `high`",
-                  .fallback = -1},
-                 {.name = "high", .unit = "=in", .doc = "largest output", .fallback = 1}},
-      .outputs = {{.name = "out", .unit = "=in", .doc = "limited signal"}},
+      .inputs = {{"in", "any", "signal"},
+                 {"low", "=in", "least output; wins where it is above `high`", -1},
+                 {"high", "=in", "largest output", 1}},
+      .outputs = {{"out", "=in", "limited signal"}},
       .make = [](const NodeSetup& setup) -> Result<std::unique_ptr<Node>> {
         const auto low = setup.input("low").constant, high = setup.input("high").constant;
         if (low && high && *low > *high)
           return fail(Errc::OutOfRange, {},
                       "its 'low' is above its 'high', so that its output is always 'low'", "exchange them");
-        return std::make_unique<ElementwiseNode<Clip>>(Clip{});
+        return std::make_unique<ElementwiseNode<ClipFunction>>(ClipFunction{});
       },
       .stateless = true,
       .range =
@@ -47,7 +42,6 @@ const NodeType& clip_type() {
             return max(setup.input("low").range, min(setup.input("high").range, setup.input("in").range));
           },
   };
-  return type;
 }
 
 }  // namespace tactus

@@ -9,7 +9,7 @@
 namespace tactus {
 namespace {
 
-// What may be kept for how each coupling acts on each other and on every mass.
+// Most numbers stored for how each coupling acts on each other and on every mass.
 constexpr std::size_t kMostNumbers = 8'000'000;
 
 // Rounds between contacts and frictions that act on each other; few are ever needed.
@@ -38,6 +38,7 @@ void solve_cholesky(double* matrix, double* b, std::size_t n) noexcept {
 /// Slope of the chord of the energy's root between two indentations.
 double chord(const ContactLaw& law, double n, double motion) noexcept {
   const double to = std::max(0.0, n + motion), from = std::max(0.0, n);
+  if (motion == 0.0) return law.root_slope(from);
   // Where the ends lie close the middle's slope is as good, and loses no digits.
   if (std::abs(motion) <= 1e-3 * n) return law.root_slope(n + 0.5 * motion);
   return (law.root(to) - law.root(from)) / motion;
@@ -51,7 +52,7 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
   made.model_ = &model;
   made.method_ = method;
   const auto add = [&](const auto& list) {
-    for (const auto& c : list) made.lower_.push_back(c.lower), made.upper_.push_back(c.upper);
+    for (const auto& c : list) made.ends_.push_back({c.lower, c.upper});
   };
   add(model.contacts), add(model.bonds), add(model.frictions);
   const auto count = made.count(), masses = model.mass.size();
@@ -64,20 +65,19 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
                 "use solver = \"explicit\"");
   made.mutual_.resize((count - made.first_row_) * count);
   if (made.mutual_.empty() && !keep) return made;
-  std::vector<double> column(masses);
-  const auto between = [&](std::size_t c) {
-    const auto place = [&](int slot) { return model.is_mass(slot) ? column[index(slot)] : 0.0; };
-    return place(made.lower_[c]) - place(made.upper_[c]);
-  };
+  std::vector<double> column(model.start_position.size());
+  const std::span<double> on_masses{column.data(), masses};
   for (std::size_t c = 0; c < count; ++c) {
     std::fill(column.begin(), column.end(), 0.0);
-    if (model.is_mass(made.lower_[c])) column[index(made.lower_[c])] += 1.0;
-    if (model.is_mass(made.upper_[c])) column[index(made.upper_[c])] -= 1.0;
-    respond(column);
-    if (keep) made.columns_.insert(made.columns_.end(), column.begin(), column.end());
+    column[index(made.ends_[c].lower)] += 1.0;
+    column[index(made.ends_[c].upper)] -= 1.0;
+    std::fill(column.begin() + model.masses, column.end(), 0.0);
+    respond(on_masses);
+    if (keep) made.columns_.insert(made.columns_.end(), on_masses.begin(), on_masses.end());
     for (std::size_t row = made.first_row_; row < count; ++row) {
-      made.mutual_[(row - made.first_row_) * count + c] = between(row);
-      made.alone_ = made.alone_ && (row == c || between(row) == 0.0);
+      const double motion = between(column, made.ends_[row]);
+      made.mutual_[(row - made.first_row_) * count + c] = motion;
+      made.alone_ = made.alone_ && (row == c || motion == 0.0);
     }
   }
   return made;
@@ -85,25 +85,23 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
 
 double Couplings::indentation(const NetworkState& state, std::size_t c) const noexcept {
   const double offset = c < model_->contacts.size() ? model_->contacts[c].offset : 0.0;
-  return state.position[index(lower_[c])] - state.position[index(upper_[c])] + offset;
+  return between(state.position, ends_[c]) + offset;
 }
 
 /// How far it moved in the last step, or would in this one by its velocity alone.
 double Couplings::moved(const NetworkState& state, std::size_t c) const noexcept {
-  const auto lower = index(lower_[c]), upper = index(upper_[c]);
-  return method_ == Method::Exact ? (state.velocity[lower] - state.velocity[upper]) * model_->k
-                                  : state.moved[lower] - state.moved[upper];
+  return method_ == Method::Exact ? between(state.velocity, ends_[c]) * model_->k
+                                  : between(state.moved, ends_[c]);
 }
 
 /// The motion that `state.change` makes, whatever forces are in it by now.
 double Couplings::motion(const NetworkState& state, std::size_t c) const noexcept {
-  const int lower = lower_[c], upper = upper_[c];
-  if (method_ == Method::Exact) return state.change[index(lower)] - state.change[index(upper)];
+  if (method_ == Method::Exact) return between(state.change, ends_[c]);
   const auto bend = [&](int slot) {
     const bool force = method_ == Method::Explicit && model_->is_mass(slot);
     return state.change[index(slot)] * (force ? model_->scale[index(slot)] : 1.0);
   };
-  return 2.0 * (state.moved[index(lower)] - state.moved[index(upper)]) + bend(lower) - bend(upper);
+  return 2.0 * between(state.moved, ends_[c]) + bend(ends_[c].lower) - bend(ends_[c].upper);
 }
 
 /// What the forces that were found so far take off the motion of a coupling.
@@ -119,9 +117,15 @@ double Couplings::taken_by_friction(const NetworkState& state, std::size_t c) co
   return sum;
 }
 
+/// With all forces that were found so far.
+double Couplings::next_motion(const NetworkState& state, const ActiveCoupling& link) const noexcept {
+  const auto c = index(link.coupling);
+  return link.free_motion - taken_by_friction(state, c) - taken_by_contacts(state, c);
+}
+
 void Couplings::store_energy(NetworkState& state) const noexcept {
   const auto apart = [&](std::size_t c) {
-    const double now = state.position[index(lower_[c])] - state.position[index(upper_[c])];
+    const double now = between(state.position, ends_[c]);
     return method_ == Method::Exact ? now : now - 0.5 * moved(state, c);
   };
   const auto contacts = model_->contacts.size();
@@ -136,13 +140,8 @@ void Couplings::store_energy(NetworkState& state) const noexcept {
 
 void Couplings::solve(NetworkState& state) const noexcept {
   state.active.clear();
-  if (method_ == Method::Explicit) {
-    push_contacts(state);
-    find_bonds(state);
-  } else {
-    find_contacts(state);
-    find_bonds(state);
-  }
+  find_contacts(state);
+  find_bonds(state);
   if (frictions() == 0) return solve_contacts(state);
   std::fill(state.friction_force.begin(), state.friction_force.end(), 0.0);
   for (int round = 0; round < kMostRounds; ++round) {
@@ -187,12 +186,11 @@ void Couplings::move(NetworkState& state) const noexcept {
 
 void Couplings::finish(NetworkState& state) const noexcept {
   const auto contacts = model_->contacts.size();
-  for (auto& link : state.active) {
-    const auto c = index(link.coupling);
-    if (method_ == Method::Explicit) continue;
-    link.motion = motion(state, c);
-    state.root[c] += link.slope * link.motion / steps();
-  }
+  if (method_ != Method::Explicit)
+    for (auto& link : state.active) {
+      link.motion = motion(state, index(link.coupling));
+      state.root[index(link.coupling)] += link.slope * link.motion / steps();
+    }
   for (std::size_t b = 0; b < model_->bonds.size(); ++b) {
     const auto& bond = model_->bonds[b];
     double& psi = state.root[contacts + b];
@@ -215,19 +213,25 @@ void start_contact(const NetworkModel& model, NetworkState& state, std::size_t c
     state.loss[contact] = loss_speed / std::max(motion / model.k, kSlowest);
 }
 
+void start_loss(const NetworkModel& model, NetworkState& state, std::size_t contact, double motion) noexcept {
+  const double n = indentation(state.position, model.contacts[contact]);
+  state.loss[contact] = model.contacts[contact].loss;
+  if (n > 0.0) start_contact(model, state, contact, n, std::max(n, motion));
+}
+
 void Couplings::find_contacts(NetworkState& state) const noexcept {
+  if (method_ == Method::Explicit) return push_contacts(state);
   for (std::size_t c = 0; c < model_->contacts.size(); ++c) {
     ActiveCoupling link{.coupling = static_cast<int>(c)};
-    const double n = indentation(state, c);
-    if (method_ == Method::Gradient) {
-      link.free_motion = motion(state, c);
-      const double w = moved(state, c), before = n - w;
-      if (std::max({n, before, before + link.free_motion}) <= 0.0) continue;
-      if (n >= 0.0) start_contact(*model_, state, c, n, w);
-      state.active.push_back(link);
-    } else if (method_ == Method::Exact ? predict_exact(state, link) : predict_centred(state, link)) {
-      state.active.push_back(link);
+    if (method_ != Method::Gradient) {
+      if (predict(state, link)) state.active.push_back(link);
+      continue;
     }
+    const double n = indentation(state, c), w = moved(state, c), before = n - w;
+    link.free_motion = motion(state, c);
+    if (std::max({n, before, before + link.free_motion}) <= 0.0) continue;
+    if (n >= 0.0) start_contact(*model_, state, c, n, w);
+    state.active.push_back(link);
   }
 }
 
@@ -252,31 +256,6 @@ bool Couplings::bounce(const NetworkState& state, ActiveCoupling& link) const no
   const double e = restitution_of(loss_speed);
   if (e >= 1.0) return false;
   link.resistance = (1.0 + e) / ((1.0 - e) * own);
-  link.free_motion = motion(state, c);
-  return true;
-}
-
-bool Couplings::predict_centred(NetworkState& state, ActiveCoupling& link) const noexcept {
-  const auto c = index(link.coupling);
-  const auto& law = model_->contacts[c].law;
-  const double n = indentation(state, c), psi = state.root[c];
-  if (n < 0.0 && psi == 0.0) return false;
-  const double w = moved(state, c);
-  double damping = 0.0;
-  if (n >= 0.0) {
-    start_contact(*model_, state, c, n, w);
-    if (bounce(state, link)) return true;
-    const bool first = n <= w && w > 0.0 && psi == 0.0;
-    const double g = first ? law.root(n + 0.5 * w) / w : law.root_slope(n);
-    link.slope = psi < 0.0 ? -g : g;
-    const double force = link.slope * (psi + 0.5 * link.slope * w);
-    damping = 0.5 * state.loss[c] * std::max(0.0, force) / model_->k;
-  } else if (!release(state, link, w)) {
-    return false;
-  }
-  link.static_force = link.slope * psi;
-  link.resistance = 0.25 * link.slope * link.slope + damping;
-  link.free_motion = motion(state, c);
   return true;
 }
 
@@ -289,34 +268,38 @@ double Couplings::predicted_push(const NetworkState& state, std::size_t c) const
     const double rate = 1.0 + state.loss[other] * moved(state, other) / model_->k;
     sum += mutual(c, other) * model_->contacts[other].law.force(n) * std::max(0.0, rate);
   };
-  if (alone_) {
+  if (alone_)
     add(c);
-  } else {
+  else
     for (std::size_t other = 0; other < model_->contacts.size(); ++other) add(other);
-  }
   return sum;
 }
 
-/// The predicted motion is the free one less what the present forces take off it.
-bool Couplings::predict_exact(NetworkState& state, ActiveCoupling& link) const noexcept {
+/// The predicted motion: that of the last step, or, over one step, the free one less what the present forces
+/// take off it.
+bool Couplings::predict(NetworkState& state, ActiveCoupling& link) const noexcept {
   const auto c = index(link.coupling);
   const auto& law = model_->contacts[c].law;
-  const double n = indentation(state, c), psi = state.root[c];
+  const bool exact = method_ == Method::Exact;
+  const double n = indentation(state, c), psi = state.root[c], w = moved(state, c);
+  if (!exact && n < 0.0 && psi == 0.0) return false;
   link.free_motion = motion(state, c);
-  const double motion = link.free_motion - predicted_push(state, c);
-  if (n <= 0.0 && n + motion > 0.0) start_contact(*model_, state, c, n, moved(state, c));
+  const double motion = exact ? link.free_motion - predicted_push(state, c) : w;
+  const bool closes = exact && n + motion > 0.0;
+  if (exact ? n <= 0.0 && closes : n >= 0.0) start_contact(*model_, state, c, n, w);
   double damping = 0.0;
-  if (n >= 0.0 || n + motion > 0.0) {
+  if (n >= 0.0 || closes) {
     if (bounce(state, link)) return true;
-    const double g = motion == 0.0 ? law.root_slope(std::max(0.0, n)) : chord(law, n, motion);
+    const bool first = n <= w && w > 0.0 && psi == 0.0;
+    const double g = exact ? chord(law, n, motion) : first ? law.root(n + 0.5 * w) / w : law.root_slope(n);
     link.slope = psi < 0.0 ? -g : g;
     const double force = link.slope * (psi + 0.5 * link.slope * motion);
-    damping = state.loss[c] * std::max(0.0, force) / model_->k;
+    damping = state.loss[c] * std::max(0.0, force) / slack();
   } else if (!release(state, link, motion)) {
     return false;
   }
   link.static_force = link.slope * psi;
-  link.resistance = 0.5 * link.slope * link.slope + damping;
+  link.resistance = square(link.slope) / (2.0 * steps()) + damping;
   return true;
 }
 
@@ -358,9 +341,8 @@ bool Couplings::update_bonds(NetworkState& state) const noexcept {
   bool changed = false;
   for (auto& link : state.active) {
     const auto c = index(link.coupling), contacts = model_->contacts.size();
-    if (c < contacts || model_->bonds[c - contacts].law->linear()) continue;
-    changed |= update_bond(state, link,
-                           link.free_motion - taken_by_friction(state, c) - taken_by_contacts(state, c));
+    if (c >= contacts && !model_->bonds[c - contacts].law->linear())
+      changed |= update_bond(state, link, next_motion(state, link));
   }
   return changed;
 }
@@ -469,9 +451,7 @@ void Couplings::solve_gradient(NetworkState& state) const noexcept {
     solve_linear(state);
     double left = 0.0;
     for (auto& link : state.active) {
-      const auto c = index(link.coupling);
-      const double next = link.free_motion - taken_by_friction(state, c) - taken_by_contacts(state, c),
-                   by = next - link.motion;
+      const double next = next_motion(state, link), by = next - link.motion;
       left = std::max(left, std::abs(by) / (std::abs(next) + std::abs(link.free_motion)));
       link.motion += left > before ? 0.5 * by : by;
     }
@@ -485,12 +465,10 @@ bool Couplings::missed_one(NetworkState& state) const noexcept {
   const auto found = state.active.size();
   for (std::size_t c = 0; c < model_->contacts.size(); ++c) {
     const auto known = [&](const ActiveCoupling& link) { return index(link.coupling) == c; };
-    if (std::any_of(state.active.begin(), state.active.begin() + static_cast<std::ptrdiff_t>(found), known))
-      continue;
-    const double free = motion(state, c);
-    const double to = free - taken_by_friction(state, c) - taken_by_contacts(state, c);
-    if (indentation(state, c) - moved(state, c) + to > 0.0)
-      state.active.push_back({.coupling = static_cast<int>(c), .free_motion = free});
+    if (std::any_of(state.active.begin(), state.active.end(), known)) continue;
+    const ActiveCoupling link{.coupling = static_cast<int>(c), .free_motion = motion(state, c)};
+    if (indentation(state, c) - moved(state, c) + next_motion(state, link) > 0.0)
+      state.active.push_back(link);
   }
   return state.active.size() > found;
 }

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "engine/core/index.h"
 #include "engine/physics/network_model.h"
-#include "engine/physics/network_state.h"
 
 namespace tactus {
 
@@ -64,24 +62,22 @@ class Couplings {
   template <class Push>
   void push_all(const NetworkState& state, Push push) const noexcept {
     for (const auto& link : state.active) {
-      push(lower_[index(link.coupling)], -link.force);
-      push(upper_[index(link.coupling)], link.force);
+      push(ends_[index(link.coupling)].lower, -link.force);
+      push(ends_[index(link.coupling)].upper, link.force);
     }
     for (std::size_t f = 0; f < frictions(); ++f) {
-      push(lower_[first_friction() + f], -state.friction_force[f]);
-      push(upper_[first_friction() + f], state.friction_force[f]);
+      push(model_->frictions[f].lower, -state.friction_force[f]);
+      push(model_->frictions[f].upper, state.friction_force[f]);
     }
   }
 
   /// [realtime] The motion of a coupling for the present `state.change`.
   double motion(const NetworkState& state, std::size_t coupling) const noexcept;
 
-  bool empty() const { return lower_.empty(); }
-  std::size_t count() const { return lower_.size(); }
+  bool empty() const { return ends_.empty(); }
+  std::size_t count() const { return ends_.size(); }
   std::size_t frictions() const { return count() - first_friction(); }
   std::size_t first_friction() const { return model_->contacts.size() + model_->bonds.size(); }
-  int lower(std::size_t coupling) const { return lower_[coupling]; }
-  int upper(std::size_t coupling) const { return upper_[coupling]; }
   /// How far coupling c moves by a force of 1 N in c'. [m/N]
   double mutual(std::size_t c, std::size_t other) const {
     return mutual_[(c - first_row_) * count() + other];
@@ -96,11 +92,11 @@ class Couplings {
   double taken_by_friction(const NetworkState& state, std::size_t coupling) const noexcept;
 
   void find_contacts(NetworkState& state) const noexcept;
-  bool predict_centred(NetworkState& state, ActiveCoupling& link) const noexcept;
-  bool predict_exact(NetworkState& state, ActiveCoupling& link) const noexcept;
+  bool predict(NetworkState& state, ActiveCoupling& link) const noexcept;
   double predicted_push(const NetworkState& state, std::size_t contact) const noexcept;
   bool bounce(const NetworkState& state, ActiveCoupling& link) const noexcept;
   bool release(NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
+  double next_motion(const NetworkState& state, const ActiveCoupling& link) const noexcept;
   void find_bonds(NetworkState& state) const noexcept;
   bool update_bond(const NetworkState& state, ActiveCoupling& link, double motion) const noexcept;
   bool update_bonds(NetworkState& state) const noexcept;
@@ -117,7 +113,10 @@ class Couplings {
   const NetworkModel* model_ = nullptr;
   Method method_ = Method::Centred;
   bool alone_ = true;  ///< no coupling acts on another
-  std::vector<int> lower_, upper_;
+  struct Ends {
+    int lower, upper;
+  };
+  std::vector<Ends> ends_;
   std::size_t first_row_ = 0;
   std::vector<double> columns_, mutual_;
 };
@@ -126,5 +125,7 @@ class Couplings {
 /// deep it is, `motion` how far it came in the last step.
 void start_contact(const NetworkModel& model, NetworkState& state, std::size_t contact, double n,
                    double motion) noexcept;
+/// [realtime] The loss of a contact at the start, where it moves by `motion` in a step.
+void start_loss(const NetworkModel& model, NetworkState& state, std::size_t contact, double motion) noexcept;
 
 }  // namespace tactus

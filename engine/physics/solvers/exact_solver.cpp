@@ -1,24 +1,51 @@
-#include "engine/physics/solvers/exact_solver.h"
-
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "engine/core/index.h"
+#include "engine/physics/couplings/couplings.h"
 #include "engine/physics/numbers.h"
+#include "engine/physics/solvers/network_solver.h"
 
 namespace tactus {
 namespace {
 
+using Matrix = Eigen::MatrixXd;
 using View = Eigen::Map<Eigen::VectorXd>;
 
-}  // namespace
+// Masses and coils of one group: beyond, the other solvers are cheaper by far.
+constexpr int kMostStates = 256;
+
+/// Masses that are joined, and what they hold: q of each, k q' of each, i of each coil with an inductance.
+struct Group {
+  std::vector<int> masses, coils;
+  int states() const { return static_cast<int>(2 * masses.size() + coils.size()); }
+};
+/// A column of a block's matrix: something that enters, or how far a driven point goes in the step.
+struct Input {
+  enum class From { Force, Voltage, Wave, Place, Way } from;
+  int source;
+};
+struct Block {
+  Group group;
+  std::vector<Input> inputs;
+  Matrix step;               ///< [Phi | G], a column for each state and each input
+  Eigen::VectorXd constant;  ///< c
+  Matrix unit;               ///< what a force of 1 N on each of its masses does to its states
+  int first = 0;             ///< in `NetworkState::flow`
+};
+
+/// Where a mass is.
+struct Place {
+  int block, row;
+};
 
 /// The rates of a group's states in the time of a step, d x / d(t/k) = A x + B u, scaled so that A is about
 /// as large as its eigenvalues: columns of B are forces on the masses, voltages, and driven points' places
 /// and ways.
-struct ExactSolver::Rates {
+struct Rates {
   Rates(const NetworkModel& of, const NetworkModel::Links& links, const Group& members)
       : model(of), group(members), masses(static_cast<int>(members.masses.size())) {
     const int states = group.states(), coils = static_cast<int>(group.coils.size());
@@ -107,33 +134,29 @@ struct ExactSolver::Rates {
     return step;
   }
 
-  /// What enters, and what it does to the states: columns of [Phi | G].
-  std::vector<std::pair<Input, Eigen::VectorXd>> inputs(const Matrix& whole) const {
-    std::vector<std::pair<Input, Eigen::VectorXd>> all;
-    const auto add = [&](Input::From from, std::size_t source, const Eigen::VectorXd& does) {
-      all.push_back({{from, static_cast<int>(source)}, does});
-    };
+  /// add(input, does) for all that enters: what it does to the states, a column of [Phi | G].
+  template <class Add>
+  void each_input(const Matrix& whole, const Add& add) const {
+    using From = Input::From;
     const auto column = [&](int input) { return whole.col(a.rows() + input); };
-    for (std::size_t i = 0; i < model.forces.size(); ++i)
-      if (const int at = place_of(model.forces[i].slot); at >= 0) add(Input::From::Force, i, column(at));
-    for (std::size_t i = 0; i < model.ports.size(); ++i)
-      if (const int at = place_of(model.ports[i].wave.slot); at >= 0)
-        add(Input::From::Wave, i, 2.0 * column(at));
-    for (std::size_t i = 0; i < group.coils.size(); ++i)
-      add(Input::From::Voltage, index(group.coils[i]), column(voltage(static_cast<int>(i))));
-    for (std::size_t i = 0; i < model.coils.size(); ++i) {
-      const auto& coil = model.coils[i];
+    for (int i = 0; i < std::ssize(model.forces); ++i)
+      if (const int at = place_of(model.forces[index(i)].on); at >= 0) add({From::Force, i}, column(at));
+    for (int i = 0; i < std::ssize(model.ports); ++i)
+      if (const int at = place_of(model.ports[index(i)].on); at >= 0) add({From::Wave, i}, 2.0 * column(at));
+    for (int i = 0; i < std::ssize(group.coils); ++i)
+      add({From::Voltage, group.coils[index(i)]}, column(voltage(i)));
+    for (int i = 0; i < std::ssize(model.coils); ++i) {
+      const auto& coil = model.coils[index(i)];
       if (coil.inductance > 0.0) continue;
       Eigen::VectorXd does = Eigen::VectorXd::Zero(a.rows());
       if (const int at = place_of(coil.on); at >= 0) does += column(at);
       if (const int at = place_of(coil.against); at >= 0) does -= column(at);
-      add(Input::From::Voltage, i, coil.force_factor / coil.resistance * does);
+      add({From::Voltage, i}, coil.force_factor / coil.resistance * does);
     }
-    for (std::size_t i = 0; i < model.motions.size(); ++i) {
-      add(Input::From::Place, i, column(place(static_cast<int>(i))));
-      add(Input::From::Way, i, column(place(static_cast<int>(i)) + 1));
+    for (int i = 0; i < std::ssize(model.motions); ++i) {
+      add({From::Place, i}, column(place(i)));
+      add({From::Way, i}, column(place(i) + 1));
     }
-    return all;
   }
 
   const NetworkModel& model;
@@ -143,15 +166,7 @@ struct ExactSolver::Rates {
   Eigen::VectorXd constant, unit;
 };
 
-Result<std::unique_ptr<NetworkSolver>> ExactSolver::make(const NetworkModel& model) {
-  std::unique_ptr<ExactSolver> solver(new ExactSolver(model));
-  for (auto& group : groups_of(model))
-    if (auto status = solver->add(std::move(group)); !status) return tl::unexpected(status.error());
-  if (auto status = solver->couple(); !status) return tl::unexpected(status.error());
-  return solver;
-}
-
-std::vector<ExactSolver::Group> ExactSolver::groups_of(const NetworkModel& model) {
+std::vector<Group> groups_of(const NetworkModel& model) {
   std::vector<int> parent(index(model.masses) + model.coils.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto find = [&](int i) {
@@ -178,185 +193,185 @@ std::vector<ExactSolver::Group> ExactSolver::groups_of(const NetworkModel& model
   return groups;
 }
 
-Status ExactSolver::add(Group group) {
-  if (group.states() > kMostStates)
-    return fail(Errc::OutOfRange, {},
-                "springs and dampers join " + std::to_string(group.masses.size()) +
-                    " masses, more than the " + std::to_string(kMostStates / 2) +
-                    " that the exact solver takes",
-                "use solver = \"passive\" or \"implicit\"");
-  const Rates rates(model_, model_.links(false), group);
-  const Matrix whole = rates.step();
-  if (!whole.allFinite())
-    return fail(Errc::OutOfRange, {}, "its masses, springs and dampers are too far apart for the solver",
-                "look for a number that is much too large or too small");
-  const int states = group.states();
-  Block block;
-  block.unit = whole.middleCols(states, rates.masses);
-  block.constant = block.unit * rates.constant;
-  std::vector<Eigen::VectorXd> columns;
-  for (auto& [input, column] : rates.inputs(whole)) {
-    if (column.isZero(0.0)) continue;
-    block.inputs.push_back(input);
-    columns.push_back(std::move(column));
-  }
-  block.step.resize(states, states + static_cast<int>(columns.size()));
-  block.step.leftCols(states) = whole.leftCols(states);
-  for (std::size_t i = 0; i < columns.size(); ++i) block.step.col(states + static_cast<int>(i)) = columns[i];
-  places_.resize(model_.mass.size());
-  for (std::size_t i = 0; i < group.masses.size(); ++i)
-    places_[index(group.masses[i])] = {static_cast<int>(blocks_.size()), static_cast<int>(i)};
-  block.group = std::move(group);
-  if (!blocks_.empty()) block.first = blocks_.back().first + blocks_.back().group.states();
-  blocks_.push_back(std::move(block));
-  return {};
-}
+class ExactSolver final : public NetworkSolver {
+ public:
+  explicit ExactSolver(const NetworkModel& model) : model_(model) {}
 
-Status ExactSolver::couple() {
-  auto made = Couplings::make(model_, Couplings::Method::Exact, [&](std::span<double> column) {
-    for (const auto& block : blocks_) {
-      const auto masses = static_cast<int>(block.group.masses.size());
-      Eigen::VectorXd forces(masses);
-      for (int i = 0; i < masses; ++i) forces[i] = column[index(block.group.masses[index(i)])];
-      const Eigen::VectorXd moved = block.unit.topRows(masses) * forces;
-      for (int i = 0; i < masses; ++i) column[index(block.group.masses[index(i)])] = moved[i];
+  Status make() {
+    Status status;
+    for (auto& group : groups_of(model_))
+      if (status) status = add(std::move(group));
+    return status ? couple() : status;
+  }
+
+  void start(NetworkState& state) const noexcept override {
+    std::copy(model_.start_velocity.begin(), model_.start_velocity.end(), state.velocity.begin());
+    for (std::size_t c = 0; c < model_.contacts.size(); ++c)
+      start_loss(model_, state, c, model_.k * between(state.velocity, model_.contacts[c]));
+    store_energy(state);
+  }
+
+  void store_energy(NetworkState& state) const noexcept override { couplings_.store_energy(state); }
+
+  void step(NetworkState& state) const noexcept override {
+    for (std::size_t i = 0; i < model_.motions.size(); ++i) {
+      const auto slot = index(model_.motions[i].on);
+      state.change[slot] = state.next[i] - state.position[slot];
     }
-  });
-  if (!made) return tl::unexpected(made.error());
-  couplings_ = std::move(*made);
-  return {};
-}
-
-void ExactSolver::start(NetworkState& state) const noexcept {
-  std::copy(model_.start_velocity.begin(), model_.start_velocity.end(), state.velocity.begin());
-  for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
-    const auto& contact = model_.contacts[c];
-    const auto lower = index(contact.lower), upper = index(contact.upper);
-    const double n = state.position[lower] - state.position[upper] + contact.offset;
-    state.loss[c] = contact.loss;
-    if (n > 0.0)
-      start_contact(model_, state, c, n,
-                    std::max(n, model_.k * (state.velocity[lower] - state.velocity[upper])));
+    for (const auto& block : blocks_) flow(state, block);
+    if (!couplings_.empty()) {
+      couplings_.solve(state);
+      push(state);
+      couplings_.finish(state);
+    }
+    model_.send_waves(state, [&](int slot) { return state.change[index(slot)]; });
+    for (const auto& block : blocks_) arrive(state, block);
+    for (std::size_t i = 0; i < model_.motions.size(); ++i) {
+      const auto slot = index(model_.motions[i].on);
+      state.velocity[slot] = state.change[slot] / model_.k;
+      state.position[slot] = state.next[i];
+    }
   }
-  store_energy(state);
-}
 
-void ExactSolver::store_energy(NetworkState& state) const noexcept { couplings_.store_energy(state); }
-
-void ExactSolver::step(NetworkState& state) const noexcept {
-  for (std::size_t i = 0; i < model_.motions.size(); ++i) {
-    const auto slot = index(model_.motions[i].slot);
-    state.change[slot] = state.next[i] - state.position[slot];
+  double current(const NetworkState& state, int coil) const noexcept override {
+    const auto& c = model_.coils[index(coil)];
+    if (c.inductance > 0.0) return state.current[index(coil)];
+    const double speed = state.velocity[index(c.on)] - state.velocity[index(c.against)];
+    return (state.voltage[index(coil)] - c.force_factor * speed) / c.resistance;
   }
-  for (const auto& block : blocks_) flow(state, block);
-  if (!couplings_.empty()) {
-    couplings_.solve(state);
-    push(state);
-    couplings_.finish(state);
+
+  double energy(const NetworkState& state) const noexcept override {
+    double sum = model_.linear_energy(state);
+    for (const double root : state.root) sum += 0.5 * square(root);
+    return model_.with_inductances(sum, state);
   }
-  send_waves(state);
-  for (const auto& block : blocks_) arrive(state, block);
-  for (std::size_t i = 0; i < model_.motions.size(); ++i) {
-    const auto slot = index(model_.motions[i].slot);
-    state.velocity[slot] = state.change[slot] / model_.k;
-    state.position[slot] = state.next[i];
+
+  Cost cost() const override {
+    double step = 4.0 * static_cast<double>(couplings_.count()), contact = 40.0;
+    for (const auto& block : blocks_) {
+      step += static_cast<double>(block.step.size());
+      contact += block.group.states();
+    }
+    return {step, contact};
   }
-}
+  bool centred() const override { return false; }
 
-double ExactSolver::input(const NetworkState& state, const Input& from) const noexcept {
-  const auto source = index(from.source);
-  switch (from.from) {
-    case Input::From::Force:
-      return state.force[source];
-    case Input::From::Voltage:
-      return state.voltage[source];
-    case Input::From::Wave:
-      return state.wave[source];
-    case Input::From::Place:
-      return state.position[index(model_.motions[source].slot)];
-    case Input::From::Way:
-      break;
+ private:
+  Status add(Group group) {
+    if (group.states() > kMostStates)
+      return fail(Errc::OutOfRange, {},
+                  "springs and dampers join " + std::to_string(group.masses.size()) +
+                      " masses, more than the " + std::to_string(kMostStates / 2) +
+                      " that the exact solver takes",
+                  "use solver = \"passive\" or \"implicit\"");
+    const Rates rates(model_, model_.links(false), group);
+    const Matrix whole = rates.step();
+    if (!whole.allFinite())
+      return fail(Errc::OutOfRange, {}, "its masses, springs and dampers are too far apart for the solver",
+                  "look for a number that is much too large or too small");
+    const int states = group.states();
+    Block block;
+    block.unit = whole.middleCols(states, rates.masses);
+    block.constant = block.unit * rates.constant;
+    block.step = whole.leftCols(states);
+    rates.each_input(whole, [&](const Input& input, const Eigen::VectorXd& does) {
+      if (does.isZero(0.0)) return;
+      block.inputs.push_back(input);
+      block.step.conservativeResize(states, block.step.cols() + 1);
+      block.step.rightCols(1) = does;
+    });
+    places_.resize(model_.mass.size());
+    for (std::size_t i = 0; i < group.masses.size(); ++i)
+      places_[index(group.masses[i])] = {static_cast<int>(blocks_.size()), static_cast<int>(i)};
+    block.group = std::move(group);
+    if (!blocks_.empty()) block.first = blocks_.back().first + blocks_.back().group.states();
+    blocks_.push_back(std::move(block));
+    return {};
   }
-  return state.change[index(model_.motions[source].slot)];
-}
 
-/// Where the group goes without its couplings.
-void ExactSolver::flow(NetworkState& state, const Block& block) const noexcept {
-  const auto masses = block.group.masses.size();
-  double* x = state.entering.data();
-  for (std::size_t i = 0; i < masses; ++i) {
-    x[i] = state.position[index(block.group.masses[i])];
-    x[masses + i] = model_.k * state.velocity[index(block.group.masses[i])];
+  Status couple() {
+    auto made = Couplings::make(model_, Couplings::Method::Exact, [&](std::span<double> column) {
+      for (const auto& block : blocks_) {
+        const auto masses = static_cast<int>(block.group.masses.size());
+        Eigen::VectorXd forces(masses);
+        for (int i = 0; i < masses; ++i) forces[i] = column[index(block.group.masses[index(i)])];
+        const Eigen::VectorXd moved = block.unit.topRows(masses) * forces;
+        for (int i = 0; i < masses; ++i) column[index(block.group.masses[index(i)])] = moved[i];
+      }
+    });
+    if (!made) return tl::unexpected(made.error());
+    couplings_ = std::move(*made);
+    return {};
   }
-  x += 2 * masses;
-  for (const int coil : block.group.coils) *x++ = state.current[index(coil)];
-  for (const auto& from : block.inputs) *x++ = input(state, from);
-  View to(state.flow.data() + block.first, block.group.states());
-  to = block.constant;
-  to.noalias() += block.step * View(state.entering.data(), block.step.cols());
-  for (std::size_t i = 0; i < masses; ++i)
-    state.change[index(block.group.masses[i])] =
-        to[static_cast<Eigen::Index>(i)] - state.position[index(block.group.masses[i])];
-}
 
-void ExactSolver::push(NetworkState& state) const noexcept {
-  couplings_.push_all(state, [&](int slot, double force) {
-    if (!model_.is_mass(slot) || force == 0.0) return;
-    const auto& [at, row] = places_[index(slot)];
-    const auto& block = blocks_[index(at)];
-    View(state.flow.data() + block.first, block.group.states()) += force * block.unit.col(row);
-  });
-  for (std::size_t slot = 0; slot < places_.size(); ++slot) {
-    const auto& [at, row] = places_[slot];
-    state.change[slot] = state.flow[index(blocks_[index(at)].first + row)] - state.position[slot];
+  double input(const NetworkState& state, const Input& from) const noexcept {
+    const auto source = index(from.source);
+    switch (from.from) {
+      case Input::From::Force:
+        return state.force[source];
+      case Input::From::Voltage:
+        return state.voltage[source];
+      case Input::From::Wave:
+        return state.wave[source];
+      case Input::From::Place:
+        return state.position[index(model_.motions[source].on)];
+      case Input::From::Way:
+        break;
+    }
+    return state.change[index(model_.motions[source].on)];
   }
-}
 
-void ExactSolver::arrive(NetworkState& state, const Block& block) const noexcept {
-  const double* x = state.flow.data() + block.first;
-  for (const int slot : block.group.masses) state.position[index(slot)] = *x++;
-  for (const int slot : block.group.masses) state.velocity[index(slot)] = *x++ / model_.k;
-  for (const int coil : block.group.coils) state.current[index(coil)] = *x++;
-}
-
-void ExactSolver::send_waves(NetworkState& state) const noexcept {
-  for (std::size_t i = 0; i < model_.ports.size(); ++i) {
-    const auto& port = model_.ports[i];
-    state.wave_back[i] += state.wave[i] - port.impedance * state.change[index(port.wave.slot)] / model_.k;
+  /// Where the group goes without its couplings.
+  void flow(NetworkState& state, const Block& block) const noexcept {
+    const auto masses = block.group.masses.size();
+    double* x = state.entering.data();
+    for (std::size_t i = 0; i < masses; ++i) {
+      x[i] = state.position[index(block.group.masses[i])];
+      x[masses + i] = model_.k * state.velocity[index(block.group.masses[i])];
+    }
+    x += 2 * masses;
+    for (const int coil : block.group.coils) *x++ = state.current[index(coil)];
+    for (const auto& from : block.inputs) *x++ = input(state, from);
+    View to(state.flow.data() + block.first, block.group.states());
+    to = block.constant;
+    to.noalias() += block.step * View(state.entering.data(), block.step.cols());
+    for (std::size_t i = 0; i < masses; ++i)
+      state.change[index(block.group.masses[i])] =
+          to[static_cast<Eigen::Index>(i)] - state.position[index(block.group.masses[i])];
   }
-}
 
-double ExactSolver::velocity(const NetworkState& state, int slot) const noexcept {
-  return state.velocity[index(slot)];
-}
-
-double ExactSolver::current(const NetworkState& state, int coil) const noexcept {
-  const auto& c = model_.coils[index(coil)];
-  if (c.inductance > 0.0) return state.current[index(coil)];
-  const double speed = state.velocity[index(c.on)] - state.velocity[index(c.against)];
-  return (state.voltage[index(coil)] - c.force_factor * speed) / c.resistance;
-}
-
-double ExactSolver::energy(const NetworkState& state) const noexcept {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < model_.mass.size(); ++i)
-    sum += 0.5 * model_.mass[i] * square(state.velocity[i]);
-  for (const auto& s : model_.springs)
-    sum +=
-        0.5 * s.stiffness * square(state.position[index(s.upper)] - state.position[index(s.lower)] - s.rest);
-  for (const double root : state.root) sum += 0.5 * square(root);
-  for (std::size_t i = 0; i < model_.coils.size(); ++i)
-    sum += 0.5 * model_.coils[i].inductance * square(state.current[i]);
-  return sum;
-}
-
-NetworkSolver::Cost ExactSolver::cost() const {
-  double step = 4.0 * static_cast<double>(couplings_.count()), contact = 40.0;
-  for (const auto& block : blocks_) {
-    step += static_cast<double>(block.step.size());
-    contact += block.group.states();
+  void push(NetworkState& state) const noexcept {
+    couplings_.push_all(state, [&](int slot, double force) {
+      if (!model_.is_mass(slot) || force == 0.0) return;
+      const auto& [at, row] = places_[index(slot)];
+      const auto& block = blocks_[index(at)];
+      View(state.flow.data() + block.first, block.group.states()) += force * block.unit.col(row);
+    });
+    for (std::size_t slot = 0; slot < places_.size(); ++slot) {
+      const auto& [at, row] = places_[slot];
+      state.change[slot] = state.flow[index(blocks_[index(at)].first + row)] - state.position[slot];
+    }
   }
-  return {step, contact};
+
+  void arrive(NetworkState& state, const Block& block) const noexcept {
+    const double* x = state.flow.data() + block.first;
+    for (const int slot : block.group.masses) state.position[index(slot)] = *x++;
+    for (const int slot : block.group.masses) state.velocity[index(slot)] = *x++ / model_.k;
+    for (const int coil : block.group.coils) state.current[index(coil)] = *x++;
+  }
+
+  const NetworkModel& model_;
+  std::vector<Block> blocks_;
+  std::vector<Place> places_;
+  Couplings couplings_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<NetworkSolver>> make_exact_solver(const NetworkModel& model) {
+  auto solver = std::make_unique<ExactSolver>(model);
+  if (auto status = solver->make(); !status) return tl::unexpected(status.error());
+  return solver;
 }
 
 }  // namespace tactus

@@ -39,31 +39,26 @@ LinkOperator::LinkOperator(std::vector<Entry> entries, std::vector<double> const
 
 void LinkOperator::split() {
   std::map<int, std::vector<Entry>> by_offset;
-  std::vector<Entry> scattered;
   for (const auto& entry : entries_) by_offset[entry.column - entry.row].push_back(entry);
   const auto masses = constant_.size();
   const bool short_chain = few() && by_offset.size() == 3 && by_offset.begin()->first == -1 &&
                            by_offset.rbegin()->first == 1 && entries_.size() == 3 * masses - 2;
-  for (const auto& [offset, list] : by_offset) {
+  for (auto& [offset, list] : by_offset) {
     const int first = list.front().row;
     const auto span = index(list.back().row - first + 1);
-    if (!short_chain && (list.size() < kShortestDiagonal || 2 * list.size() < span)) {
-      scattered.insert(scattered.end(), list.begin(), list.end());
-      continue;
-    }
+    if (!short_chain && (list.size() < kShortestDiagonal || 2 * list.size() < span)) continue;
     Diagonal diagonal{offset, first, static_cast<int>(span), AlignedNumbers(span), AlignedNumbers(span)};
     for (const auto& entry : list) {
       diagonal.k[index(entry.row - first)] = entry.k;
       diagonal.b[index(entry.row - first)] = entry.b;
     }
     diagonals_.push_back(std::move(diagonal));
+    list.clear();
   }
   chain_ = is_chain();
   if (chain_) diagonals_[2].k.push_back(0.0), diagonals_[2].b.push_back(0.0);  // none above the last
-  std::sort(scattered.begin(), scattered.end(), [](const Entry& a, const Entry& b) {
-    return std::tie(a.row, a.column) < std::tie(b.row, b.column);
-  });
-  for (const auto& e : scattered) {
+  for (const auto& e : entries_) {
+    if (by_offset[e.column - e.row].empty()) continue;
     if (rows_.empty() || rows_.back().row != e.row)
       rows_.push_back({e.row, static_cast<int>(scattered_.size())});
     scattered_.push_back({e.column, e.k, e.b});
@@ -105,15 +100,15 @@ struct LinkOperator::ChainPass {
   const double *constant, *own_k, *own_b, *next_k, *next_b, *q, *u;
   double* y;
 
-  /// `next` is the mass after the last one of `Wide`. From what the mass below does to mass i to what mass i
-  /// does to the one above. Few masses add up in the order of the columns, as those do that are no chain.
-  template <bool BelowFirst, class Wide>
-  Wide apply(int i, int next, const Wide& below) const noexcept {
-    const Wide here = load<Wide>(q + i), moved = load<Wide>(u + i);
-    const Wide k = load<Wide>(next_k + i), b = load<Wide>(next_b + i), up = k * here + b * moved;
-    const Wide own = load<Wide>(own_k + i) * here + load<Wide>(own_b + i) * moved;
-    const Wide above = k * moved_down(here, q + next) + b * moved_down(moved, u + next);
-    const Wide c = load<Wide>(constant + i), under = moved_up(up, below);
+  /// `next` is the mass after the last one of `Vector`. From what the mass below does to mass i to what mass
+  /// i does to the one above. Few masses add up in the order of the columns, as those do that are no chain.
+  template <bool BelowFirst, class Vector>
+  Vector apply(int i, int next, const Vector& below) const noexcept {
+    const Vector here = load<Vector>(q + i), moved = load<Vector>(u + i);
+    const Vector k = load<Vector>(next_k + i), b = load<Vector>(next_b + i), up = k * here + b * moved;
+    const Vector own = load<Vector>(own_k + i) * here + load<Vector>(own_b + i) * moved;
+    const Vector above = k * moved_down(here, q + next) + b * moved_down(moved, u + next);
+    const Vector c = load<Vector>(constant + i), under = moved_up(up, below);
     store(BelowFirst ? ((c - under) - own) - above : ((c - own) - above) - under, y + i);
     return up;
   }
@@ -123,11 +118,12 @@ template <bool BelowFirst>
 void LinkOperator::apply_chain(const double* q, const double* u, double* y) const noexcept {
   const auto &own = diagonals_[1], &next = diagonals_[2];
   const ChainPass pass{constant_.data(), own.k.data(), own.b.data(), next.k.data(), next.b.data(), q, u, y};
-  const int last = own.count - 1, wide = in_lanes(last);
+  const int last = own.count - 1, vectorised = in_lanes(last);
   Lanes below = Lanes::broadcast(0.0);
-  for (int i = 0; i < wide; i += Lanes::kCount) below = pass.apply<BelowFirst>(i, i + Lanes::kCount, below);
+  for (int i = 0; i < vectorised; i += Lanes::kCount)
+    below = pass.apply<BelowFirst>(i, i + Lanes::kCount, below);
   double up = highest(below);
-  for (int i = wide; i <= last; ++i) up = pass.apply<BelowFirst>(i, std::min(i + 1, last), up);
+  for (int i = vectorised; i <= last; ++i) up = pass.apply<BelowFirst>(i, std::min(i + 1, last), up);
 }
 
 void LinkOperator::apply_diagonals(const double* q, const double* u, double* y) const noexcept {

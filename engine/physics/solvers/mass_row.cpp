@@ -13,25 +13,25 @@ struct MassRow::Pass {
   const double *k, *b, *own_k, *own_b, *scale, *u, *push;
   double *q, *u_next;
 
-  template <class Wide>
+  template <class Vector>
   struct Constants {
-    Wide k, b, own_k, own_b, scale;
+    Vector k, b, own_k, own_b, scale;
   };
-  template <class Wide>
-  Constants<Wide> constants(int i) const noexcept {
-    return {load<Wide>(k + i), load<Wide>(b + i), load<Wide>(own_k + i), load<Wide>(own_b + i),
-            load<Wide>(scale + i)};
+  template <class Vector>
+  Constants<Vector> constants(int i) const noexcept {
+    return {load<Vector>(k + i), load<Vector>(b + i), load<Vector>(own_k + i), load<Vector>(own_b + i),
+            load<Vector>(scale + i)};
   }
 
-  /// From the tension below mass i to the one above it; `next` is the mass after the last one of `Wide`.
-  template <bool Pushed, class Wide>
-  Wide advance(int i, int next, const Constants<Wide>& c, const Wide& below) const noexcept {
-    const Wide here = load<Wide>(q + i), moved = load<Wide>(u + i);
-    const Wide above =
+  /// From the tension below mass i to the one above it; `next` is the mass after the last one of `Vector`.
+  template <bool Pushed, class Vector>
+  Vector advance(int i, int next, const Constants<Vector>& c, const Vector& below) const noexcept {
+    const Vector here = load<Vector>(q + i), moved = load<Vector>(u + i);
+    const Vector above =
         c.k * (moved_down(here, q + next) - here) + c.b * (moved_down(moved, u + next) - moved);
-    Wide force = (above - moved_up(above, below)) - (c.own_k * here + c.own_b * moved);
-    if constexpr (Pushed) force = force + load<Wide>(push + i);
-    const Wide moving = moved + c.scale * force;
+    Vector force = (above - moved_up(above, below)) - (c.own_k * here + c.own_b * moved);
+    if constexpr (Pushed) force = force + load<Vector>(push + i);
+    const Vector moving = moved + c.scale * force;
     store(moving, u_next + i);
     store(here + moving, q + i);
     return above;
@@ -73,7 +73,7 @@ MassRow::MassRow(std::span<const LinkOperator::Entry> links, std::span<const dou
 }
 
 /// The last mass has none above it.
-int MassRow::wide() const { return in_lanes(masses() - 1); }
+int MassRow::vectorised() const { return in_lanes(masses() - 1); }
 
 bool MassRow::alike(int one, int other) const {
   const auto same = [&](const AlignedNumbers& list) { return list[index(one)] == list[index(other)]; };
@@ -91,7 +91,7 @@ MassRow::Run::Kind MassRow::kind_of(int first, const std::vector<bool>& pushed) 
 
 void MassRow::let_push(const std::vector<bool>& masses) {
   runs_.clear();
-  for (int i = 0; i < wide(); i += Lanes::kCount) {
+  for (int i = 0; i < vectorised(); i += Lanes::kCount) {
     const auto kind = kind_of(i, masses);
     const bool goes_on = !runs_.empty() && runs_.back().kind == kind &&
                          (kind != Run::Kind::Alike || alike(i, runs_.back().first));
@@ -104,7 +104,7 @@ void MassRow::fill(const double* rest, double* push) const noexcept {
   const auto copy = [&](int first, int last) { copy_samples(rest + first, last - first, push + first); };
   for (const auto& run : runs_)
     if (run.kind == Run::Kind::Pushed) copy(run.first, run.last);
-  copy(wide(), masses());
+  copy(vectorised(), masses());
 }
 
 void MassRow::step(double* q, const double* u, double* u_next, const double* push) const noexcept {
@@ -116,7 +116,7 @@ void MassRow::step(double* q, const double* u, double* u_next, const double* pus
             : run.kind == Kind::Own ? step_lanes<Kind::Own>(pass, run, below)
                                     : step_lanes<Kind::Pushed>(pass, run, below);
   double tension = highest(below);
-  for (int i = wide(); i < masses(); ++i)
+  for (int i = vectorised(); i < masses(); ++i)
     tension = pass.advance<true>(i, std::min(i + 1, masses() - 1), pass.constants<double>(i), tension);
 }
 

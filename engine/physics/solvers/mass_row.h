@@ -12,7 +12,7 @@ namespace tactus {
 
 /// One explicit step of masses in a row, in one pass over the memory:
 ///     f_i = k_i (q_i+1 - q_i) + b_i (u_i+1 - u_i)            tension between neighbours
-///     e_i = s_i (f_i - f_i-1 - K_i q_i - B_i u_i + p_i)      K, B: to whatever stands still
+///     e_i = s_i (f_i - f_i-1 - K_i q_i - B_i u_i + p_i)      K, B: to whatever is fixed
 ///     u+ = u + e,   q+ = q + u+
 /// with q [m], u = q - q- [m], s = step^2 / mass [s^2/kg], and p [N] whatever else pushes. Each tension is
 /// worked out once and acts on both of its masses: action equals reaction to the bit. Where neighbours are
@@ -45,7 +45,7 @@ class MassRow {
   static Lanes step_lanes(const Pass& where, const Run& run, Lanes below) noexcept;
 
   int masses() const { return static_cast<int>(scale_.size()); }
-  int wide() const;
+  int vectorised() const;
   bool alike(int one, int other) const;
   Run::Kind kind_of(int first, const std::vector<bool>& pushed) const;
 

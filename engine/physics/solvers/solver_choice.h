@@ -4,11 +4,37 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/physics/couplings/contact_demand.h"
 #include "engine/physics/elements.h"
-#include "engine/physics/solvers/solver.h"
+#include "engine/physics/solvers/network_solver.h"
 
 namespace tactus {
+
+/// The strike that a contact has to bear: its bodies meet at this speed. [m/s]
+inline constexpr double kHardestStrike = 1.0;
+
+/// Bounds on the contacts and bonds of a network, from its start values. A contact stiffens with depth.
+///
+///  - **How short it is**, with alpha the exponent and m the reduced mass of its two bodies, at the speed v
+///    that they may have by themselves: `kHardestStrike`, or what the start gives them,
+///    v^2 = v_start^2 + 2 phi(n_start) / m:
+///      t = 2 sqrt(pi) Gamma(1 + 1/(alpha+1)) / Gamma(1/2 + 1/(alpha+1)) ((alpha+1) m v^2 / 2K)^(1/(alpha+1))
+///      / v
+///  - **How stiff it gets**: no contact is deeper than where it holds all the energy E that the network
+///    starts with, together with that of a strike of the heaviest body, phi(n) = E; there it is a spring and
+///    a damper
+///      k = alpha K n^(alpha-1),   z = r K n^alpha.
+///    Of two contacts that act in opposite ways between the same points only one is ever closed.
+struct ContactDemand {
+  struct Strike {
+    double exponent, time_s;
+  };
+  std::vector<Strike> strikes;  ///< for each exponent the shortest
+  double stiffness = 0.0;       ///< bounds the largest eigenvalue of M^-1 K of all k together [1/s^2]
+  double damping = 0.0;         ///< the same of all z [1/s]
+};
+
+/// [control]
+ContactDemand contact_demand(const NetworkElements& elements);
 
 /// Bounds on a solver for a network, from operation counts and never from a clock, so it is the same on
 /// every machine.
@@ -53,7 +79,7 @@ struct SolverChoice {
 ///  - resonances: explicit and passive  (w k)^2 / 24,  implicit and averaged springs  (w k)^2 / 12,  exact 0,
 ///    w the highest of the network (physics: the solvers' dispersion);
 ///  - explicit is stable while k^2 times the largest eigenvalue of M^-1 (K + 2 C / k) is below 4, contacts
-///    and bonds as pressed as `ContactDemand` says among them (sufficient), these alone are below
+///    and bonds as deep as in `ContactDemand` among them (sufficient), these alone are below
 ///    `kStiffestContact`, and the shortest contact lasts 5 steps;
 ///  - contacts, with s steps in the time of one of exponent a: exact (0.5 + 0.33 a) / s^2, explicit the same
 ///    but at least 1.4 / s^2, passive max(1, 0.12 a) / s^1.5, implicit (1.3 + 0.86 a) / s^2: the largest of

@@ -1,7 +1,9 @@
 #include "engine/physics/solvers/sparse_solver.h"
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "engine/core/index.h"
 
@@ -12,33 +14,29 @@ using Matrix = Eigen::SparseMatrix<double>;
 using InOrder = Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 using Reordered = Eigen::SimplicialLDLT<Matrix>;
 
-bool is_diagonal(const Matrix& matrix) {
+/// How many rows the farthest number lies from the diagonal. Up to 1, the own order fills in nothing.
+int bandwidth(const Matrix& matrix) {
+  int most = 0;
   for (int column = 0; column < matrix.outerSize(); ++column)
     for (Matrix::InnerIterator entry(matrix, column); entry; ++entry)
-      if (entry.row() != entry.col() && entry.value() != 0.0) return false;
-  return true;
-}
-
-/// Whether nothing lies further from the diagonal than one row: then its own order fills in nothing.
-bool is_chain(const Matrix& matrix) {
-  for (int column = 0; column < matrix.outerSize(); ++column)
-    for (Matrix::InnerIterator entry(matrix, column); entry; ++entry)
-      if (std::abs(entry.row() - entry.col()) > 1) return false;
-  return true;
+      if (entry.value() != 0.0) most = std::max(most, std::abs(static_cast<int>(entry.row() - entry.col())));
+  return most;
 }
 
 }  // namespace
+
+void SparseSolver::take_diagonal(const Eigen::VectorXd& diagonal) {
+  for (std::size_t i = 0; i < inverse_.size(); ++i) {
+    inverse_[i] = 1.0 / diagonal[static_cast<Eigen::Index>(i)];
+    valid_ = valid_ && inverse_[i] > 0.0 && std::isfinite(inverse_[i]);
+  }
+}
 
 template <class Factor>
 void SparseSolver::take(const Factor& factor) {
   valid_ = factor.info() == Eigen::Success;
   if (!valid_) return;
-  const auto& diagonal = factor.vectorD();
-  for (std::size_t i = 0; i < inverse_.size(); ++i) {
-    const double d = diagonal[static_cast<Eigen::Index>(i)];
-    valid_ = valid_ && d > 0.0 && std::isfinite(d);
-    inverse_[i] = 1.0 / d;
-  }
+  take_diagonal(factor.vectorD());
   const Matrix lower = factor.matrixL();
   starts_.push_back(0);
   for (int column = 0; column < lower.outerSize(); ++column) {
@@ -51,17 +49,15 @@ void SparseSolver::take(const Factor& factor) {
   }
 }
 
-SparseSolver::SparseSolver(const Matrix& matrix) : inverse_(index(static_cast<int>(matrix.rows()))) {
-  if (is_diagonal(matrix)) {
-    const Eigen::VectorXd diagonal = matrix.diagonal();
-    for (std::size_t i = 0; i < inverse_.size(); ++i) {
-      inverse_[i] = 1.0 / diagonal[static_cast<Eigen::Index>(i)];
-      valid_ = valid_ && inverse_[i] > 0.0 && std::isfinite(inverse_[i]);
-    }
+SparseSolver::SparseSolver(const Matrix& matrix)
+    : inverse_(index(static_cast<int>(matrix.rows()))), place_(inverse_.size()) {
+  const int band = bandwidth(matrix);
+  if (band == 0) {
+    take_diagonal(matrix.diagonal());
     return;
   }
-  in_order_ = is_chain(matrix);
-  if (in_order_) {
+  std::iota(place_.begin(), place_.end(), 0);
+  if (band == 1) {
     take(InOrder(matrix));
     chain_ = rows_.size() + 1 == inverse_.size();
     return;
@@ -69,7 +65,6 @@ SparseSolver::SparseSolver(const Matrix& matrix) : inverse_(index(static_cast<in
   const Reordered factor(matrix);
   take(factor);
   const auto& order = factor.permutationP().indices();  // row i of A is at order[i]
-  place_.resize(inverse_.size());
   for (std::size_t i = 0; i < place_.size(); ++i)
     place_[index(order[static_cast<Eigen::Index>(i)])] = static_cast<int>(i);
 }
@@ -90,10 +85,7 @@ void SparseSolver::solve(std::span<double> b, std::span<double> work) const noex
     return;
   }
   if (chain_) return solve_chain(b);
-  if (in_order_)
-    std::copy(b.begin(), b.end(), work.begin());
-  else
-    for (std::size_t i = 0; i < n; ++i) work[i] = b[index(place_[i])];
+  for (std::size_t i = 0; i < n; ++i) work[i] = b[index(place_[i])];
   for (std::size_t j = 0; j < n; ++j) {
     const double x = work[j];
     for (std::size_t e = index(starts_[j]); e < index(starts_[j + 1]); ++e)
@@ -105,10 +97,7 @@ void SparseSolver::solve(std::span<double> b, std::span<double> work) const noex
       x -= values_[e] * work[index(rows_[e])];
     work[j] = x;
   }
-  if (in_order_)
-    std::copy_n(work.begin(), n, b.begin());
-  else
-    for (std::size_t i = 0; i < n; ++i) b[index(place_[i])] = work[i];
+  for (std::size_t i = 0; i < n; ++i) b[index(place_[i])] = work[i];
 }
 
 }  // namespace tactus

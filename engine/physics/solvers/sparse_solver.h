@@ -27,6 +27,7 @@ class SparseSolver {
   void solve(std::span<double> b, std::span<double> work) const noexcept;
 
  private:
+  void take_diagonal(const Eigen::VectorXd& diagonal);
   template <class Factor>
   void take(const Factor& factor);
   void solve_chain(std::span<double> b) const noexcept;
@@ -36,7 +37,7 @@ class SparseSolver {
   std::vector<int> place_;          // row of b that comes i-th
   std::vector<int> starts_, rows_;  // of L's columns, without the diagonal
   std::vector<double> values_;
-  bool in_order_ = false, chain_ = false;  // no permutation; L has but one diagonal beside its own
+  bool chain_ = false;  // no permutation; L has but one diagonal beside its own
 };
 
 }  // namespace tactus

@@ -6,16 +6,16 @@
 
 #include "engine/dsp/simd/lanes.h"
 
-// One text for one number and for a register full of them: the same sums and products in the same order, so
-// the bits do not tell which. All [realtime].
+// One source for one number and for a vector of them: the same sums and products in the same order, so
+// the results are the same to the bit. All [realtime].
 namespace tactus {
 
-template <class Wide>
-Wide load(const double* x) noexcept {
-  if constexpr (std::is_same_v<Wide, double>)
+template <class Vector>
+Vector load(const double* x) noexcept {
+  if constexpr (std::is_same_v<Vector, double>)
     return *x;
   else
-    return Wide::load(x);
+    return Vector::load(x);
 }
 inline void store(double x, double* to) noexcept { *to = x; }
 inline void store(const Lanes& x, double* to) noexcept { x.store(to); }
@@ -42,17 +42,18 @@ constexpr int in_lanes(int count) noexcept {
   return Lanes::kInRegisters && count > 0 ? count / Lanes::kCount * Lanes::kCount : 0;
 }
 
-/// pass.operator()<Wide>(i) for all of `count` numbers, i being the first of a register.
+/// pass.operator()<Vector>(i) for all of `count` numbers, i being the first of a register.
 template <class Pass>
 void for_all(std::size_t count, Pass pass) noexcept {
-  const auto wide = static_cast<std::size_t>(in_lanes(static_cast<int>(count)));
-  for (std::size_t i = 0; i < wide; i += Lanes::kCount) pass.template operator()<Lanes>(i);
-  for (std::size_t i = wide; i < count; ++i) pass.template operator()<double>(i);
+  const auto vectorised = static_cast<std::size_t>(in_lanes(static_cast<int>(count)));
+  for (std::size_t i = 0; i < vectorised; i += Lanes::kCount) pass.template operator()<Lanes>(i);
+  for (std::size_t i = vectorised; i < count; ++i) pass.template operator()<double>(i);
 }
 
 /// x_i becomes by_i x_i.
 inline void multiply(const double* by, std::size_t count, double* x) noexcept {
-  for_all(count, [=]<class Wide>(std::size_t i) { store(load<Wide>(x + i) * load<Wide>(by + i), x + i); });
+  for_all(count,
+          [=]<class Vector>(std::size_t i) { store(load<Vector>(x + i) * load<Vector>(by + i), x + i); });
 }
 
 }  // namespace tactus

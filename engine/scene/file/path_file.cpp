@@ -4,7 +4,6 @@
 
 #include "engine/graph/plan/compile.h"
 #include "engine/graph/semantics/scope.h"
-#include "engine/nodes/filters/filters.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig_text.h"
 

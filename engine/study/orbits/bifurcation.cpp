@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 
+#include "engine/core/index.h"
 #include "engine/core/median.h"
-#include "engine/study/orbits/bifurcation_sweep.h"
-#include "engine/study/orbits/bouncing_cascade.h"
-#include "engine/study/sweep/parallel_for.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
+#include "engine/scene/file/scene_spec.h"
+#include "engine/scene/play_scene.h"
+#include "engine/study/orbits/bouncing_ball.h"
+#include "engine/study/sweep/evaluate_runs.h"
 
 namespace tactus {
 namespace {
@@ -21,43 +24,60 @@ constexpr int kFinerExactly = 4;      // the map costs next to nothing
 constexpr int kExactSettling = 1500;  // bounces
 constexpr int kExactRead = 64;
 
+constexpr const char* kGesture = "swept_by_the_study";
+constexpr double kGlide_s = 3.0, kBifurcationSweepStep_s = 0.1;
+
+/// The control of a part, as its file has it; nullptr if there is none.
+const EntrySpec* control_of(const ScenePart& part, std::string_view name) {
+  const auto& controls = part.graph->controls;
+  const auto found =
+      std::find_if(controls.begin(), controls.end(), [&](const auto& c) { return c.name == name; });
+  return found == controls.end() ? nullptr : &*found;
+}
+
+/// What the scene sets a control to, or else its file; nothing if that is no number.
+std::optional<double> set_value(const ScenePart& part, const EntrySpec& control) {
+  const auto* value = find(part.wires, control.name);
+  if (value == nullptr) value = find(control.fields, "value");
+  const auto quantity = value != nullptr ? read_quantity(*value) : Result<QuantityValue>{};
+  return value != nullptr && quantity ? std::optional{quantity->si} : std::nullopt;
+}
+
+tl::unexpected<Error> no_control(const std::string& name, const std::string& what) {
+  return fail(Errc::UnknownName, name, what,
+              "name one as in --control gamma, or plant.gamma of another part");
+}
+
 double value_at(const BifurcationPlan& plan, int i, int values) {
   return plan.from + (plan.to - plan.from) * i / (values - 1);
 }
 
-BifurcationColumn column_of(double value, const std::vector<Landing>& landings, double frequency) {
-  BifurcationColumn column{value, {}, {}, 0};
-  for (const auto& landing : landings) {
-    column.speeds.push_back(landing.speed);
-    const double turns = landing.time_s * frequency;
-    column.phases.push_back(turns - std::floor(turns));
-  }
-  column.period = period_of(column.speeds);
-  return column;
+/// A column without its period.
+void add(BifurcationColumn& column, double speed, double turns) {
+  column.speeds.push_back(speed);
+  column.phases.push_back(turns - std::floor(turns));
 }
 
 /// The ideal ball, from the orbit of one bounce a period on; nothing where that is not there to begin with.
 std::vector<BifurcationColumn> sweep_exactly(const BifurcationPlan& plan, double e, double frequency) {
+  constexpr double kTurn = 2 * std::numbers::pi;
   std::vector<BifurcationColumn> columns;
   if (plan.from <= BouncingBall::orbit_begins(1, e)) return columns;
   auto bounce = BouncingBall{plan.from, e}.orbit(1);
   const int values = kFinerExactly * (plan.values - 1) + 1;
-  const double metre_per_s = kGravity / (2 * std::numbers::pi * frequency);
+  const double metre_per_s = kGravity / (kTurn * frequency);
   for (int i = 0; i < values; ++i) {
-    const double gamma = value_at(plan, i, values);
-    const BouncingBall ball{gamma, e};
-    BifurcationColumn column{gamma, {}, {}, 0};
+    auto& column = columns.emplace_back();
+    column.value = value_at(plan, i, values);
+    const BouncingBall ball{column.value, e};
     for (int n = 0; n < kExactSettling + kExactRead; ++n) {
-      bounce.phase = std::fmod(bounce.phase, 2 * std::numbers::pi);
+      bounce.phase = std::fmod(bounce.phase, kTurn);
       bounce = ball.next(bounce);
-      if (n < kExactSettling) continue;
       // It leaves as fast as it came, times e.
-      column.speeds.push_back((bounce.speed - gamma * std::cos(bounce.phase)) / e * metre_per_s);
-      const double turns = bounce.phase / (2 * std::numbers::pi);
-      column.phases.push_back(turns - std::floor(turns));
+      const double came = (bounce.speed - column.value * std::cos(bounce.phase)) / e;
+      if (n >= kExactSettling) add(column, came * metre_per_s, bounce.phase / kTurn);
     }
     column.period = period_of(column.speeds);
-    columns.push_back(std::move(column));
   }
   return columns;
 }
@@ -75,6 +95,79 @@ std::vector<Doubling> doublings_of(const Bifurcation& found) {
 }
 
 }  // namespace
+
+Checked<SceneSweep> SceneSweep::make(const SceneSpec& scene, const NodeTable& table,
+                                     const BifurcationPlan& plan) {
+  SceneSweep sweep{scene, table, plan};
+  if (auto status = sweep.find_control(); !status) return tl::unexpected(std::vector{status.error()});
+  auto tried = sweep.scene_;
+  tried.gestures.back().points = {{0, plan.from}};
+  if (const auto compiled = compile_scene(tried, table); !compiled) return tl::unexpected(compiled.error());
+  return sweep;
+}
+
+Status SceneSweep::find_control() {
+  const auto dot = plan_.control.find('.');
+  const auto part_name = dot == std::string::npos ? std::string{"instrument"} : plan_.control.substr(0, dot);
+  const auto name = dot == std::string::npos ? plan_.control : plan_.control.substr(dot + 1);
+  const auto part = std::find_if(scene_.parts.begin(), scene_.parts.end(),
+                                 [&](const auto& p) { return p.name == part_name; });
+  if (part == scene_.parts.end() || part->graph == nullptr)
+    return no_control(plan_.control, "the scene has no part '" + part_name + "'");
+  if (control_of(*part, name) == nullptr)
+    return no_control(plan_.control, "there is no control '" + name + "' in the part '" + part_name + "'");
+  const auto* frequency = control_of(*part, "frequency");
+  const auto hertz = frequency != nullptr ? set_value(*part, *frequency) : std::nullopt;
+  if (!hertz || !(*hertz > 0))
+    return fail(Errc::Missing, part->at.text(), "nothing says how often the table goes up and down",
+                "give the part a control 'frequency', at a number");
+  frequency_ = *hertz;
+  of_the_table_ = name == "gamma";
+  std::erase_if(part->wires, [&](const Field& field) { return field.key == name; });
+  part->wires.push_back({name, part->at, Value{std::string{kGesture}, part->at}});
+  Gesture gesture;
+  gesture.name = kGesture;
+  gesture.at = part->at;
+  gesture.bare = true;
+  scene_.gestures.push_back(std::move(gesture));
+  scene_.expect.clear();
+  scene_.ports.clear();
+  scene_.compare.reset();
+  return {};
+}
+
+Result<std::vector<std::vector<Landing>>> SceneSweep::run(const std::vector<double>& values) const {
+  auto scene = scene_;
+  auto& points = scene.gestures.back().points;
+  points = {{0, plan_.from}};
+  std::vector<double> starts;
+  double time = kGlide_s;
+  for (const double value : values) {
+    starts.push_back(time);
+    points.push_back({time, value});
+    points.push_back({time += plan_.settling_s + plan_.reading_s, value});
+    time += kBifurcationSweepStep_s;
+  }
+  scene.duration = Seconds{time};
+  auto built = build_scene(scene, *table_);
+  if (!built) return tl::unexpected(built.error().front());
+  const auto recording = play_scene(scene, *built, 256);
+  if (!recording) return tl::unexpected(recording.error());
+  const auto *ball = recording->find(signal_of(scene.roles, "ball")),
+             *floor = recording->find(signal_of(scene.roles, "table"));
+  if (ball == nullptr || floor == nullptr)
+    return fail(Errc::Missing, scene.file.text(),
+                "the scene has no signals with the roles 'ball' and 'table'",
+                "name two positions under [roles]");
+  const auto landings = landings_of(ball->samples, floor->samples, recording->sample_rate);
+  std::vector<std::vector<Landing>> held;
+  for (const double start : starts) {
+    const double from = start + plan_.settling_s;
+    std::copy_if(landings.begin(), landings.end(), std::back_inserter(held.emplace_back()),
+                 [&](const Landing& l) { return l.time_s >= from && l.time_s < from + plan_.reading_s; });
+  }
+  return held;
+}
 
 std::optional<double> doubling_in(const std::vector<BifurcationColumn>& columns, int bounces) {
   const auto behind =
@@ -102,13 +195,13 @@ Checked<Bifurcation> study_bifurcation(const SceneSpec& scene, const NodeTable& 
   if (!sweep) return tl::unexpected(sweep.error());
   Bifurcation found{scene.name, plan.control, sweep->frequency(), 0, 0, {}, {}, {}};
   const int runs = (plan.values + kColumnsOfARun - 1) / kColumnsOfARun;
-  std::vector<SweepResult> results(static_cast<std::size_t>(runs));
+  std::vector<Result<std::vector<std::vector<Landing>>>> results(index(runs));
   const auto run = [&](int r) {
     const int first = r * kColumnsOfARun, before = std::min(first, kColumnsBefore);
     std::vector<double> values;
     for (int i = first - before; i < std::min(plan.values, first + kColumnsOfARun); ++i)
       values.push_back(value_at(plan, i, plan.values));
-    auto& result = results[static_cast<std::size_t>(r)] = sweep->run(values);
+    auto& result = results[index(r)] = sweep->run(values);
     if (result) result->erase(result->begin(), result->begin() + before);
   };
   parallel_for(
@@ -116,10 +209,13 @@ Checked<Bifurcation> study_bifurcation(const SceneSpec& scene, const NodeTable& 
   std::vector<double> rebounds;
   for (const auto& result : results) {
     if (!result) return tl::unexpected(std::vector{result.error()});
-    for (const auto& held : *result) {
-      found.simulated.push_back(column_of(held.value, held.landings, found.frequency_hz));
-      if (found.simulated.back().period == 1)
-        for (const auto& landing : held.landings) rebounds.push_back(landing.rebound / landing.speed);
+    for (const auto& landings : *result) {
+      auto& column = found.simulated.emplace_back();
+      column.value = value_at(plan, static_cast<int>(found.simulated.size()) - 1, plan.values);
+      for (const auto& landing : landings) add(column, landing.speed, landing.time_s * found.frequency_hz);
+      column.period = period_of(column.speeds);
+      if (column.period == 1)
+        for (const auto& landing : landings) rebounds.push_back(landing.rebound / landing.speed);
     }
   }
   found.measured_restitution = median(std::move(rebounds));

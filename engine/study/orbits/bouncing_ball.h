@@ -1,5 +1,8 @@
 #pragma once
 
+// Thread: [any]
+#include <vector>
+
 #include "engine/core/matrix2.h"
 
 namespace tactus {
@@ -22,20 +25,20 @@ class BouncingBall {
   /// drive > 0, 0 <= restitution < 1.
   BouncingBall(double drive, double restitution) : drive_(drive), restitution_(restitution) {}
 
-  /// [any] The next bounce. A ball that leaves no faster than the table sticks to it until the table falls
+  /// The next bounce. A ball that leaves no faster than the table sticks to it until the table falls
   /// away from under it, Gamma sin(theta) = 1.
   Bounce next(const Bounce& bounce) const;
-  /// [any] The same for a ball that flies, with d(theta', V') / d(theta, V).
+  /// The same for a ball that flies, with d(theta', V') / d(theta, V).
   struct Linearised {
     Bounce bounce;
     Matrix2 jacobian;
   };
   Linearised next_linearised(const Bounce& bounce) const;
-  /// [any] The bounce of the orbit that hits once in `mode` periods of the table: V = mode pi,
+  /// The bounce of the orbit that hits once in `mode` periods of the table: V = mode pi,
   /// cos(theta) = mode pi (1 - e) / ((1 + e) Gamma). The drive is at least `orbit_begins`.
   Bounce orbit(int mode) const;
 
-  /// [any] The drives where that orbit appears and where it doubles its period: Gamma_k = k pi (1-e)/(1+e),
+  /// The drives where that orbit appears and where it doubles its period: Gamma_k = k pi (1-e)/(1+e),
   /// Gamma'_k^2 = Gamma_k^2 + (2 (1 + e^2) / (1 + e)^2)^2, from trace = 1 + e^2 - (1+e)^2 Gamma sin(theta)
   /// and determinant = e^2 of the map's derivative.
   static double orbit_begins(int mode, double restitution);
@@ -50,5 +53,11 @@ class BouncingBall {
 
   double drive_, restitution_;
 };
+
+/// The drives at which the orbit of `mode` doubles its period again and again: 1 to 2 bounces, 2 to 4,
+/// ... `count` of them. Each stable orbit is followed in small steps to where a multiplier passes -1. The
+/// intervals between them shrink by 4.6692 in the limit (Feigenbaum, J. Stat. Phys. 19, 1978). Fewer if one
+/// is not found.
+std::vector<double> period_doublings(int mode, double restitution, int count);
 
 }  // namespace tactus

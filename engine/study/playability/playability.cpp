@@ -5,19 +5,22 @@
 namespace tactus {
 namespace {
 
-/// A judged run as numbers: the index of its kind, score, playable, readings.
-std::vector<double> to_numbers(const JudgedRun& run, Playability::Kind kind) {
+std::size_t kind_index(const JudgedRun& run, Playability::Kind kind) {
   const auto& kinds = run_kinds(kind);
   const auto found =
       std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == run.kind; });
-  std::vector<double> numbers{static_cast<double>(found - kinds.begin()), run.score,
-                              run.playable ? 1.0 : 0.0};
+  return static_cast<std::size_t>(found - kinds.begin());
+}
+
+/// A run as numbers: the index of its kind, score, playable, readings.
+RunResult to_numbers(const JudgedRun& run, Playability::Kind kind) {
+  RunResult numbers{static_cast<double>(kind_index(run, kind)), run.score, run.playable ? 1.0 : 0.0};
   numbers.insert(numbers.end(), run.readings.begin(), run.readings.end());
   return numbers;
 }
 
-/// Nothing if the numbers are not those of a judged run: a cache may be edited by hand.
-std::optional<JudgedRun> from_numbers(const std::vector<double>& numbers, Playability::Kind kind) {
+/// nullopt if the numbers are not those of a run: a cache may be edited by hand.
+std::optional<JudgedRun> from_numbers(const RunResult& numbers, Playability::Kind kind) {
   const auto& kinds = run_kinds(kind);
   if (numbers.size() != 3 + measure_columns(kind).size() ||
       !(numbers[0] >= 0 && numbers[0] < static_cast<double>(kinds.size())))
@@ -30,10 +33,11 @@ std::optional<JudgedRun> from_numbers(const std::vector<double>& numbers, Playab
 
 }  // namespace
 
-int PlayabilityStudy::finished() const {
-  return static_cast<int>(
-      std::count_if(runs.begin(), runs.end(), [](const PlayedRun& run) { return run.result.has_value(); }));
+std::ptrdiff_t PlayabilityStudy::finished() const {
+  return std::count_if(runs.begin(), runs.end(), [](const PlayedRun& run) { return run.result.has_value(); });
 }
+
+std::size_t PlayabilityStudy::kind_of(const PlayedRun& run) const { return kind_index(*run.result, kind); }
 
 std::vector<DelayVerdict> PlayabilityStudy::verdicts() const {
   std::vector<DelayVerdict> verdicts;
@@ -68,12 +72,12 @@ Checked<PlayabilityStudy> study_playability(const SceneSpec& scene, const NodeTa
   Sweep sweep{scene, table, plan};
   if (auto status = sweep.check(); !status) return tl::unexpected(status.error());
   const auto& rules = *scene.playability;
-  const auto judge_run = [&](const Sweep::Run& run) -> Checked<std::vector<double>> {
+  const auto score_run = [&](const Sweep::Run& run) -> Checked<RunResult> {
     const auto recording = play_run(run, table);
     if (!recording) return tl::unexpected(recording.error());
     return to_numbers(judge(*recording, rules), rules.kind);
   };
-  const auto points = sweep.evaluate(judge_run, "playability");
+  const auto points = sweep.evaluate(score_run, "playability");
   if (!points) return tl::unexpected(points.error());
   PlayabilityStudy study{scene.name, rules.kind, options.delays_s, options.over, sweep.variants(), {}};
   for (const auto& point : *points)

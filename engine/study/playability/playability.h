@@ -10,7 +10,7 @@
 
 namespace tactus {
 
-/// Delays to try besides the other quantities, of which there are at most two.
+/// Delays besides the other swept quantities, of which there are at most two.
 struct PlayabilityOptions : SweepPlan {
   std::vector<double> delays_s;
 };
@@ -48,15 +48,21 @@ struct PlayabilityStudy {
   std::vector<std::string> variants;
   std::vector<PlayedRun> runs;  ///< delay by delay, then value by value, then variant by variant
 
-  int finished() const;
-  bool complete() const { return finished() == static_cast<int>(runs.size()); }
+  std::ptrdiff_t finished() const;
+  /// [any] Index of the kind of a finished run in `run_kinds`.
+  std::size_t kind_of(const PlayedRun& run) const;
   /// [any] Of a complete study, delay by delay.
   std::vector<DelayVerdict> verdicts() const;
   /// How many runs there are at one delay.
   std::size_t runs_a_delay() const { return runs.size() / delays_s.size(); }
 };
 
-/// [control] A sweep over the delay and other quantities, in which each run is judged. Errors: those of the
+/// [any] A complete study as a page of plots. Nothing swept besides the delay: score, kind and the main
+/// measures, over the delay. One quantity: maps of kind, score and the main measure over delay and quantity.
+/// Two: a map of the kind over both, for up to twelve delays.
+std::vector<Plot> plots_of(const PlayabilityStudy& study);
+
+/// [control] A sweep over the delay and other quantities, in which each run is scored. Errors: those of the
 /// scene; Missing without [playability]; UnknownName, OutOfRange of a swept quantity; BadFile of the cache.
 Checked<PlayabilityStudy> study_playability(const SceneSpec& scene, const NodeTable& table,
                                             const PlayabilityOptions& options);

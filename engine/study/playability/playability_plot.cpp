@@ -1,12 +1,9 @@
-#include "engine/study/playability/playability_plot.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
-#include "engine/plot/plot.h"
+#include "engine/study/playability/playability.h"
 
 namespace tactus {
 namespace {
@@ -17,20 +14,11 @@ constexpr std::size_t kMostMaps = 12;
 constexpr PlotColor kKindColors[] = {PlotColor::Green, PlotColor::Blue, PlotColor::Orange,
                                      PlotColor::Vermillion};
 
-std::size_t kind_index(const PlayabilityStudy& study, const PlayedRun& run) {
-  const auto& kinds = run_kinds(study.kind);
-  const auto found =
-      std::find_if(kinds.begin(), kinds.end(), [&](const RunKind& k) { return k.name == run.result->kind; });
-  return static_cast<std::size_t>(found - kinds.begin());
-}
+using RunValue = std::function<double(const PlayedRun&)>;
 
-/// The reading that a map shows beside kind and score.
-const MeasureColumn& main_reading(const PlayabilityStudy& study) {
-  return measure_columns(study.kind).front();
-}
-
-double main_of(const PlayabilityStudy& study, const PlayedRun& run) {
-  return run.result->reading(study.kind, main_reading(study).name);
+double score_of(const PlayedRun& run) { return run.result->score; }
+RunValue reading_at(std::size_t column) {
+  return [column](const PlayedRun& run) { return run.result->readings[column]; };
 }
 
 std::string subtitle_of(const PlayabilityStudy& study) {
@@ -42,90 +30,63 @@ std::string subtitle_of(const PlayabilityStudy& study) {
 
 // ---- nothing swept: curves
 
-Subplot subplot(const char* label, const char* unit) {
-  Subplot made;
-  made.y.label = label;
-  made.y.unit = unit;
-  return made;
-}
-
 /// One series for each kind that there is, over a grey line.
-Subplot reading_subplot(const PlayabilityStudy& study, const std::string& label,
-                        const std::function<double(const PlayedRun&)>& value) {
-  auto made = subplot(label.c_str(), "");
-  PlotSeries line;
-  line.color = PlotColor::Grey;
-  std::vector<PlotSeries> points;
+Subplot value_subplot(const PlayabilityStudy& study, const std::string& label, const RunValue& value) {
+  Subplot made{.y = {.label = label}};
+  PlotSeries line{.color = PlotColor::Grey};
+  std::vector<PlotSeries> kinds;
   for (std::size_t k = 0; k < run_kinds(study.kind).size(); ++k)
-    points.push_back(
+    kinds.push_back(
         {.label = run_kinds(study.kind)[k].name, .mark = PlotMark::Points, .color = kKindColors[k]});
   for (const auto& run : study.runs) {
     if (!run.as_written()) continue;
-    line.x.push_back(run.delay_s);
-    line.y.push_back(value(run));
-    auto& series = points[kind_index(study, run)];
-    series.x.push_back(run.delay_s);
-    series.y.push_back(value(run));
+    for (auto* series : {&line, &kinds[study.kind_of(run)]}) {
+      series->x.push_back(run.delay_s);
+      series->y.push_back(value(run));
+    }
   }
-  const auto line_low = line.y;
+  if (std::all_of(line.y.begin(), line.y.end(), [](double y) { return y >= 0; })) made.y.low = 0;
   made.series.push_back(std::move(line));
-  for (auto& series : points)
+  for (auto& series : kinds)
     if (!series.x.empty()) made.series.push_back(std::move(series));
-  if (std::all_of(line_low.begin(), line_low.end(), [](double y) { return y >= 0; })) made.y.low = 0;
   return made;
 }
 
 Subplot robust_subplot(const PlayabilityStudy& study) {
-  auto made = subplot("other actuators and plants that are playable", "");
   PlotSeries line{.mark = PlotMark::LineAndPoints, .color = PlotColor::Purple};
   for (const auto& verdict : study.verdicts()) {
     line.x.push_back(verdict.delay_s);
     line.y.push_back(verdict.robust());
   }
-  made.series.push_back(std::move(line));
-  made.levels.push_back({kRobustShare, "required"});
-  made.y.low = 0;
-  made.y.high = 1.05;
-  return made;
+  return {.y = {.label = "other actuators and plants that are playable", .low = 0, .high = 1.05},
+          .series = {std::move(line)},
+          .levels = {{kRobustShare, "required"}}};
 }
 
 Plot curves_of(const PlayabilityStudy& study) {
-  Plot plot;
-  plot.title = "Playability of " + study.scene;
-  plot.subtitle = subtitle_of(study);
-  plot.x = {.label = "delay", .unit = "s"};
-  auto score = reading_subplot(study, "score", [](const PlayedRun& run) { return run.result->score; });
-  score.y.high = 1.05;
-  plot.subplots.push_back(std::move(score));
+  Plot plot{.title = "Playability of " + study.scene,
+            .subtitle = subtitle_of(study),
+            .x = {.label = "delay", .unit = "s"},
+            .subplots = {value_subplot(study, "score", score_of)}};
+  plot.subplots.front().y.high = 1.05;
   const auto& types = measure_columns(study.kind);
-  for (const auto& type : types) {
-    if (!type.drawn) continue;
-    plot.subplots.push_back(reading_subplot(
-        study, type.head, [&](const PlayedRun& run) { return run.result->reading(study.kind, type.name); }));
-  }
+  for (std::size_t i = 0; i < types.size(); ++i)
+    if (types[i].drawn) plot.subplots.push_back(value_subplot(study, types[i].head, reading_at(i)));
   if (study.variants.size() > 1) plot.subplots.push_back(robust_subplot(study));
   return plot;
 }
 
 // ---- maps
 
-std::vector<std::string> names_of(const SweptValue& swept) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < swept.values.size(); ++i) names.push_back(value_text(swept, i));
-  return names;
-}
-
-PlotMap::Cell kind_cell(const PlayabilityStudy& study, const PlayedRun& run) {
-  const auto kind = kind_index(study, run);
-  return {.color = kKindColors[kind], .letter = std::string(1, run_kinds(study.kind)[kind].letter)};
-}
-
 /// A map of the kind of runs: of `runs`, row by row.
 PlotMap kind_map(const PlayabilityStudy& study, std::vector<std::string> columns,
                  std::vector<std::string> rows, const std::vector<const PlayedRun*>& runs) {
   PlotMap map{std::move(columns), std::move(rows), {}, {}};
-  for (const auto* run : runs) map.cells.push_back(kind_cell(study, *run));
   const auto& kinds = run_kinds(study.kind);
+  for (const auto* run : runs) {
+    const auto kind = study.kind_of(*run);
+    map.cells.push_back({.color = kKindColors[kind], .letter = std::string(1, kinds[kind].letter)});
+  }
   for (std::size_t k = 0; k < kinds.size(); ++k)
     map.keys.push_back({{.color = kKindColors[k]}, fmt::format("{} {}", kinds[k].letter, kinds[k].name)});
   return map;
@@ -137,28 +98,29 @@ const PlayedRun& run_at(const PlayabilityStudy& study, std::size_t delay, std::s
   return study.runs[cell * study.variants.size()];
 }
 
-/// Kind, score and main reading over the delay and one swept quantity.
+/// Kind, score and main measure over the delay and one swept quantity.
 Plot maps_over_delay(const PlayabilityStudy& study) {
   std::vector<std::string> delays;
   for (const double delay : study.delays_s) delays.push_back(fmt::format("{:g}", 1e3 * delay));
-  const auto values = names_of(study.over[0]);
+  const auto values = value_texts(study.over[0]);
   std::vector<const PlayedRun*> runs;
-  std::vector<double> scores, readings;
   for (std::size_t a = 0; a < values.size(); ++a)
-    for (std::size_t d = 0; d < delays.size(); ++d) {
-      runs.push_back(&run_at(study, d, a, 0));
-      scores.push_back(runs.back()->result->score);
-      readings.push_back(main_of(study, *runs.back()));
-    }
+    for (std::size_t d = 0; d < delays.size(); ++d) runs.push_back(&run_at(study, d, a, 0));
+  const auto map_of = [&](const RunValue& value, std::optional<double> high) {
+    std::vector<double> numbers;
+    for (const auto* run : runs) numbers.push_back(value(*run));
+    return value_map(delays, values, numbers, 0, high);
+  };
   const auto head = [&](const std::string& what) {
     return PlotAxis{.label = what + ", over " + study.over[0].name};
   };
-  return {.title = "Playability of " + study.scene,
-          .subtitle = subtitle_of(study),
-          .x = {.label = "delay [ms]"},
-          .subplots = {{.y = head("kind"), .map = kind_map(study, delays, values, runs)},
-                       {.y = head("score"), .map = value_map(delays, values, scores, 0, 1)},
-                       {.y = head(main_reading(study).head), .map = value_map(delays, values, readings, 0)}}};
+  return {
+      .title = "Playability of " + study.scene,
+      .subtitle = subtitle_of(study),
+      .x = {.label = "delay [ms]"},
+      .subplots = {{.y = head("kind"), .map = kind_map(study, delays, values, runs)},
+                   {.y = head("score"), .map = map_of(score_of, 1)},
+                   {.y = head(measure_columns(study.kind).front().head), .map = map_of(reading_at(0), {})}}};
 }
 
 /// The kind over two swept quantities, for several delays.
@@ -175,7 +137,7 @@ std::vector<Plot> maps_by_delay(const PlayabilityStudy& study) {
         {.title = fmt::format("Playability of {}, {:g} ms", study.scene, 1e3 * study.delays_s[d]),
          .x = {.label = study.over[0].name},
          .subplots = {{.y = {.label = study.over[1].name},
-                       .map = kind_map(study, names_of(study.over[0]), names_of(study.over[1]), runs)}},
+                       .map = kind_map(study, value_texts(study.over[0]), value_texts(study.over[1]), runs)}},
          .width = 560});
   }
   return page;
@@ -183,9 +145,9 @@ std::vector<Plot> maps_by_delay(const PlayabilityStudy& study) {
 
 }  // namespace
 
-Status write_picture(const std::filesystem::path& path, const PlayabilityStudy& study) {
-  if (study.over.size() > 1) return write_svg(path, maps_by_delay(study), 2);
-  return write_svg(path, {study.over.empty() ? curves_of(study) : maps_over_delay(study)});
+std::vector<Plot> plots_of(const PlayabilityStudy& study) {
+  if (study.over.size() > 1) return maps_by_delay(study);
+  return {study.over.empty() ? curves_of(study) : maps_over_delay(study)};
 }
 
 }  // namespace tactus

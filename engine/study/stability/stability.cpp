@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/study/stability/models/stability_passive.h"
+#include "engine/core/index.h"
+#include "engine/study/stability/models/stability_roots.h"
 
 namespace tactus {
 namespace {
 
 constexpr std::size_t kMostRoots = 6;
 
-class RegimeJudge {
+class RegimeAnalysis {
  public:
-  RegimeJudge(const ClosedGraph& closed, const Regime& regime, Hertz rate)
+  RegimeAnalysis(const ClosedGraph& closed, const Regime& regime, Hertz rate)
       : closed_(closed),
         rate_(rate),
         verdict_{.name = regime.name,
@@ -22,33 +23,30 @@ class RegimeJudge {
   RegimeVerdict run() {
     std::vector<int> wanted = closed_.drives;
     for (const auto& place : closed_.graph.stiff) wanted.push_back(place.signal);
-    for (auto& signals : loops_of(closed_.graph, false)) judge({closed_.graph, std::move(signals), wanted});
-    std::sort(verdict_.roots.begin(), verdict_.roots.end(),
-              [](const auto& a, const auto& b) { return a.growth_per_s > b.growth_per_s; });
-    if (verdict_.roots.size() > kMostRoots) verdict_.roots.resize(kMostRoots);
+    for (auto& signals : loops_of(closed_.graph, false)) analyse({closed_.graph, std::move(signals), wanted});
+    sort_by_growth(verdict_.roots, kMostRoots);
     return std::move(verdict_);
   }
 
  private:
-  void judge(const LoopGroup& group) {
+  void analyse(const LoopGroup& group) {
     if (group.too_large())
-      return verdict_.too_large.push_back(
-          closed_.graph.signals[static_cast<std::size_t>(group.signals().front())]);
+      return verdict_.too_large.push_back(closed_.graph.signals[index(group.signals().front())]);
     const LoopScan scan(group, rate_);
     verdict_.growing += std::max(0, scan.growing());
     for (const auto& root : scan.roots(kMostRoots)) verdict_.roots.push_back(root);
     const auto& cuts = group.cuts();
-    for (std::size_t c = 0; c < cuts.size(); ++c) {
-      const auto margin = scan.margin(static_cast<int>(c));
-      if (const auto* place = stiff_at(cuts[c])) {
+    for (int c = 0; c < static_cast<int>(cuts.size()); ++c) {
+      const auto margin = scan.margin(c);
+      const int cut = cuts[index(c)];
+      if (const auto* place = stiff_at(cut)) {
         verdict_.stiff.push_back({place->path, place->type, place->stiffness,
                                   place->stiffness * margin.border, margin.border_hz, std::nullopt});
-        judge_passive(group, static_cast<int>(c));
+        find_passive_limit(group, c);
       } else {
-        verdict_.loops.push_back({closed_.graph.signals[static_cast<std::size_t>(cuts[c])],
-                                  group.way_round(static_cast<int>(c)), among(closed_.drives, cuts[c]),
-                                  among(closed_.graph.wave_ports, cuts[c]), margin});
-        find_growth(scan, static_cast<int>(c), verdict_.loops.back());
+        verdict_.loops.push_back({closed_.graph.signals[index(cut)], group.path_around(c),
+                                  among(closed_.drives, cut), among(closed_.graph.wave_ports, cut), margin});
+        find_growth(scan, c, verdict_.loops.back());
       }
     }
   }
@@ -64,8 +62,8 @@ class RegimeJudge {
     loop.growth_above = growth(1.02);
   }
 
-  /// Only where the whole force goes through one drive is it known what the device feels.
-  void judge_passive(const LoopGroup& group, int cut) {
+  /// Only if the whole force goes through one drive, the force on the device is known.
+  void find_passive_limit(const LoopGroup& group, int cut) {
     int drive = -1, drives = 0;
     for (const int signal : closed_.drives)
       if (const int at = group.cut(signal); at >= 0) drive = at, ++drives;
@@ -89,29 +87,25 @@ class RegimeJudge {
   RegimeVerdict verdict_;
 };
 
-/// Loops that are closed by events, or whose gain is unknown.
-class EventLoops {
- public:
-  explicit EventLoops(const LinearGraph& graph) : graph_(graph), looping_(graph.signals.size(), false) {
-    for (const auto& part : loops_of(graph, true))
-      for (const int s : part) looping_[static_cast<std::size_t>(s)] = true;
-  }
-  bool go_through(const std::string& path) const {
-    return std::any_of(graph_.edges.begin(), graph_.edges.end(), [&](const auto& e) {
-      return e.kind == LinearEdge::Kind::Event && e.path == path &&
-             looping_[static_cast<std::size_t>(e.from)] && looping_[static_cast<std::size_t>(e.to)];
-    });
-  }
+/// Whether a loop is closed by events of a node, or by its unknown gain.
+bool event_loop_through(const LinearGraph& graph, const std::string& path) {
+  std::vector<bool> looping(graph.signals.size(), false);
+  for (const auto& part : loops_of(graph, true))
+    for (const int s : part) looping[index(s)] = true;
+  return std::any_of(graph.edges.begin(), graph.edges.end(), [&](const auto& e) {
+    return e.kind == LinearEdge::Kind::Event && e.path == path && looping[index(e.from)] &&
+           looping[index(e.to)];
+  });
+}
 
- private:
-  const LinearGraph& graph_;
-  std::vector<bool> looping_;
-};
+RegimeVerdict analyse_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate) {
+  return RegimeAnalysis{closed, regime, rate}.run();
+}
 
-class Judge {
+class Analysis {
  public:
-  Judge(const StabilitySubject& subject, const StabilityOptions& options,
-        const std::function<void(double)>& progress)
+  Analysis(const StabilitySubject& subject, const StabilityOptions& options,
+           const std::function<void(double)>& progress)
       : subject_(subject), options_(options), progress_(progress) {}
 
   Checked<StabilityVerdict> run() {
@@ -121,42 +115,41 @@ class Judge {
     verdict_.delay_s = world->delay_frames() / world->rate().value;
     verdict_.outside_known = world->outside_known();
     const auto regimes = world->regimes(options_.push);
-    for (const auto& regime : regimes) judge(*world, regime);
-    judge_events(*world);
-    for (const auto& regime : regimes) judge_open(*world, regime);
-    const auto controls = world->instrument().controls;
-    for (const auto& control : controls) judge_control(control.control);
+    for (const auto& regime : regimes) analyse(*world, regime);
+    find_event_loops(*world);
+    for (const auto& regime : regimes) find_open_gains(*world, regime);
+    for (const auto& control : world->instrument().controls) find_border(control.control);
     for (const auto& regime : verdict_.regimes) verdict_.stable &= regime.held || regime.is_stable();
     for (const auto& network : verdict_.networks) verdict_.stable &= network.stable;
     return std::move(verdict_);
   }
 
  private:
-  void tell() {
+  void report_progress() {
     constexpr double kAll = 24;
     if (progress_) progress_(1 - std::exp(-++done_ / kAll));
   }
 
   /// Bare, and held where something is driven.
-  void judge(const RestingWorld& world, const Regime& regime) {
+  void analyse(const RestingWorld& world, const Regime& regime) {
     const auto closed = world.closed(regime);
-    judge_networks(closed.graph, regime);
+    analyse_networks(closed.graph, regime);
     verdict_.nonlinear |= closed.graph.nonlinear;
-    verdict_.regimes.push_back(judge_regime(closed, regime, verdict_.rate));
+    verdict_.regimes.push_back(analyse_regime(closed, regime, verdict_.rate));
     if (verdict_.regimes.size() == 1)
       for (const auto& first : verdict_.regimes.front().too_large)
         verdict_.skipped.push_back("the loops around '" + first + "'");
-    tell();
+    report_progress();
     if (!closed.mobility || verdict_.regimes.back().loops.empty()) return;
     auto held = regime;
     held.hand = options_.hand;
-    verdict_.regimes.push_back(judge_regime(world.closed(held), held, verdict_.rate));
-    tell();
+    verdict_.regimes.push_back(analyse_regime(world.closed(held), held, verdict_.rate));
+    report_progress();
   }
 
-  void judge_networks(const LinearGraph& graph, const Regime& regime) {
+  void analyse_networks(const LinearGraph& graph, const Regime& regime) {
     for (std::size_t n = 0; n < graph.networks.size(); ++n) {
-      // Where no contact of it is closed it is what it was at rest.
+      // Unless one of its contacts is closed it is as at rest.
       if (!verdict_.regimes.empty() && !regime.contacts.contains(graph.network_paths[n])) continue;
       const auto& model = *graph.networks[n];
       const auto& recipe = model.recipe();
@@ -167,19 +160,19 @@ class Judge {
       verdict.rate_hz = recipe.rate.value * recipe.oversample;
       if (const auto needed = model.needed_rate()) verdict.needed_hz = needed->value;
       verdict.weakest = model.weakest();
-      judge_contacts(recipe, verdict);
+      check_contacts(recipe, verdict);
       verdict.grows = model.grows();
       verdict.stable = !verdict.grows && verdict.contacts_stable();
       verdict_.networks.push_back(std::move(verdict));
     }
     if (verdict_.skipped.empty())
       for (const auto& path : graph.skipped)
-        if (EventLoops{graph}.go_through(path))
+        if (event_loop_through(graph, path))
           verdict_.skipped.push_back("the loops through network '" + path + "'");
   }
 
-  /// Of the explicit solver: the others bound what a contact gives back, however short it is.
-  static void judge_contacts(const NetworkRecipe& recipe, NetworkVerdict& verdict) {
+  /// Of the explicit solver: the others bound the energy of a contact, however short it is.
+  static void check_contacts(const NetworkRecipe& recipe, NetworkVerdict& verdict) {
     if (recipe.solver != Solver::Explicit) return;
     const auto demand = contact_demand(recipe.elements);
     for (const auto& strike : demand.strikes)
@@ -187,14 +180,14 @@ class Judge {
     verdict.too_deep = demand.stiffness > kStiffestContact * verdict.rate_hz * verdict.rate_hz;
   }
 
-  void judge_events(const RestingWorld& world) {
+  void find_event_loops(const RestingWorld& world) {
     const auto graph = world.closed({}).graph;
-    const EventLoops loops{graph};
-    for (const auto& place : graph.events) verdict_.events.push_back({place, loops.go_through(place.path)});
+    for (const auto& place : graph.events)
+      verdict_.events.push_back({place, event_loop_through(graph, place.path)});
   }
 
-  /// The largest gain of a pair, from the answer to 1 at the input with the inner loops closed.
-  void judge_open(const RestingWorld& world, const Regime& regime) {
+  /// The largest gain of each pair with the inner loops closed.
+  void find_open_gains(const RestingWorld& world, const Regime& regime) {
     LinearGraph graph;
     for (const auto& pair : world.open_pairs(graph, regime)) {
       // Output to input closed by a wire of its own: what comes back through it is the pair's response.
@@ -206,13 +199,13 @@ class Judge {
         const LoopGroup group(closed, std::move(signals), {wire});
         if (group.too_large() || group.cut(wire) < 0) continue;
         const auto margin = LoopScan(group, verdict_.rate).margin(group.cut(wire));
-        note_open({pair.input, pair.output, margin.peak, margin.peak_hz});
+        add_open_gain({pair.input, pair.output, margin.peak, margin.peak_hz});
       }
     }
   }
 
   /// Of all regimes the largest gain counts.
-  void note_open(OpenVerdict found) {
+  void add_open_gain(OpenVerdict found) {
     const auto known = std::find_if(verdict_.open.begin(), verdict_.open.end(), [&](const auto& other) {
       return other.input == found.input && other.output == found.output;
     });
@@ -222,24 +215,24 @@ class Judge {
       *known = std::move(found);
   }
 
-  bool holds_at(const FlatControl& control, double value) {
+  bool is_stable_at(const FlatControl& control, double value) {
     auto with = options_.world;
     with.set[control.name] = ControlValue{value};
-    tell();
+    report_progress();
     return is_stable_with(subject_, with, options_.push);
   }
 
-  /// Where one end holds and the other does not, the border between them.
-  void judge_control(const FlatControl& control) {
+  /// If one end is stable and the other is not, the border between them.
+  void find_border(const FlatControl& control) {
     ControlVerdict verdict{.control = control};
     double low = control.range.low, high = control.range.high;
     if (!std::isfinite(low) || !std::isfinite(high)) return;
-    verdict.stable_low = holds_at(control, low);
-    verdict.stable_high = holds_at(control, high);
+    verdict.stable_low = is_stable_at(control, low);
+    verdict.stable_high = is_stable_at(control, high);
     if (verdict.stable_low != verdict.stable_high) {
-      for (int i = 0; i < kMostHalvings && !together(low, high); ++i) {
+      for (int i = 0; i < kMostHalvings && !close(low, high); ++i) {
         const double middle = low > 0 && high > 0 ? std::sqrt(low * high) : 0.5 * (low + high);
-        (holds_at(control, middle) == verdict.stable_low ? low : high) = middle;
+        (is_stable_at(control, middle) == verdict.stable_low ? low : high) = middle;
       }
       verdict.border = verdict.stable_low ? low : high;
     }
@@ -247,8 +240,8 @@ class Judge {
   }
 
   static constexpr int kMostHalvings = 40;
-  /// To a thousandth of the value that is sought, however wide the range is.
-  static bool together(double low, double high) {
+  /// Within a thousandth of the value, however large the range is.
+  static bool close(double low, double high) {
     return high - low <= 1e-3 * std::max(std::abs(low), std::abs(high));
   }
 
@@ -278,13 +271,9 @@ bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options
   });
 }
 
-RegimeVerdict judge_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate) {
-  return RegimeJudge{closed, regime, rate}.run();
-}
-
-Checked<StabilityVerdict> judge_stability(const StabilitySubject& subject, const StabilityOptions& options,
-                                          const std::function<void(double)>& progress) {
-  return Judge{subject, options, progress}.run();
+Checked<StabilityVerdict> analyse_stability(const StabilitySubject& subject, const StabilityOptions& options,
+                                            const std::function<void(double)>& progress) {
+  return Analysis{subject, options, progress}.run();
 }
 
 }  // namespace tactus

@@ -15,19 +15,19 @@
 
 namespace tactus {
 
-/// A network by itself.
+/// The stability of a network by itself.
 struct NetworkVerdict {
   std::string path, regime;
   Solver solver = Solver::Passive;
   bool has_friction = false;             ///< has frictions, which are left out
   double radius = 0;                     ///< of one frame
   double rate_hz = 0;                    ///< that it runs at: rate times oversample
-  std::optional<double> needed_hz = {};  ///< the least; nullopt: it holds at every rate, infinite: at none
-  std::string weakest = {};              ///< what would grow first
-  /// Steps in the shortest strike at 1 m/s; below kFewestContactSteps explicit contacts make energy. Infinite
-  /// where none is stepped so.
+  std::optional<double> needed_hz = {};  ///< the least stable rate; nullopt: every rate, infinite: none
+  std::string weakest = {};              ///< the mode that would grow first
+  /// Steps in the shortest strike at 1 m/s; below kFewestContactSteps explicit contacts add energy. Infinite
+  /// without explicit contacts.
   double contact_steps = std::numeric_limits<double>::infinity();
-  bool too_deep = false;  ///< what it starts with presses an explicit contact too stiff for the rate
+  bool too_deep = false;  ///< its initial state presses an explicit contact too stiff for the rate
   bool contacts_stable() const { return contact_steps >= kFewestContactSteps && !too_deep; }
   bool grows = false;  ///< its linear part
   bool stable = true;
@@ -38,24 +38,24 @@ struct LoopVerdict {
   std::string at;
   std::vector<std::string> way;  ///< once around
   bool drive = false;            ///< one of the instrument's outputs: its delay is the system's
-  bool wave_port = false;        ///< the port of a network: it gives back no more than it takes
+  bool wave_port = false;        ///< the port of a network: passive
   CutMargin margin;
-  /// It adds up what comes in: a root stands at z = 1 on purpose, and no gain was to be turned up.
+  /// An integrator: its root at z = 1 is intended.
   bool integrates() const { return margin.border_hz == 0 && margin.border >= 1 && margin.border < 1 + 1e-6; }
   /// Of the root that crosses, a fiftieth below and above the border [1/s].
   double growth_below = 0, growth_above = 0;
 };
 
-/// A force that answers a position: how stiff it is, and may be.
+/// A force that depends on a position: its stiffness, and the limits of it.
 struct StiffVerdict {
   std::string path, type;
   double stiffness = 0;     ///< [N/m]
   double stable_up_to = 0;  ///< [N/m]; infinite: any
   double border_hz = 0;
-  std::optional<double> passive_up_to;  ///< [N/m]; nullopt where nothing is driven by one drive alone
+  std::optional<double> passive_up_to;  ///< [N/m]; nullopt unless the device is driven by one drive alone
 };
 
-/// One way that the graph can be in.
+/// The stability at one operating point.
 struct RegimeVerdict {
   std::string name;
   bool held = false;  ///< by a fingertip
@@ -63,7 +63,7 @@ struct RegimeVerdict {
   std::vector<LoopRoot> roots = {};
   std::vector<LoopVerdict> loops = {};
   std::vector<StiffVerdict> stiff = {};
-  std::optional<double> device_damping = {};  ///< [N s/m] of what is driven, near 0 Hz
+  std::optional<double> device_damping = {};  ///< [N s/m] of the device, near 0 Hz
   /// Groups of loops too large to analyse, by their first signal.
   std::vector<std::string> too_large = {};
   std::vector<std::string> unstable_equilibria =
@@ -71,20 +71,20 @@ struct RegimeVerdict {
   bool is_stable() const { return growing == 0; }
 };
 
-/// Loops that something closes only now and then.
+/// A node whose events may close loops.
 struct EventVerdict {
   EventPlace place;
   bool on_loop = false;
 };
 
-/// What a control does to it, all others staying where they are.
+/// The range of a control in which the system is stable, all others unchanged.
 struct ControlVerdict {
   FlatControl control;
   bool stable_low = true, stable_high = true;
-  std::optional<double> border = {};  ///< where it stops to hold, if it does on one side of it
+  std::optional<double> border = {};  ///< of the stable range, if one end is unstable
 };
 
-/// What an instrument alone passes on: with an outside whose gain is below 1 / peak it holds at any delay.
+/// The gain of an instrument alone: with a gain outside below 1 / peak it is stable at any delay.
 struct OpenVerdict {
   std::string input, output;
   double peak = 0, peak_hz = 0;
@@ -99,8 +99,8 @@ struct StabilityVerdict {
   std::vector<ControlVerdict> controls;
   std::vector<OpenVerdict> open;
   std::vector<std::string> skipped;
-  bool nonlinear = false;     ///< some force answers a position otherwise elsewhere
-  bool outside_known = true;  ///< false: an instrument alone, and only what it holds itself is judged
+  bool nonlinear = false;     ///< the stiffness of some force depends on the position
+  bool outside_known = true;  ///< false: an instrument alone; only its inner loops are analysed
   bool stable = true;
 };
 
@@ -111,17 +111,14 @@ struct StabilityOptions {
 };
 
 /// [control] `progress` gets the share done. Errors: of the graph.
-Checked<StabilityVerdict> judge_stability(const StabilitySubject& subject, const StabilityOptions& options,
-                                          const std::function<void(double)>& progress = {});
+Checked<StabilityVerdict> analyse_stability(const StabilitySubject& subject, const StabilityOptions& options,
+                                            const std::function<void(double)>& progress = {});
 
 /// [control] Whether nothing grows with these options, in any of the regimes that the world has. False, too,
 /// if it cannot be made with them.
 bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options, double push);
 
-/// [control] One regime of a world that was made.
-RegimeVerdict judge_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate);
-
-/// [any] What becomes unstable first and what to change, in sentences; the first is the verdict.
+/// [any] The verdict, the most critical place and remedies, a sentence each; the first is the verdict.
 std::vector<std::string> describe(const StabilityVerdict& verdict);
 
 }  // namespace tactus

@@ -6,17 +6,18 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/channels.h"
 #include "engine/guard/guarded.h"
-#include "engine/nodes/networks/network_node.h"
+#include "engine/nodes/networks/network.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/guard_report.h"
 
 namespace tactus {
 namespace {
 
-constexpr int kStabilityExtremesBlock = 64;
-/// At the start of a linear run: the smallest of which half does half as much, so that neither the steps of a
-/// quantiser nor contacts have a say.
+constexpr int kExtremesBlock = 64;
+/// At the start of a linear run: the smallest one with half the effect at half the size is used, so that
+/// quantisers and contacts do not matter.
 constexpr double kPushes[] = {1e-6, 1e-4, 1e-2, 1.0, 100.0};
 constexpr double kProportional = 0.05;
 
@@ -28,19 +29,15 @@ class Disturbed final : public BlockProcessor {
   Status prepare(const StreamFormat& format) override {
     rate_ = format.sample_rate.value;
     outputs_ = format.out_channels;
-    samples_.assign(static_cast<std::size_t>(format.in_channels),
-                    std::vector<double>(static_cast<std::size_t>(format.max_frames)));
-    in_.clear();
-    for (const auto& channel : samples_) in_.push_back(channel.data());
+    sensors_.resize(format.in_channels, format.max_frames);
     frame_ = 0;
     return inner_.prepare(format);
   }
 
   void process(const BlockIo& io) noexcept override {
-    for (std::size_t c = 0; c < samples_.size(); ++c)
-      for (int n = 0; n < io.frames; ++n)
-        samples_[c][static_cast<std::size_t>(n)] = io.in[c][n] + disturbance(frame_ + n);
-    inner_.process({in_.data(), io.out, io.frames});
+    for (int c = 0; c < sensors_.size(); ++c)
+      for (int n = 0; n < io.frames; ++n) sensors_[c][n] = io.in[c][n] + disturbance(frame_ + n);
+    inner_.process({sensors_.data(), io.out, io.frames});
     for (int c = 0; c < outputs_; ++c)
       for (int n = 0; n < io.frames; ++n) {
         io.out[c][n] *= plan_.drive_gain;
@@ -52,7 +49,7 @@ class Disturbed final : public BlockProcessor {
   double push = 0.0;  ///< of linear runs, at the start
 
  private:
-  /// In the first half of the run; then the energy must not grow any more.
+  /// In the first half of the run; from then on the energy must not grow.
   double disturbance(std::int64_t frame) const noexcept {
     if (plan_.linear) return static_cast<double>(frame) <= plan_.push_s * rate_ ? push : 0.0;
     const double seconds = static_cast<double>(frame) / rate_;
@@ -60,12 +57,12 @@ class Disturbed final : public BlockProcessor {
     const auto every = static_cast<std::int64_t>(0.037 * rate_);
     switch (plan_.disturbance) {
       case Disturbance::Silence:
-        return 0;
+        break;
       case Disturbance::Impulses:
         return frame % every == 0 ? 1 : 0;
       case Disturbance::Square:
         return std::fmod(seconds, 0.02) < 0.01 ? 1 : -1;
-      case Disturbance::NotNumbers:
+      case Disturbance::NonFinite:
         if (frame % every == 1) return std::numeric_limits<double>::infinity();
         return frame % every == 0 ? std::numeric_limits<double>::quiet_NaN() : 0;
       case Disturbance::Denormals:
@@ -79,8 +76,7 @@ class Disturbed final : public BlockProcessor {
   double rate_ = 48000;
   int outputs_ = 0;
   std::int64_t frame_ = 0;
-  std::vector<std::vector<double>> samples_;
-  std::vector<const double*> in_;
+  ChannelBuffers sensors_;
   bool finite_ = true;
 };
 
@@ -91,12 +87,12 @@ double stored(const Player& engine) {
   return energy;
 }
 
-/// Largest value of each quarter of a run.
 constexpr double kGrows = 4, kNothing_J = 1e-9;
 
+/// Largest magnitude in each quarter of a run.
 struct Quarters {
   double largest[4] = {};
-  void take(double share, double value) {
+  void add(double share, double value) {
     auto& quarter = largest[std::min(3, static_cast<int>(4 * share))];
     if (!(quarter >= std::abs(value))) quarter = std::abs(value);
   }
@@ -115,57 +111,57 @@ ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan,
                                    subject.scene != nullptr ? subject.scene->scene->drives : DriveBook{})};
   ClosedLoop loop{guarded, *built.plant, built.instrument->out_channels(), built.delay_frames,
                   subject.scene != nullptr ? subject.scene->scene->converters : Converters{.on = false}};
-  if (!loop.prepare(run.rate, kStabilityExtremesBlock)) return run;
+  if (!loop.prepare(run.rate, kExtremesBlock)) return run;
   guarded.skip_soft_start();
   guarded.disable_sensor_watch();
   const int frames = static_cast<int>(plan.seconds * run.rate.value);
   Quarters energy;
-  for (int done = 0; done < frames; done += kStabilityExtremesBlock) {
-    loop.run(std::min(kStabilityExtremesBlock, frames - done), [&](const ClosedLoop::Block& piece) {
+  for (int done = 0; done < frames; done += kExtremesBlock) {
+    loop.run(std::min(kExtremesBlock, frames - done), [&](const ClosedLoop::Block& piece) {
       for (const auto* drive : piece.drives)
         for (int n = 0; n < piece.frames; ++n) {
           run.finite = run.finite && std::isfinite(drive[n]);
           run.peak = std::max(run.peak, std::abs(drive[n]));
         }
     });
-    energy.take(static_cast<double>(done) / frames, stored(*built.plant) + stored(*built.instrument));
+    energy.add(static_cast<double>(done) / frames, stored(*built.plant) + stored(*built.instrument));
   }
   run.energy_before = std::max({energy.largest[0], energy.largest[1], energy.largest[2]});
   run.energy_after = energy.largest[3];
   run.finite = run.finite && disturbed.finite();
-  // Rolls and rotations breathe; what really grows by itself doubles more than once in a quarter.
+  // The energy of rolls and rotations varies; that of an unstable system doubles more than once in a quarter.
   run.grew = !(run.energy_after <= kGrows * run.energy_before + kNothing_J);
   count_faults(*built.instrument, run);
   count_faults(*built.plant, run);
   return run;
 }
 
-/// The sensors, one piece after the other, after a push.
-std::vector<double> heard_after(double push, const StabilitySubject& subject, const ExtremePlan& plan,
-                                ExtremeRun& run) {
-  std::vector<double> heard;
+/// The signals of the sensors after a push.
+std::vector<double> sensors_after(double push, const StabilitySubject& subject, const ExtremePlan& plan,
+                                  ExtremeRun& run) {
+  std::vector<double> samples;
   auto built = build_world(subject, plan.world, true);
-  if (!built) return heard;
+  if (!built) return samples;
   Disturbed disturbed{*built->instrument, plan};
   disturbed.push = push;
   ClosedLoop loop{
       disturbed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
-  if (!loop.prepare(run.rate, kStabilityExtremesBlock)) return heard;
+  if (!loop.prepare(run.rate, kExtremesBlock)) return samples;
   loop.run(static_cast<int>(plan.seconds * run.rate.value), [&](const ClosedLoop::Block& piece) {
-    for (const auto* sensor : piece.sensors) heard.insert(heard.end(), sensor, sensor + piece.frames);
+    for (const auto* sensor : piece.sensors) samples.insert(samples.end(), sensor, sensor + piece.frames);
   });
   run.finite = run.finite && disturbed.finite();
-  return heard;
+  return samples;
 }
 
-/// The sensors with a small push at the start less those without it: what the push alone becomes.
+/// The response to a small push at the start: sensors with it minus sensors without it.
 ExtremeRun run_linear(const StabilitySubject& subject, const ExtremePlan& plan, ExtremeRun run) {
-  const auto still = heard_after(0.0, subject, plan, run);
+  const auto still = sensors_after(0.0, subject, plan, run);
   const auto moved_by = [&](double push) {
-    const auto heard = heard_after(push, subject, plan, run);
+    const auto pushed = sensors_after(push, subject, plan, run);
     Quarters moved;
-    for (std::size_t n = 0; n < heard.size(); ++n)
-      moved.take(static_cast<double>(n) / static_cast<double>(heard.size()), heard[n] - still[n]);
+    for (std::size_t n = 0; n < pushed.size(); ++n)
+      moved.add(static_cast<double>(n) / static_cast<double>(pushed.size()), pushed[n] - still[n]);
     return moved;
   };
   Quarters moved;
@@ -194,7 +190,7 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& inst
     return plans.back();
   };
   for (const auto disturbance : {Disturbance::Silence, Disturbance::Impulses, Disturbance::Square,
-                                 Disturbance::NotNumbers, Disturbance::Denormals})
+                                 Disturbance::NonFinite, Disturbance::Denormals})
     plan(name_of(disturbance)).disturbance = disturbance;
   for (const Hertz rate : {8_kHz, 44.1_kHz, 96_kHz, 192_kHz})
     plan(fmt::format("{:g} kHz", rate.value / 1e3)).world.rate = rate;
@@ -213,8 +209,9 @@ std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& inst
 
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict) {
   std::vector<ExtremePlan> plans;
-  if (verdict.nonlinear) return plans;  // what moves far enough to be heard meets another law
-  // What an event opens and closes is no loop of its own.
+  // A measurable motion leaves the range where the linear model is right.
+  if (verdict.nonlinear) return plans;
+  // A loop that an event opens and closes has no border.
   if (std::any_of(verdict.events.begin(), verdict.events.end(), [](const auto& e) { return e.on_loop; }))
     return plans;
   const LoopVerdict* loop = nullptr;
@@ -236,7 +233,7 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
                      .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
                      .expected = !above});
   }
-  // What dry friction holds does not grow: the border is that of the rest.
+  // Dry friction would hide the growth: the border is that of the system without it.
   for (auto& plan : plans) plan.world.friction = false;
   return plans;
 }
@@ -244,24 +241,24 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
 Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePlan& plan) {
   auto built = build_world(subject, plan.world, true);
   if (!built) return tl::unexpected(built.error());
-  ExtremeRun run;
-  run.what = plan.what;
-  run.rate = built->instrument->plan().sample_rate;
-  run.delay_s = built->delay_frames / run.rate.value;
-  run.seconds = plan.seconds;
-  run.expected = plan.expected;
-  run.linear = plan.linear;
+  const auto rate = built->instrument->plan().sample_rate;
+  ExtremeRun run{.what = plan.what,
+                 .rate = rate,
+                 .delay_s = built->delay_frames / rate.value,
+                 .seconds = plan.seconds,
+                 .linear = plan.linear,
+                 .expected = plan.expected};
   return plan.linear ? run_linear(subject, plan, std::move(run))
                      : run_guarded(subject, plan, *built, std::move(run));
 }
 
-void leave_out_play(std::vector<ExtremeRun>& runs) {
+void exclude_player_energy(std::vector<ExtremeRun>& runs) {
   const auto silence = std::find_if(
       runs.begin(), runs.end(), [](const auto& run) { return run.what == name_of(Disturbance::Silence); });
   if (silence == runs.end() || silence->grew) return;
-  const double played = silence->energy_after;
+  const double supplied = silence->energy_after;
   for (auto& run : runs)
-    if (!run.linear) run.grew = run.grew && !(run.energy_after <= kGrows * played + kNothing_J);
+    if (!run.linear) run.grew = run.grew && !(run.energy_after <= kGrows * supplied + kNothing_J);
 }
 
 }  // namespace tactus

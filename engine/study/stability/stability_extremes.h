@@ -11,36 +11,36 @@
 
 namespace tactus {
 
-/// What comes into the instrument's sensors besides what the plant says.
+/// A disturbance of the instrument's sensors, added to the signals of the plant.
 enum class Disturbance {
   Silence,
-  Impulses,    ///< of full scale, every 37 ms
-  Square,      ///< of full scale, 50 Hz
-  NotNumbers,  ///< NaN and infinity among the samples
-  Denormals,   ///< 1e-310
+  Impulses,   ///< of full scale, every 37 ms
+  Square,     ///< of full scale, 50 Hz
+  NonFinite,  ///< NaN and infinity among the samples
+  Denormals,  ///< 1e-310
 };
 /// "silence", "impulses", "full-scale square", "NaN", "denormals"
 const char* name_of(Disturbance disturbance);
 
-/// One run of the engine and what came of it.
+/// One run of the engine and its result.
 struct ExtremeRun {
   std::string what;
   Hertz rate;
   double delay_s = 0, seconds = 0;
   double peak = 0;           ///< of the drives, behind the guard where there is one
-  double energy_before = 0;  ///< most that networks held in the third quarter [J]
+  double energy_before = 0;  ///< of the networks, largest in the first three quarters [J]
   double energy_after = 0;   ///< and in the last
   long faults = 0;           ///< of nodes
   bool finite = true;
   bool linear = false;   ///< before and after are the largest change of a sensor, not energies
-  bool expected = true;  ///< false: so, it is to grow
+  bool expected = true;  ///< false: predicted to grow
   bool grew = false;
   bool bounded() const { return finite && faults == 0 && !grew; }
-  /// What is to grow may fault, or be held by the guard and by what bends; what is to hold must hold.
+  /// A run that is predicted to grow may fault, or be limited by the guard and by nonlinearities.
   bool as_expected() const { return finite && (expected ? bounded() : grew || !linear); }
 };
 
-/// What is run.
+/// A run to execute.
 struct ExtremePlan {
   std::string what;
   WorldOptions world;
@@ -52,16 +52,15 @@ struct ExtremePlan {
   bool expected = true;
 };
 
-/// [control] All that is worth trying: rates, delays, controls at both ends, disturbances.
+/// [control] Extreme conditions: rates, delays, controls at both ends, disturbances.
 std::vector<ExtremePlan> extremes_of(const WorldOptions& world, const Plan& instrument);
-/// [control] A fiftieth below and above the border of the loop at rest that one drive closes, long enough to
-/// see the root grow or die; none where no such loop can grow, where a law bends, or where an event stands on
-/// it.
+/// [control] 2 % below and above the border of the loop at rest that one drive closes, long enough for the
+/// root to grow or decay; none if no such loop can grow, or with nonlinearities or events in it.
 std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityVerdict& verdict);
 /// [control] Errors: of the graph at that rate, with those controls.
 Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePlan& plan);
-/// [any] What a player builds up is no growth: a run did not grow if it ends with no more than four times
-/// what the undisturbed one ends with, as long as that did not grow.
-void leave_out_play(std::vector<ExtremeRun>& runs);
+/// [any] Energy that the gestures supply is no growth: a run did not grow if it ends with at most four times
+/// the energy of the undisturbed run, unless that grew.
+void exclude_player_energy(std::vector<ExtremeRun>& runs);
 
 }  // namespace tactus

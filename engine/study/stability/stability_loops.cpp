@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <map>
 #include <set>
@@ -10,6 +11,42 @@
 #include "engine/graph/plan/vertex_graph.h"
 
 namespace tactus {
+namespace {
+
+/// The gains at z of the edges `of`.
+void find_gains(const LinearGraph& graph, std::complex<double> z, const std::vector<std::size_t>& of,
+                std::vector<std::complex<double>>& gains) {
+  std::vector<Eigen::MatrixXcd> responses(graph.networks.size());
+  gains.resize(graph.edges.size());
+  for (const auto e : of) {
+    const auto& edge = graph.edges[e];
+    switch (edge.kind) {
+      case LinearEdge::Kind::Gain:
+        gains[e] = edge.gain;
+        break;
+      case LinearEdge::Kind::Delay:
+        gains[e] = std::exp(-static_cast<double>(edge.frames) * std::log(z));
+        break;
+      case LinearEdge::Kind::Node:
+        gains[e] =
+            edge.node->response(edge.input, edge.output, std::pow(z, edge.divisor), edge.at).value_or(0.0);
+        break;
+      case LinearEdge::Kind::Network: {
+        auto& response = responses[index(edge.network)];
+        if (response.size() == 0)
+          response = graph.networks[index(edge.network)]->response(std::pow(z, edge.divisor));
+        gains[e] = response(edge.output, edge.input);
+        break;
+      }
+      case LinearEdge::Kind::Event:
+        gains[e] = 0.0;
+        break;
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<std::vector<int>> loops_of(const LinearGraph& graph, bool events) {
   std::vector<std::vector<int>> next(graph.signals.size());
   std::set<int> own_loop;
@@ -45,7 +82,7 @@ int LoopGroup::cut(int signal) const {
   return found == cuts_.end() ? -1 : static_cast<int>(found - cuts_.begin());
 }
 
-/// Those that are wanted; then, while loops are left, the signal with most ways in times ways out.
+/// The wanted ones; then, while loops are left, the signal with most ways in times ways out.
 void LoopGroup::choose_cuts(const std::vector<int>& wanted) {
   std::set<int> left(signals_.begin(), signals_.end());
   const auto take = [&](int signal) {
@@ -68,27 +105,20 @@ void LoopGroup::choose_cuts(const std::vector<int>& wanted) {
   }
 }
 
+/// Without the cuts there is no loop: every component is one signal, behind all that it reads.
 void LoopGroup::put_in_order() {
-  std::vector<int> waiting(signals_.size(), 0);
-  std::vector<std::vector<int>> readers(signals_.size());
+  std::vector<std::vector<int>> reads(signals_.size());
   for (const auto e : edges_) {
     const auto& edge = graph_->edges[e];
-    if (cut(edge.from) >= 0 || cut(edge.to) >= 0) continue;
-    ++waiting[index(place_[index(edge.to)])];
-    readers[index(place_[index(edge.from)])].push_back(edge.to);
+    if (cut(edge.from) < 0 && cut(edge.to) < 0)
+      reads[index(place_[index(edge.to)])].push_back(place_[index(edge.from)]);
   }
-  std::deque<int> ready;
-  for (const int s : signals_)
-    if (cut(s) < 0 && waiting[index(place_[index(s)])] == 0) ready.push_back(s);
-  for (; !ready.empty(); ready.pop_front()) {
-    order_.push_back(ready.front());
-    for (const int to : readers[index(place_[index(ready.front())])])
-      if (--waiting[index(place_[index(to)])] == 0) ready.push_back(to);
-  }
+  for (const auto& component : strong_components(reads, Roots::FirstToLast))
+    if (const int signal = signals_[index(component.front())]; cut(signal) < 0) order_.push_back(signal);
 }
 
 Eigen::MatrixXcd LoopGroup::returned(std::complex<double> z) const {
-  graph_->gains(z, edges_, gains_);
+  find_gains(*graph_, z, edges_, gains_);
   const auto count = static_cast<Eigen::Index>(cuts_.size());
   Eigen::MatrixXcd values = Eigen::MatrixXcd::Zero(count, static_cast<Eigen::Index>(signals_.size()));
   for (Eigen::Index c = 0; c < count; ++c) values(c, place_[index(cuts_[static_cast<std::size_t>(c)])]) = 1.0;
@@ -126,7 +156,7 @@ int LoopGroup::delay_frames() const {
 }
 
 /// The shortest way from the cut back to itself, breadth first.
-std::vector<std::string> LoopGroup::way_round(int cut) const {
+std::vector<std::string> LoopGroup::path_around(int cut) const {
   const int start = cuts_[index(cut)];
   std::map<int, std::size_t> came_by;
   std::deque<int> open{start};

@@ -11,14 +11,14 @@
 
 namespace tactus {
 
-/// Signals of a graph that go round and round, cut open so that they do not:
+/// A strongly connected part of a graph, cut open at some signals:
 ///     r = R(z) v,    the loop is closed by v = r,    f(z) = det(1 - R(z)),
 /// where v are the signals at the cuts and r what returns to them. The zeros of f are the roots of the
 /// closed loops. As every loop has a delay, R goes to what is smaller than 1 where z goes to infinity, and f
 /// has no poles outside the unit circle but those that the nodes have there.
 class LoopGroup {
  public:
-  /// `signals`: a strongly connected part of the graph; `wanted`: cuts that must be among them.
+  /// `signals`: a strongly connected part of the graph; `wanted`: signals that must be cut.
   LoopGroup(const LinearGraph& graph, std::vector<int> signals, const std::vector<int>& wanted);
 
   const LinearGraph& graph() const { return *graph_; }
@@ -31,12 +31,12 @@ class LoopGroup {
   Eigen::MatrixXcd returned(std::complex<double> z) const;
   /// f of `returned`.
   static std::complex<double> characteristic(const Eigen::MatrixXcd& returned);
-  /// What comes back to each cut if it alone is open: L = 1 - 1 / ((1 - R)^-1)_cc.
+  /// The open-loop gain at each cut if it alone is open: L = 1 - 1 / ((1 - R)^-1)_cc.
   static std::vector<std::complex<double>> alone(const Eigen::MatrixXcd& returned);
-  /// Frames in all its delays together: as often f can turn around 0.
+  /// Frames in all its delays together: the most turns of f around 0.
   int delay_frames() const;
-  /// One way round from a cut: the paths that it goes through.
-  std::vector<std::string> way_round(int cut) const;
+  /// The shortest loop through a cut: the paths of its nodes.
+  std::vector<std::string> path_around(int cut) const;
   bool contains(int network) const;
 
  private:

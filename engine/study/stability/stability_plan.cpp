@@ -1,11 +1,10 @@
-#include "engine/study/stability/stability_plan.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "engine/core/index.h"
-#include "engine/study/stability/models/stability_law.h"
+#include "engine/graph/plan/plan.h"
+#include "engine/study/stability/models/stability_graph.h"
 
 namespace tactus {
 namespace {
@@ -26,22 +25,18 @@ class PlanReader {
       if (vertex(v).kind == Vertex::Kind::Input) input_vertex[index(vertex(v).index)] = v;
     for (std::size_t i = 0; i < input_vertex.size(); ++i)
       terminals.inputs.push_back(input_vertex[i] < 0 ? -1 : made(input_vertex[i], 0, plan_.input_names[i]));
-    for (const auto& step : plan_.steps)
-      if (step.kind == Step::Kind::Operations)
-        make_operations(step);
-      else if (gives(step))
-        make_outputs(step);
-    for (const auto& step : plan_.steps)
-      if (step.kind == Step::Kind::Operations)
-        join_operations(step);
-      else if (gives(step))
-        join_node(step);
+    for (const bool join : {false, true})
+      for (const auto& step : plan_.steps)
+        if (step.kind == Step::Kind::Operations)
+          join ? join_operations(step) : make_operations(step);
+        else if (has_outputs(step))
+          join ? join_node(step) : make_outputs(step);
     for (const auto& channel : plan_.channels) terminals.channels.push_back(signal(channel.from));
     return terminals;
   }
 
  private:
-  static bool gives(const Step& step) {
+  static bool has_outputs(const Step& step) {
     return step.kind == Step::Kind::Process || step.kind == Step::Kind::Emit;
   }
   const Vertex& vertex(int v) const { return plan_.vertices[index(v)]; }
@@ -55,13 +50,13 @@ class PlanReader {
     if (ports.empty()) ports.assign(index(vertex(v).outputs), -1);
     return ports[index(port)] = graph_.add_signal(prefix_ + name);
   }
-  /// -1: a number, a control, or what is made of nothing else.
+  /// -1: a constant, a control, or a function of these alone.
   int signal(int v, int port) const {
     const auto& ports = places_[index(v)];
     return ports.empty() ? -1 : ports[index(port)];
   }
   int signal(const Wire& wire) const { return signal(wire.vertex, wire.port); }
-  /// What an operand reads; operations on one number have two operands that are the same.
+  /// The wire of an operand; unary operations have two equal operands.
   const Wire& operand(int v, int k) const {
     const auto& in = vertex(v).in;
     return in[std::min(index(k), in.size() - 1)];
@@ -74,7 +69,7 @@ class PlanReader {
   double value(int slot) const { return *plan_.inputs[index(slot)].data; }
 
   void make_outputs(const Step& step) {
-    // What rests goes into a part with a rate of its own, or out of it, as the number that it is.
+    // A constant crosses the border of a part with its own rate as a number.
     const bool crosses = step.divider_in != step.divider_out;
     const auto& from = vertex(step.vertex);
     if (crosses && signal(from.in.front()) < 0) return;
@@ -87,7 +82,7 @@ class PlanReader {
     }
   }
 
-  /// What is made of controls alone moves only when a person moves them.
+  /// Functions of controls alone are constants.
   void make_operations(const Step& step) {
     for (int i = step.first_operation; i < step.first_operation + step.operations; ++i) {
       const auto& operation = plan_.operations[index(i)];
@@ -111,8 +106,8 @@ class PlanReader {
         if (!operands.moves[index(k)]) continue;
         const auto& wire = operand(operation.vertex, k);
         const auto path = path_of(operation.vertex);
-        if (auto bend = corner(path, operation.op, operands, k, derived_.of(source(wire))))
-          graph_.laws.push_back(std::move(*bend));
+        if (auto law = corner(path, operation.op, operands, k, derived_.of(source(wire))))
+          graph_.laws.push_back(std::move(*law));
         const double rest = slope_of(operation.op, operands, k, false);
         const double steep = slope_of(operation.op, operands, k, true);
         graph_.has_touched |= steep != rest;
@@ -147,18 +142,18 @@ class PlanReader {
       at.push_back(value(step.first_in + i));
       moves.push_back(signal(from.in[index(i)]) >= 0);
     }
-    const bool pulls_back = type != nullptr && type->stateless && take_law(step, at, moves);
+    const bool restores = type != nullptr && type->stateless && move_to_regime(step, at, moves);
     for (int i = 0; i < step.inputs; ++i)
       for (int o = 0; moves[index(i)] && o < step.outputs; ++o)
-        if (is_read(step, o)) join_port(step, i, o, at, pulls_back);
+        if (is_read(step, o)) join_port(step, i, o, at, restores);
   }
 
   PlanSignal source(const Step& step, std::size_t input) const {
     return source(vertex(step.vertex).in[input]);
   }
 
-  /// To where the regime looks at a law. Whether it pulls back at some place, as a spring does.
-  bool take_law(const Step& step, std::vector<double>& at, const std::vector<bool>& moves) {
+  /// Moves `at` to the operating point of the regime. Whether the force restores somewhere, as a spring does.
+  bool move_to_regime(const Step& step, std::vector<double>& at, const std::vector<bool>& moves) {
     const auto& node = *plan_.nodes[index(step.node)];
     const auto& type = vertex(step.vertex).type;
     const auto steep = steepest(node, *type, at, moves);
@@ -193,8 +188,8 @@ class PlanReader {
         {path_of(step.vertex), from.source, (steep.at[input] - at[input]) / from.slope, answer});
   }
 
-  /// `pulls_back`: at some place, as a spring does.
-  void join_port(const Step& step, int input, int output, const std::vector<double>& at, bool pulls_back) {
+  /// `restores`: the force restores at some place, as a spring does.
+  void join_port(const Step& step, int input, int output, const std::vector<double>& at, bool restores) {
     const auto& node = plan_.nodes[index(step.node)];
     const auto& from = vertex(step.vertex);
     const auto* type = from.type.get();
@@ -220,16 +215,16 @@ class PlanReader {
     } else if (type != nullptr && type->stateless && *response == 0.0) {
       return;
     } else if (type != nullptr && is_spring(*type, index(input), index(output))) {
-      if (response->real() > 0 && pulls_back) return graph_.unstable_equilibria.push_back(edge.path);
+      if (response->real() > 0 && restores) return graph_.unstable_equilibria.push_back(edge.path);
       return add_stiff(edge, type->name, -response->real());
     }
     graph_.edges.push_back(std::move(edge));
   }
 
-  /// A signal of its own between position and force, where the stiffness can be turned up.
+  /// A signal of its own between position and force, where the stiffness can be scaled.
   void add_stiff(LinearEdge edge, const std::string& type, double stiffness) {
     const int between = graph_.add_signal(edge.path);
-    graph_.stiff.push_back({between, edge.path, type, stiffness, regime_.touched});
+    graph_.stiff.push_back({between, edge.path, type, stiffness});
     graph_.join(between, edge.to);
     edge.to = between;
     graph_.edges.push_back(std::move(edge));
@@ -273,7 +268,7 @@ class PlanReader {
     }
   }
 
-  /// What goes in may come out, with an unknown gain.
+  /// From each input to each output with an unknown gain.
   void skip_network(const Step& step, const std::string& path) {
     graph_.skipped.push_back(path);
     for (int i = 0; i < step.inputs; ++i)

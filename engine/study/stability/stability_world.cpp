@@ -7,7 +7,8 @@
 
 #include "engine/core/dimension.h"
 #include "engine/graph/file/load.h"
-#include "engine/study/stability/frictionless.h"
+#include "engine/nodes/networks/network_elements.h"
+#include "engine/study/sweep/scene_variants.h"
 
 namespace tactus {
 namespace {
@@ -15,9 +16,9 @@ namespace {
 constexpr double kSettleSeconds = 0.05;
 
 /// An instrument whose drives are disconnected.
-class Unheard final : public BlockProcessor {
+class Disconnected final : public BlockProcessor {
  public:
-  explicit Unheard(BlockProcessor& inner) : inner_(inner) {}
+  explicit Disconnected(BlockProcessor& inner) : inner_(inner) {}
   Status prepare(const StreamFormat& format) override {
     outputs_ = format.out_channels;
     return inner_.prepare(format);
@@ -42,7 +43,7 @@ const Dimension kMetre{.metre = 1};
 const Dimension kMetrePerSecond{.metre = 1, .second = -1};
 const Dimension kNewton{.metre = 1, .kilogram = 1, .second = -2};
 
-/// Of each channel that comes in.
+/// The dimension of each input channel.
 std::vector<Dimension> dimensions_of(const GraphSpec& graph) {
   std::vector<Dimension> dimensions;
   for (const auto& input : graph.inputs) {
@@ -58,8 +59,8 @@ std::vector<Dimension> dimensions_of(const GraphSpec& graph) {
 
 bool from_device(const Dimension& dimension) { return dimension == kMetre || dimension == kMetrePerSecond; }
 
-/// The assumed device as a graph of its own: forces go to it, places and speeds come from it, and what is
-/// neither is left open.
+/// The assumed device as a graph: forces act on it, its position and velocity are the sensors; other channels
+/// stay open.
 std::string device_text(const Plan& instrument, const std::vector<Dimension>& sensors,
                         const AssumedDevice& device) {
   std::string inputs, push, outputs;
@@ -111,6 +112,24 @@ Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOpti
   return BuiltScene{std::move(scene)};
 }
 
+/// The same scene without any normal force at the frictions of its networks: its small-signal model is exact
+/// for the rest.
+LoadedScene without_friction(LoadedScene loaded) {
+  if (!loaded.scene) return loaded;
+  loaded.scene = with_networks_changed(
+      std::move(*loaded.scene),
+      [](NetworkSpec& network, const std::string&) {
+        for (auto& element : network.elements) {
+          const auto* type = find_element(element.type);
+          if (type == nullptr || type->force_field.empty()) continue;
+          std::erase_if(element.fields, [&](const Field& field) { return field.key == type->force_field; });
+          element.fields.push_back({type->force_field, element.at, {0.0, element.at}});
+        }
+      },
+      true);
+  return loaded;
+}
+
 }  // namespace
 
 Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options,
@@ -134,12 +153,12 @@ Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const 
   return world;
 }
 
-/// Frame by frame, so that each signal's last value stands at the front of its buffer.
+/// Frame by frame, so that the last value of each signal is at the front of its buffer.
 void RestingWorld::rest() {
   const int frames = static_cast<int>(kSettleSeconds * rate().value);
-  Unheard unheard{*built_.instrument};
+  Disconnected instrument{*built_.instrument};
   ClosedLoop loop{
-      unheard, *built_.plant, built_.instrument->out_channels(), built_.delay_frames, {.on = false}};
+      instrument, *built_.plant, built_.instrument->out_channels(), built_.delay_frames, {.on = false}};
   if (loop.prepare(rate(), 1)) loop.run(frames);
 }
 

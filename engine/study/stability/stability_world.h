@@ -12,12 +12,11 @@
 #include "engine/scene/build_scene.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/study/stability/models/stability_graph.h"
-#include "engine/study/stability/stability_plan.h"
 
 namespace tactus {
 
-/// What an instrument that is looked at without a scene is taken to move: a mass on a damper, pushed by its
-/// forces and telling its position and speed,
+/// The device of an instrument without a scene: a mass on a damper, driven by its forces, whose position and
+/// velocity are its sensors,
 ///     m x'' = F - b x'.
 struct AssumedDevice {
   double mass = 0.050;   ///< [kg]
@@ -29,23 +28,23 @@ struct ClosedGraph {
   LinearGraph graph;
   std::vector<int> drives;  ///< signals between the instrument's outputs and what delays them
   std::vector<std::string> drive_names;
-  /// From a force on what is driven to its position, at any z; empty where nothing is.
+  /// From a force on the driven point to its position, at any z; empty if no point is driven.
   std::function<std::complex<double>(std::complex<double>)> mobility;
 };
 
-/// An input and an output of an instrument between which nothing is known of the outside.
+/// An input and an output of an instrument between which the path outside is not known.
 struct OpenPair {
   std::string input, output;
   int from = -1, to = -1;  ///< in the graph
 };
 
-/// What is to be analysed, and how.
+/// Conditions of the analysis.
 struct WorldOptions {
   std::optional<Hertz> rate;
   Seconds delay = 0_s;
   std::map<std::string, ControlValue> set;
   AssumedDevice device;
-  bool friction = true;  ///< false: of a scene's networks nothing rubs
+  bool friction = true;  ///< false: the networks of the scene have no friction
 };
 
 /// A scene, or an instrument alone: one of the two.
@@ -58,8 +57,8 @@ struct StabilitySubject {
 /// [control] Both engines of a scene; for an instrument alone, the second one is the assumed device.
 Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options, bool vectorise);
 
-/// An instrument in its world that has run for a moment on silence and unheard, so that every signal stands
-/// where it rests: what the instrument does to the world is what is to be judged, and might explode.
+/// An instrument in its world that has run for a moment on silence with its drives disconnected (the closed
+/// loop might be unstable), so that every signal has its resting value.
 class RestingWorld {
  public:
   static Checked<RestingWorld> make(const StabilitySubject& subject, const WorldOptions& options);
@@ -68,10 +67,10 @@ class RestingWorld {
   ClosedGraph closed(const Regime& regime) const;
   /// Of an instrument alone: the inputs and drives that the device does not join.
   std::vector<OpenPair> open_pairs(LinearGraph& graph, const Regime& regime) const;
-  /// The ways that its contacts and laws can be in: at rest, touched, each contact closed.
+  /// Its operating points: at rest, touched, each contact closed.
   std::vector<Regime> regimes(double push) const;
 
-  /// Whether something is known of what lies between outputs and inputs.
+  /// Whether the path from outputs to inputs is known.
   bool outside_known() const;
 
   Hertz rate() const { return instrument().sample_rate; }

@@ -1,6 +1,6 @@
-#include "engine/study/sweep/scene_fingerprint.h"
-
 #include <string>
+
+#include "engine/study/sweep/scene_variants.h"
 
 namespace tactus {
 namespace {
@@ -62,9 +62,9 @@ void add(Fingerprint& print, const DriveLimits& limits) {
     for (const double number : {heat->watts_at_full_scale, heat->watts_for_ever, heat->coil_time.value,
                                 heat->body_time.value, heat->coil_share})
       print.add(number);
-  if (const auto& travel = limits.excursion)
+  if (const auto& excursion = limits.excursion)
     for (const double number :
-         {travel->metres, travel->metres_at_full_scale, travel->resonance.value, travel->q})
+         {excursion->metres, excursion->metres_at_full_scale, excursion->resonance.value, excursion->q})
       print.add(number);
 }
 

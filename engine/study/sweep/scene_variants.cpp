@@ -58,7 +58,7 @@ struct Draw {
 bool is_material(const ElementType& type, const std::string& field) {
   const auto found = std::find_if(type.fields.begin(), type.fields.end(),
                                   [&](const ElementField& known) { return known.name == field; });
-  return found != type.fields.end() && !found->signal &&
+  return found != type.fields.end() && !found->late &&
          std::find(kPlaces.begin(), kPlaces.end(), field) == kPlaces.end();
 }
 
@@ -78,10 +78,6 @@ std::shared_ptr<const GraphSpec> changed(const GraphSpec& graph, const std::stri
   return copy;
 }
 
-void change_part(ScenePart& part, const NetworkChange& change) {
-  if (part.graph != nullptr) part.graph = changed(*part.graph, part.name, change);
-}
-
 bool any_network(const GraphSpec& graph, const std::function<bool(const NetworkSpec&)>& condition) {
   return std::any_of(graph.networks.begin(), graph.networks.end(), condition) ||
          std::any_of(graph.parts.begin(), graph.parts.end(),
@@ -94,76 +90,40 @@ bool any_network(const SceneSpec& scene, const std::function<bool(const NetworkS
   });
 }
 
-using ConstantVisit = std::function<void(const std::string& name)>;
+/// Gets each constant with its name; true: it was changed, and no further one is visited.
+using ConstantVisit = std::function<bool(const std::string& name, Value& value)>;
 
-void visit_fields(const NodeSpec& node, const std::string& path, const ConstantVisit& visit) {
-  for (const auto& field : node.fields)
-    if (read_quantity(field.value)) visit(path + "." + field.key);
+bool visit_fields(NodeSpec& node, const std::string& path, const ConstantVisit& visit) {
+  return std::any_of(node.fields.begin(), node.fields.end(), [&](Field& field) {
+    return read_quantity(field.value) && visit(path + "." + field.key, field.value);
+  });
 }
 
-void visit_constants(const GraphSpec& graph, const std::string& path, const ConstantVisit& visit) {
-  for (const auto& node : graph.nodes) {
+/// A part that is used twice is changed in one place only.
+bool visit_constants(GraphSpec& graph, const std::string& path, const ConstantVisit& visit) {
+  for (auto& node : graph.nodes) {
     const auto name = path + "." + node.name;
     if (const auto part = graph.parts.find(node.use); part != graph.parts.end())
-      visit_constants(*part->second, name, visit);
-    visit_fields(node, name, visit);
-    if (node.value && read_quantity(*node.value)) visit(name);
-  }
-  for (const auto& network : graph.networks)
-    for (const auto& element : network.elements)
-      visit_fields(element, path + "." + network.name + "." + element.name, visit);
-}
-
-/// Whether `name` is "path" or begins with "path."; then without it.
-bool take_prefix(std::string_view& name, std::string_view path) {
-  if (!name.starts_with(path)) return false;
-  if (name.size() > path.size() && name[path.size()] != '.') return false;
-  name.remove_prefix(std::min(name.size(), path.size() + 1));
-  return true;
-}
-
-bool set_field(NodeSpec& node, std::string_view key, const Value& value) {
-  for (auto& field : node.fields)
-    if (field.key == key) {
-      field.value.data = value.data;
-      return true;
-    }
-  return false;
-}
-
-bool set_constant(GraphSpec& graph, std::string_view name, const Value& value) {
-  for (auto& node : graph.nodes) {
-    auto rest = name;
-    if (!take_prefix(rest, node.name)) continue;
-    if (rest.empty() && node.value) return node.value->data = value.data, true;
-    if (set_field(node, rest, value)) return true;
-    const auto part = graph.parts.find(node.use);
-    if (part == graph.parts.end()) continue;
-    auto copy = std::make_shared<GraphSpec>(*part->second);
-    if (!set_constant(*copy, rest, value)) continue;
-    node.use += "#" + node.name;
-    graph.parts[node.use] = std::move(copy);
-    return true;
+      if (auto copy = std::make_shared<GraphSpec>(*part->second); visit_constants(*copy, name, visit)) {
+        node.use += "#" + node.name;
+        graph.parts[node.use] = std::move(copy);
+        return true;
+      }
+    if (visit_fields(node, name, visit)) return true;
+    if (node.value && read_quantity(*node.value) && visit(name, *node.value)) return true;
   }
   for (auto& network : graph.networks)
-    for (auto& element : network.elements) {
-      auto rest = name;
-      if (take_prefix(rest, network.name + "." + element.name) && set_field(element, rest, value))
-        return true;
-    }
+    for (auto& element : network.elements)
+      if (visit_fields(element, path + "." + network.name + "." + element.name, visit)) return true;
   return false;
-}
-
-SceneSpec with_world_changed(SceneSpec scene, const NetworkChange& change) {
-  for (auto& part : scene.parts)
-    if (part.name != "instrument") change_part(part, change);
-  return scene;
 }
 
 }  // namespace
 
-SceneSpec with_networks_changed(SceneSpec scene, const NetworkChange& change) {
-  for (auto& part : scene.parts) change_part(part, change);
+SceneSpec with_networks_changed(SceneSpec scene, const NetworkChange& change, bool instrument) {
+  for (auto& part : scene.parts)
+    if (part.graph != nullptr && (instrument || part.name != "instrument"))
+      part.graph = changed(*part.graph, part.name, change);
   return scene;
 }
 
@@ -175,9 +135,12 @@ SceneSpec with_actuator_gain(SceneSpec scene, double gain) {
 }
 
 SceneSpec with_plant_drawn(SceneSpec scene, double within, std::uint64_t seed) {
-  return with_world_changed(std::move(scene), [&](NetworkSpec& network, const std::string& path) {
-    for (auto& element : network.elements) redraw(element, path + "." + element.name, {within, seed});
-  });
+  return with_networks_changed(
+      std::move(scene),
+      [&](NetworkSpec& network, const std::string& path) {
+        for (auto& element : network.elements) redraw(element, path + "." + element.name, {within, seed});
+      },
+      false);
 }
 
 SceneSpec with_gesture_scaled(SceneSpec scene, const std::string& gesture, double factor) {
@@ -196,37 +159,48 @@ SceneSpec with_gesture_held(SceneSpec scene, const std::string& gesture, double 
 std::vector<std::string> constant_names(const SceneSpec& scene) {
   std::vector<std::string> names;
   for (const auto& part : scene.parts)
-    if (part.graph != nullptr)
-      visit_constants(*part.graph, part.name, [&](const std::string& name) { names.push_back(name); });
+    if (part.graph != nullptr) {
+      GraphSpec copy = *part.graph;
+      visit_constants(copy, part.name, [&](const std::string& name, Value&) {
+        names.push_back(name);
+        return false;
+      });
+    }
   return names;
 }
 
 SceneSpec with_constant(SceneSpec scene, const std::string& name, const ControlValue& value) {
-  const Value written{value.dimension
-                          ? decltype(Value::data){fmt::format("{} {}", value.si, to_string(*value.dimension))}
-                          : decltype(Value::data){value.si},
-                      {}};
+  const auto set = [&](const std::string& candidate, Value& constant) {
+    if (candidate != name) return false;
+    if (value.dimension)
+      constant.data = fmt::format("{} {}", value.si, to_string(*value.dimension));
+    else
+      constant.data = value.si;
+    return true;
+  };
   for (auto& part : scene.parts) {
-    std::string_view rest = name;
-    if (part.graph == nullptr || !take_prefix(rest, part.name)) continue;
+    if (part.graph == nullptr || !name.starts_with(part.name + ".")) continue;
     auto copy = std::make_shared<GraphSpec>(*part.graph);
-    if (set_constant(*copy, rest, written)) part.graph = std::move(copy);
+    if (visit_constants(*copy, part.name, set)) part.graph = std::move(copy);
   }
   return scene;
 }
 
 SceneSpec with_network_option(SceneSpec scene, const std::string& key, decltype(Value::data) value) {
-  return with_world_changed(std::move(scene), [&](NetworkSpec& network, const std::string&) {
-    std::erase_if(network.options, [&](const Field& field) { return field.key == key; });
-    network.options.push_back({key, network.at, {value, network.at}});
-  });
+  return with_networks_changed(
+      std::move(scene),
+      [&](NetworkSpec& network, const std::string&) {
+        std::erase_if(network.options, [&](const Field& field) { return field.key == key; });
+        network.options.push_back({key, network.at, {value, network.at}});
+      },
+      false);
 }
 
 std::vector<std::string> stepping_solvers() {
-  std::vector<std::string> words;
+  std::vector<std::string> names;
   for (const auto solver : kSolvers)
-    if (solver != Solver::Auto && solver != Solver::Reference) words.emplace_back(name_of(solver));
-  return words;
+    if (solver != Solver::Auto && solver != Solver::Reference) names.emplace_back(name_of(solver));
+  return names;
 }
 
 bool is_linear(const SceneSpec& scene) {

@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <mutex>
 
+#include "engine/core/index.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/scene/measures/measure.h"
-#include "engine/study/sweep/parallel_for.h"
-#include "engine/study/sweep/run_cache.h"
-#include "engine/study/sweep/scene_fingerprint.h"
 #include "engine/study/sweep/scene_variants.h"
 
 namespace tactus {
@@ -47,15 +43,26 @@ Error unknown_name(const SceneSpec& scene, const std::string& name) {
   return {Errc::UnknownName, "--over", "the scene has no quantity '" + name + "'", remedy};
 }
 
-/// Values that must be times, rates or counts.
-Status check_range(const SweptValue& swept, const Dimension& dimension, double low, double high,
-                   const char* range) {
+/// Quantities that every scene has, with their limits.
+struct SceneQuantity {
+  const char* name;
+  What what;
+  Dimension dimension;
+  double low, high;
+  const char* range;
+};
+const SceneQuantity kSceneQuantities[] = {
+    {"delay", What::Delay, {.second = 1}, 0, 1, "choose 0 s to 1 s"},
+    {"rate", What::Rate, {.second = -1}, 1e3, 768e3, "choose 1 kHz to 768 kHz"},
+    {"oversample", What::Oversample, {}, 1, 64, "choose 1 to 64"}};
+
+Status check_range(const SweptValue& swept, const SceneQuantity& quantity) {
   for (const auto& value : swept.values) {
-    if (value.dimension && !(*value.dimension == dimension))
-      return fail(Errc::UnitMismatch, "--over", "'" + swept.name + "' has another unit", range);
-    if (!(value.si >= low && value.si <= high))
+    if (value.dimension && !(*value.dimension == quantity.dimension))
+      return fail(Errc::UnitMismatch, "--over", "'" + swept.name + "' has another unit", quantity.range);
+    if (!(value.si >= quantity.low && value.si <= quantity.high))
       return fail(Errc::OutOfRange, "--over",
-                  fmt::format("'{}' = {:g} is out of range", swept.name, value.si), range);
+                  fmt::format("'{}' = {:g} is out of range", swept.name, value.si), quantity.range);
   }
   return {};
 }
@@ -93,7 +100,7 @@ void apply(Sweep::Run& run, const SweptValue& swept, double si) {
       scene.rate = Hertz{si};
       break;
     case What::Solver:
-      scene = with_network_option(std::move(scene), "solver", swept.words[static_cast<std::size_t>(si)]);
+      scene = with_network_option(std::move(scene), "solver", swept.names[static_cast<std::size_t>(si)]);
       break;
     case What::Oversample:
       scene = with_network_option(std::move(scene), "oversample", si);
@@ -130,20 +137,16 @@ Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
   const auto is_in = [&](const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
+  const auto* quantity = std::find_if(std::begin(kSceneQuantities), std::end(kSceneQuantities),
+                                      [&](const SceneQuantity& known) { return name == known.name; });
   Status status;
   if (scene.gesture(name) != nullptr) {
     swept.what = swept.values.front().dimension ? What::Held : What::Scaled;
   } else if (is_in(controls)) {
     swept.what = What::Control;
-  } else if (name == "delay") {
-    swept.what = What::Delay;
-    status = check_range(swept, {.second = 1}, 0, 1, "choose 0 s to 1 s");
-  } else if (name == "rate") {
-    swept.what = What::Rate;
-    status = check_range(swept, {.second = -1}, 1e3, 768e3, "choose 1 kHz to 768 kHz");
-  } else if (name == "oversample") {
-    swept.what = What::Oversample;
-    status = check_range(swept, {}, 1, 64, "choose 1 to 64");
+  } else if (quantity != std::end(kSceneQuantities)) {
+    swept.what = quantity->what;
+    status = check_range(swept, *quantity);
   } else if (is_in(constants)) {
     swept.what = What::Constant;
   } else {
@@ -154,13 +157,13 @@ Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
   return swept;
 }
 
-Result<SweptValue> swept_solvers(const std::vector<std::string>& words) {
+Result<SweptValue> swept_solvers(const std::vector<std::string>& names, const char* option) {
   const auto known = stepping_solvers();
-  SweptValue swept{"solver", {}, What::Solver, words};
-  for (std::size_t i = 0; i < words.size(); ++i) {
+  SweptValue swept{"solver", {}, What::Solver, names};
+  for (std::size_t i = 0; i < names.size(); ++i) {
     swept.values.emplace_back(static_cast<double>(i));
-    if (std::find(known.begin(), known.end(), words[i]) == known.end())
-      return fail(Errc::UnknownName, "--over", "there is no solver '" + words[i] + "'",
+    if (std::find(known.begin(), known.end(), names[i]) == known.end())
+      return fail(Errc::UnknownName, option, "there is no solver '" + names[i] + "'",
                   "the solvers are " + listed(known));
   }
   return swept;
@@ -219,44 +222,12 @@ Checked<void> Sweep::check() const {
 }
 
 Checked<std::vector<SweepPoint>> Sweep::evaluate(const Evaluate& evaluate, const std::string& key) {
-  RunCache cache;
-  if (!plan_.cache.empty()) {
-    auto opened = RunCache::open(
-        plan_.cache, plan_.parts == 1 ? std::string{"runs.jsonl"}
-                                      : fmt::format("part_{}_of_{}.jsonl", plan_.part + 1, plan_.parts));
-    if (!opened) return tl::unexpected(std::vector{opened.error()});
-    cache = std::move(*opened);
-  }
+  auto results = evaluate_runs(
+      plan_, static_cast<int>(points_.size()), [&](int i) { return cache_key(key, run_of(index(i))); },
+      [&](int i) { return evaluate(run_of(index(i))); });
+  if (!results) return tl::unexpected(results.error());
   auto points = points_;
-  std::mutex failing;
-  std::atomic<bool> failed = false;
-  std::vector<Error> errors;
-  const auto take = [&](int i) {
-    const auto number = static_cast<std::size_t>(i);
-    const bool mine = i % plan_.parts == plan_.part;
-    if (plan_.cache.empty() && (!mine || failed || (plan_.stop && plan_.stop()))) return;
-    const auto run = run_of(number);
-    const auto run_key = plan_.cache.empty() ? 0 : cache_key(key, run);
-    points[number].result = cache.find(run_key);
-    if (points[number].result || !mine || failed || (plan_.stop && plan_.stop())) return;
-    auto result = evaluate(run);
-    if (result)
-      if (auto status = cache.keep(run_key, *result); !status)
-        result = tl::unexpected(std::vector{status.error()});
-    if (result) {
-      points[number].result = std::move(*result);
-      return;
-    }
-    const std::lock_guard lock{failing};
-    if (!failed.exchange(true)) errors = std::move(result.error());
-  };
-  parallel_for(
-      static_cast<int>(points.size()), take,
-      [&](double share) {
-        if (plan_.progress) plan_.progress(share);
-      },
-      plan_.workers);
-  if (!errors.empty()) return tl::unexpected(std::move(errors));
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].result = std::move((*results)[i]);
   return points;
 }
 
@@ -296,10 +267,10 @@ Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& tabl
   for (const auto& measure : measures)
     key += fmt::format("|{} {} {} {}", measure.what.measure, measure.what.of,
                        measure.what.from_s.value_or(-1), measure.what.to_s.value_or(-1));
-  const auto measure_run = [&](const Sweep::Run& run) -> Checked<std::vector<double>> {
+  const auto measure_run = [&](const Sweep::Run& run) -> Checked<RunResult> {
     const auto recording = play_run(run, table);
     if (!recording) return tl::unexpected(recording.error());
-    std::vector<double> values;
+    RunResult values;
     for (const auto& swept : measures) {
       const auto value = measure(*recording, swept.what);
       if (!value) return tl::unexpected(std::vector{value.error()});
@@ -312,12 +283,25 @@ Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& tabl
   return SweepTable{scene.name, plan.over, measures, sweep.variants(), std::move(*points)};
 }
 
-std::string value_text(const SweptValue& swept, std::size_t index) {
-  const auto& value = swept.values[index];
-  if (!swept.words.empty()) return swept.words[index];
-  const auto digits = fmt::format("{:.3g}", value.si);
+std::string value_text(const SweptValue& swept, double si) {
+  if (!swept.names.empty()) return swept.names[static_cast<std::size_t>(si)];
+  const auto digits = fmt::format("{:.3g}", si);
   if (swept.what == What::Scaled) return "x " + digits;
-  return value.dimension ? short_quantity(std::stod(digits), *value.dimension) : digits;
+  const auto& dimension = swept.values.front().dimension;
+  return dimension ? short_quantity(std::stod(digits), *dimension) : digits;
+}
+
+std::vector<std::string> value_texts(const SweptValue& swept) {
+  std::vector<std::string> texts;
+  for (const auto& value : swept.values) texts.push_back(value_text(swept, value.si));
+  return texts;
+}
+
+std::string setting_text(const std::vector<SweptValue>& over, const std::vector<double>& at) {
+  std::string text;
+  for (std::size_t i = 0; i < over.size(); ++i)
+    text += fmt::format("{}{} {}", i == 0 ? "" : ", ", over[i].name, value_text(over[i], at[i]));
+  return text;
 }
 
 }  // namespace tactus

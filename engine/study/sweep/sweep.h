@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -10,9 +9,11 @@
 
 #include "engine/core/error.h"
 #include "engine/graph/node_type.h"
+#include "engine/plot/plot.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/file/scene_spec.h"
 #include "engine/scene/play_scene.h"
+#include "engine/study/sweep/evaluate_runs.h"
 
 // Thread: [control]
 
@@ -36,45 +37,39 @@ struct SweptValue {
   std::string name;
   std::vector<ControlValue> values;  ///< SI, or factors
   What what = What::Control;
-  std::vector<std::string> words = {};  ///< of a solver; the values count them
+  std::vector<std::string> names = {};  ///< of solvers; the values are their indices
 };
 /// The quantity of this name. Errors: UnknownName with the nearest name; BadArgument of a control that a
 /// gesture moves; UnitMismatch; OutOfRange.
 Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
                               std::vector<ControlValue> values);
-/// The solvers of these names. Errors: UnknownName.
-Result<SweptValue> swept_solvers(const std::vector<std::string>& words);
-/// Of what a caller filled in: BadArgument of a control that a gesture moves; UnitMismatch of a held gesture.
+/// The solvers of these names. Errors, at `option`: UnknownName.
+Result<SweptValue> swept_solvers(const std::vector<std::string>& names, const char* option = "--over");
+/// Errors: BadArgument of a control that a gesture moves; UnitMismatch of a held gesture.
 Status check_swept(const SceneSpec& scene, const SweptValue& swept);
 
 /// All combinations of some values, each with several actuators and plants.
-struct SweepPlan {
+struct SweepPlan : RunPlan {
   std::vector<SweptValue> over;             ///< the last one varies fastest
   std::map<std::string, ControlValue> set;  ///< as SceneOptions::set, in every run
   std::vector<double> gains;                ///< other strengths of the actuator, besides 1
   int draws = 0;                            ///< other samples of the plant
   double within = 0.2;                      ///< how far their quantities are from the file's
   std::uint64_t seed = 1;                   ///< of the draws
-  int workers = 0;                          ///< threads; 0: one per core
-  int part = 0, parts = 1;                  ///< only runs whose number is `part` modulo `parts` are played
-  std::filesystem::path cache = {};         ///< folder of finished runs; empty: none
-  std::function<void(double)> progress = {};
-  std::function<bool()> stop = {};  ///< true: no further run is begun
 };
 
 inline constexpr auto kAsWritten = "as written";
 
 /// One run of a sweep.
 struct SweepPoint {
-  std::vector<double> at;                     ///< one for each swept quantity, SI
-  std::string variant;                        ///< "as written", "actuator x 2", "draw 17"
-  std::optional<std::vector<double>> result;  ///< nothing: not played
+  std::vector<double> at;           ///< one for each swept quantity, SI
+  std::string variant;              ///< "as written", "actuator x 2", "draw 17"
+  std::optional<RunResult> result;  ///< nullopt: not played
 
   bool as_written() const { return variant == kAsWritten; }
 };
 
-/// Plays a scene at every point of a plan. The result depends neither on the number of workers nor on
-/// interruptions.
+/// Plays a scene at every point of a plan.
 class Sweep {
  public:
   /// The three must outlive this.
@@ -94,10 +89,9 @@ class Sweep {
   /// Compiles the scene at every single value and with every variant. Errors: those of the scene.
   Checked<void> check() const;
 
-  using Evaluate = std::function<Checked<std::vector<double>>(const Run&)>;
-  /// Calls `evaluate` from several threads, for each point that is not in the cache. `key` says what is
-  /// evaluated; cached runs of another key do not count. Errors: the first one of `evaluate`; BadFile of the
-  /// cache.
+  using Evaluate = std::function<Checked<RunResult>(const Run&)>;
+  /// Results of all points by `evaluate_runs`. `key` names what is evaluated; cached runs of another key do
+  /// not count.
   Checked<std::vector<SweepPoint>> evaluate(const Evaluate& evaluate, const std::string& key);
 
  private:
@@ -136,13 +130,20 @@ struct SweepTable {
   std::vector<SweptMeasure> measures;
   std::vector<std::string> variants;
   std::vector<SweepPoint> points;
-
-  bool complete() const { return finished(points) == std::ssize(points); }
 };
 Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan,
                                    const std::vector<SweptMeasure>& measures);
 
 /// A value of a swept quantity with its unit: "1.2 m", "x 0.5", "passive".
-std::string value_text(const SweptValue& swept, std::size_t index);
+std::string value_text(const SweptValue& swept, double si);
+/// All of them.
+std::vector<std::string> value_texts(const SweptValue& swept);
+/// The values of a point: "strength 0.2, weight x 0.5".
+std::string setting_text(const std::vector<SweptValue>& over, const std::vector<double>& at);
+
+/// [any] A complete sweep as plots. One swept quantity: a line per measure. Two: a map per measure, the first
+/// across; each combination of further ones has plots of its own, twelve at most. With draws: their measures
+/// as points beside the scene as written.
+std::vector<Plot> plots_of(const SweepTable& table);
 
 }  // namespace tactus

@@ -1,22 +1,15 @@
-#include "engine/study/sweep/sweep_plot.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "engine/scene/measures/measure.h"
+#include "engine/study/sweep/sweep.h"
 
 namespace tactus {
 namespace {
 
 constexpr std::size_t kMostPlots = 12;
-
-std::vector<std::string> names_of(const SweptValue& swept) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < swept.values.size(); ++i) names.push_back(value_text(swept, i));
-  return names;
-}
 
 /// Values that grow by equal factors, three or more.
 bool is_geometric(const SweptValue& swept) {
@@ -34,8 +27,8 @@ PlotAxis axis_of(const SweptValue& swept) {
   if (swept.what == SweptValue::What::Delay) axis.unit = "s";
   if (swept.what == SweptValue::What::Rate) axis.unit = "Hz";
   if (swept.what == SweptValue::What::Scaled) axis.label += " (factor)";
-  for (std::size_t i = 0; i < swept.words.size(); ++i)
-    axis.label += fmt::format("{} {} {}", i == 0 ? ":" : ",", i, swept.words[i]);
+  for (std::size_t i = 0; i < swept.names.size(); ++i)
+    axis.label += fmt::format("{} {} {}", i == 0 ? ":" : ",", i, swept.names[i]);
   axis.log = is_geometric(swept);
   return axis;
 }
@@ -78,26 +71,14 @@ Plot maps(const SweepTable& table, std::size_t first) {
     plot.subplots.push_back(
         {.y = {.label = fmt::format("{}{}, over {}", axis.label,
                                     axis.unit.empty() ? "" : " [" + axis.unit + "]", table.over[1].name)},
-         .map = value_map(names_of(table.over[0]), names_of(table.over[1]), values)});
+         .map = value_map(value_texts(table.over[0]), value_texts(table.over[1]), values)});
   }
   return plot;
 }
 
-std::string setting_text(const SweepTable& table, const SweepPoint& point) {
-  std::string text;
-  for (std::size_t i = 2; i < table.over.size(); ++i) {
-    const auto& values = table.over[i].values;
-    const auto value =
-        std::find_if(values.begin(), values.end(), [&](const auto& v) { return v.si == point.at[i]; });
-    text += fmt::format(", {} {}", table.over[i].name,
-                        value_text(table.over[i], static_cast<std::size_t>(value - values.begin())));
-  }
-  return text;
-}
-
 }  // namespace
 
-std::vector<Plot> sweep_plots(const SweepTable& table) {
+std::vector<Plot> plots_of(const SweepTable& table) {
   if (table.over.size() < 2) {
     Plot plot{.title = table.scene};
     plot.x = table.over.empty() ? PlotAxis{.label = "draw"} : axis_of(table.over[0]);
@@ -109,7 +90,10 @@ std::vector<Plot> sweep_plots(const SweepTable& table) {
   const auto settings = table.points.size() / (table.over[0].values.size() * table.over[1].values.size());
   for (std::size_t first = 0; first < settings && page.size() < kMostPlots; first += step) {
     page.push_back(maps(table, first));
-    page.back().title += setting_text(table, table.points[first]);
+    const auto& at = table.points[first].at;
+    if (at.size() > 2)
+      page.back().title +=
+          ", " + setting_text({table.over.begin() + 2, table.over.end()}, {at.begin() + 2, at.end()});
   }
   return page;
 }

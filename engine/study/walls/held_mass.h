@@ -1,6 +1,10 @@
 #pragma once
+// Thread: [any]
 
+#include <algorithm>
 #include <cmath>
+
+#include "engine/core/units.h"
 
 namespace tactus {
 
@@ -30,6 +34,19 @@ struct HeldMass {
     }
     return sum;
   }
+};
+
+/// A delay in whole frames and a fraction from 0 to below 1. Within a billionth of a frame it is whole.
+struct SplitDelay {
+  SplitDelay(Seconds delay, Hertz rate) {
+    const double frames = frames_in(delay, rate);
+    whole = static_cast<int>(std::floor(frames + 1e-9));
+    fraction = std::max(0.0, frames - whole);
+    if (fraction < 1e-9) fraction = 0;
+  }
+
+  int whole;
+  double fraction;
 };
 
 }  // namespace tactus

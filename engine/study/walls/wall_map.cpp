@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "engine/core/find_root.h"
-#include "engine/study/sweep/parallel_for.h"
-#include "engine/study/walls/wall_border.h"
+#include "engine/core/named.h"
+#include "engine/graph/file/quantity.h"
+#include "engine/graph/file/read_graph.h"
+#include "engine/graph/plan/fingerprint.h"
 
 namespace tactus {
 namespace {
@@ -25,26 +27,31 @@ std::vector<double> spread(double low, double high, int per_decade) {
   return values;
 }
 
-WallLimit limit_of(const WallDevice& device, const WallLoop& loop) {
-  WallLimit limit{.loop = loop};
+/// Border and frequency, then the trends below and above it.
+std::vector<double> border_run(const WallDevice& device, const WallLoop& loop) {
   const auto border = wall_border(device, loop);
-  limit.stiffest = border.stiffness;
-  limit.formula = stiffest_by_damping(device, loop);
-  limit.passive = stiffest_passive(device, loop);
-  limit.cycle = border.frequency;
-  if (border.stiffness <= 0) return limit;
+  std::vector<double> numbers{border.stiffness, border.frequency.value};
   // The border is that of the linear loop, so a linear simulation confirms it.
   WallRun run{.device = {.mass = device.mass, .damping = device.damping}, .loop = loop};
-  const auto trend_at = [&](double part) {
-    run.stiffness = part * border.stiffness;
-    return trend_of(WallSimulation{run, kStart_m, 0}, border.frequency, loop.rate);
-  };
-  limit.below = trend_at(1 - kAside);
-  limit.above = trend_at(1 + kAside);
-  return limit;
+  for (const double side : {1 - kAside, 1 + kAside}) {
+    run.stiffness = side * border.stiffness;
+    numbers.push_back(static_cast<double>(
+        border.stiffness > 0 ? trend_of(WallSimulation{run, kStart_m, 0}, border.frequency, loop.rate)
+                             : LoopTrend::Undecided));
+  }
+  return numbers;
 }
 
-/// The stiffness at which a start of some counts no longer dies, as the simulation finds it.
+void set_limit(WallLimit& limit, const WallDevice& device, const std::vector<double>& numbers) {
+  limit.stiffest = numbers[0];
+  limit.formula = stiffest_by_damping(device, limit.loop);
+  limit.passive = stiffest_passive(device, limit.loop);
+  limit.cycle = Hertz{numbers[1]};
+  limit.below = static_cast<LoopTrend>(numbers[2]);
+  limit.above = static_cast<LoopTrend>(numbers[3]);
+}
+
+/// Smallest stiffness at which an oscillation of some counts no longer decays in the simulation.
 double border_with_steps(const WallDevice& device, const WallLimit& limit, int bits) {
   WallRun run{.device = device, .loop = limit.loop, .bits = bits};
   run.device.friction = 0;
@@ -72,76 +79,86 @@ std::optional<FixedPoint> fixed_point_of(const WallDevice& device, const WallLim
   return fixed;
 }
 
-/// A place on the map that is still empty.
-struct Job {
-  const WallDevice* device;
-  WallLoop loop;
-  WallLimit* limit;
+/// All points of the study, not computed yet.
+WallMap empty_map(const WallStudy& study) {
+  WallMap map{.devices = study.devices, .rate = study.rate, .by_delay = {}, .by_rate = {}, .controllers = {}};
+  std::vector<WallLimit> by_delay, by_rate;
+  for (const double delay : spread(kShortest_s, kLongest_s, study.points_per_decade))
+    by_delay.push_back({.loop = {study.rate, Seconds{delay}, study.damping}});
+  for (const double rate : spread(kSlowest_Hz, kFastest_Hz, study.points_per_decade))
+    by_rate.push_back({.loop = {Hertz{rate}, Seconds{1 / rate}, study.damping}});
+  map.by_delay.assign(study.devices.size(), by_delay);
+  map.by_rate.assign(study.devices.size(), by_rate);
+  for (const auto& controller : study.controllers) {
+    const WallLimit limit{.loop = {controller.rate, controller.delay, study.damping}};
+    map.controllers.push_back({controller, std::vector(study.devices.size(), limit), {}});
+  }
+  map.friction_limit = stiffest_by_friction(study.devices.front().device);
+  return map;
+}
+
+template <class Map, class Visit>
+void for_each_limit(Map& map, const Visit& visit) {
+  for (std::size_t d = 0; d < map.devices.size(); ++d) {
+    for (auto* curves : {&map.by_delay, &map.by_rate})
+      for (auto& limit : (*curves)[d]) visit(map.devices[d].device, limit);
+    for (auto& controller : map.controllers) visit(map.devices[d].device, controller.limits[d]);
+  }
+}
+
+std::uint64_t cache_key(const WallDevice& device, const WallLoop& loop) {
+  Fingerprint print;
+  for (const double number : {device.mass, device.damping, loop.rate.value, loop.delay.value, loop.damping})
+    print.add(number);
+  return print.add("wall").value();
+}
+
+struct DeviceControl {
+  const char *name, *unit;
+  double* value;
+  bool required;
 };
 
-class Mapping {
- public:
-  explicit Mapping(const WallStudy& study) : study_(study) {
-    map_.devices = study.devices;
-    map_.rate = study.rate;
-    map_.friction_limit = stiffest_by_friction(study.devices.front().device);
-    for (const auto& controller : study.controllers) map_.controllers.push_back({controller, {}, {}});
-    for (auto& controller : map_.controllers) controller.limits.resize(study.devices.size());
-    map_.by_delay.resize(study.devices.size());
-    map_.by_rate.resize(study.devices.size());
+/// The value of a control; nullopt if the plant has none of that name.
+Result<std::optional<double>> setting_of(const ScenePart& plant, const DeviceControl& expected) {
+  const auto* control = find_named(plant.graph->controls, expected.name);
+  if (control == nullptr) return std::nullopt;
+  const auto* wire = find(plant.wires, expected.name);
+  if (wire == nullptr) {
+    ErrorList reported_elsewhere;
+    return std::optional{read_control(*control, reported_elsewhere).control.value};
   }
-
-  WallMap run(const std::function<void(double)>& progress) {
-    for (std::size_t d = 0; d < study_.devices.size(); ++d) plan(d);
-    parallel_for(
-        static_cast<int>(jobs_.size()),
-        [&](int i) {
-          const auto& job = jobs_[static_cast<std::size_t>(i)];
-          *job.limit = limit_of(*job.device, job.loop);
-        },
-        [&](double share) {
-          if (progress) progress(share);
-        });
-    for (auto& [controller, limits, fixed] : map_.controllers)
-      fixed = fixed_point_of(study_.devices.front().device, limits.front(), controller.bits);
-    return std::move(map_);
-  }
-
- private:
-  void plan(std::size_t d) {
-    const auto delays = spread(kShortest_s, kLongest_s, study_.points_per_decade);
-    const auto rates = spread(kSlowest_Hz, kFastest_Hz, study_.points_per_decade);
-    auto &by_delay = map_.by_delay[d], &by_rate = map_.by_rate[d];
-    by_delay.resize(delays.size());
-    by_rate.resize(rates.size());
-    for (std::size_t i = 0; i < delays.size(); ++i) add(d, {study_.rate, Seconds{delays[i]}}, by_delay[i]);
-    for (std::size_t i = 0; i < rates.size(); ++i)
-      add(d, {Hertz{rates[i]}, Seconds{1 / rates[i]}}, by_rate[i]);
-    for (auto& [controller, limits, fixed] : map_.controllers)
-      add(d, {controller.rate, controller.delay}, limits[d]);
-  }
-  void add(std::size_t device, WallLoop loop, WallLimit& limit) {
-    loop.damping = study_.damping;
-    jobs_.push_back({&study_.devices[device].device, loop, &limit});
-  }
-
-  const WallStudy& study_;
-  WallMap map_;
-  std::vector<Job> jobs_;
-};
-
-template <class Count>
-int sum_over(const WallMap& map, const Count& count) {
-  int sum = 0;
-  for (const auto* curves : {&map.by_delay, &map.by_rate})
-    for (const auto& curve : *curves)
-      sum += static_cast<int>(std::count_if(curve.begin(), curve.end(), count));
-  for (const auto& controller : map.controllers)
-    sum += static_cast<int>(std::count_if(controller.limits.begin(), controller.limits.end(), count));
-  return sum;
+  const auto number = read_quantity(*wire, parse_unit(expected.unit).value_or(Unit{}), expected.name);
+  if (number) return std::optional{*number};
+  return fail(Errc::WrongType, wire->at.text(),
+              std::string{"'"} + expected.name + "' of the plant must be a quantity for this study",
+              std::string{"write "} + expected.name + " = \"" + "1 " + expected.unit + "\"");
 }
 
 }  // namespace
+
+Result<SceneDevice> device_of(const SceneSpec& scene) {
+  SceneDevice device;
+  auto& bare = device.bare;
+  const auto* plant = scene.part("plant");
+  for (const auto& expected : {DeviceControl{"mass", "kg", &bare.mass, true},
+                               {"damping", "N s/m", &bare.damping, true},
+                               {"friction", "N", &bare.friction, false},
+                               {"step", "m", &bare.quantum, false},
+                               {"force_limit", "N", &bare.force_limit, false},
+                               {"hand_mass", "kg", &device.hand_mass, false},
+                               {"hand_damping", "N s/m", &device.hand_damping, false}}) {
+    const auto setting = setting_of(*plant, expected);
+    if (!setting) return tl::unexpected(setting.error());
+    if (*setting)
+      *expected.value = **setting;
+    else if (expected.required)
+      return fail(Errc::Missing, plant->at.text(),
+                  std::string{"the plant has no control '"} + expected.name + "'",
+                  "give the device with --mass and --damping instead of a scene");
+  }
+  return device;
+}
 
 std::vector<WallController> controllers_of_the_paper() {
   return {{"ATMEL", 20_kHz, Seconds{50e-6}, 16},
@@ -153,14 +170,39 @@ std::vector<WallController> controllers_of_the_paper() {
 }
 
 int WallMap::borders() const {
-  return sum_over(*this, [](const WallLimit& limit) { return limit.stiffest > 0; });
+  int sum = 0;
+  for_each_limit(*this, [&](const WallDevice&, const WallLimit& limit) { sum += limit.stiffest > 0; });
+  return sum;
 }
 int WallMap::confirmed() const {
-  return sum_over(*this, [](const WallLimit& limit) { return limit.stiffest > 0 && limit.confirmed(); });
+  int sum = 0;
+  for_each_limit(*this, [&](const WallDevice&, const WallLimit& limit) {
+    sum += limit.stiffest > 0 && limit.confirmed();
+  });
+  return sum;
 }
 
-WallMap map_walls(const WallStudy& study, const std::function<void(double)>& progress) {
-  return Mapping{study}.run(progress);
+Checked<WallMap> map_walls(const WallStudy& study, const RunPlan& plan) {
+  auto map = empty_map(study);
+  std::vector<std::pair<const WallDevice*, WallLimit*>> points;
+  for_each_limit(map, [&](const auto& device, auto& limit) { points.emplace_back(&device, &limit); });
+  const auto point = [&](int i) { return points[static_cast<std::size_t>(i)]; };
+  const auto results = evaluate_runs(
+      plan, static_cast<int>(points.size()),
+      [&](int i) { return cache_key(*point(i).first, point(i).second->loop); },
+      [&](int i) -> Checked<std::vector<double>> {
+        return border_run(*point(i).first, point(i).second->loop);
+      });
+  if (!results) return tl::unexpected(results.error());
+  map.runs = std::ssize(points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (const auto& numbers = (*results)[i]; numbers && numbers->size() == 4) {
+      set_limit(*points[i].second, *points[i].first, *numbers);
+      ++map.finished;
+    }
+  for (auto& [controller, limits, fixed] : map.controllers)
+    fixed = fixed_point_of(study.devices.front().device, limits.front(), controller.bits);
+  return map;
 }
 
 }  // namespace tactus

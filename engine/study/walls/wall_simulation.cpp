@@ -19,7 +19,7 @@ WallSimulation::WallSimulation(const WallRun& run, double position, double veloc
       late_s_(run.loop.period() - early_s_),
       early_(HeldMass::over(run.device.mass, run.device.damping, early_s_)),
       late_(HeldMass::over(run.device.mass, run.device.damping, late_s_)),
-      asked_before_(static_cast<std::size_t>(delay_.whole) + 2, 0.0),
+      demanded_before_(static_cast<std::size_t>(delay_.whole) + 2, 0.0),
       position_(position),
       velocity_(velocity),
       last_read_(position) {
@@ -32,22 +32,22 @@ WallSimulation::WallSimulation(const WallRun& run, double position, double veloc
 }
 
 void WallSimulation::step() {
-  asked_ = answer();
-  const auto size = asked_before_.size();
+  demanded_ = controller_force();
+  const auto size = demanded_before_.size();
   const auto whole = static_cast<std::size_t>(delay_.whole);
-  asked_before_[frame_ % size] = asked_;
-  const double older = asked_before_[(frame_ + size - whole - 1) % size];
-  const double newer = asked_before_[(frame_ + size - whole) % size];
+  demanded_before_[frame_ % size] = demanded_;
+  const double older = demanded_before_[(frame_ + size - whole - 1) % size];
+  const double newer = demanded_before_[(frame_ + size - whole) % size];
   ++frame_;
   if (delay_.fraction > 0) move(early_, early_s_, older);
   move(late_, late_s_, newer);
 }
 
-double WallSimulation::answer() {
+double WallSimulation::controller_force() {
   const double quantum = run_.device.quantum;
   const double counts = quantum > 0 ? counts_of(position_, quantum) : 0;
   if (run_.bits > 0) {
-    const double force = answer_in_whole_numbers(counts);
+    const double force = integer_force(counts);
     last_read_ = counts;
     return force;
   }
@@ -59,7 +59,7 @@ double WallSimulation::answer() {
   return std::clamp(force, -run_.device.force_limit, run_.device.force_limit);
 }
 
-double WallSimulation::answer_in_whole_numbers(double counts) const {
+double WallSimulation::integer_force(double counts) const {
   const double full = std::ldexp(1.0, run_.bits - 1);
   double steps = -(stiffness_steps_ * counts + damping_steps_ * (counts - last_read_));
   if (run_.one_sided) steps = counts > 0 ? std::min(0.0, steps) : 0.0;

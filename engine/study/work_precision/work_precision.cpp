@@ -4,17 +4,100 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <map>
+#include <memory>
 
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
+#include "engine/core/median.h"
+#include "engine/scene/closed_loop.h"
 #include "engine/scene/measures/measure.h"
 #include "engine/study/sweep/scene_variants.h"
 #include "engine/study/sweep/sweep.h"
-#include "engine/study/work_precision/reference_run.h"
-#include "engine/study/work_precision/work_timing.h"
 
 namespace tactus {
 namespace {
+
+double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// An instrument that gives out what was recorded.
+class Replay final : public BlockProcessor {
+ public:
+  explicit Replay(const SceneRecording& recording) {
+    for (const auto& name : recording.outputs)
+      drives_.push_back(recording.find("instrument." + name)->samples);
+  }
+  Status prepare(const StreamFormat&) override {
+    next_ = 0;
+    return {};
+  }
+  void process(const BlockIo& io) noexcept override {
+    for (std::size_t c = 0; c < drives_.size(); ++c)
+      std::copy_n(drives_[c].data() + next_, io.frames, io.out[c]);
+    next_ += io.frames;
+  }
+  int outputs() const { return static_cast<int>(drives_.size()); }
+
+ private:
+  std::vector<std::vector<double>> drives_;
+  std::ptrdiff_t next_ = 0;
+};
+
+/// Times a scene's plant alone, its schedule in blocks of 64 frames: what the instrument gave out was
+/// recorded and is played back to it, and nothing is recorded, converted or guarded.
+class PlantTimer {
+ public:
+  /// `recording` of the same scene, built in the same way; it may go.
+  PlantTimer(BuiltScene built, const SceneSpec& scene, const SceneRecording& recording)
+      : built_(std::move(built)),
+        replay_(recording),
+        loop_(replay_, *built_.plant, replay_.outputs(), built_.delay_frames, Converters{.on = false}),
+        rate_(recording.sample_rate),
+        frames_(static_cast<int>(frames_in(scene.duration, rate_))) {
+    const double share = kLongestTiming_s / std::max(kLongestTiming_s, recording.run_seconds);
+    frames_ = std::max(std::min(frames_, kTimedBlock), static_cast<int>(frames_ * share));
+  }
+
+  /// Runs it once more from the start, all of it or as much as takes about 0.3 s, a short one over and over
+  /// for 3 ms, and keeps what a frame took.
+  void run() {
+    double taken_s = 0, frames = 0;
+    while (taken_s < kShortestTiming_s && frames < 1e9) {
+      if (!loop_.prepare(rate_, kTimedBlock)) return;
+      const double started_s = processor_s();
+      loop_.run(frames_);
+      taken_s += processor_s() - started_s;
+      frames += frames_;
+    }
+    runs_ns_.push_back(1e9 * taken_s / frames);
+  }
+  /// Median of the runs. [ns]
+  double ns_per_frame() const { return median(runs_ns_); }
+
+ private:
+  static constexpr int kTimedBlock = 64;
+  static constexpr double kLongestTiming_s = 0.3;
+  static constexpr double kShortestTiming_s = 3e-3;  // the processor's clock counts microseconds
+
+  BuiltScene built_;
+  Replay replay_;
+  ClosedLoop loop_;
+  Hertz rate_;
+  int frames_;
+  std::vector<double> runs_ns_;
+};
+
+SceneOptions at(Hertz rate) {
+  SceneOptions options;
+  options.rate = rate;
+  return options;
+}
+
+std::string describe_reference(const SceneSpec& scene) {
+  return is_linear(scene) ? "the linear motion: matrix exponential, or integration where that is too large"
+                          : "integration from event to event";
+}
 
 WorkPrecisionOptions completed(WorkPrecisionOptions options, Hertz rate) {
   if (options.solvers.empty()) options.solvers = stepping_solvers();
@@ -55,16 +138,16 @@ class Study {
     Sweep sweep{scene_, table_, plan};
     const auto points = sweep.evaluate(
         [&](const Sweep::Run& run) -> Checked<std::vector<double>> {
-          const auto& at = sweep.points()[run.number].at;
-          const SolverVariant variant{options_.solvers[static_cast<std::size_t>(at[1])],
-                                      static_cast<int>(at[2]), Hertz{at[0]}};
-          if (!reference_ || reference_->recording.sample_rate != variant.rate) {
+          const auto& values = sweep.points()[run.number].at;
+          const SolverVariant variant{options_.solvers[index(static_cast<int>(values[1]))],
+                                      static_cast<int>(values[2]), Hertz{values[0]}};
+          if (!reference_ || reference_->sample_rate != variant.rate) {
             auto reference = refer(variant.rate);
             if (!reference) return tl::unexpected(reference.error());
             reference_ = std::move(*reference);
           }
           report(static_cast<double>(result_.points.size()), to_string(variant));
-          play(run.scene, variant, reference_->recording);
+          play(run.scene, variant, *reference_);
           return result_.points.back().errors;
         },
         "work precision");
@@ -77,7 +160,7 @@ class Study {
     runs_ = 1;
     const auto reference = refer(scene_.rate);
     if (!reference) return tl::unexpected(reference.error());
-    play(scene_, {"as written", 0, scene_.rate}, reference->recording);
+    play(scene_, {"as written", 0, scene_.rate}, *reference);
     return finish();
   }
 
@@ -99,31 +182,34 @@ class Study {
     if (options_.progress) options_.progress(runs / static_cast<double>(2 * runs_), what);
   }
 
-  Checked<ReferenceRun> refer(Hertz rate) {
+  /// The reference solution at a rate. Its own error is its difference from one with half the step size.
+  Checked<SceneRecording> refer(Hertz rate) {
     report(static_cast<double>(result_.points.size()), "reference");
-    auto reference = play_reference(scene_, table_, rate);
+    const auto solved = with_network_option(scene_, "solver", "reference");
+    auto first = play_at(with_network_option(solved, "oversample", 1.0), rate);
+    if (!first) return tl::unexpected(first.error());
+    const auto second = play_at(with_network_option(solved, "oversample", 2.0), rate);
+    if (!second) return tl::unexpected(second.error());
+    // How far the two references are apart; 0 where theory gives the number.
     floors_.assign(scene_.accuracy.size(), 0.0);
-    for (std::size_t a = 0; reference && a < scene_.accuracy.size(); ++a) check_reference(a, *reference);
-    return reference;
+    for (std::size_t a = 0; a < scene_.accuracy.size(); ++a) {
+      if (!scene_.accuracy[a].exact)
+        floors_[a] = accuracy_error(scene_.accuracy[a], *second, *first).value_or(1);
+      result_.references[a].own_error = std::max(result_.references[a].own_error, floors_[a]);
+    }
+    return first;
   }
 
-  /// How far the two references are apart; 0 where theory gives the number.
-  void check_reference(std::size_t a, const ReferenceRun& reference) {
-    if (scene_.accuracy[a].exact) return;
-    const double error = accuracy_error(scene_.accuracy[a], reference.again, reference.recording).value_or(1);
-    floors_[a] = error;
-    auto& used = result_.references[a];
-    used.own_error = std::max(used.own_error, floors_[a]);
+  Checked<SceneRecording> play_at(const SceneSpec& scene, Hertz rate) const {
+    return play_run({0, scene, at(rate)}, table_);
   }
 
   void play(const SceneSpec& scene, const SolverVariant& variant, const SceneRecording& reference) {
     auto& point = result_.points.emplace_back();
     point.variant = variant;
-    SceneOptions options;
-    options.rate = variant.rate;
-    auto built = build_scene(scene, table_, options);
+    auto built = build_scene(scene, table_, at(variant.rate));
     if (!built) return void(point.refused = built.error().front());
-    const auto recording = play_at(scene, table_, variant.rate);
+    const auto recording = play_at(scene, variant.rate);
     if (!recording) return void(point.refused = recording.error().front());
     for (const auto& accuracy : scene_.accuracy)
       point.unstable = point.unstable || exploded(accuracy, *recording, reference);
@@ -131,16 +217,16 @@ class Study {
     point.floors = floors_;
     for (const auto& accuracy : scene_.accuracy)
       point.errors.push_back(accuracy_error(accuracy, *recording, reference).value_or(1));
-    timers_.emplace(result_.points.size() - 1, PlantTimer{std::move(*built), scene, *recording});
+    timers_[result_.points.size() - 1] = std::make_unique<PlantTimer>(std::move(*built), scene, *recording);
   }
 
   /// Interleaved, so that a disturbance of the machine affects all of them.
   void take_times() {
     for (int repeat = 0; repeat < options_.repeats; ++repeat) {
       report(static_cast<double>(runs_) * (1.0 + static_cast<double>(repeat) / options_.repeats), "timing");
-      for (auto& [point, timer] : timers_) timer.run();
+      for (const auto& [point, timer] : timers_) timer->run();
     }
-    for (auto& [point, timer] : timers_) result_.points[point].ns_per_frame = timer.ns_per_frame();
+    for (const auto& [point, timer] : timers_) result_.points[point].ns_per_frame = timer->ns_per_frame();
   }
 
   void find_front(std::size_t a) {
@@ -158,10 +244,10 @@ class Study {
   const NodeTable& table_;
   WorkPrecisionOptions options_;
   std::size_t runs_ = 0;
-  std::optional<ReferenceRun> reference_;
+  std::optional<SceneRecording> reference_;
   std::vector<double> floors_;  // own errors of the reference
   WorkPrecision result_;
-  std::map<std::size_t, PlantTimer> timers_;
+  std::map<std::size_t, std::unique_ptr<PlantTimer>> timers_;
 };
 
 /// Without a network there is no solver, and without [accuracy] no error.
@@ -180,8 +266,8 @@ std::optional<Error> missing_section(const SceneSpec& scene) {
 }  // namespace
 
 std::string to_string(const SolverVariant& variant) {
-  if (variant.oversample == 0) return fmt::format("{} at {:g} kHz", variant.solver, variant.rate.value / 1e3);
-  return fmt::format("{} x {} at {:g} kHz", variant.solver, variant.oversample, variant.rate.value / 1e3);
+  const auto steps = variant.oversample == 0 ? "" : fmt::format(" x {}", variant.oversample);
+  return fmt::format("{}{} at {:g} kHz", variant.solver, steps, variant.rate.value / 1e3);
 }
 
 const WorkPoint* WorkPrecision::cheapest(double error) const {

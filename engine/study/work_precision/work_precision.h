@@ -8,6 +8,7 @@
 #include "engine/core/error.h"
 #include "engine/core/units.h"
 #include "engine/graph/node_type.h"
+#include "engine/plot/plot.h"
 #include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
@@ -66,8 +67,8 @@ struct WorkPrecision {
 
 /// [control] A sweep over rate, solver and oversampling that measures errors and times. Every run is compared
 /// with a reference at its own rate, which has the same inputs from frame to frame: so the error is that of
-/// the solver. References: what theory says (`exact`); else the motion itself (NetworkFlow) with one and with
-/// two parts a frame, whose difference is its own error. Errors: those of the scene; Missing without
+/// the solver. References: what theory says (`exact`); else the reference solution (ReferenceSolver) with one
+/// and with two steps a frame, whose difference is its own error. Errors: those of the scene; Missing without
 /// [accuracy] or a network.
 Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTable& table,
                                             const WorkPrecisionOptions& options = {});
@@ -75,5 +76,9 @@ Checked<WorkPrecision> study_work_precision(const SceneSpec& scene, const NodeTa
 /// [control] The same for the scene as it is written: one run, whose variant names no solver. Errors: those
 /// of the scene; Missing without [accuracy].
 Checked<WorkPrecision> judge_as_written(const SceneSpec& scene, const NodeTable& table, int repeats = 5);
+
+/// [any] Error against computing time, a plot for each line of [accuracy]: a curve for each solver and rate
+/// over its oversampling, the Pareto front, and the limit of real time.
+std::vector<Plot> plots_of(const WorkPrecision& study);
 
 }  // namespace tactus

@@ -1,8 +1,8 @@
-#include "engine/study/work_precision/work_precision_plot.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+
+#include "engine/study/work_precision/work_precision.h"
 
 namespace tactus {
 namespace {

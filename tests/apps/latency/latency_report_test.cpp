@@ -38,8 +38,7 @@ Analysis cable() {
   for (int k = 0; k < 8; ++k)
     analysis.probes.push_back({24000 + 22000 * k, kDelay + 0.001 * (k % 3 - 1), -6.02, 0.25});
   for (double f = 20; f < 24e3; f *= 1.02)
-    analysis.spectrum.push_back(
-        {f, -6.02 - 10 * std::log10(1 + std::pow(12 / f, 2)), 0.0, -96 + 3 * std::sin(f)});
+    analysis.spectrum.push_back({f, -6.02 - 10 * std::log10(1 + std::pow(12 / f, 2)), -96 + 3 * std::sin(f)});
   analysis.response_at = 900;
   for (int n = 0; n < 400; ++n) {
     const double x = std::numbers::pi * (900 + n - kDelay);

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "apps/study/playability_report.h"
+#include "apps/study/reports.h"
 #include "apps/study/sweep_options.h"
 
 #if defined(TACTUS_PROGRAM) && defined(__unix__)

@@ -136,7 +136,7 @@ TEST_CASE("take: a full disk ends the take and keeps what is there", "[take]") {
       for (int n = 0; n < 90; ++n) stream.block();
       (void)writer->work();
     }
-    CHECK(writer->trouble() == "writing to the disk failed (File too large)");
+    CHECK(writer->error() == "writing to the disk failed (File too large)");
     CHECK_FALSE(writer->work());
     writer->finish();
   }

@@ -29,6 +29,13 @@ class Level final : public BlockProcessor {
   int channels_ = 0;
 };
 
+/// Keeps every entry that is applied.
+struct RecordedJournal final : BlockTap {
+  void applied(const JournalEntry& entry) noexcept override { entries.push_back(entry); }
+  void observe(const BlockIo&, std::int64_t) noexcept override {}
+  std::vector<JournalEntry> entries;
+};
+
 /// Runs `guarded` for `frames` frames in one call and returns the outputs.
 std::vector<std::vector<double>> play(Guarded& guarded, int channels, int frames) {
   std::vector<std::vector<double>> out(static_cast<std::size_t>(channels),
@@ -65,6 +72,8 @@ TEST_CASE("guarded: every output passes its guard, named or not", "[core]") {
 TEST_CASE("guarded: arm and mute hold from their frame on, and are reported with it", "[core]") {
   Level level{1.0};
   Guarded guarded{level, {kDrive, kAudio}, /*armed=*/false};
+  RecordedJournal journal;
+  guarded.set_tap(&journal);
   REQUIRE(guarded.prepare({.out_channels = 2}));
   REQUIRE(guarded.post({3, Kind::Arm, JournalEntry::kAllChannels, 1.0}));
   REQUIRE(guarded.post({6, Kind::Mute, 0, 1.0}));
@@ -75,14 +84,9 @@ TEST_CASE("guarded: arm and mute hold from their frame on, and are reported with
   REQUIRE(guarded.post({JournalEntry::kNow, Kind::Mute, JournalEntry::kAllChannels, 1.0}));
   CHECK(play(guarded, 2, 4)[1] == std::vector<double>(4, 0.0));
 
-  JournalEntry entry;
-  REQUIRE(guarded.take_applied(entry));
-  CHECK(entry == JournalEntry{3, Kind::Arm, JournalEntry::kAllChannels, 1.0});
-  REQUIRE(guarded.take_applied(entry));
-  CHECK(entry == JournalEntry{6, Kind::Mute, 0, 1.0});
-  REQUIRE(guarded.take_applied(entry));
-  CHECK(entry == JournalEntry{8, Kind::Mute, JournalEntry::kAllChannels, 1.0});
-  CHECK_FALSE(guarded.take_applied(entry));
+  CHECK(journal.entries == std::vector<JournalEntry>{{3, Kind::Arm, JournalEntry::kAllChannels, 1.0},
+                                                     {6, Kind::Mute, 0, 1.0},
+                                                     {8, Kind::Mute, JournalEntry::kAllChannels, 1.0}});
 }
 
 TEST_CASE("guarded: an entry for a later block waits for it", "[core]") {
@@ -123,6 +127,8 @@ TEST_CASE("guarded: mute, disarm and fade take effect in the next block behind 1
     if (kind == Kind::Arm) guarded.arm(on);
     if (kind == Kind::Fade) guarded.fade(on);
   };
+  RecordedJournal journal;
+  guarded.set_tap(&journal);
   REQUIRE(guarded.prepare({.out_channels = 2}));
   CHECK(play(guarded, 2, 8)[0] == std::vector<double>(8, 1.0));
   for (int n = 0; n < 100'000; ++n) {
@@ -134,9 +140,8 @@ TEST_CASE("guarded: mute, disarm and fade take effect in the next block behind 1
   CHECK(out[0] == std::vector<double>(8, 0.0));
   CHECK(out[1] == std::vector<double>(8, kind == Kind::Arm ? 1.0 : 0.0));
 
-  JournalEntry last;  // journalled with its frame, so that a take replays
-  for (JournalEntry entry; guarded.take_applied(entry);) last = entry;
-  CHECK(last == JournalEntry{8, kind, JournalEntry::kAllChannels, closing ? 1.0 : 0.0});
+  // Journalled with its frame, so that a take replays.
+  CHECK(journal.entries.back() == JournalEntry{8, kind, JournalEntry::kAllChannels, closing ? 1.0 : 0.0});
 
   set(!closing);
   CHECK(play(guarded, 2, 8)[0] == std::vector<double>(8, 1.0));
@@ -192,7 +197,7 @@ TEST_CASE("guarded: the last block before a stop is zeros, and what follows star
   CHECK(again[99] == 1.0);
 }
 
-TEST_CASE("guarded: a restart is never cooler than the run before, and says so in the journal", "[core]") {
+TEST_CASE("guarded: a restart is never cooler than the run before, and keeps that as its state", "[core]") {
   const HeatLimits heat{.watts_at_full_scale = 10, .watts_for_ever = 5, .coil_time = 100_ms};
   const std::vector<GuardedChannel> guards = {kAudio, {DriveGuard::Kind::Drive, {.heat = heat}}};
   Level level{0.6};
@@ -203,11 +208,8 @@ TEST_CASE("guarded: a restart is never cooler than the run before, and says so i
   CHECK(warm.coil > 0.3);
   REQUIRE(guarded.prepare({.out_channels = 2, .max_frames = 64}));
   CHECK(guarded.thermal_state(1) == warm);
-  JournalEntry coil, body;
-  REQUIRE(guarded.take_applied(coil));
-  REQUIRE(guarded.take_applied(body));
-  CHECK(coil == JournalEntry{0, Kind::CoilHeat, 1, warm.coil});
-  CHECK(body == JournalEntry{0, Kind::BodyHeat, 1, warm.body});
+  const JournalEntry coil{0, Kind::CoilHeat, 1, warm.coil}, body{0, Kind::BodyHeat, 1, warm.body};
+  CHECK(guarded.state() == std::vector{coil, body});
 
   // The same entries, posted to a guard that was never warm, make it the same guard.
   Level other{0.6};

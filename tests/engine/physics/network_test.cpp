@@ -87,7 +87,7 @@ TEST_CASE("network: the coil moves the cone as its transfer function says, hold 
 TEST_CASE("network: an explicit oscillator is stable up to K + 2Z = 4 and not beyond", "[physics]") {
   const double rate = 1000.0, z = GENERATE(0.1, 0.5, 1.0, 1.9);
   const auto radius = [&](double k) {
-    return radius_of(oscillator(k * rate * rate, z * rate), 0, {Hertz{rate}, Solver::Explicit, 1}).value();
+    return radius_of(oscillator(k * rate * rate, z * rate), 0, Hertz{rate}, Solver::Explicit).value();
   };
   CHECK(radius(4.0 - 2 * z - 1e-6) < 1.0);
   CHECK(radius(4.0 - 2 * z + 1e-6) > 1.0);

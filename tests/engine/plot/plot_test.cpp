@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/plot/labels.h"
+#include "engine/plot/layout.h"
 #include "tests/support/well_formed.h"
 
 using namespace tactus;

@@ -10,10 +10,10 @@
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/measure.h"
 #include "engine/scene/play_scene.h"
-#include "engine/study/walls/wall_border.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/wall_theory.h"
 
 using namespace tactus;
 
@@ -170,7 +170,7 @@ arm = { from = "p.arm.position", unit = "m" }
     return energy.energy(options.sample_rate).given;
   };
   const WallDevice device{.mass = 0.05, .damping = 0.5};
-  const double per_frame = std::log(largest_root(device, {10_kHz, 2_ms}, 300));
+  const double per_frame = std::log(test::largest_root(device, {10_kHz, 2_ms}, 300));
   CHECK(given_until(5) / given_until(4) == Approx(std::exp(2 * per_frame * 1e4)).epsilon(0.05));
   CHECK(given_until(5) > 4 * given_until(4));
 }

@@ -336,7 +336,7 @@ TEST_CASE("analysis: of a recording that begins late or ends early, the whole sw
     captured.resize(static_cast<std::size_t>(sweeps[2].end()));
     const auto analysis = analysis_of(recording);
     CHECK(verdict(analysis) == "NO_SIGNAL");
-    CHECK(analysis.finding.what == "less than three sweeps were recorded from beginning to end");
+    CHECK(analysis.finding.what.find("fewer than three") == 0);
   }
 }
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/plot/plot.h"
-#include "engine/study/orbits/bouncing_cascade.h"
+#include "engine/study/orbits/bouncing_ball.h"
 
 // The ball on a driven table, exactly: `bouncing_study PICTURE.svg` draws where it lands against how hard the
 // table is driven, and prints where its period doubles.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 namespace tactus {
 namespace {
@@ -25,7 +26,7 @@ bool is_linear(Expression::Op op, const Operands& operands) {
   }
 }
 
-/// The laws that one signal moves, and the places that are worth a look.
+/// The nonlinearities of one signal, and the operating points to analyse.
 struct Group {
   PlanSignal source;
   std::vector<const Nonlinearity*> laws = {};
@@ -35,7 +36,7 @@ struct Group {
   };
   std::vector<Choice> choices = {};
 
-  /// Whether every law answers as much where the source has moved by `there` as where it has moved by `here`.
+  /// Whether every law is as steep at the displacement `there` as at `here`.
   bool serves(double there, double here) const {
     return std::all_of(laws.begin(), laws.end(), [&](const Nonlinearity* law) {
       return law->answer(there) >= law->answer(here) * (1 - 1e-9);
@@ -49,7 +50,7 @@ struct Group {
     choices.push_back(std::move(choice));
   }
 
-  /// Where each answers most, and where all of them together do.
+  /// The steepest point of each, and that of their sum.
   void choose() {
     for (const auto* law : laws) offer({law->path, law->to});
     if (choices.size() < 2) return;
@@ -68,19 +69,19 @@ struct Group {
   }
 };
 
-std::vector<Group> groups_of(const std::vector<Nonlinearity>& bends) {
+std::vector<Group> groups_of(const std::vector<Nonlinearity>& laws) {
   std::vector<Group> groups;
-  for (const auto& bend : bends) {
+  for (const auto& law : laws) {
     auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.source == bend.source; });
-    if (group == groups.end()) group = groups.insert(group, Group{.source = bend.source});
-    group->laws.push_back(&bend);
+        std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.source == law.source; });
+    if (group == groups.end()) group = groups.insert(group, Group{.source = law.source});
+    group->laws.push_back(&law);
   }
   for (auto& group : groups) group.choose();
   return groups;
 }
 
-/// Every place so far with each of the group's; it is named only where there is a choice.
+/// Every point so far with each of the group's; it is named only if there are several.
 std::vector<OperatingPoint> with(const std::vector<OperatingPoint>& places, const Group& group) {
   std::vector<OperatingPoint> further;
   for (const auto& place : places)
@@ -93,7 +94,114 @@ std::vector<OperatingPoint> with(const std::vector<OperatingPoint>& places, cons
   return further;
 }
 
+/// Of a minimum (or maximum) of something that moves and something that does not, the moving one limits when
+/// touched; of two that move, the one that does so now.
+double chosen(const Operands& operands, int which, bool first, bool touched) {
+  const auto& moves = operands.moves;
+  if (touched && moves[0] != moves[1]) return moves[static_cast<std::size_t>(which)] ? 1 : 0;
+  return first == (which == 0) ? 1 : 0;
+}
+
 }  // namespace
+
+int operands_of(Expression::Op op) {
+  switch (op) {
+    case Expression::Op::Add:
+    case Expression::Op::Subtract:
+    case Expression::Op::Multiply:
+    case Expression::Op::Divide:
+    case Expression::Op::Min:
+    case Expression::Op::Max:
+      return 2;
+    default:
+      return 1;
+  }
+}
+
+double slope_of(Expression::Op op, const Operands& operands, int which, bool touched) {
+  const double a = operands.a, b = operands.b;
+  switch (op) {
+    case Expression::Op::Negate:
+      return -1;
+    case Expression::Op::Subtract:
+      return which == 0 ? 1 : -1;
+    case Expression::Op::Multiply:
+      return which == 0 ? b : a;
+    case Expression::Op::Divide:
+      return b == 0 ? 0 : which == 0 ? 1 / b : -a / (b * b);
+    case Expression::Op::Min:
+      return chosen(operands, which, a < b, touched);
+    case Expression::Op::Max:
+      return chosen(operands, which, a > b, touched);
+    case Expression::Op::Abs:
+      return a < 0 ? -1 : a > 0 || touched ? 1 : 0;
+    default:
+      return 1;
+  }
+}
+
+bool is_spring(const NodeType& type, std::size_t input, std::size_t output) {
+  return type.stateless && type.inputs[input].unit == "m" && type.outputs[output].unit == "N";
+}
+
+double answer_at(const Node& node, const NodeType& type, const std::vector<double>& at,
+                 const std::vector<bool>& moves) {
+  double sum = 0;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (!moves[i]) continue;
+    const double slope = node.response(static_cast<int>(i), 0, 1.0, at).value_or(0.0).real();
+    sum += is_spring(type, i, 0) ? std::max(0.0, -slope) : std::abs(slope);
+  }
+  return std::isfinite(sum) ? sum : 0;
+}
+
+Summit summit(const std::function<double(double)>& height, double start, const std::vector<double>& middles) {
+  Summit best{start, height(start)};
+  const auto rises = [&](double at) {
+    const double found = height(at);
+    if (found <= best.height * (1 + 1e-9)) return false;
+    best = {at, found};
+    return true;
+  };
+  constexpr int kPerDecade = 12;
+  double stride = 0;
+  for (const double middle : middles)
+    for (int step = -6 * kPerDecade; step <= 3 * kPerDecade; ++step)
+      for (const double side : {-1.0, 1.0}) {
+        const double away = std::pow(10.0, step / static_cast<double>(kPerDecade));
+        if (rises(middle + side * away)) stride = 0.1 * away;
+      }
+  for (int halved = 0; stride > 0 && halved < 40;)
+    if (!rises(best.at + stride) && !rises(best.at - stride)) stride *= 0.5, ++halved;
+  return best;
+}
+
+SteepPlace steepest(const Node& node, const NodeType& type, const std::vector<double>& at,
+                    const std::vector<bool>& moves) {
+  const double rest = answer_at(node, type, at, moves);
+  SteepPlace best{at, rest};
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (!moves[i]) continue;
+    if (best.input < 0) best.input = static_cast<int>(i);
+    auto there = at;
+    const auto height = [&](double value) {
+      there[i] = value;
+      const double found = answer_at(node, type, there, moves);
+      best.nonlinear |= std::abs(found - rest) > 1e-6 * rest;
+      return found;
+    };
+    std::vector<double> middles{at[i], 0.0};
+    for (std::size_t other = 0; other < at.size(); ++other)
+      if (!moves[other]) middles.push_back(at[other]);
+    const auto found = summit(height, at[i], middles);
+    if (found.height <= best.answer * (1 + 1e-9)) continue;
+    best.at = at;
+    best.at[i] = found.at;
+    best.answer = found.height;
+    best.input = static_cast<int>(i);
+  }
+  return best;
+}
 
 Derived AffineMaps::of(const PlanSignal& signal) const {
   const auto found = known_.find(signal);
@@ -122,8 +230,8 @@ std::optional<double> AffineMaps::moved(const PlanSignal& signal, const Displace
 
 std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands,
                                    int which, const Derived& from) {
-  const bool bends = op == Expression::Op::Min || op == Expression::Op::Max || op == Expression::Op::Abs;
-  if (!bends || (operands.moves[0] && operands.moves[1])) return std::nullopt;
+  const bool has_corner = op == Expression::Op::Min || op == Expression::Op::Max || op == Expression::Op::Abs;
+  if (!has_corner || (operands.moves[0] && operands.moves[1])) return std::nullopt;
   const auto answer = [=](double moved) {
     auto there = operands;
     (which == 0 ? there.a : there.b) += from.slope * moved;
@@ -139,8 +247,8 @@ std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, c
   return Nonlinearity{path, from.source, to, answer};
 }
 
-std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& bends) {
-  const auto groups = groups_of(bends);
+std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& laws) {
+  const auto groups = groups_of(laws);
   std::size_t count = 1;
   for (const auto& group : groups) count = std::min(count * group.choices.size(), kMostPlaces + 1);
   if (count > kMostPlaces) return {{kAllSteepest, {}}};

@@ -10,11 +10,53 @@
 #include <string>
 #include <vector>
 
-#include "engine/study/stability/models/stability_law.h"
+#include "engine/graph/node.h"
+#include "engine/graph/semantics/flat_graph.h"
 
 namespace tactus {
 
 struct Plan;
+
+/// The operating point of an operation.
+struct Operands {
+  double a = 0, b = 0;
+  std::array<bool, 2> moves{};
+};
+
+/// How many operands it has.
+int operands_of(Expression::Op op);
+
+/// d(out)/d(operand `which`) of an operation. At a corner (a minimum, a maximum, an absolute value)
+/// `touched` takes the side where the moving operand comes through.
+double slope_of(Expression::Op op, const Operands& operands, int which, bool touched);
+
+/// Whether output `output` is a force that depends on a position at `input`.
+bool is_spring(const NodeType& type, std::size_t input, std::size_t output);
+
+/// The steepest point of a nonlinearity without memory.
+struct SteepPlace {
+  std::vector<double> at;  ///< its inputs there
+  double answer = 0;       ///< sum of the slopes; of a force that depends on a position only restoring ones
+  bool nonlinear = false;  ///< its slope differs elsewhere
+  int input = -1;          ///< the one displaced; the first that can be, if none was
+};
+
+/// The sum of its slopes at `at`.
+double answer_at(const Node& node, const NodeType& type, const std::vector<double>& at,
+                 const std::vector<bool>& moves);
+
+struct Summit {
+  double at = 0, height = 0;
+};
+
+/// The highest point of a curve found from `start` and around each of the middles: from 1e-6 to 1e3 to both
+/// sides, and uphill from the best of these.
+Summit summit(const std::function<double(double)>& height, double start, const std::vector<double>& middles);
+
+/// Searches around the operating point, around 0, and around each constant input (where a clip, a wall or a
+/// detent begins), one moving input at a time.
+SteepPlace steepest(const Node& node, const NodeType& type, const std::vector<double>& at,
+                    const std::vector<bool>& moves);
 
 /// An output of a vertex of one of the plans that are analysed together.
 struct PlanSignal {
@@ -23,23 +65,23 @@ struct PlanSignal {
   auto operator<=>(const PlanSignal&) const = default;
 };
 
-/// What a signal is of another one, where operations alone lie between: it moves `slope` times as far.
+/// An affine function of another signal: it moves `slope` times as far.
 struct Derived {
   PlanSignal source;
   double slope = 1;
 };
 
-/// By how much signals are moved from where they rest.
+/// Displacements of signals from their resting values.
 using Displaced = std::map<PlanSignal, double>;
 
-/// Which signals are sums and multiples of which.
+/// Signals as affine functions of others.
 class AffineMaps {
  public:
-  /// A signal that nothing is known of is its own source.
+  /// An unknown signal is its own source.
   Derived of(const PlanSignal& signal) const;
   /// By how much a signal moves with its source; nullopt if that is not among `moved`.
   std::optional<double> moved(const PlanSignal& signal, const Displaced& moved) const;
-  /// `in`: the operands; those that rest are not read.
+  /// `in`: the operands; constant ones are not read.
   void note(const PlanSignal& out, Expression::Op op, const std::array<PlanSignal, 2>& in,
             const Operands& operands);
 
@@ -47,15 +89,15 @@ class AffineMaps {
   std::map<PlanSignal, Derived> known_;
 };
 
-/// A law without memory, or the corner of a minimum or maximum, that one signal takes where it answers most.
+/// A nonlinearity without memory, or the corner of a minimum or maximum, with its steepest point.
 struct Nonlinearity {
   std::string path;
   PlanSignal source;
-  double to = 0;                         ///< how far the source moves until it is there
-  std::function<double(double)> answer;  ///< its slopes' sum where the source has moved so far
+  double to = 0;                         ///< displacement of the source at the steepest point
+  std::function<double(double)> answer;  ///< sum of its slopes at a displacement of the source
 };
 
-/// [any] Of a minimum, maximum or absolute value of `from` and what rests; nullopt of other operations.
+/// Of a minimum, maximum or absolute value of `from` and a constant; nullopt of other operations.
 std::optional<Nonlinearity> corner(const std::string& path, Expression::Op op, const Operands& operands,
                                    int which, const Derived& from);
 
@@ -64,12 +106,11 @@ struct OperatingPoint {
   Displaced moved;
 };
 
-/// [any] The places at which bending laws are looked at. Laws that answer to one signal are taken where it
-/// takes them together: once where each of them answers most, and once where their sum does. Two walls at the
-/// ends of a range are never touched at once. Laws on different signals are met in every combination, up to
-/// `kMostPlaces`; beyond that there is one place, where nothing is said to have moved and each law is taken
-/// where it is steepest by itself.
-std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& bends);
+/// The operating points at which nonlinearities are linearised. Those of one signal are displaced together:
+/// once to the steepest point of each, and once to that of their sum. Two walls at the ends of a range are
+/// never touched at once. Nonlinearities of different signals are combined in every way, up to `kMostPlaces`;
+/// beyond that there is one point without displacements, where each is linearised at its own steepest point.
+std::vector<OperatingPoint> operating_points(const std::vector<Nonlinearity>& laws);
 
 constexpr std::size_t kMostPlaces = 16;
 

@@ -2,7 +2,6 @@
 
 // Thread: [control].
 
-#include <complex>
 #include <map>
 #include <memory>
 #include <optional>
@@ -36,32 +35,31 @@ struct LinearEdge {
   int divisor = 1;  ///< engine frames between two of those that it runs in
 };
 
-/// A place where a force answers a position: what can be too stiff.
+/// A force that depends on a position, as of a spring: it can be too stiff.
 struct StiffPlace {
   int signal = 0;  ///< between the position and the force
   std::string path, type;
   double stiffness = 0;  ///< [N/m]
-  bool touched = false;  ///< as it is in contact, not at rest
 };
 
-/// An event-driven node, without a small-signal gain: it waits, decides or is moved.
+/// An event-driven node, without a small-signal gain.
 struct EventPlace {
   std::string path, type;
-  std::optional<double> hold_s;  ///< no two events are closer
+  std::optional<double> hold_s;  ///< least time between two events
 };
 
 /// Which operating point is analysed: contacts open or closed, free or held.
 struct Regime {
   std::string name = "at rest";
-  bool touched = false;  ///< laws without memory where they are steepest: behind the wall, on the slope
-  Displaced moved = {};  ///< touched: where these signals take them; others are taken each by itself
+  bool touched = false;  ///< nonlinearities at their steepest point: behind the wall, on the slope
+  Displaced moved = {};  ///< touched: the displacements that lead there; others are displaced one by one
   std::map<std::string, Touching> contacts = {};  ///< [path of the network]
   std::optional<Fingertip> hand = {};
 };
 
 /// The small-signal model of one or several plans.
 struct LinearGraph {
-  std::vector<std::string> signals;  ///< names, for people
+  std::vector<std::string> signals;  ///< names, for reports
   std::vector<LinearEdge> edges;
   std::vector<std::shared_ptr<const LinearNetwork>> networks;
   std::vector<std::string> network_paths;
@@ -71,16 +69,27 @@ struct LinearGraph {
   std::vector<std::string> unstable_equilibria;  ///< nonlinearities whose force pushes away at the operating
                                                  ///< point and restores elsewhere: left out
   std::vector<int> wave_ports;                   ///< waves that leave a network
-  std::vector<Nonlinearity> laws;                ///< that answer otherwise elsewhere
-  bool nonlinear = false;                        ///< some force answers a position otherwise elsewhere
-  bool has_touched = false;                      ///< some law is steeper elsewhere than where it rests
+  std::vector<Nonlinearity> laws;                ///< whose slope depends on the operating point
+  bool nonlinear = false;                        ///< the stiffness of some force depends on the position
+  bool has_touched = false;                      ///< some law is steeper elsewhere than at rest
 
-  int add_signal(std::string name);
+  int add_signal(std::string name) {
+    signals.push_back(std::move(name));
+    return static_cast<int>(signals.size()) - 1;
+  }
   void join(int from, int to) { edges.push_back({.from = from, .to = to, .path = {}}); }
-  void delay(int from, int to, int frames);
-  /// [control] The gains at z of some of the edges.
-  void gains(std::complex<double> z, const std::vector<std::size_t>& of,
-             std::vector<std::complex<double>>& gains) const;
+  void delay(int from, int to, int frames) {
+    edges.push_back({.kind = LinearEdge::Kind::Delay, .from = from, .to = to, .path = {}, .frames = frames});
+  }
 };
+
+/// Connections of a plan to the outside: signals in the graph, -1 if not read or constant.
+struct Terminals {
+  std::vector<int> inputs;    ///< in the order of Plan::input_names
+  std::vector<int> channels;  ///< in the order of Plan::channels, taps included
+};
+/// Adds a plan (compiled with `vectorise` off) at the operating point of its signals: it must have run, and
+/// last for one frame. `prefix` comes before its names.
+Terminals add_plan(LinearGraph& graph, const Plan& plan, const Regime& regime, const std::string& prefix);
 
 }  // namespace tactus

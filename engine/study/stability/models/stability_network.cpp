@@ -12,8 +12,8 @@ double depth_of(const Contact& contact, double push) {
   return std::pow(push / contact.stiffness, 1.0 / contact.exponent);
 }
 
-/// The same network with its closed contacts pressed in while everything that moves is at 0: what its outputs
-/// show is then looked at where it is bent.
+/// The same network with its closed contacts pressed in while everything that moves is at 0: its outputs are
+/// then linearised at the indentation.
 NetworkElements pressed(NetworkElements elements, const Touching& touching) {
   const auto place = [&](int point) {
     const auto& p = elements.points[index(point)];
@@ -39,8 +39,7 @@ Eigen::MatrixXd slopes(const Network& network, const NetworkElements& elements, 
   return slopes;
 }
 
-}  // namespace
-
+/// The first mass with a force or a coil that a signal reaches; -1: none.
 int driven_point(const NetworkElements& elements) {
   const auto mass = [&](int point) { return elements.points[index(point)].kind == Point::Kind::Mass; };
   for (const auto& coil : elements.coils)
@@ -52,6 +51,8 @@ int driven_point(const NetworkElements& elements) {
         return force.on;
   return -1;
 }
+
+}  // namespace
 
 std::shared_ptr<const LinearNetwork> LinearNetwork::make(const NetworkView& view, const NodeType& type,
                                                          const Touching& touching,
@@ -109,10 +110,10 @@ Eigen::MatrixXd LinearNetwork::readings(const Network& network, const NetworkVie
     double least = 1.0;
     for (const int i : touching.contacts)
       least = std::min(least, depth_of(recipe_.elements.contacts[index(i)], touching.push));
-    const auto bent_elements = pressed(recipe_.elements, touching);
-    if (const auto bent_network =
-            Network::make(bent_elements, recipe_.signals, recipe_.rate, recipe_.solver, recipe_.oversample)) {
-      const auto bent = slopes(*bent_network, bent_elements, view, outputs, 1e-6 * least);
+    const auto pressed_elements = pressed(recipe_.elements, touching);
+    if (const auto pressed_network = Network::make(pressed_elements, recipe_.signals, recipe_.rate,
+                                                   recipe_.solver, recipe_.oversample)) {
+      const auto bent = slopes(*pressed_network, pressed_elements, view, outputs, 1e-6 * least);
       for (Eigen::Index o = 0; o < c.rows(); ++o)
         if ((bent.row(o) - c.row(o)).norm() > 1e-3 * bent.row(o).norm()) c.row(o) = bent.row(o);
     }

@@ -8,22 +8,22 @@
 #include <vector>
 
 #include "engine/core/units.h"
-#include "engine/nodes/networks/network_node.h"
+#include "engine/nodes/networks/network.h"
 #include "engine/physics/linearised.h"
 
 namespace tactus {
 
-/// A fingertip on what the drives move: damping and mass that it adds there. Defaults after Hajian & Howe, J.
+/// A fingertip on the driven point: the damping and mass that it adds. Defaults after Hajian & Howe, J.
 /// Biomech. Eng. 119, 1997: 1 ... 5 N s/m, 5 ... 10 g.
 struct Fingertip {
   double damping = 2.0;  ///< [N s/m]
   double mass = 0.006;   ///< [kg]
 };
 
-/// Small-signal model of a network, and what would make it grow by itself.
+/// Small-signal model of a network by itself.
 class LinearNetwork {
  public:
-  /// [control] nullptr if it cannot be run so.
+  /// [control] nullptr if it cannot be stepped.
   static std::shared_ptr<const LinearNetwork> make(const NetworkView& view, const NodeType& type,
                                                    const Touching& touching,
                                                    const std::optional<Fingertip>& hand);
@@ -42,9 +42,9 @@ class LinearNetwork {
   const std::vector<StepMode>& modes() const { return modes_; }
   double radius() const { return radius_; }
   bool grows() const { return radius() > 1.0 + kRoundOfRadius; }
-  /// The least rate at which it does not grow (see `least_rate`); looked for when asked.
+  /// The least stable rate (see `least_rate`); searched at each call.
   std::optional<Hertz> needed_rate() const;
-  /// What carries the mode that would grow first: the mass that moves most and the link that it strains most.
+  /// The mode that would grow first: the mass that moves most and the link that it strains most.
   std::string weakest() const;
   const NetworkRecipe& recipe() const { return recipe_; }
 
@@ -64,8 +64,5 @@ class LinearNetwork {
   std::vector<StepMode> modes_;
   double radius_ = 0.0;
 };
-
-/// [any] The point that drives move: the first mass with a force or a coil that a signal reaches; -1: none.
-int driven_point(const NetworkElements& elements);
 
 }  // namespace tactus

@@ -12,6 +12,8 @@ using Complex = std::complex<double>;
 
 // No more than so many points, whatever the graph does: what turns faster than that is rounding.
 constexpr std::size_t kMostPoints = 400'000;
+// Growth per second on the circle that is scanned.
+constexpr double kSlowestGrowth = 1e-4;
 // Factors outside these are no margins any more.
 constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;
 
@@ -20,10 +22,22 @@ Complex scaled(Complex f, Complex alone, double factor) {
   return factor == 1.0 ? f : f * (1.0 - factor * alone) / (1.0 - alone);
 }
 
+/// What comes back to `drive` alone, with what goes through `cut` times `factor`.
+Complex returned_to(Eigen::MatrixXcd returned, int drive, int cut, double factor) {
+  returned.col(cut) *= factor;
+  return LoopGroup::alone(returned)[static_cast<std::size_t>(drive)];
+}
+
 }  // namespace
 
+void sort_by_growth(std::vector<LoopRoot>& roots, std::size_t most) {
+  std::sort(roots.begin(), roots.end(),
+            [](const auto& a, const auto& b) { return a.growth_per_s > b.growth_per_s; });
+  if (roots.size() > most) roots.resize(most);
+}
+
 LoopScan::LoopScan(const LoopGroup& group, Hertz rate)
-    : group_(group), rate_(rate), radius_(std::exp(kSlowest / rate.value)) {
+    : group_(group), rate_(rate), radius_(std::exp(kSlowestGrowth / rate.value)) {
   constexpr double kQuick = 0.5;  // what is gone within a few frames is no mode
   const auto& graph = group.graph();
   for (std::size_t n = 0; n < graph.networks.size(); ++n)
@@ -134,7 +148,7 @@ std::vector<LoopScan::Crossing> LoopScan::crossings(int cut) const {
   return found;
 }
 
-/// From the top down, until all factors below hold.
+/// The largest factor below which no root grows.
 void LoopScan::find_border(int cut, const std::vector<Crossing>& crossings, CutMargin& margin) const {
   if (growing() == 0) {
     margin.border = margin.up;
@@ -177,7 +191,7 @@ CutMargin LoopScan::margin(int cut) const {
   const auto found = crossings(cut);
   for (const auto& x : found) {
     if (x.factor > 1 && x.factor < margin.up) margin.up = x.factor, margin.up_hz = hertz(x.radians);
-    if (x.factor <= 1) margin.down = x.factor, margin.down_hz = hertz(x.radians);
+    if (x.factor <= 1) margin.down = x.factor;
   }
   find_border(cut, found, margin);
   margin.more_delay_s = growing() == 0 ? delay_margin(cut) : 0;
@@ -245,14 +259,60 @@ std::vector<LoopRoot> LoopScan::roots(std::size_t most) const {
     });
     if (!known) roots.push_back(*root);
   }
-  std::sort(roots.begin(), roots.end(),
-            [](const auto& a, const auto& b) { return a.growth_per_s > b.growth_per_s; });
-  if (roots.size() > most) roots.resize(most);
+  sort_by_growth(roots, most);
   return roots;
 }
 
 std::optional<LoopRoot> LoopScan::root_near(double hertz, int cut, double factor) const {
   return newton({0.0, 2 * kPi * hertz / rate_.value}, cut, factor);
+}
+
+// ---- passivity
+
+PassivityTest::PassivityTest(const LoopGroup& group, int drive, std::function<Complex(Complex)> mobility,
+                             Hertz rate)
+    : drive_(drive), step_(1 / rate.value), mobility_(std::move(mobility)) {
+  constexpr int kPoints = 400;
+  const double lowest = 2 * kPi * step_;  // 1 Hz
+  for (int i = 0; i <= kPoints; ++i) {
+    const double radians = lowest * std::pow(kPi / lowest, static_cast<double>(i) / kPoints);
+    const auto z = std::polar(1.0, radians);
+    points_.push_back({radians, group.returned(z), mobility_(z)});
+  }
+}
+
+double PassivityTest::device_damping() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const double hertz : {1.0, 2.0, 5.0, 10.0}) {
+    const double radians = 2 * kPi * hertz * step_;
+    // The held force comes half a step late.
+    const auto g = mobility_(std::polar(1.0, radians)) * std::polar(1.0, radians / 2);
+    least = std::min(least, (1.0 / (Complex{0, 2 * kPi * hertz} * g)).real());
+  }
+  return least;
+}
+
+double PassivityTest::needed(int cut, double factor) const {
+  double most = 0;
+  for (const auto& point : points_) {
+    const auto h = -returned_to(point.returned, drive_, cut, factor) / point.mobility;
+    const double b =
+        step_ / 2 / (1 - std::cos(point.radians)) * ((1.0 - std::polar(1.0, -point.radians)) * h).real();
+    most = std::max(most, b);
+  }
+  return most;
+}
+
+double PassivityTest::largest_factor(int cut) const {
+  const double damping = device_damping();
+  double low = 1e-6, high = 1e6;
+  if (!(needed(cut, low) <= damping)) return 0;
+  if (needed(cut, high) <= damping) return std::numeric_limits<double>::infinity();
+  while (high > 1.0001 * low) {
+    const double middle = std::sqrt(low * high);
+    (needed(cut, middle) <= damping ? low : high) = middle;
+  }
+  return low;
 }
 
 }  // namespace tactus

@@ -3,6 +3,7 @@
 // Thread: [control].
 
 #include <complex>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -15,25 +16,26 @@ namespace tactus {
 /// A root of the closed loops: e^((growth + j 2 pi frequency) t).
 struct LoopRoot {
   double frequency_hz = 0;
-  double growth_per_s = 0;  ///< below 0 it dies out
+  double growth_per_s = 0;  ///< below 0 it decays
 };
+/// The fastest growing first; at most `most`.
+void sort_by_growth(std::vector<LoopRoot>& roots, std::size_t most);
 
 /// How far one cut is from where a root crosses the unit circle. Factors on what goes through it.
 struct CutMargin {
   double up = std::numeric_limits<double>::infinity();  ///< the least factor above 1 at which one crosses
   double up_hz = 0;
   double down = 0;  ///< the largest factor below 1 at which one crosses
-  double down_hz = 0;
-  /// All factors up to this one hold (of a loop that does not hold: the largest that does, or 0).
+  /// The loop is stable for all factors up to this one (of an unstable loop: the largest stable one, or 0).
   double border = std::numeric_limits<double>::infinity();
   double border_hz = 0;
-  double peak = 0;  ///< largest |L|: below 1 it holds for every delay and phase
+  double peak = 0;  ///< largest |L|: below 1 the loop is stable at every delay and phase
   double peak_hz = 0;
-  /// More delay until a root crosses; infinite where |L| stays below 1, 0 where one grows already.
+  /// Additional delay until a root crosses; infinite if |L| stays below 1, 0 if a root grows already.
   double more_delay_s = std::numeric_limits<double>::infinity();
 };
 
-/// Looks at f(z) = det(1 - R(z)) of a loop group along the circle |z| = 1 + tiny, on which a root doubles in
+/// Evaluates f(z) = det(1 - R(z)) of a loop group along the circle |z| = 1 + tiny, on which a root doubles in
 /// two hours, with points so close that f never turns by more than a fraction from one to the
 /// next.
 class LoopScan {
@@ -50,10 +52,6 @@ class LoopScan {
   std::vector<LoopRoot> roots(std::size_t most) const;
   /// The root of f nearest to a frequency, with everything through a cut times `factor`.
   std::optional<LoopRoot> root_near(double hertz, int cut, double factor) const;
-  std::size_t points() const { return samples_.size(); }
-
-  /// Growth per second of the circle.
-  static constexpr double kSlowest = 1e-4;
 
  private:
   struct Sample {
@@ -82,6 +80,36 @@ class LoopScan {
   std::vector<std::complex<double>> poles_;  ///< of the networks in the loop
   std::vector<Sample> samples_;              ///< from 0 to half the rate
   std::vector<double> heights_;  ///< of each cut's L among the first points, at most 1: what counts as near 0
+};
+
+/// The passivity of a force law on a sampled and held device (Colgate & Schenkel, J. Robotic Systems
+/// 14(1), 1997): it adds no more energy than the device dissipates, whoever holds it, while
+///     b > (T/2) / (1 - cos wT) Re{(1 - e^-jwT) H(e^jwT)}    for 0 < w <= pi/T,
+/// with H the force on the device against its position, delays included. Here H = -L / G: L what comes back
+/// to the cut at the drive, G from a force on the device to its position.
+class PassivityTest {
+ public:
+  /// `drive`: the one cut that the force goes through.
+  PassivityTest(const LoopGroup& group, int drive,
+                std::function<std::complex<double>(std::complex<double>)> mobility, Hertz rate);
+
+  /// b of the device: Re{1 / (jw G)} near 0 Hz, minus half a step of the hold [N s/m].
+  double device_damping() const;
+  /// The largest factor on what goes through `cut` for which the device loses enough; 0: none.
+  double largest_factor(int cut) const;
+
+ private:
+  double needed(int cut, double factor) const;
+
+  struct Point {
+    double radians;
+    Eigen::MatrixXcd returned;
+    std::complex<double> mobility;
+  };
+  int drive_;
+  double step_;
+  std::function<std::complex<double>(std::complex<double>)> mobility_;
+  std::vector<Point> points_;
 };
 
 }  // namespace tactus

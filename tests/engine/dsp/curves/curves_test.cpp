@@ -1,8 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/dsp/curves/breakpoints.h"
-#include "engine/dsp/curves/cubic_curve.h"
+#include "engine/dsp/curves/curve.h"
 
 using namespace tactus;
 
@@ -68,12 +67,12 @@ TEST_CASE("breakpoints: two points at one place are a jump", "[dsp]") {
 
 TEST_CASE("breakpoints: says what is wrong with points", "[dsp]") {
   using Shape = Breakpoints::Shape;
-  CHECK(Breakpoints::mistake({{0, 1}, {1, 2}}, Shape::Smooth) == nullptr);
-  CHECK(std::string{Breakpoints::mistake({}, Shape::Linear)} == "there is no point");
-  CHECK(std::string{Breakpoints::mistake({{1, 0}, {0, 0}}, Shape::Linear)} ==
+  CHECK(Breakpoints::error_in({{0, 1}, {1, 2}}, Shape::Smooth) == nullptr);
+  CHECK(std::string{Breakpoints::error_in({}, Shape::Linear)} == "there is no point");
+  CHECK(std::string{Breakpoints::error_in({{1, 0}, {0, 0}}, Shape::Linear)} ==
         "the points are not in ascending order");
-  CHECK(std::string{Breakpoints::mistake({{0, -1}, {1, 1}}, Shape::Exponential)} ==
+  CHECK(std::string{Breakpoints::error_in({{0, -1}, {1, 1}}, Shape::Exponential)} ==
         "an exponential curve cannot reach or cross zero");
-  CHECK(std::string{Breakpoints::mistake({{1, 0}, {1, 2}}, Shape::Smooth)} ==
+  CHECK(std::string{Breakpoints::error_in({{1, 0}, {1, 2}}, Shape::Smooth)} ==
         "two points lie at the same place, and a smooth curve cannot jump");
 }

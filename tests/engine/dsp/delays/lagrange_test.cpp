@@ -1,8 +1,8 @@
-#include "engine/dsp/delays/lagrange.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
+
+#include "engine/dsp/delays/taps.h"
 
 using namespace tactus;
 

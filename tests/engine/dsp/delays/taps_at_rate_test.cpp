@@ -1,9 +1,8 @@
-#include "engine/dsp/delays/taps_at_rate.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/core/units.h"
+#include "engine/dsp/delays/resample.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;

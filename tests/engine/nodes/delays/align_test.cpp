@@ -1,6 +1,5 @@
 #include <catch2/catch.hpp>
 
-#include "engine/nodes/delays/delays.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/measured_response.h"
 
@@ -13,7 +12,7 @@ constexpr double kRate = 48000;
 
 NodeRunner align_of(InputValue in, std::map<std::string, InputValue> others) {
   others["in"] = std::move(in);
-  return {align_type(), std::move(others)};
+  return {test::node_type("align"), std::move(others)};
 }
 
 /// Frames that an impulse is late: where its energy lies.

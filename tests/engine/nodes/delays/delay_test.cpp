@@ -1,6 +1,5 @@
 #include <catch2/catch.hpp>
 
-#include "engine/nodes/delays/delays.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;
@@ -15,7 +14,7 @@ double frames(double count) { return count / kRate; }
 
 NodeRunner delay_of(InputValue in, InputValue time, const std::string& interpolation,
                     std::map<std::string, Interval> ranges = {}) {
-  return {delay_type(),
+  return {test::node_type("delay"),
           {{"in", std::move(in)}, {"time", std::move(time)}},
           {{"interpolation", interpolation}},
           Hertz{kRate},
@@ -134,7 +133,7 @@ TEST_CASE("delay: a time outside the range is clamped and counted", "[nodes]") {
 
 TEST_CASE("delay: min and max bound what the graph does not", "[nodes]") {
   const Interval unknown{};
-  NodeRunner runner{delay_type(),
+  NodeRunner runner{test::node_type("delay"),
                     {{"in", 0.0}, {"time", frames(100)}},
                     {{"min", "1 ms"}, {"max", "20 ms"}},
                     Hertz{kRate},
@@ -145,8 +144,11 @@ TEST_CASE("delay: min and max bound what the graph does not", "[nodes]") {
 
 TEST_CASE("delay: mistakes are explained", "[nodes]") {
   const auto error = [](std::map<std::string, std::string> settings, Interval range) {
-    return NodeRunner{
-        delay_type(), {{"in", 0.0}, {"time", 0.1}}, std::move(settings), Hertz{kRate}, {{"time", range}}}
+    return NodeRunner{test::node_type("delay"),
+                      {{"in", 0.0}, {"time", 0.1}},
+                      std::move(settings),
+                      Hertz{kRate},
+                      {{"time", range}}}
         .error();
   };
   CHECK(error({}, {}) == "the longest delay is not known; give max = \"...\" a time");

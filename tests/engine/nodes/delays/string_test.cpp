@@ -3,7 +3,6 @@
 #include "engine/core/units.h"
 #include "engine/dsp/pitch/pitch_detector.h"
 #include "engine/dsp/strings/string_loop.h"
-#include "engine/nodes/delays/delays.h"
 #include "tests/support/measured_response.h"
 
 using namespace tactus;
@@ -66,7 +65,7 @@ TEST_CASE("string: in tune within 0.1 cent from 40 Hz to 4 kHz, by its character
   double worst = 0;
   for (double pitch = 40; pitch <= 4000; pitch *= 1.0293) {
     const std::vector<double> at{0, pitch, gain, loss};
-    NodeRunner string{string_type(), {{"in", 0.0}, {"pitch", pitch}}, {{"loss_filter", filter}}};
+    NodeRunner string{test::node_type("string"), {{"in", 0.0}, {"pitch", pitch}}, {{"loss_filter", filter}}};
     worst = std::max(worst, std::abs(cents(sounding_pitch(string, pitch, at), pitch)));
   }
   INFO(filter << " " << loss << " gain " << gain);
@@ -79,7 +78,7 @@ TEST_CASE("string: a plucked string sounds at the root of its characteristic equ
       {{40, 0.9}, {220, 0.99}, {440, 0.999}, {997, 0.99}, {2000, 0.999}, {4000, 0.999}, {4000, 0.9}}));
   const auto [filter, loss] =
       GENERATE(table<std::string, double>({{"one_zero", 0.1}, {"one_zero", 0.5}, {"one_pole", 0.3}}));
-  NodeRunner string{string_type(),
+  NodeRunner string{test::node_type("string"),
                     {{"in", impulse(24000)}, {"pitch", pitch}, {"gain", gain}, {"loss", loss}},
                     {{"loss_filter", filter}}};
   const auto y = string.run(even_cutting(24000, 64))[0];
@@ -100,7 +99,7 @@ TEST_CASE("string: a plucked string sounds at the root of its characteristic equ
 TEST_CASE("string: partials die as g |H_LP| once a period says", "[nodes]") {
   const double gain = GENERATE(0.9, 0.99, 0.999);
   constexpr double kPitch = 480;  // a period of 100 frames
-  NodeRunner string{string_type(),
+  NodeRunner string{test::node_type("string"),
                     {{"in", impulse(48000)}, {"pitch", kPitch}, {"gain", gain}, {"loss", 0.5}}};
   const auto y = string.run(even_cutting(48000, 64))[0];
   const auto level = [&](std::size_t from) {
@@ -121,7 +120,8 @@ TEST_CASE("string: partials die as g |H_LP| once a period says", "[nodes]") {
 
 TEST_CASE("string: loops of whole frames are exact", "[nodes]") {
   // Without loss, 480 Hz at 48 kHz is a delay of 100 frames: impulses of 1, g, g^2 ...
-  NodeRunner string{string_type(), {{"in", impulse(1000)}, {"pitch", 480.0}, {"gain", 0.5}, {"loss", 0.0}}};
+  NodeRunner string{test::node_type("string"),
+                    {{"in", impulse(1000)}, {"pitch", 480.0}, {"gain", 0.5}, {"loss", 0.0}}};
   const auto y = string.run(random_cutting(1000, 1))[0];
   for (std::size_t n = 0; n < y.size(); ++n)
     CHECK(y[n] == Approx(n % 100 == 0 ? std::pow(0.5, static_cast<double>(n / 100)) : 0.0).margin(1e-14));
@@ -138,7 +138,7 @@ TEST_CASE("string: the loop stays below 1 at every frequency, pitch and loss", "
 TEST_CASE("string: the stated response is the measured one", "[nodes]") {
   const auto filter = GENERATE(as<std::string>(), "one_zero", "one_pole");
   const double pitch = GENERATE(55.0, 1234.5, 9000.0);
-  NodeRunner string{string_type(),
+  NodeRunner string{test::node_type("string"),
                     {{"in", impulse(96000)}, {"pitch", pitch}, {"gain", 0.5}, {"loss", 0.4}},
                     {{"loss_filter", filter}}};
   const auto y = string.run(even_cutting(96000, 64))[0];
@@ -152,12 +152,13 @@ TEST_CASE("string: any cutting into blocks gives the same bits", "[nodes]") {
   const auto filter = GENERATE(as<std::string>(), "one_zero", "one_pole");
   const InputValue pitch = GENERATE(InputValue{41.0}, InputValue{440.0}, InputValue{4100.0},
                                     InputValue{15000.0}, InputValue{noise(2000, 3, 5, 16000)});
-  NodeRunner string{string_type(),
+  NodeRunner string{test::node_type("string"),
                     {{"in", noise(2000, 1)}, {"pitch", pitch}, {"loss", noise(2000, 4, -0.5, 1.5)}},
                     {{"loss_filter", filter}}};
   CHECK(string.cutting_matters(2000) == "");
   CHECK(string.cutting_matters(2000, 3, 1000005) == "");
-  NodeRunner steady{string_type(), {{"in", noise(2000, 1)}, {"pitch", 300.0}}, {{"loss_filter", filter}}};
+  NodeRunner steady{
+      test::node_type("string"), {{"in", noise(2000, 1)}, {"pitch", 300.0}}, {{"loss_filter", filter}}};
   CHECK(steady.cutting_matters(2000) == "");
 }
 
@@ -167,7 +168,7 @@ TEST_CASE("string: any parameter is made valid", "[nodes]") {
   const auto filter = GENERATE(as<std::string>(), "one_zero", "one_pole");
   std::map<std::string, InputValue> inputs{{"in", noise(5000, 1)}, {"pitch", 440.0}};
   inputs[port] = wild;
-  NodeRunner string{string_type(), inputs, {{"loss_filter", filter}}};
+  NodeRunner string{test::node_type("string"), inputs, {{"loss_filter", filter}}};
   const auto out = string.run(even_cutting(5000, 64));
   for (const double y : out[0]) REQUIRE(std::abs(y) < 1e4);
 }

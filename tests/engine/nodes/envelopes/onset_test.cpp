@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/nodes/envelopes/envelopes.h"
 #include "tests/support/node_runner.h"
 
 namespace tactus {
@@ -22,7 +21,7 @@ test::Samples three_hits() {
 }  // namespace
 
 TEST_CASE("onset: a trigger of one frame for each hit", "[nodes]") {
-  test::NodeRunner runner(onset_type(), {{"in", three_hits()}});
+  test::NodeRunner runner(test::node_type("onset"), {{"in", three_hits()}});
   const auto out = runner.run(test::even_cutting(kFrames, 64));
   for (int n = 0; n < kFrames; ++n)
     CHECK(out[0][static_cast<std::size_t>(n)] == (n >= 3000 && n % 3000 == 0 ? 1.0 : 0.0));
@@ -31,11 +30,11 @@ TEST_CASE("onset: a trigger of one frame for each hit", "[nodes]") {
 }
 
 TEST_CASE("onset: the cutting into blocks changes no bit", "[nodes]") {
-  test::NodeRunner runner(onset_type(), {{"in", test::noise(kFrames, 7)},
-                                         {"threshold", test::noise(kFrames, 8, 0.0, 0.5)},
-                                         {"hold", test::noise(kFrames, 9, 0.001, 0.02)}});
+  test::NodeRunner runner(test::node_type("onset"), {{"in", test::noise(kFrames, 7)},
+                                                     {"threshold", test::noise(kFrames, 8, 0.0, 0.5)},
+                                                     {"hold", test::noise(kFrames, 9, 0.001, 0.02)}});
   CHECK(runner.cutting_matters(kFrames) == "");
-  test::NodeRunner hits(onset_type(), {{"in", three_hits()}});
+  test::NodeRunner hits(test::node_type("onset"), {{"in", three_hits()}});
   CHECK(hits.cutting_matters(kFrames) == "");
 }
 

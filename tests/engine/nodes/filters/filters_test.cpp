@@ -1,4 +1,3 @@
-#include "engine/nodes/filters/filters.h"
 
 #include <catch2/catch.hpp>
 
@@ -20,15 +19,15 @@ struct Case {
 };
 
 std::vector<Case> cases() {
-  return {{&one_pole_type(), {{"cutoff", 300.0}}},
-          {&one_pole_type(), {{"cutoff", 300.0}}, {{"form", "matched"}}},
-          {&low_pass_type(), {{"cutoff", 3000.0}, {"q", 4.0}}},
-          {&high_pass_type(), {{"cutoff", 200.0}}},
-          {&band_pass_type(), {{"frequency", 1000.0}, {"q", 5.0}}},
-          {&dc_blocker_type(), {{"cutoff", 40.0}}},
-          {&velocity_type(), {{"cutoff", 200.0}}},
-          {&difference_type(), {}},
-          {&fir_type(), {}, {{"taps", "[0.5, -0.25, 0.125, 1, 0.75]"}}}};
+  return {{&test::node_type("one_pole"), {{"cutoff", 300.0}}},
+          {&test::node_type("one_pole"), {{"cutoff", 300.0}}, {{"form", "matched"}}},
+          {&test::node_type("low_pass"), {{"cutoff", 3000.0}, {"q", 4.0}}},
+          {&test::node_type("high_pass"), {{"cutoff", 200.0}}},
+          {&test::node_type("band_pass"), {{"frequency", 1000.0}, {"q", 5.0}}},
+          {&test::node_type("dc_blocker"), {{"cutoff", 40.0}}},
+          {&test::node_type("velocity"), {{"cutoff", 200.0}}},
+          {&test::node_type("difference"), {}},
+          {&test::node_type("fir"), {}, {{"taps", "[0.5, -0.25, 0.125, 1, 0.75]"}}}};
 }
 
 NodeRunner runner_for(const Case& c, InputValue in) {
@@ -118,46 +117,50 @@ TEST_CASE("filters: cutoffs from 0 to beyond the rate, and NaN, are made designa
 
 TEST_CASE("one_pole: the matched form is at -3.01 dB at the cutoff too", "[nodes]") {
   const auto cutoff = GENERATE(80.0, 3000.0, 10000.0);
-  CHECK(stated_decibels(one_pole_type(), {{"cutoff", cutoff}}, cutoff, 0, {{"form", "matched"}}) ==
-        Approx(kHalfPower).margin(1e-9));
+  CHECK(stated_decibels(test::node_type("one_pole"), {{"cutoff", cutoff}}, cutoff, 0,
+                        {{"form", "matched"}}) == Approx(kHalfPower).margin(1e-9));
 }
 
 TEST_CASE("one_pole: both outputs are at -3.01 dB at the cutoff and add up to the input", "[nodes]") {
   const double cutoff = GENERATE(40.0, 250.0, 6000.0, 20000.0);
-  CHECK(stated_decibels(one_pole_type(), {{"cutoff", cutoff}}, cutoff, 0) == Approx(kHalfPower).margin(1e-9));
-  CHECK(stated_decibels(one_pole_type(), {{"cutoff", cutoff}}, cutoff, 1) == Approx(kHalfPower).margin(1e-9));
+  CHECK(stated_decibels(test::node_type("one_pole"), {{"cutoff", cutoff}}, cutoff, 0) ==
+        Approx(kHalfPower).margin(1e-9));
+  CHECK(stated_decibels(test::node_type("one_pole"), {{"cutoff", cutoff}}, cutoff, 1) ==
+        Approx(kHalfPower).margin(1e-9));
 }
 
 TEST_CASE("low_pass, high_pass: gain q at the cutoff, 1 in the passband", "[nodes]") {
   const double q = GENERATE(0.5, 0.7071067811865476, 8.0);
   const double cutoff = GENERATE(30.0, 3000.0, 20000.0);
   const std::map<std::string, InputValue> parameters{{"cutoff", cutoff}, {"q", q}};
-  CHECK(stated_decibels(low_pass_type(), parameters, cutoff) == Approx(20 * std::log10(q)).margin(1e-6));
-  CHECK(stated_decibels(high_pass_type(), parameters, cutoff) == Approx(20 * std::log10(q)).margin(1e-6));
-  CHECK(stated_decibels(low_pass_type(), parameters, 0) == Approx(0).margin(1e-8));
-  CHECK(stated_decibels(high_pass_type(), parameters, 24000) == Approx(0).margin(1e-8));
+  CHECK(stated_decibels(test::node_type("low_pass"), parameters, cutoff) ==
+        Approx(20 * std::log10(q)).margin(1e-6));
+  CHECK(stated_decibels(test::node_type("high_pass"), parameters, cutoff) ==
+        Approx(20 * std::log10(q)).margin(1e-6));
+  CHECK(stated_decibels(test::node_type("low_pass"), parameters, 0) == Approx(0).margin(1e-8));
+  CHECK(stated_decibels(test::node_type("high_pass"), parameters, 24000) == Approx(0).margin(1e-8));
 }
 
 TEST_CASE("low_pass: Butterworth falls as 1 / sqrt(1 + (f/fc)^4) on the prewarped axis", "[nodes]") {
   const double hertz = GENERATE(100.0, 1000.0, 3000.0, 6000.0, 12000.0);
   const auto warped = [](double f) { return std::tan(std::numbers::pi * f / 48000); };
   const double ratio = warped(hertz) / warped(3000);
-  CHECK(stated_decibels(low_pass_type(), {{"cutoff", 3000.0}}, hertz) ==
+  CHECK(stated_decibels(test::node_type("low_pass"), {{"cutoff", 3000.0}}, hertz) ==
         Approx(-10 * std::log10(1 + std::pow(ratio, 4))).margin(1e-8));
 }
 
 TEST_CASE("band_pass: 0 dB at its frequency, -3.01 dB at its edges", "[nodes]") {
   const double q = GENERATE(1.0, 20.0);
   const std::map<std::string, InputValue> parameters{{"frequency", 2000.0}, {"q", q}};
-  CHECK(stated_decibels(band_pass_type(), parameters, 2000) == Approx(0).margin(1e-10));
+  CHECK(stated_decibels(test::node_type("band_pass"), parameters, 2000) == Approx(0).margin(1e-10));
   // Half power where s - 1/s = 1/q, on the prewarped axis s = tan(w/2) / tan(w0/2).
   const double edge = 1 / (2 * q) + std::sqrt(1 / (4 * q * q) + 1);
   const double hertz = std::atan(edge * std::tan(std::numbers::pi * 2000 / 48000)) * 48000 / std::numbers::pi;
-  CHECK(stated_decibels(band_pass_type(), parameters, hertz) == Approx(kHalfPower).margin(1e-6));
+  CHECK(stated_decibels(test::node_type("band_pass"), parameters, hertz) == Approx(kHalfPower).margin(1e-6));
 }
 
 TEST_CASE("high_pass: a constant dies away to nothing, without the roundings of a low cutoff", "[nodes]") {
-  NodeRunner runner{high_pass_type(), {{"in", 1.0}, {"cutoff", 10.0}}};
+  NodeRunner runner{test::node_type("high_pass"), {{"in", 1.0}, {"cutoff", 10.0}}};
   const auto out = runner.run(even_cutting(96000, 64));
   // exp(-2 pi 10 0.7071 2 s) = 1e-39 of the start is left.
   CHECK(std::abs(out[0].back()) < 1e-30);
@@ -166,7 +169,7 @@ TEST_CASE("high_pass: a constant dies away to nothing, without the roundings of 
 TEST_CASE("dc_blocker: y = p (y1 + x - x1)", "[nodes]") {
   const double p = 1 / (1 + 2 * std::numbers::pi * 10 / 48000);
   const auto x = noise(500, 3);
-  NodeRunner runner{dc_blocker_type(), {{"in", x}}};
+  NodeRunner runner{test::node_type("dc_blocker"), {{"in", x}}};
   const auto y = runner.run(even_cutting(500, 64))[0];
   double y1 = 0, x1 = 0;
   for (std::size_t n = 0; n < x.size(); ++n) {
@@ -178,14 +181,14 @@ TEST_CASE("dc_blocker: y = p (y1 + x - x1)", "[nodes]") {
 
 TEST_CASE("dc_blocker: within 1 % of half power at the cutoff below fs/600", "[nodes]") {
   const double cutoff = GENERATE(1.0, 10.0, 80.0);
-  CHECK(std::pow(10, stated_decibels(dc_blocker_type(), {{"cutoff", cutoff}}, cutoff) / 20) ==
+  CHECK(std::pow(10, stated_decibels(test::node_type("dc_blocker"), {{"cutoff", cutoff}}, cutoff) / 20) ==
         Approx(std::sqrt(0.5)).epsilon(0.01));
 }
 
 TEST_CASE("difference: a ramp gives its slope from the first step on", "[nodes]") {
   Samples ramp(100);
   for (std::size_t n = 0; n < ramp.size(); ++n) ramp[n] = 0.25 * static_cast<double>(n) / 48000;
-  NodeRunner runner{difference_type(), {{"in", ramp}}};
+  NodeRunner runner{test::node_type("difference"), {{"in", ramp}}};
   const auto out = runner.run(even_cutting(100, 64))[0];
   for (std::size_t n = 1; n < out.size(); ++n) CHECK(out[n] == Approx(0.25).epsilon(1e-12));
 }
@@ -194,23 +197,23 @@ TEST_CASE("velocity: a ramp gives its slope, and the low-pass is at -3.01 dB at 
   const double cutoff = GENERATE(20.0, 200.0, 5000.0, 20000.0);
   Samples ramp(48000);
   for (std::size_t n = 0; n < ramp.size(); ++n) ramp[n] = 0.25 * static_cast<double>(n) / 48000;
-  NodeRunner runner{velocity_type(), {{"in", ramp}, {"cutoff", cutoff}}};
+  NodeRunner runner{test::node_type("velocity"), {{"in", ramp}, {"cutoff", cutoff}}};
   // After a second the start, exp(-2 pi 20), is gone; positions of 0.25 m carry 3e-17 m of rounding, times
   // 48000/s.
   CHECK(runner.run(even_cutting(48000, 64))[0].back() == Approx(0.25).epsilon(1e-10));
-  const double low_pass = stated_decibels(velocity_type(), {{"cutoff", cutoff}}, cutoff) -
-                          stated_decibels(difference_type(), {}, cutoff);
+  const double low_pass = stated_decibels(test::node_type("velocity"), {{"cutoff", cutoff}}, cutoff) -
+                          stated_decibels(test::node_type("difference"), {}, cutoff);
   CHECK(low_pass == Approx(kHalfPower).margin(1e-8));
 }
 
 TEST_CASE("fir: the impulse response is the taps", "[nodes]") {
-  NodeRunner runner{fir_type(), {{"in", impulse(40)}}, {{"taps", "[1, -2, \"50 %\", 4]"}}};
+  NodeRunner runner{test::node_type("fir"), {{"in", impulse(40)}}, {{"taps", "[1, -2, \"50 %\", 4]"}}};
   const auto out = runner.run(even_cutting(40, 7))[0];
   const Samples expected{1, -2, 0.5, 4};
   for (std::size_t n = 0; n < out.size(); ++n) CHECK(out[n] == (n < expected.size() ? expected[n] : 0.0));
 }
 
 TEST_CASE("fir: no taps is a mistake", "[nodes]") {
-  const NodeRunner runner{fir_type(), {{"in", 0.0}}, {{"taps", "[]"}}};
+  const NodeRunner runner{test::node_type("fir"), {{"in", 0.0}}, {{"taps", "[]"}}};
   CHECK(runner.error() == "a filter without taps is silent; give at least one number in 'taps'");
 }

@@ -3,8 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/dsp/delays/taps_at_rate.h"
-#include "engine/nodes/filters/filters.h"
+#include "engine/dsp/delays/resample.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/measured_response.h"
 
@@ -47,7 +46,8 @@ TEST_CASE("fir: at another rate than that of its taps it runs what they become t
 }
 
 TEST_CASE("fir: at another rate it states the response that it has", "[nodes]") {
-  NodeRunner runner{fir_type(), {{"in", impulse(400)}}, {{"taps", "[0.5, -0.25, 1]"}, {"rate", "96 kHz"}}};
+  NodeRunner runner{
+      test::node_type("fir"), {{"in", impulse(400)}}, {{"taps", "[0.5, -0.25, 1]"}, {"rate", "96 kHz"}}};
   const auto heard = runner.run(even_cutting(400, 64))[0];
   for (const double f : {10.0, 1000.0, 20000.0}) {
     const auto stated = stated_response(runner, f, {0});

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/nodes/filters/filters.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/play_node.h"
 
@@ -35,7 +34,7 @@ double worst_error(const Samples& heard, const std::vector<Heard>& expected) {
 }  // namespace
 
 TEST_CASE("modal: listed modes ring as they are listed", "[nodes]") {
-  const auto heard = play_node(modal_type(), 24000, {{"in", impulse(24000)}},
+  const auto heard = play_node(test::node_type("modal"), 24000, {{"in", impulse(24000)}},
                                {{"frequencies", "[220 Hz, 0.61 kHz, 1203 Hz]"},
                                 {"decays", "[1 s, 500 ms, 0.2]"},
                                 {"gains", "[1, -0.5, 0.25]"}});
@@ -43,20 +42,20 @@ TEST_CASE("modal: listed modes ring as they are listed", "[nodes]") {
 }
 
 TEST_CASE("modal: frequency and decay move all listed modes together", "[nodes]") {
-  const auto heard =
-      play_node(modal_type(), 24000, {{"in", impulse(24000)}, {"frequency", 110.0}, {"decay", 0.5}},
-                {{"frequencies", "[220, 610]"}, {"decays", "[1, 0.5]"}});
+  const auto heard = play_node(test::node_type("modal"), 24000,
+                               {{"in", impulse(24000)}, {"frequency", 110.0}, {"decay", 0.5}},
+                               {{"frequencies", "[220, 610]"}, {"decays", "[1, 0.5]"}});
   CHECK(worst_error(heard, {{110, 0.5, 1}, {305, 0.25, 1}}) < 1e-9);
 }
 
 TEST_CASE("modal: a series has the ratios, decays and gains that it says", "[nodes]") {
-  const auto heard =
-      play_node(modal_type(), 24000, {{"in", impulse(24000)}, {"frequency", 200.0}, {"decay", 0.8}},
-                {{"series", "harmonic"},
-                 {"modes", "3"},
-                 {"decay_slope", "1"},
-                 {"gain_slope", "2"},
-                 {"gains", "[0.5]"}});
+  const auto heard = play_node(test::node_type("modal"), 24000,
+                               {{"in", impulse(24000)}, {"frequency", 200.0}, {"decay", 0.8}},
+                               {{"series", "harmonic"},
+                                {"modes", "3"},
+                                {"decay_slope", "1"},
+                                {"gain_slope", "2"},
+                                {"gains", "[0.5]"}});
   CHECK(worst_error(heard, {{200, 0.8, 0.5}, {400, 0.4, 0.125}, {600, 0.8 / 3, 0.5 / 9}}) < 1e-9);
 }
 
@@ -65,8 +64,8 @@ TEST_CASE("modal: a mode that rings is retuned at the next group of eight frames
   Samples frequency(kFrames, 1000.0);
   std::fill(frequency.begin() + kChange, frequency.end(), 3000.0);
   const auto y =
-      play_node(modal_type(), kFrames, {{"in", impulse(kFrames)}, {"frequency", frequency}, {"decay", 1.0}},
-                {{"modes", "1"}});
+      play_node(test::node_type("modal"), kFrames,
+                {{"in", impulse(kFrames)}, {"frequency", frequency}, {"decay", 1.0}}, {{"modes", "1"}});
   double turned = 0;
   for (std::size_t n = 0; n < kFrames; ++n) {
     CHECK(y[n] ==
@@ -78,7 +77,7 @@ TEST_CASE("modal: a mode that rings is retuned at the next group of eight frames
 TEST_CASE("modal: no movement of its frequency makes it louder", "[nodes]") {
   constexpr int kFrames = 9600;
   const auto heard =
-      play_node(modal_type(), kFrames,
+      play_node(test::node_type("modal"), kFrames,
                 {{"in", impulse(kFrames)}, {"frequency", noise(kFrames, 5, 20, 8000)}, {"decay", 1.0}},
                 {{"modes", "1"}});
   double most = 0;
@@ -109,7 +108,7 @@ TEST_CASE("modal: it closes a loop without a delay node", "[nodes]") {
 
 TEST_CASE("modal: it says what does not fit", "[nodes]") {
   const auto said = [](std::map<std::string, std::string> settings) {
-    return refusal(modal_type(), {{"in", 0.0}}, settings);
+    return refusal(test::node_type("modal"), {{"in", 0.0}}, settings);
   };
   CHECK(said({{"frequencies", "[100, 200]"}, {"gains", "[1, 2, 3]"}}) ==
         "'gains' has 3 numbers for 2 modes; give one number for all modes, or one for each");

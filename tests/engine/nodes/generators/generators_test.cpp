@@ -1,4 +1,3 @@
-#include "engine/nodes/generators/generators.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -51,7 +50,8 @@ class WavFile {
 }  // namespace
 
 TEST_CASE("sine: level sin(2 pi f t + phase)", "[nodes]") {
-  const auto out = play_node(sine_type(), 48001, {{"frequency", 440.0}, {"phase", 0.5}, {"level", 2.0}});
+  const auto out =
+      play_node(test::node_type("sine"), 48001, {{"frequency", 440.0}, {"phase", 0.5}, {"level", 2.0}});
   for (const std::size_t n : {0u, 1u, 100u, 48000u})
     CHECK(out[n] == Approx(2 * std::sin(kTwoPi * 440 * static_cast<double>(n) / 48000 + 0.5)).margin(1e-10));
 }
@@ -59,20 +59,21 @@ TEST_CASE("sine: level sin(2 pi f t + phase)", "[nodes]") {
 TEST_CASE("sine: a frequency that glides keeps the phase continuous", "[nodes]") {
   Samples frequency(4800);
   for (std::size_t n = 0; n < frequency.size(); ++n) frequency[n] = static_cast<double>(n);  // f = 48000 t
-  const auto out = play_node(sine_type(), 4800, {{"frequency", frequency}});
+  const auto out = play_node(test::node_type("sine"), 4800, {{"frequency", frequency}});
   // Phase in turns: the sum of n / 48000 below 4799.
   CHECK(out[4799] == Approx(std::sin(kTwoPi * 4799.0 * 4798.0 / 2 / 48000)).margin(1e-9));
 }
 
 TEST_CASE("noise: seeds differ, runs do not", "[nodes]") {
-  const auto first = play_node(noise_type(), 100, {});
-  CHECK(play_node(noise_type(), 100, {}) == first);
-  CHECK(play_node(noise_type(), 100, {}, {{"seed", "2"}}) != first);
+  const auto first = play_node(test::node_type("noise"), 100, {});
+  CHECK(play_node(test::node_type("noise"), 100, {}) == first);
+  CHECK(play_node(test::node_type("noise"), 100, {}, {{"seed", "2"}}) != first);
 }
 
 TEST_CASE("noise: level is the peak of the uniform and the deviation of the gaussian one", "[nodes]") {
-  const auto uniform = play_node(noise_type(), 48000, {{"level", 2.0}});
-  const auto gaussian = play_node(noise_type(), 48000, {{"level", 2.0}}, {{"distribution", "gaussian"}});
+  const auto uniform = play_node(test::node_type("noise"), 48000, {{"level", 2.0}});
+  const auto gaussian =
+      play_node(test::node_type("noise"), 48000, {{"level", 2.0}}, {{"distribution", "gaussian"}});
   const auto power = [](const Samples& x) {
     return std::inner_product(x.begin(), x.end(), x.begin(), 0.0) / 48000;
   };
@@ -84,12 +85,14 @@ TEST_CASE("noise: level is the peak of the uniform and the deviation of the gaus
 
 TEST_CASE("wavetable: repeats its numbers, and backwards at negative frequency", "[nodes]") {
   const std::map<std::string, std::string> table = {{"table", "[0, 1, 0.5, -1]"}};
-  CHECK(play_node(wavetable_type(), 6, {{"frequency", 12000.0}}, table) == Samples{0, 1, 0.5, -1, 0, 1});
-  CHECK(play_node(wavetable_type(), 6, {{"frequency", -12000.0}}, table) == Samples{0, -1, 0.5, 1, 0, -1});
+  CHECK(play_node(test::node_type("wavetable"), 6, {{"frequency", 12000.0}}, table) ==
+        Samples{0, 1, 0.5, -1, 0, 1});
+  CHECK(play_node(test::node_type("wavetable"), 6, {{"frequency", -12000.0}}, table) ==
+        Samples{0, -1, 0.5, 1, 0, -1});
 }
 
 TEST_CASE("wavetable: an empty table is refused", "[nodes]") {
-  CHECK(refusal(wavetable_type(), {{"frequency", 1.0}}) ==
+  CHECK(refusal(test::node_type("wavetable"), {{"frequency", 1.0}}) ==
         "'table' holds no number; write one period, as in table = [0, 1, 0, -1]");
 }
 
@@ -98,7 +101,7 @@ TEST_CASE("sample: plays the chosen channel from each trigger", "[nodes]") {
   Samples trigger(12, 0.0);
   trigger[2] = trigger[7] = 1;
   const auto play = [&](const std::string& channel) {
-    return play_node(sample_type(), 12, {{"trigger", trigger}, {"level", 2.0}},
+    return play_node(test::node_type("sample"), 12, {{"trigger", trigger}, {"level", 2.0}},
                      {{"file", file.path()}, {"channel", channel}});
   };
   CHECK(play("1") == Samples{0, 0, 1, -0.5, 0.25, 0, 0, 1, -0.5, 0.25, 0, 0});
@@ -110,7 +113,7 @@ TEST_CASE("sample: sounds at its own pitch whatever the engine's rate", "[nodes]
   for (int n = 0; n < 2000; ++n)
     sine.push_back(static_cast<std::int16_t>(std::lround(16000 * std::sin(kTwoPi * 100 * n / 8000))));
   const WavFile file("tactus_sample_rate_test.wav", 8000, 1, sine);
-  const auto out = play_node(sample_type(), 1000, {{"trigger", 1.0}}, {{"file", file.path()}});
+  const auto out = play_node(test::node_type("sample"), 1000, {{"trigger", 1.0}}, {{"file", file.path()}});
   double worst = 0;
   // Before its first sample the file is silent, which the cubic there notices: one sample of the file is 6
   // frames.
@@ -123,15 +126,16 @@ TEST_CASE("sample: sounds at its own pitch whatever the engine's rate", "[nodes]
 }
 
 TEST_CASE("sample: says which file it cannot read, and which channel is not there", "[nodes]") {
-  const auto missing = refusal(sample_type(), {{"trigger", 0.0}}, {{"file", "/no/such.wav"}});
+  const auto missing = refusal(test::node_type("sample"), {{"trigger", 0.0}}, {{"file", "/no/such.wav"}});
   CHECK(missing.find("cannot read '/no/such.wav'") == 0);
   const WavFile file("tactus_sample_channel_test.wav", 48000, 1, {1, 2});
-  const auto channel = refusal(sample_type(), {{"trigger", 0.0}}, {{"file", file.path()}, {"channel", "2"}});
+  const auto channel =
+      refusal(test::node_type("sample"), {{"trigger", 0.0}}, {{"file", file.path()}, {"channel", "2"}});
   CHECK(channel == "'" + file.path() + "' has 1 channels, not 2; choose a smaller 'channel'");
 }
 
 TEST_CASE("curve: each point stands in its own frame, and the last one holds", "[nodes]") {
-  const auto out = play_node(curve_type(), 200, {},
+  const auto out = play_node(test::node_type("curve"), 200, {},
                              {{"points", "[[0, 1], [\"3 ms\", 2], [\"3.3 ms\", 5]]"}, {"curve", "step"}});
   CHECK(out[143] == 1);
   CHECK(out[144] == 2);
@@ -142,24 +146,25 @@ TEST_CASE("curve: each point stands in its own frame, and the last one holds", "
 
 TEST_CASE("curve: a time that a rounding error moved off its frame is put back", "[nodes]") {
   // 1e-15 s late is 5e-11 of a frame.
-  const auto out =
-      play_node(curve_type(), 200, {}, {{"points", "[[0, 1], [0.003000000000001, 2]]"}, {"curve", "step"}});
+  const auto out = play_node(test::node_type("curve"), 200, {},
+                             {{"points", "[[0, 1], [0.003000000000001, 2]]"}, {"curve", "step"}});
   CHECK(out[143] == 1);
   CHECK(out[144] == 2);
 }
 
 TEST_CASE("curve: linear and smooth ways between two points", "[nodes]") {
   const std::string points = "[[0, 0], [0.01, 8]]";
-  CHECK(play_node(curve_type(), 480, {}, {{"points", points}})[120] == 2);
+  CHECK(play_node(test::node_type("curve"), 480, {}, {{"points", points}})[120] == 2);
   const double u = 0.25;  // level at both ends: 3 u^2 - 2 u^3
-  CHECK(play_node(curve_type(), 480, {}, {{"points", points}, {"curve", "smooth"}})[120] ==
+  CHECK(play_node(test::node_type("curve"), 480, {}, {{"points", points}, {"curve", "smooth"}})[120] ==
         Approx(8 * (3 * u * u - 2 * u * u * u)).epsilon(1e-14));
 }
 
 TEST_CASE("curve: with a trigger it waits, runs, and starts over", "[nodes]") {
   Samples trigger(60, 0.0);
   trigger[10] = trigger[30] = 1;
-  const auto out = play_node(curve_type(), 60, {{"trigger", trigger}}, {{"points", "[[0, 3], [0.001, 51]]"}});
+  const auto out =
+      play_node(test::node_type("curve"), 60, {{"trigger", trigger}}, {{"points", "[[0, 3], [0.001, 51]]"}});
   CHECK(out[9] == 3);
   CHECK(out[10] == 3);
   CHECK(out[29] == 22);

@@ -1,9 +1,6 @@
-#include "engine/nodes/logic/logic.h"
 
 #include <catch2/catch.hpp>
 
-#include "engine/nodes/generators/generators.h"
-#include "engine/nodes/shapers/shapers.h"
 #include "tests/support/play_node.h"
 
 using namespace tactus;
@@ -12,7 +9,7 @@ using test::refusal;
 using test::Samples;
 
 TEST_CASE("threshold: fires for one frame, and its gate stays up until the hysteresis is passed", "[nodes]") {
-  test::NodeRunner runner(threshold_type(),
+  test::NodeRunner runner(test::node_type("threshold"),
                           {{"in", Samples{0, 1, 2, 0.9, 0.7, 1, 0}}, {"level", 1.0}, {"hysteresis", 0.2}});
   const auto out = runner.run(test::even_cutting(7, 7));
   CHECK(out[0] == Samples{0, 1, 0, 0, 0, 1, 0});
@@ -21,51 +18,53 @@ TEST_CASE("threshold: fires for one frame, and its gate stays up until the hyste
 
 TEST_CASE("threshold: does not trigger again within its hold, and then at once where it was reached",
           "[nodes]") {
-  test::NodeRunner runner(threshold_type(), {{"in", Samples{0, 1, 0, 1, 1, 1, 1, 0, 1}},
-                                             {"level", 1.0},
-                                             {"hysteresis", 0.2},
-                                             {"hold", 5 / 48000.0}});
+  test::NodeRunner runner(test::node_type("threshold"), {{"in", Samples{0, 1, 0, 1, 1, 1, 1, 0, 1}},
+                                                         {"level", 1.0},
+                                                         {"hysteresis", 0.2},
+                                                         {"hold", 5 / 48000.0}});
   const auto out = runner.run(test::even_cutting(9, 9));
   CHECK(out[0] == Samples{0, 1, 0, 0, 0, 0, 1, 0, 0});
   CHECK(out[1] == Samples{0, 1, 0, 1, 1, 1, 1, 0, 1});
 }
 
 TEST_CASE("sample_hold: takes over in the frame of the trigger", "[nodes]") {
-  CHECK(play_node(sample_hold_type(), 5,
+  CHECK(play_node(test::node_type("sample_hold"), 5,
                   {{"in", Samples{1, 2, 3, 4, 5}}, {"trigger", Samples{0, 1, 1, 0, 1}}}) ==
         Samples{0, 2, 2, 2, 5});
 }
 
 TEST_CASE("latch: on at set, off at reset, which wins", "[nodes]") {
-  CHECK(play_node(latch_type(), 6,
+  CHECK(play_node(test::node_type("latch"), 6,
                   {{"set", Samples{0, 1, 0, 0, 1, 0}}, {"reset", Samples{0, 0, 0, 1, 0, 0}}}) ==
         Samples{0, 1, 1, 0, 1, 1});
-  CHECK(play_node(latch_type(), 2, {{"set", 1.0}, {"reset", 1.0}}) == Samples{0, 0});
+  CHECK(play_node(test::node_type("latch"), 2, {{"set", 1.0}, {"reset", 1.0}}) == Samples{0, 0});
 }
 
 TEST_CASE("counter: modulo its count, from 0 after a reset", "[nodes]") {
   const Samples trigger = {0, 1, 0, 1, 0, 1, 0, 1, 0};
   const Samples reset = {0, 0, 0, 0, 1, 0, 0, 1, 0};
-  CHECK(play_node(counter_type(), 9, {{"trigger", trigger}}) == Samples{0, 1, 1, 2, 2, 3, 3, 4, 4});
-  CHECK(play_node(counter_type(), 9, {{"trigger", trigger}, {"count", 3.0}}) ==
+  CHECK(play_node(test::node_type("counter"), 9, {{"trigger", trigger}}) ==
+        Samples{0, 1, 1, 2, 2, 3, 3, 4, 4});
+  CHECK(play_node(test::node_type("counter"), 9, {{"trigger", trigger}, {"count", 3.0}}) ==
         Samples{0, 1, 1, 2, 2, 0, 0, 1, 1});
-  CHECK(play_node(counter_type(), 9, {{"trigger", trigger}, {"reset", reset}}) ==
+  CHECK(play_node(test::node_type("counter"), 9, {{"trigger", trigger}, {"reset", reset}}) ==
         Samples{0, 1, 1, 2, 0, 1, 1, 0, 0});
 }
 
 TEST_CASE("clip: keeps what is inside and limits what is not", "[nodes]") {
   const Samples in = {-3, -0.5, 0.5, 3};
-  CHECK(play_node(clip_type(), 4, {{"in", in}}) == Samples{-1, -0.5, 0.5, 1});
-  CHECK(play_node(clip_type(), 4, {{"in", in}, {"low", Samples{2, 2, 2, 2}}}) == Samples{2, 2, 2, 2});
+  CHECK(play_node(test::node_type("clip"), 4, {{"in", in}}) == Samples{-1, -0.5, 0.5, 1});
+  CHECK(play_node(test::node_type("clip"), 4, {{"in", in}, {"low", Samples{2, 2, 2, 2}}}) ==
+        Samples{2, 2, 2, 2});
 }
 
 TEST_CASE("clip, map, curve: ranges that the compiler can rely on", "[nodes]") {
-  NodeSetup clip = {.sample_rate = 48_kHz, .type = &clip_type(), .inputs = {}, .settings = {}};
+  NodeSetup clip = {.sample_rate = 48_kHz, .type = &test::node_type("clip"), .inputs = {}, .settings = {}};
   for (const Interval range : {Interval{-3, 3}, Interval{-1, -1}, Interval{2, 2}})
     clip.inputs.push_back({range, std::nullopt, true});
-  CHECK(clip_type().range(0, clip).low == -1);
-  CHECK(clip_type().range(0, clip).high == 2);
-  for (const NodeType* type : {&map_type(), &curve_type()}) {
+  CHECK(test::node_type("clip").range(0, clip).low == -1);
+  CHECK(test::node_type("clip").range(0, clip).high == 2);
+  for (const NodeType* type : {&test::node_type("map"), &test::node_type("curve")}) {
     NodeSetup table = {.sample_rate = 48_kHz, .type = type, .inputs = {{}}, .settings = {}};
     for (const auto& setting : type->settings)
       table.settings.push_back(test::setting_value(
@@ -78,24 +77,26 @@ TEST_CASE("clip, map, curve: ranges that the compiler can rely on", "[nodes]") {
 TEST_CASE("map: linear and exponential between points, held outside", "[nodes]") {
   const Samples in = {-1, 0, 0.1, 0.2, 1};
   const std::string points = "[[0, 110], [0.2, 440]]";
-  CHECK(play_node(map_type(), 5, {{"in", in}}, {{"points", points}}) == Samples{110, 110, 275, 440, 440});
-  CHECK(play_node(map_type(), 5, {{"in", in}}, {{"points", points}, {"curve", "exponential"}})[2] ==
-        Approx(220).epsilon(1e-14));
+  CHECK(play_node(test::node_type("map"), 5, {{"in", in}}, {{"points", points}}) ==
+        Samples{110, 110, 275, 440, 440});
+  CHECK(play_node(test::node_type("map"), 5, {{"in", in}},
+                  {{"points", points}, {"curve", "exponential"}})[2] == Approx(220).epsilon(1e-14));
 }
 
 TEST_CASE("map: points that are no curve are refused with the reason", "[nodes]") {
-  CHECK(refusal(map_type(), {{"in", 0.0}}, {{"points", "[[0, -1], [1, 1]]"}, {"curve", "exponential"}}) ==
+  CHECK(refusal(test::node_type("map"), {{"in", 0.0}},
+                {{"points", "[[0, -1], [1, 1]]"}, {"curve", "exponential"}}) ==
         "'points' is not a curve: an exponential curve cannot reach or cross zero; write [[x, y], ...] with "
         "ascending x");
 }
 
 TEST_CASE("quantiser: nearest and floor", "[nodes]") {
   const Samples in = {-0.6, 0.2, 0.3, 0.9};
-  CHECK(play_node(quantiser_type(), 4, {{"in", in}, {"step", 0.5}}) == Samples{-0.5, 0, 0.5, 1});
-  CHECK(play_node(quantiser_type(), 4, {{"in", in}, {"step", 0.5}}, {{"rounding", "floor"}}) ==
+  CHECK(play_node(test::node_type("quantiser"), 4, {{"in", in}, {"step", 0.5}}) == Samples{-0.5, 0, 0.5, 1});
+  CHECK(play_node(test::node_type("quantiser"), 4, {{"in", in}, {"step", 0.5}}, {{"rounding", "floor"}}) ==
         Samples{-1, 0, 0, 0.5});
 }
 
 TEST_CASE("mix: passes a single lane on", "[nodes]") {
-  CHECK(play_node(mix_type(), 3, {{"in", Samples{1, -2, 3}}}) == Samples{1, -2, 3});
+  CHECK(play_node(test::node_type("mix"), 3, {{"in", Samples{1, -2, 3}}}) == Samples{1, -2, 3});
 }

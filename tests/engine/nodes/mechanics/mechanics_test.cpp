@@ -1,4 +1,3 @@
-#include "engine/nodes/mechanics/mechanics.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -18,7 +17,7 @@ const std::string kProfile =
 
 /// Force and height at many places.
 test::Outputs feel(const std::string& profile, const Samples& places) {
-  test::NodeRunner runner(terrain_type(),
+  test::NodeRunner runner(test::node_type("terrain"),
                           {{"position", places}, {"weight", kWeight}, {"height", 0.001}, {"length", 0.002}},
                           {{"profile", profile}, {"points", kProfile}});
   return runner.run(test::even_cutting(static_cast<int>(places.size()), 64));
@@ -70,22 +69,22 @@ TEST_CASE("terrain: no force beyond drawn points, and no jump on the way there",
 }
 
 TEST_CASE("terrain: a detent is a spring of weight height / length^2 near its centre", "[nodes]") {
-  test::NodeRunner runner(terrain_type(), {{"position", 0.0}});
+  test::NodeRunner runner(test::node_type("terrain"), {{"position", 0.0}});
   const double at[] = {0, kWeight, 0.001, 0.002};
   CHECK(runner.node().response(0, 0, on_circle(10_Hz, 48_kHz), at)->real() ==
         Approx(-kWeight * 0.001 / (0.002 * 0.002)).epsilon(1e-14));
 }
 
 TEST_CASE("terrain: points are asked for when the profile is made of them", "[nodes]") {
-  CHECK(refusal(terrain_type(), {{"position", 0.0}}, {{"profile", "points"}}) ==
+  CHECK(refusal(test::node_type("terrain"), {{"position", 0.0}}, {{"profile", "points"}}) ==
         "the profile 'points' needs at least two points; add points = [[x, z], ...]");
-  CHECK(
-      refusal(terrain_type(), {{"position", 0.0}}, {{"profile", "points"}, {"points", "[[1, 0], [0, 0]]"}}) ==
-      "'points' is not a profile: x does not ascend; write [[x, z], ...] with ascending x");
+  CHECK(refusal(test::node_type("terrain"), {{"position", 0.0}},
+                {{"profile", "points"}, {"points", "[[1, 0], [0, 0]]"}}) ==
+        "'points' is not a profile: x does not ascend; write [[x, z], ...] with ascending x");
 }
 
 TEST_CASE("wall: pushes out behind its place, more when driven in, never pulls", "[nodes]") {
-  const auto out = play_node(wall_type(), 4,
+  const auto out = play_node(test::node_type("wall"), 4,
                              {{"position", Samples{0.01, 0.03, 0.03, 0.03}},
                               {"velocity", Samples{5, 0, 0.5, -100}},
                               {"stiffness", 800.0},
@@ -96,7 +95,8 @@ TEST_CASE("wall: pushes out behind its place, more when driven in, never pulls",
 }
 
 TEST_CASE("spring, damper: F = -k (x - rest), F = -b v", "[nodes]") {
-  CHECK(play_node(spring_type(), 2, {{"in", Samples{0.5, -0.5}}, {"stiffness", 8.0}, {"rest", 0.25}}) ==
-        Samples{-2, 6});
-  CHECK(play_node(damper_type(), 2, {{"in", Samples{2, -4}}, {"damping", 0.5}}) == Samples{-1, 2});
+  CHECK(play_node(test::node_type("spring"), 2,
+                  {{"in", Samples{0.5, -0.5}}, {"stiffness", 8.0}, {"rest", 0.25}}) == Samples{-2, 6});
+  CHECK(play_node(test::node_type("damper"), 2, {{"in", Samples{2, -4}}, {"damping", 0.5}}) ==
+        Samples{-1, 2});
 }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/study/walls/virtual_wall.h"
-#include "engine/study/walls/wall_border.h"
 #include "tests/support/graph_runner.h"
+#include "tests/support/wall_theory.h"
 
 // Virtual walls as graph files play them: the nodes, their order and their delays against the theory of
 // sampled walls.
@@ -136,7 +136,7 @@ TEST_CASE("wall loop: a wall without damping throws back what the delay adds", "
     const auto x = loop.play(0.2)[0];
     mean += (x[198] - x[199]) / (0.3 * 1e-3) / kPhases;
   }
-  CHECK(mean == within(wall_rebound(0.05, 800, Seconds{loop.loop().lag()}), 0.01));
+  CHECK(mean == within(test::wall_rebound(0.05, 800, Seconds{loop.loop().lag()}), 0.01));
 }
 
 TEST_CASE("wall loop: above the border the swing grows until the motor's force is cut", "[nodes]") {
@@ -148,7 +148,7 @@ TEST_CASE("wall loop: above the border the swing grows until the motor's force i
       stiffness);
   const auto out = loop.play(10);
   CHECK(amplitude(out[1], 80000) == Approx(6.37));
-  CHECK(amplitude(out[0], 80000) == within(cut_cycle_amplitude(stiffness, border, 6.37), 0.025));
+  CHECK(amplitude(out[0], 80000) == within(test::cut_cycle_amplitude(stiffness, border, 6.37), 0.025));
 }
 
 TEST_CASE("wall loop: a spring behind a delay gives pi K X^2 sin(w tau) in every cycle", "[nodes]") {

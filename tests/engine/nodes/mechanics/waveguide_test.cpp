@@ -2,7 +2,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/nodes/mechanics/mechanics.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/measured_response.h"
 #include "tests/support/play_node.h"
@@ -11,8 +10,8 @@ using namespace tactus;
 using namespace tactus::test;
 
 TEST_CASE("waveguide: without gain it is endless and nothing comes back", "[nodes]") {
-  CHECK(play_node(waveguide_type(), 3000, {{"wave", noise(3000, 1)}, {"pitch", 100.0}, {"gain", 0.0}}) ==
-        Samples(3000, 0.0));
+  CHECK(play_node(test::node_type("waveguide"), 3000,
+                  {{"wave", noise(3000, 1)}, {"pitch", 100.0}, {"gain", 0.0}}) == Samples(3000, 0.0));
 }
 
 TEST_CASE("waveguide: a whole number of frames comes back as it went, upside down from a free end",
@@ -20,7 +19,7 @@ TEST_CASE("waveguide: a whole number of frames comes back as it went, upside dow
   const auto [end, sign] = GENERATE(table<std::string, double>({{"fixed", 1}, {"free", -1}}));
   // 480 frames around, one of which is the port's.
   const auto heard = play_node(
-      waveguide_type(), 2000,
+      test::node_type("waveguide"), 2000,
       {{"wave", impulse(2000)}, {"pitch", 48000 / 480.0}, {"gain", 0.75}, {"loss", 0.0}}, {{"end", end}});
   for (std::size_t n = 0; n < heard.size(); ++n)
     CHECK(heard[n] == Approx(n == 479 ? sign * 0.75 : 0).epsilon(0).margin(1e-12));
@@ -32,7 +31,8 @@ TEST_CASE("modal_body: listed masses keep their ratio, and each is felt", "[node
   const auto give = [&](std::map<std::string, InputValue> inputs) {
     inputs["wave"] = 0.0;
     inputs["impedance"] = 1e-6;
-    NodeRunner body(modal_body_type(), inputs, {{"frequencies", "[50, 60]"}, {"masses", "[0.1, 0.3]"}});
+    NodeRunner body(test::node_type("modal_body"), inputs,
+                    {{"frequencies", "[50, 60]"}, {"masses", "[0.1, 0.3]"}});
     const auto velocity =
         body.node().response(0, 1, on_circle(Hertz{hertz}, 48_kHz), std::vector<double>{0, 1e-6, 0, 1, 1});
     return std::abs(*velocity) / 2 * s;
@@ -43,7 +43,7 @@ TEST_CASE("modal_body: listed masses keep their ratio, and each is felt", "[node
 
 TEST_CASE("modal_body: it says what does not fit", "[nodes]") {
   const auto said = [](std::map<std::string, std::string> settings) {
-    return refusal(modal_body_type(), {{"wave", 0.0}, {"impedance", 1.0}}, settings);
+    return refusal(test::node_type("modal_body"), {{"wave", 0.0}, {"impedance", 1.0}}, settings);
   };
   CHECK(said({{"frequencies", "[100, 200]"}, {"masses", "[1, 0]"}}) ==
         "one of 'masses' is not above 0; leave out the modes that do not move where the body is touched");

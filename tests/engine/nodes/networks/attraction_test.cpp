@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "engine/nodes/networks/network.h"
-#include "engine/nodes/networks/network_node.h"
 #include "engine/physics/linearised.h"
 #include "tests/support/graph_runner.h"
 

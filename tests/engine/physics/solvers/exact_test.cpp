@@ -111,7 +111,7 @@ TEST_CASE("exact: groups of masses are stepped apart from each other", "[physics
   const auto network = Network::make(elements, 0, 48_kHz, Solver::Exact, 1).value();
   CHECK(network.network_solver().cost().step < 10 * 4 * 4 + 100);
   // Each pair may fly away, none grows.
-  CHECK(radius_of(tangent(elements, {}), 0, {48_kHz, Solver::Exact, 1}).value() == Approx(1.0).epsilon(1e-6));
+  CHECK(radius_of(tangent(elements, {}), 0, 48_kHz, Solver::Exact).value() == Approx(1.0).epsilon(1e-6));
 }
 
 TEST_CASE("exact: too many masses are refused with what to do", "[physics]") {

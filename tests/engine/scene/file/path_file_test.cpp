@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/dsp/delays/taps_at_rate.h"
+#include "engine/dsp/delays/resample.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/play_scene.h"
 #include "tests/support/node_runner.h"

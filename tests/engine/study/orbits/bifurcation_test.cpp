@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "engine/nodes/table.h"
-#include "engine/study/orbits/bifurcation_sweep.h"
 #include "engine/study/orbits/bouncing_ball.h"
 #include "engine/study/sweep/scene_variants.h"
 #include "tests/support/shipped_scene.h"
@@ -133,8 +132,8 @@ TEST_CASE("bifurcation: what is found does not depend on how the sweep is shared
     REQUIRE(study->simulated[i].speeds == again->simulated[i].speeds);
     REQUIRE_FALSE(study->simulated[i].speeds.empty());
   }
-  for (std::size_t n = 0; n < alone->back().landings.size(); ++n)
-    CHECK(alone->back().landings[n].speed == Approx(study->simulated[13].speeds.at(n)).epsilon(1e-9));
+  for (std::size_t n = 0; n < alone->back().size(); ++n)
+    CHECK(alone->back()[n].speed == Approx(study->simulated[13].speeds.at(n)).epsilon(1e-9));
 }
 
 TEST_CASE("bifurcation: what cannot be swept is told", "[analysis]") {

@@ -4,11 +4,8 @@
 #include <cmath>
 
 #include "engine/core/units.h"
-#include "engine/study/orbits/bouncing_cascade.h"
 
 using namespace tactus;
-
-namespace {}  // namespace
 
 TEST_CASE("bouncing ball: closed forms of the orbit that hits once a period", "[physics]") {
   // Gamma_1 = pi (1-e)/(1+e); Gamma'_1 by trace and determinant of the map.

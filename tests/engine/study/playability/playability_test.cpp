@@ -56,7 +56,7 @@ std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>{stream}, {}};
 }
 
-std::string mistake(const SceneSpec& scene, const PlayabilityOptions& options) {
+std::string error_of(const SceneSpec& scene, const PlayabilityOptions& options) {
   const auto study = study_playability(scene, standard_nodes(), options);
   return study ? "" : study.error().front().what;
 }
@@ -68,7 +68,7 @@ TEST_CASE("playability: the number of workers changes nothing", "[analysis]") {
   options.workers = 1;
   const auto alone = studied(options);
   REQUIRE(alone.runs.size() == 2 * 2 * 4);
-  CHECK(alone.complete());
+  CHECK(alone.finished() == 16);
   CHECK(alone.runs[0].as_written());
   CHECK(alone.runs[1].variant == "actuator x 0.5");
   CHECK(alone.runs[3].variant == "draw 1");
@@ -76,7 +76,7 @@ TEST_CASE("playability: the number of workers changes nothing", "[analysis]") {
   CHECK(same(studied(options), alone));
 }
 
-TEST_CASE("playability: what was kept is not played again, and a torn line is", "[analysis]") {
+TEST_CASE("playability: cached runs are not played again, runs of an incomplete line are", "[analysis]") {
   const test::TemporaryFolder folder;
   auto options = small();
   const auto fresh = studied(options);
@@ -90,10 +90,10 @@ TEST_CASE("playability: what was kept is not played again, and a torn line is", 
   // A kill in the middle of a line: that run is played again, on a line of its own.
   std::ofstream{file, std::ios::binary} << whole.substr(0, whole.size() - 20);
   CHECK(same(studied(options), fresh));
-  const auto mended = text_of(file);
-  CHECK(std::count(mended.begin(), mended.end(), '\n') == 17);
+  const auto repaired = text_of(file);
+  CHECK(std::count(repaired.begin(), repaired.end(), '\n') == 17);
   CHECK(same(studied(options), fresh));
-  CHECK(text_of(file) == mended);
+  CHECK(text_of(file) == repaired);
 }
 
 TEST_CASE("playability: the shares of a study make the whole of it", "[analysis]") {
@@ -104,7 +104,7 @@ TEST_CASE("playability: the shares of a study make the whole of it", "[analysis]
   options.parts = 3;
   for (options.part = 0; options.part < 3; ++options.part) {
     const auto share = studied(options);
-    CHECK(share.complete() == (options.part == 2));
+    CHECK((share.finished() == 16) == (options.part == 2));
   }
   options.parts = 1;
   options.part = 0;
@@ -112,17 +112,16 @@ TEST_CASE("playability: the shares of a study make the whole of it", "[analysis]
   CHECK(same(studied(options), fresh));
 }
 
-TEST_CASE("playability: stopped, it keeps what is done and goes on from there", "[analysis]") {
+TEST_CASE("playability: stopped, it stores finished runs and resumes", "[analysis]") {
   const test::TemporaryFolder folder;
   auto options = small();
   const auto fresh = studied(options);
   options.cache = folder.path();
   options.workers = 1;
-  int asked = 0;
-  options.stop = [&] { return ++asked > 5; };
+  int calls = 0;
+  options.stop = [&] { return ++calls > 5; };
   const auto stopped = studied(options);
   CHECK(stopped.finished() == 5);
-  CHECK_FALSE(stopped.complete());
   options.stop = {};
   CHECK(same(studied(options), fresh));
 }
@@ -159,16 +158,16 @@ TEST_CASE("playability: a delay is playable when all as written are, and nine of
   CHECK_FALSE(study.verdicts().front().playable);
 }
 
-TEST_CASE("playability: mistakes are told before anything is played", "[analysis]") {
+TEST_CASE("playability: errors are reported before anything is played", "[analysis]") {
   PlayabilityOptions options;
   options.delays_s = {0.02};
   auto scene = short_drum();
   scene.playability.reset();
-  CHECK(mistake(scene, options).find("[playability]") != std::string::npos);
+  CHECK(error_of(scene, options).find("[playability]") != std::string::npos);
   options.over = {{"strenght", {0.5}}};
-  CHECK(mistake(short_drum(), options).find("strenght") != std::string::npos);
+  CHECK(error_of(short_drum(), options).find("strenght") != std::string::npos);
   options.over = {{"strength", {0.5, 7.0}}};
-  CHECK(mistake(short_drum(), options).find("7") != std::string::npos);
+  CHECK(error_of(short_drum(), options).find("7") != std::string::npos);
 }
 
 TEST_CASE("playability: a control that a gesture moves is swept by the gesture", "[analysis]") {
@@ -179,7 +178,7 @@ TEST_CASE("playability: a control that a gesture moves is swept by the gesture",
   for (auto& part : scene.parts)
     if (part.name == "instrument")
       part.wires.push_back({"strength", part.at, {std::string{"weight"}, part.at}});
-  CHECK(mistake(scene, options) == "control 'strength' is moved by gesture 'weight'");
+  CHECK(error_of(scene, options) == "control 'strength' is moved by gesture 'weight'");
 }
 
 TEST_CASE("playability: a gesture can be held at values of its own unit", "[analysis]") {
@@ -191,7 +190,7 @@ TEST_CASE("playability: a gesture can be held at values of its own unit", "[anal
   REQUIRE(study);
   CHECK(study->runs[0].result != study->runs[1].result);
   options.over[0].values = {{0.001, Dimension{.second = 1}}};
-  CHECK(mistake(short_drum(), options).find("gesture 'weight'") == 0);
+  CHECK(error_of(short_drum(), options).find("gesture 'weight'") == 0);
 }
 
 TEST_CASE("playability: the folder of the Cellomobo means its phrase, of which each note is result",

@@ -34,7 +34,7 @@ force = { from = "late", unit = "N" }
   StabilityOptions options;
   options.world.delay = 1_ms;
   options.world.device = {0.05, 0.1};
-  const auto verdict = judge_stability({nullptr, &graph, &standard_nodes()}, options);
+  const auto verdict = analyse_stability({nullptr, &graph, &standard_nodes()}, options);
   REQUIRE(verdict);
   for (const auto& regime : verdict->regimes) {
     if (regime.name != "at rest" || regime.held) continue;

@@ -45,11 +45,11 @@ plant = { use = "plant.toml", drive = "instrument.motor" }
   }
 };
 
-StabilityVerdict judged(const LeverFolder& folder) {
+StabilityVerdict analysed(const LeverFolder& folder) {
   const auto scene = load_scene_leniently(folder.path() / "scene.toml");
   StabilityOptions options;
   options.world.delay = scene.scene->delay;
-  auto verdict = judge_stability({&scene, nullptr, &standard_nodes()}, options);
+  auto verdict = analyse_stability({&scene, nullptr, &standard_nodes()}, options);
   if (!verdict) throw std::runtime_error(to_string(verdict.error()));
   return *verdict;
 }
@@ -65,7 +65,7 @@ const RegimeVerdict* find_regime(const StabilityVerdict& verdict, std::string_vi
 // The coil turns the volt of the spring into Bl / R = 0.5 N, and brakes by Bl^2 / R = 1 N s/m.
 TEST_CASE("stability: a scene is judged with its own plant, ring and coil", "[analysis]") {
   const LeverFolder folder;
-  const auto verdict = judged(folder);
+  const auto verdict = analysed(folder);
   CHECK(verdict.stable);
   CHECK(verdict.delay_s == Approx(0.002));
   const auto* bare = find_regime(verdict, "at rest", false);
@@ -85,7 +85,7 @@ TEST_CASE("stability: a scene is judged with its own plant, ring and coil", "[an
 TEST_CASE("stability: against its stop a lever rings, and the delay turns a spring into an engine there",
           "[analysis]") {
   const LeverFolder folder;
-  const auto verdict = judged(folder);
+  const auto verdict = analysed(folder);
   const auto* closed = find_regime(verdict, "stop closed", false);
   REQUIRE(closed != nullptr);
   // The stop holds the lever at w = sqrt(1e5 N/m / 1 kg), 50.3 Hz. A weak spring K with a delay tau brakes it
@@ -119,7 +119,7 @@ ball = {{ from = "n.ball.position", unit = "m" }}
   };
   const auto verdict_of = [&](const char* solver) {
     const auto graph = parse_graph_leniently(text(solver), "plant.toml");
-    auto verdict = judge_stability({nullptr, &graph, &standard_nodes()}, {});
+    auto verdict = analyse_stability({nullptr, &graph, &standard_nodes()}, {});
     REQUIRE(verdict);
     return *verdict;
   };

@@ -39,18 +39,18 @@ stop = { type = "wall", position = "place", stiffness = "40 N/m", at = "5 mm" }
 push = { from = "stop", unit = "N" }
 )";
 
-struct Asked {
+struct Conditions {
   double rate = 48000, delay_s = 0.001, mass = 0.05, damping = 0.1;
 };
 
-StabilityVerdict judged(const std::string& text, const Asked& asked) {
+StabilityVerdict analysed(const std::string& text, const Conditions& conditions) {
   const auto graph = parse_graph_leniently(text, "test.toml");
   const auto& table = standard_nodes();
   StabilityOptions options;
-  options.world.rate = Hertz{asked.rate};
-  options.world.delay = Seconds{asked.delay_s};
-  options.world.device = {asked.mass, asked.damping};
-  auto verdict = judge_stability({nullptr, &graph, &table}, options);
+  options.world.rate = Hertz{conditions.rate};
+  options.world.delay = Seconds{conditions.delay_s};
+  options.world.device = {conditions.mass, conditions.damping};
+  auto verdict = analyse_stability({nullptr, &graph, &table}, options);
   if (!verdict) throw std::runtime_error(to_string(verdict.error()));
   return *verdict;
 }
@@ -76,33 +76,36 @@ double phi(double x) {
 // Gil, Sanchez, Hulin, Preusche & Hirzinger, J. Computing and Information Science in Engineering 9, 2009: K <
 // (b + B) / (T/2 + delay), here where (b + B)(T/2 + delay)/m is at most 0.005.
 TEST_CASE("stability: the stiffest spring on a delayed device is that of the closed form", "[analysis]") {
-  const auto asked = GENERATE(Asked{48000, 0.001, 0.05, 0.1}, Asked{1000, 0.001, 0.05, 0.1},
-                              Asked{96000, 0.0025, 0.05, 0.1}, Asked{48000, 0.002, 0.05, 0.05});
-  const double delay = std::round(asked.delay_s * asked.rate) / asked.rate + 0.5 / asked.rate;
-  const auto verdict = judged(spring_text(1), asked);
+  const auto conditions =
+      GENERATE(Conditions{48000, 0.001, 0.05, 0.1}, Conditions{1000, 0.001, 0.05, 0.1},
+               Conditions{96000, 0.0025, 0.05, 0.1}, Conditions{48000, 0.002, 0.05, 0.05});
+  const double delay =
+      std::round(conditions.delay_s * conditions.rate) / conditions.rate + 0.5 / conditions.rate;
+  const auto verdict = analysed(spring_text(1), conditions);
   const auto& rest = regime(verdict, "at rest", false);
   REQUIRE(rest.stiff.size() == 1);
-  const double expected = asked.damping / delay;
+  const double expected = conditions.damping / delay;
   CHECK(rest.stiff[0].stable_up_to == Approx(expected).epsilon(0.01));
   // A spring without a damper is passive as far as it is stable (Colgate & Schenkel 1997 with a delay).
   REQUIRE(rest.stiff[0].passive_up_to);
   CHECK(*rest.stiff[0].passive_up_to == Approx(expected).epsilon(0.01));
-  CHECK(*rest.device_damping == Approx(asked.damping).epsilon(0.01));
+  CHECK(*rest.device_damping == Approx(conditions.damping).epsilon(0.01));
 }
 
 // The same device in continuous time: K = (b/tau) phi / sin phi with phi tan phi = b tau / m.
 TEST_CASE("stability: with a long delay the stiffest spring is that of phi tan phi", "[analysis]") {
   const double damping = GENERATE(0.25, 1.25, 2.5, 25.0);
-  const Asked asked{48000, 0.02, 0.05, damping};
-  const double delay = asked.delay_s + 0.5 / asked.rate, x = damping * delay / asked.mass;
+  const Conditions conditions{48000, 0.02, 0.05, damping};
+  const double delay = conditions.delay_s + 0.5 / conditions.rate, x = damping * delay / conditions.mass;
   const double expected = damping / delay * phi(x) / std::sin(phi(x));
-  const auto& rest = regime(judged(spring_text(1), asked), "at rest", false);
+  const auto& rest = regime(analysed(spring_text(1), conditions), "at rest", false);
   CHECK(rest.stiff[0].stable_up_to == Approx(expected).epsilon(0.01));
 }
 
 TEST_CASE("stability: a spring below its border holds and one above it grows", "[analysis]") {
   const double border = 0.1 / (0.001 + 0.5 / 48000);
-  const auto below = judged(spring_text(0.97 * border), {}), above = judged(spring_text(1.03 * border), {});
+  const auto below = analysed(spring_text(0.97 * border), {}),
+             above = analysed(spring_text(1.03 * border), {});
   CHECK(below.stable);
   CHECK(regime(below, "at rest", false).growing == 0);
   CHECK_FALSE(above.stable);
@@ -117,8 +120,8 @@ TEST_CASE("stability: a spring below its border holds and one above it grows", "
   CHECK(regime(above, "at rest", true).growing == 0);
 }
 
-TEST_CASE("stability: a wall is judged as it is touched, bare and held", "[analysis]") {
-  const auto verdict = judged(kWall, {});
+TEST_CASE("stability: a wall is analysed as it is touched, bare and held", "[analysis]") {
+  const auto verdict = analysed(kWall, {});
   const auto& bare = regime(verdict, "laws where they are steepest", false);
   const auto& held = regime(verdict, "laws where they are steepest", true);
   REQUIRE(bare.stiff.size() == 1);
@@ -134,7 +137,7 @@ TEST_CASE("stability: walls at both ends of a range hold what one of them holds"
   // 0.1 N s/m and 1.01 ms: 99 N/m each; on the same side of the range they add up.
   const double border = 0.1 / (0.001 + 0.5 / 48000);
   const auto two_walls = [](const char* second) {
-    return judged(fmt::format(R"(
+    return analysed(fmt::format(R"(
 format = 1
 [inputs]
 place = {{ unit = "m" }}
@@ -144,8 +147,8 @@ high = {{ type = "wall", position = "place", stiffness = "80 N/m", at = "5 mm" }
 [outputs]
 push = {{ from = "high + low", unit = "N" }}
 )",
-                              second),
-                  {});
+                                second),
+                    {});
   };
   const auto* const mirrored =
       R"(low = "-mirror"
@@ -160,9 +163,9 @@ mirror = { type = "wall", position = "-place", stiffness = "80 N/m", at = "5 mm"
       two_walls(R"(low = { type = "wall", position = "place", stiffness = "80 N/m", at = "4 mm" })").stable);
 }
 
-TEST_CASE("stability: on a crest a law is judged where it pulls back", "[analysis]") {
+TEST_CASE("stability: at an unstable equilibrium a law is analysed where it restores", "[analysis]") {
   // Ribs of 8 mm: 4 pi^2 w h / l^2 = 6.17 N/m at most, up and down; the border is 0.1 / tau.
-  const auto verdict = judged(R"(
+  const auto verdict = analysed(R"(
 format = 1
 [inputs]
 place = { unit = "m" }
@@ -171,7 +174,7 @@ ribs = { type = "terrain", position = "place", profile = "sine", weight = "0.1 N
 [outputs]
 push = { from = "ribs", unit = "N" }
 )",
-                              {});
+                                {});
   CHECK(verdict.stable);
   CHECK(regime(verdict, "at rest", false).unstable_equilibria == std::vector<std::string>{"instrument.ribs"});
   CHECK(regime(verdict, "at rest", false).stiff.empty());
@@ -191,12 +194,12 @@ place = { unit = "m" }
 [outputs]
 push = { from = "5 N/m * place", unit = "N" }
 )";
-  CHECK_FALSE(judged(kPushes, {.delay_s = delay}).stable);
+  CHECK_FALSE(analysed(kPushes, {.delay_s = delay}).stable);
 }
 
 TEST_CASE("stability: a spring far beyond its border is refused although the drive saturates", "[analysis]") {
   const auto stiffness = GENERATE(200.0, 2e4, 1e9);
-  CHECK_FALSE(judged(fmt::format(R"(
+  CHECK_FALSE(analysed(fmt::format(R"(
 format = 1
 [inputs]
 place = {{ unit = "m" }}
@@ -206,29 +209,29 @@ held = {{ type = "clip", in = "pull", low = "-6 N", high = "6 N" }}
 [outputs]
 push = {{ from = "held", unit = "N" }}
 )",
-                                 stiffness),
-                     {})
+                                   stiffness),
+                       {})
                   .stable);
 }
 
 TEST_CASE("stability: an instrument whose outside is not known says so", "[analysis]") {
-  const auto verdict = judged(R"(
+  const auto verdict = analysed(R"(
 format = 1
 [inputs]
 sensor = {}
 [outputs]
 drive = { from = "2 * sensor" }
 )",
-                              {});
+                                {});
   CHECK_FALSE(verdict.outside_known);
   REQUIRE(verdict.open.size() == 1);
   CHECK(verdict.open[0].peak == Approx(2).epsilon(1e-6));
-  CHECK(judged(spring_text(5), {}).outside_known);
+  CHECK(analysed(spring_text(5), {}).outside_known);
 }
 
 TEST_CASE("stability: the delay that a spring has room for takes it to its border", "[analysis]") {
   const double stiffness = 50, delay = 0.001 + 0.5 / 48000;
-  const auto& rest = regime(judged(spring_text(stiffness), {}), "at rest", false);
+  const auto& rest = regime(analysed(spring_text(stiffness), {}), "at rest", false);
   REQUIRE(rest.loops.size() == 1);
   CHECK(rest.loops[0].drive);
   CHECK(rest.loops[0].margin.more_delay_s == Approx(0.1 / stiffness - delay).epsilon(0.01));
@@ -236,7 +239,7 @@ TEST_CASE("stability: the delay that a spring has room for takes it to its borde
 
 TEST_CASE("stability: inner loops hold up to exactly the sum of their gains", "[analysis]") {
   // 1 = k (0.5 z^-48 + 0.3 z^-331) first at z = 1; the circle that is looked at is 2e-8 wider.
-  const auto verdict = judged(R"(
+  const auto verdict = analysed(R"(
 format = 1
 [inputs]
 in = {}
@@ -247,7 +250,7 @@ far  = { type = "delay", in = "sum", time = "6.9 ms", interpolation = "none" }
 [outputs]
 out = { from = "sum" }
 )",
-                              {});
+                                {});
   CHECK(verdict.stable);
   REQUIRE(verdict.regimes[0].loops.size() == 1);
   const auto& margin = verdict.regimes[0].loops[0].margin;
@@ -262,7 +265,7 @@ out = { from = "sum" }
 
 TEST_CASE("stability: a sum that never forgets is no loop that breaks first", "[analysis]") {
   // sum: z / (z - 1); the other loop has a gain of a half.
-  const auto verdict = judged(R"(
+  const auto verdict = analysed(R"(
 format = 1
 [inputs]
 in = {}
@@ -274,7 +277,7 @@ back   = { type = "delay", in = "echo", time = "1 ms", interpolation = "none" }
 [outputs]
 out = { from = "sum + echo" }
 )",
-                              {});
+                                {});
   CHECK(verdict.stable);
   const auto& loops = verdict.regimes[0].loops;
   REQUIRE(loops.size() == 2);
@@ -284,7 +287,7 @@ out = { from = "sum + echo" }
 
 TEST_CASE("stability: every root of a loop that is only a delay is counted", "[analysis]") {
   // z^24 = -1.1: 24 roots, all at 24th root of 1.1, at odd multiples of 1 kHz.
-  const auto verdict = judged(R"(
+  const auto verdict = analysed(R"(
 format = 1
 [inputs]
 in = {}
@@ -294,7 +297,7 @@ back = { type = "delay", in = "sum", time = "0.5 ms", interpolation = "none" }
 [outputs]
 out = { from = "sum" }
 )",
-                              {});
+                                {});
   CHECK_FALSE(verdict.stable);
   CHECK(verdict.regimes[0].growing == 24);
   for (const auto& root : verdict.regimes[0].roots) {
@@ -305,7 +308,7 @@ out = { from = "sum" }
 }
 
 TEST_CASE("stability: a control that makes a loop grow has a border", "[analysis]") {
-  const auto verdict = judged(R"(
+  const auto verdict = analysed(R"(
 format = 1
 [inputs]
 in = {}
@@ -317,7 +320,7 @@ back = { type = "delay", in = "sum", time = "0.5 ms", interpolation = "none" }
 [outputs]
 out = { from = "sum" }
 )",
-                              {});
+                                {});
   REQUIRE(verdict.controls.size() == 1);
   CHECK(verdict.controls[0].stable_low);
   CHECK_FALSE(verdict.controls[0].stable_high);
@@ -326,7 +329,7 @@ out = { from = "sum" }
 }
 
 TEST_CASE("stability: a loop through a threshold is bounded by its hold", "[analysis]") {
-  const auto verdict = judged(R"(
+  const auto verdict = analysed(R"(
 format = 1
 [inputs]
 place = { unit = "m" }
@@ -336,7 +339,7 @@ pulse = { type = "decay", trigger = "hit", time = "5 ms" }
 [outputs]
 push = { from = "2 N * pulse", unit = "N" }
 )",
-                              {});
+                                {});
   CHECK(verdict.stable);
   REQUIRE(verdict.events.size() >= 1);
   CHECK(verdict.events[0].place.path == "instrument.hit");
@@ -347,7 +350,7 @@ push = { from = "2 N * pulse", unit = "N" }
 
 TEST_CASE("stability: the border of a loop that an event may open or close is not run", "[analysis]") {
   const auto with = [](const char* gate) {
-    return judged(fmt::format(R"(
+    return analysed(fmt::format(R"(
 format = 1
 [inputs]
 place = {{ unit = "m" }}
@@ -357,8 +360,8 @@ gate = {}
 [outputs]
 push = {{ from = "pull + 0.001 N * gate", unit = "N" }}
 )",
-                              gate),
-                  {});
+                                gate),
+                    {});
   };
   CHECK(border_runs({}, with("\"place / 1 m\"")).size() == 2);
   CHECK(border_runs({}, with(R"x({ type = "threshold", in = "place", level = "1 mm" })x")).empty());
@@ -374,21 +377,21 @@ TEST_CASE("stability: what a player builds up is no growth, what grows beyond th
   };
   std::vector<ExtremeRun> runs{ended("silence", 1e-3, false), ended("late", 3.9e-3, true),
                                ended("away", 4.1e-3, true)};
-  leave_out_play(runs);
+  exclude_player_energy(runs);
   CHECK_FALSE(runs[1].grew);
   CHECK(runs[2].grew);
   std::vector<ExtremeRun> wild{ended("silence", 1e-3, true), ended("late", 3.9e-3, true)};
-  leave_out_play(wild);
+  exclude_player_energy(wild);
   CHECK(wild[1].grew);
 }
 
-TEST_CASE("stability: what is foreseen at both sides of the border is what the engine does", "[analysis]") {
+TEST_CASE("stability: the engine behaves as predicted on both sides of the border", "[analysis]") {
   const auto graph = parse_graph_leniently(spring_text(50), "test.toml");
   const auto& table = standard_nodes();
   const StabilitySubject subject{nullptr, &graph, &table};
   WorldOptions world;
   world.delay = Seconds{0.004};
-  const auto verdict = judge_stability(subject, {.world = world, .hand = {}});
+  const auto verdict = analyse_stability(subject, {.world = world, .hand = {}});
   REQUIRE(verdict);
   const auto runs = border_runs(world, *verdict);
   REQUIRE(runs.size() == 2);
@@ -427,7 +430,7 @@ late  = {{ type = "delay", in = "acdc", time = "20 ms", interpolation = "none" }
 out = {{ from = "sung" }}
 )",
                                 c.pitch, c.gain, 2 * c.pitch);
-  const auto verdict = judged(text, {.rate = 44100});
+  const auto verdict = analysed(text, {.rate = 44100});
   CHECK(verdict.stable);
   REQUIRE(verdict.regimes[0].loops.size() == 1);
   const auto& margin = verdict.regimes[0].loops[0].margin;

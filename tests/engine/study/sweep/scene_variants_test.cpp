@@ -9,7 +9,6 @@
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
 #include "engine/scene/play_scene.h"
-#include "engine/study/sweep/scene_fingerprint.h"
 
 using namespace tactus;
 

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "engine/nodes/table.h"
-#include "engine/study/sweep/sweep_plot.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/well_formed.h"
 
@@ -171,13 +170,13 @@ TEST_CASE("sweep: one quantity is drawn as a line, two as a map, draws as points
   Bench bench;
   const auto frequency = bench.over("plant.frequency", {20, 50, 100}),
              mass = bench.over("plant.n.body.mass", {0.01, 0.02});
-  const auto line = sweep_plots(bench.sweep({frequency}, "rms:plant.x"));
+  const auto line = plots_of(bench.sweep({frequency}, "rms:plant.x"));
   REQUIRE(line.size() == 1);
   CHECK(line[0].subplots[0].series[0].y.size() == 3);
-  const auto map = sweep_plots(bench.sweep({frequency, mass}, "rms:plant.x"));
+  const auto map = plots_of(bench.sweep({frequency, mass}, "rms:plant.x"));
   REQUIRE(map.size() == 1);
   CHECK(map[0].subplots[0].map->cells.size() == 6);
   CHECK(test::well_formed(to_svg(map)));
-  CHECK(sweep_plots(bench.sweep({frequency, mass, bench.over("rate", {24e3, 48e3})}, "rms:plant.x")).size() ==
+  CHECK(plots_of(bench.sweep({frequency, mass, bench.over("rate", {24e3, 48e3})}, "rms:plant.x")).size() ==
         2);
 }

@@ -5,9 +5,10 @@
 
 #include "engine/core/find_root.h"
 #include "engine/study/walls/held_mass.h"
-#include "engine/study/walls/wall_border.h"
+#include "tests/support/wall_theory.h"
 
 using namespace tactus;
+using namespace tactus::test;
 
 namespace {
 

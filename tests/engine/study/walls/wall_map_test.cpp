@@ -7,8 +7,8 @@
 #include <mutex>
 #include <vector>
 
-#include "engine/study/sweep/parallel_for.h"
-#include "engine/study/walls/wall_device.h"
+#include "engine/study/sweep/evaluate_runs.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace tactus;
 
@@ -47,7 +47,9 @@ TEST_CASE("all_cores: each piece of work is done once, and the share done reache
 
 TEST_CASE("wall_map: both sides of every border are as they should be", "[analysis]") {
   double share = 0;
-  const auto map = map_walls(small_study(), [&](double now) { share = now; });
+  RunPlan plan;
+  plan.progress = [&](double now) { share = now; };
+  const auto map = *map_walls(small_study(), plan);
   // 3.3 decades of delay and 2.9 of rate, for two devices, and six controllers.
   CHECK(map.borders() == 2 * (8 + 7 + 6));
   CHECK(map.confirmed() == map.borders());
@@ -71,7 +73,7 @@ TEST_CASE("wall_map: sixteen bits leave the microcontroller's wall where it is, 
   study.controllers = {study.controllers.front()};
   const auto with_bits = [&](int bits) {
     study.controllers.front().bits = bits;
-    return *map_walls(study).controllers.front().fixed_point;
+    return *map_walls(study)->controllers.front().fixed_point;
   };
   const auto fine = with_bits(16);
   CHECK(fine.force_step == Approx(6.37 / 32768));
@@ -87,10 +89,28 @@ TEST_CASE("wall_map: sixteen bits leave the microcontroller's wall where it is, 
 TEST_CASE("wall_map: a device without damping carries no wall, and nothing is tried on it", "[analysis]") {
   auto study = small_study();
   study.devices = {{"bare", {.mass = 0.05, .damping = 0, .quantum = 0.15708e-3, .force_limit = 6.37}}};
-  const auto map = map_walls(study);
+  const auto map = *map_walls(study);
   CHECK(map.borders() == 0);
   CHECK(map.by_delay.front().front().stiffest == 0);
   CHECK_FALSE(map.controllers.front().fixed_point);
+}
+
+TEST_CASE("wall_map: parts of a map make the whole of it, without computing any border twice", "[analysis]") {
+  const test::TemporaryFolder folder;
+  auto study = small_study();
+  study.points_per_decade = 1;
+  const auto whole = *map_walls(study);
+  RunPlan plan;
+  plan.cache = folder.path();
+  plan.parts = 2;
+  CHECK(map_walls(study, plan)->finished < whole.runs);
+  plan.part = 1;
+  CHECK(map_walls(study, plan)->finished == whole.runs);
+  plan.stop = [] { return true; };
+  const auto again = *map_walls(study, plan);
+  CHECK(again.confirmed() == whole.confirmed());
+  for (std::size_t i = 0; i < whole.by_delay.front().size(); ++i)
+    CHECK(again.by_delay.front()[i].stiffest == whole.by_delay.front()[i].stiffest);
 }
 
 TEST_CASE("wall_device: a scene says what its walls push, as its plant's controls are set", "[analysis]") {

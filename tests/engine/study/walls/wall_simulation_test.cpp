@@ -5,9 +5,11 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/study/walls/wall_border.h"
+#include "engine/study/walls/virtual_wall.h"
+#include "tests/support/wall_theory.h"
 
 using namespace tactus;
+using namespace tactus::test;
 
 namespace {
 
@@ -183,17 +185,17 @@ TEST_CASE("wall_simulation: whole numbers of 16 bits round the stiffness, and no
   WallRun run{.device = {.mass = 0.05, .damping = 0.1, .quantum = quantum, .force_limit = 6.37},
               .loop = {20_kHz, Seconds{50e-6}},
               .stiffness = 1000};
-  const auto asked_at = [&](double counts, int bits) {
+  const auto demanded_at = [&](double counts, int bits) {
     run.bits = bits;
     WallSimulation simulation{run, counts * quantum, 0};
     simulation.step();
-    return simulation.asked();
+    return simulation.demanded();
   };
   const double step = 6.37 / 32768, per_count = std::round(1000 * quantum / step);
-  CHECK(asked_at(7, 16) == Approx(-7 * per_count * step).epsilon(1e-12));
-  CHECK(asked_at(7, 16) == within(asked_at(7, 0), -0.5 / per_count));
-  CHECK(asked_at(-500, 16) == Approx(6.37 - step));  // full scale, one step short
-  CHECK(asked_at(500, 16) == Approx(-6.37));
+  CHECK(demanded_at(7, 16) == Approx(-7 * per_count * step).epsilon(1e-12));
+  CHECK(demanded_at(7, 16) == within(demanded_at(7, 0), -0.5 / per_count));
+  CHECK(demanded_at(-500, 16) == Approx(6.37 - step));  // full scale, one step short
+  CHECK(demanded_at(500, 16) == Approx(-6.37));
   // Eight bits cannot: a count is worth three steps or four.
-  CHECK(std::abs(asked_at(7, 8) / asked_at(7, 0) - 1) > 0.04);
+  CHECK(std::abs(demanded_at(7, 8) / demanded_at(7, 0) - 1) > 0.04);
 }

@@ -9,7 +9,6 @@
 
 #include "engine/nodes/table.h"
 #include "engine/study/sweep/scene_variants.h"
-#include "engine/study/work_precision/work_precision_plot.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;

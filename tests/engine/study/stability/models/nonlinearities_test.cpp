@@ -23,7 +23,7 @@ Nonlinearity stop(const char* path, const PlanSignal& source, double from, doubl
 
 }  // namespace
 
-TEST_CASE("stability bends: signals are derived through sums and multiples, and nothing else", "[analysis]") {
+TEST_CASE("nonlinearities: signals are derived through sums and multiples, and nothing else", "[analysis]") {
   AffineMaps derivations;
   const auto scaled = signal(2), sum = signal(3), squared = signal(4), number = signal(5);
   derivations.note(scaled, Expression::Op::Multiply, {kX, number}, {0, -3, {true, false}});
@@ -38,19 +38,19 @@ TEST_CASE("stability bends: signals are derived through sums and multiples, and 
   CHECK_FALSE(derivations.moved(sum, {{kY, 0.25}}));
 }
 
-TEST_CASE("stability bends: a corner answers beyond its edge, on the side where it comes through",
+TEST_CASE("nonlinearities: a corner answers beyond its edge, on the side where it comes through",
           "[analysis]") {
   // max(0, -2 x - 0.1): from x = -0.05 down.
-  const auto bend = corner("stop", Expression::Op::Max, {0, -0.1, {false, true}}, 1, {kX, -2});
-  REQUIRE(bend);
-  CHECK(bend->to == Approx(-0.05).epsilon(1e-5));
-  CHECK(bend->to < -0.05);
-  CHECK(bend->answer(bend->to) == 1);
-  CHECK(bend->answer(0) == 0);
+  const auto law = corner("stop", Expression::Op::Max, {0, -0.1, {false, true}}, 1, {kX, -2});
+  REQUIRE(law);
+  CHECK(law->to == Approx(-0.05).epsilon(1e-5));
+  CHECK(law->to < -0.05);
+  CHECK(law->answer(law->to) == 1);
+  CHECK(law->answer(0) == 0);
   CHECK_FALSE(corner("sum", Expression::Op::Add, {0, 0, {false, true}}, 1, {kX, 1}));
 }
 
-TEST_CASE("stability bends: stops at both ends are two places, on one side they are one", "[analysis]") {
+TEST_CASE("nonlinearities: stops at both ends are two places, on one side they are one", "[analysis]") {
   const auto ends = operating_points({stop("low", kX, -1), stop("high", kX, 1)});
   REQUIRE(ends.size() == 2);
   CHECK(ends[0].name == "where 'low' is steepest");
@@ -62,7 +62,7 @@ TEST_CASE("stability bends: stops at both ends are two places, on one side they 
   CHECK(same_side[0].moved.at(kX) == Approx(2.2));
 }
 
-TEST_CASE("stability bends: laws that overlap are looked at where their sum answers most, too",
+TEST_CASE("nonlinearities: overlapping laws are analysed at the steepest point of their sum, too",
           "[analysis]") {
   // Two bells nearer than 2 / sqrt 2 widths: their sum has one summit, in the middle.
   const auto bell = [](const char* path, double middle, double height) {
@@ -75,7 +75,7 @@ TEST_CASE("stability bends: laws that overlap are looked at where their sum answ
   CHECK(places[2].moved.at(kX) == Approx(0).margin(1e-3));
 }
 
-TEST_CASE("stability bends: stops on different signals are met in every combination", "[analysis]") {
+TEST_CASE("nonlinearities: stops on different signals are met in every combination", "[analysis]") {
   const std::vector<Nonlinearity> both{stop("low", kX, -1), stop("high", kX, 1), stop("floor", kY, -1),
                                        stop("roof", kY, 1)};
   const auto places = operating_points(both);
@@ -83,14 +83,14 @@ TEST_CASE("stability bends: stops on different signals are met in every combinat
   for (const auto& place : places) CHECK(place.moved.size() == 2);
 }
 
-TEST_CASE("stability bends: with too many combinations every law stands where it is steepest by itself",
+TEST_CASE("nonlinearities: with too many combinations every law stands where it is steepest by itself",
           "[analysis]") {
-  std::vector<Nonlinearity> bends;
+  std::vector<Nonlinearity> laws;
   for (int source = 0; source < 5; ++source) {
-    bends.push_back(stop("low", signal(source), -1));
-    bends.push_back(stop("high", signal(source), 1));
+    laws.push_back(stop("low", signal(source), -1));
+    laws.push_back(stop("high", signal(source), 1));
   }
-  const auto places = operating_points(bends);  // 32 of at most 16
+  const auto places = operating_points(laws);  // 32 of at most 16
   REQUIRE(places.size() == 1);
   CHECK(places[0].moved.empty());
 }

@@ -1,11 +1,9 @@
-#include "engine/study/stability/models/stability_law.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/nodes/mechanics/mechanics.h"
-#include "engine/nodes/shapers/shapers.h"
 #include "engine/nodes/table.h"
+#include "engine/study/stability/models/nonlinearities.h"
+#include "tests/support/node_runner.h"
 
 using namespace tactus;
 
@@ -63,10 +61,10 @@ TEST_CASE("stability law: a wall made of a maximum is open at rest and closed wh
 }
 
 TEST_CASE("stability law: the steepest place of a wall lies behind it", "[analysis]") {
-  const auto wall = made(wall_type());
+  const auto wall = made(test::node_type("wall"));
   // Position, velocity, stiffness, damping, place of the wall.
   const std::vector<double> rest{0, 0, 800, 3, 0.02};
-  const auto steep = steepest(*wall, wall_type(), rest, {true, true, false, false, false}).at;
+  const auto steep = steepest(*wall, test::node_type("wall"), rest, {true, true, false, false, false}).at;
   CHECK(steep[0] > 0.02);
   CHECK(wall->response(0, 0, 1.0, rest).value() == 0.0);
   CHECK(wall->response(0, 0, 1.0, steep).value() == -800.0);
@@ -75,10 +73,10 @@ TEST_CASE("stability law: the steepest place of a wall lies behind it", "[analys
 
 TEST_CASE("stability law: a clip that is driven far beyond its limits is steepest between them",
           "[analysis]") {
-  const auto clip = made(clip_type());
+  const auto clip = made(test::node_type("clip"));
   const std::vector<double> saturated{1e9, -6.37, 6.37};
   CHECK(clip->response(0, 0, 1.0, saturated).value() == 0.0);
-  const auto steep = steepest(*clip, clip_type(), saturated, {true, false, false});
+  const auto steep = steepest(*clip, test::node_type("clip"), saturated, {true, false, false});
   CHECK(steep.answer == 1.0);
   CHECK(std::abs(steep.at[0]) < 6.37);
 }

@@ -1,0 +1,176 @@
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
+#include "apps/study/reports.h"
+#include "apps/study/sweep_options.h"
+#include "engine/nodes/table.h"
+
+namespace tactus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json part_json(const std::vector<BifurcationColumn>& columns) {
+  auto list = Json::array();
+  for (const auto& column : columns)
+    list.push_back({{"value", column.value},
+                    {"period", column.period},
+                    {"landing_speeds_m_per_s", column.speeds},
+                    {"landing_phases", column.phases}});
+  return list;
+}
+
+Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+/// Neighbouring columns of one period in one line.
+std::string columns_text(const std::vector<BifurcationColumn>& columns) {
+  Table table{{{"from", "to", "landings until it repeats"}}};
+  for (std::size_t i = 0; i < columns.size();) {
+    std::size_t end = i;
+    while (end < columns.size() && columns[end].period == columns[i].period) ++end;
+    table.rows.push_back({fmt::format("{:.5g}", columns[i].value),
+                          fmt::format("{:.5g}", columns[end - 1].value),
+                          columns[i].period == 0 ? "none" : std::to_string(columns[i].period)});
+    i = end;
+  }
+  return table.text();
+}
+
+std::string doubling_text(const std::optional<double>& value, double exact) {
+  return value ? fmt::format("{:.4f} ({:+.2f} %)", *value, 100 * (*value / exact - 1)) : "not seen";
+}
+
+std::string doublings_text(const Bifurcation& study) {
+  if (study.doublings.empty()) return {};
+  Table table{{{"landings", "exact", "simulated", "exact map, swept"}}};
+  for (const auto& doubling : study.doublings)
+    table.rows.push_back({fmt::format("{} to {}", doubling.bounces, 2 * doubling.bounces),
+                          fmt::format("{:.6f}", doubling.exact),
+                          doubling_text(doubling.simulated, doubling.exact),
+                          doubling_text(doubling.swept, doubling.exact)});
+  return "\n" + table.text();
+}
+
+PlotSeries points(const std::vector<BifurcationColumn>& columns, const std::string& label, PlotColor color,
+                  std::vector<double> BifurcationColumn::*of) {
+  PlotSeries series{.label = label, .mark = PlotMark::Points, .color = color};
+  for (const auto& column : columns)
+    for (const double value : column.*of) {
+      series.x.push_back(column.value);
+      series.y.push_back(value);
+    }
+  return series;
+}
+
+Subplot subplot(const Bifurcation& study, PlotAxis y, std::vector<double> BifurcationColumn::*of) {
+  Subplot made{.y = std::move(y)};
+  if (!study.exact.empty()) made.series.push_back(points(study.exact, "ideal ball", PlotColor::Grey, of));
+  made.series.push_back(points(study.simulated, "simulated", PlotColor::Blue, of));
+  return made;
+}
+
+}  // namespace
+
+Json json_of(const Bifurcation& study) {
+  Json json{{"scene", study.scene},
+            {"control", study.control},
+            {"frequency_hz", study.frequency_hz},
+            {"restitution", study.restitution},
+            {"measured_restitution", study.measured_restitution},
+            {"doublings", Json::array()}};
+  for (const auto& doubling : study.doublings)
+    json["doublings"].push_back({{"from_landings", doubling.bounces},
+                                 {"exact", doubling.exact},
+                                 {"simulated", number(doubling.simulated)},
+                                 {"exact_map_swept", number(doubling.swept)}});
+  json["simulated"] = part_json(study.simulated);
+  json["exact"] = part_json(study.exact);
+  return json;
+}
+
+std::string text_of(const Bifurcation& study) {
+  auto text = fmt::format("{}: {} swept up, {:g} Hz\n", study.scene, study.control, study.frequency_hz);
+  text += study.measured_restitution > 0
+              ? fmt::format("restitution {:.4f} as measured, {:.4f} of the ideal ball\n\n",
+                            study.measured_restitution, study.restitution)
+              : std::string{"no landings that repeat one by one: no restitution measured\n\n"};
+  return text + columns_text(study.simulated) + doublings_text(study);
+}
+
+std::vector<Plot> plots_of(const Bifurcation& study) {
+  return {
+      {.title = study.scene,
+       .subtitle = fmt::format("{} swept up; restitution {:.3f}", study.control, study.restitution),
+       .x = {.label = study.control},
+       .subplots = {subplot(study, {.label = "landing speed", .unit = "m/s"}, &BifurcationColumn::speeds),
+                    subplot(study, {.label = "phase of the landing, in drive periods", .low = 0, .high = 1},
+                            &BifurcationColumn::phases)},
+       .subplot_height = 380}};
+}
+
+namespace {
+
+struct BifurcationOptions : StudyOptions {
+  BifurcationPlan plan;
+  double restitution = 0;
+};
+
+/// A scene without an instrument has its controls in the plant.
+std::string default_control(const SceneSpec& scene) {
+  return scene.part("instrument") != nullptr ? "gamma" : scene.parts.front().name + ".gamma";
+}
+
+int run_bifurcation(const BifurcationOptions& options) {
+  auto plan = options.plan;
+  if (!(plan.from < plan.to))
+    return report(Error{Errc::OutOfRange, "--to", "the sweep goes up, and its end is not above its start",
+                        "give --from less than --to"}),
+           kUsage;
+  if (options.restitution > 0) plan.restitution = options.restitution;
+  const auto scene = load_target(options);
+  if (!scene) return report(scene.error());
+  if (plan.control.empty()) plan.control = default_control(*scene);
+  const auto study = [&] {
+    Progress progress{"sweeping " + scene->name};
+    return study_bifurcation(*scene, standard_nodes(), plan, [&](double share) { progress(share); });
+  }();
+  if (!study) return report(study.error());
+  if (const int failed = publish(options, text_of(*study), json_of(*study), plots_of(*study))) return failed;
+  return study->measured_restitution > 0 ? kDone : kNo;
+}
+
+}  // namespace
+
+void add_study_bifurcation(CLI::App& study, int& exit_code) {
+  auto* command = study.add_subcommand(
+      "bifurcation", "Orbits of a ball on a driven table over a control, beside the ideal ball");
+  auto options = std::make_shared<BifurcationOptions>();
+  auto& plan = options->plan;
+  plan.from = 0.9;
+  plan.to = 1.6;
+  add_study_options(*command, *options, "scene with the roles 'ball' and 'table'")->required();
+  command->add_option("--control", plan.control, "such as gamma, or plant.gamma of another part; [gamma]");
+  command->add_option("--from", plan.from, "first value, SI")->capture_default_str();
+  command->add_option("--to", plan.to, "last value, SI")->capture_default_str();
+  command->add_option("--values", plan.values, "how many")->check(CLI::Range(3, 2000))->capture_default_str();
+  command->add_option("--settle", plan.settling_s, "seconds at each value before anything is read")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command->add_option("--read", plan.reading_s, "seconds of landings at each value")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  command->add_option("--restitution", options->restitution, "of the ideal ball; [as measured]")
+      ->check(CLI::Range(0.01, 0.99));
+  command->footer(
+      "Examples:\n  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n"
+      "  tactus study bifurcation instruments/bouncing_ball/table_scene.toml --from 1.3 --to 1.75 --values "
+      "91\n"
+      "Exit code 1: the ball never landed once a period.");
+  command->callback([options, &exit_code] { exit_code = run_bifurcation(*options); });
+}
+
+}  // namespace tactus::app

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "engine/dsp/curves/curve_kernel.h"
+
+namespace tactus {
+
+/// A smooth curve through points (x ascending): a cubic in each interval, given by the values and slopes at
+/// its ends, so that value and slope are continuous. Outside the points it is level, at the end values.
+class CubicCurve {
+ public:
+  using Points = std::vector<std::pair<double, double>>;
+
+  /// [control] No overshoot: between two points the curve stays between their values; level at both ends.
+  /// Fritsch & Butland, "A method for constructing local monotone piecewise cubic interpolants", SIAM 1984.
+  static CubicCurve monotone(const Points& points);
+  /// [control] Second derivative continuous as well; level at both ends (clamped spline). It may overshoot.
+  /// de Boor, "A practical guide to splines", 1978, chapter IV.
+  static CubicCurve spline(const Points& points);
+
+  /// [control] All slopes are 0.
+  explicit CubicCurve(const Points& points);
+
+  /// [realtime] Value, slope and second derivative at x.
+  tactus_cubic_point at(double x) const {
+    const auto curve = view();
+    return tactus_cubic_at(&curve, x);
+  }
+  /// [realtime] Valid as long as this object.
+  tactus_curve view() const { return {static_cast<int>(x_.size()), x_.data(), value_.data(), slope_.data()}; }
+
+ private:
+  std::vector<double> x_, value_, slope_;
+};
+
+/// A function given by points (x not descending), held at the end values outside them. `Step` holds each
+/// value up to the next point, `Exponential` moves by equal factors (values of one sign), `Smooth` is the
+/// monotone cubic. Two points at one x are a jump: there the later one counts.
+class Breakpoints {
+ public:
+  enum class Shape {
+    Linear = TACTUS_CURVE_LINEAR,
+    Step = TACTUS_CURVE_STEP,
+    Exponential = TACTUS_CURVE_EXPONENTIAL,
+    Smooth = TACTUS_CURVE_CUBIC
+  };
+  using Points = std::vector<std::pair<double, double>>;
+
+  /// [control] Why `points` are no such function, as part of a message; nullptr: they are one.
+  static const char* error_in(const Points& points, Shape shape);
+  /// [control] `points` without error.
+  Breakpoints(const Points& points, Shape shape);
+
+  /// [realtime]
+  double value(double x) const {
+    const auto curve = curve_.view();
+    return tactus_curve_value(&curve, static_cast<tactus_curve_shape>(shape_), x);
+  }
+  /// [realtime] d value / d x; at a point, that of the interval to its right.
+  double slope(double x) const {
+    const auto curve = curve_.view();
+    return tactus_curve_slope(&curve, static_cast<tactus_curve_shape>(shape_), x);
+  }
+
+  double least() const { return least_; }
+  double most() const { return most_; }
+
+ private:
+  Shape shape_;
+  CubicCurve curve_;
+  double least_, most_;
+};
+
+}  // namespace tactus

@@ -1,0 +1,74 @@
+#pragma once
+
+// Thread: [control].
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/nodes/table.h"
+
+namespace tactus {
+
+// Rows of a declaration. An input is {name, unit, doc, default, low, high}, an output {name, unit, doc}, a
+// setting {name, kind, doc, choices or units, default}.
+
+/// An input that may close a loop, is needed when the node is made, is the least time between two events.
+inline InputPort late(InputPort port) { return port.late = true, port; }
+inline InputPort fixed(InputPort port) { return port.fixed = true, port; }
+inline InputPort event_hold(InputPort port) { return port.hold = true, port; }
+/// An output that stays in [low, high].
+inline OutputPort bounded(double low, double high, OutputPort port) { return port.range = {low, high}, port; }
+
+inline Setting optional(Setting setting) { return setting.optional = true, setting; }
+inline Setting within(double low, double high, Setting setting) {
+  return setting.low = low, setting.high = high, setting;
+}
+inline Setting choice(std::string name, std::string doc, std::vector<std::string> choices,
+                      std::string fallback) {
+  return {std::move(name), Setting::Kind::Choice, std::move(doc), std::move(choices), std::move(fallback)};
+}
+/// The unit of an output, as text.
+inline Setting unit_setting(std::string of_what) {
+  return {.name = "unit",
+          .kind = Setting::Kind::Text,
+          .doc = "unit of the " + of_what + "; left out: a plain number",
+          .optional = true,
+          .unit = true};
+}
+
+// What several filters and strings have in common.
+inline InputPort filtered_input(std::string doc = "signal to filter") {
+  return {"in", "any", std::move(doc)};
+}
+inline OutputPort filtered_output(std::string name, std::string doc) {
+  return {std::move(name), "=in", std::move(doc)};
+}
+/// Clamped to [1e-6 fs, 0.49 fs]; changes at the start of a group of eight frames.
+inline InputPort cutoff_input(std::string doc, std::optional<double> fallback = std::nullopt) {
+  return {"cutoff", "Hz", std::move(doc), fallback, 0};
+}
+inline InputPort loss_input() {
+  return {"loss", "", "how much faster high partials die; 0: not at all (one_pole: at most 0.99)", 0.5, 0, 1};
+}
+inline Setting loss_filter_setting() {
+  return choice("loss_filter",
+                "one_zero takes at most this much away, at half the rate; one_pole darkens from lower down",
+                {"one_zero", "one_pole"}, "one_zero");
+}
+
+/// `make` of a node type whose class is constructed from the setup and cannot fail.
+template <class SomeNode>
+Result<std::unique_ptr<Node>> make_node(const NodeSetup& setup) {
+  return std::make_unique<SomeNode>(setup);
+}
+
+/// Range of an output that starts at 0 and goes no further than an input.
+inline auto from_zero_to(const char* input) {
+  return
+      [input](int, const NodeSetup& setup) { return setup.input(input).range.joined(Interval::exactly(0)); };
+}
+
+}  // namespace tactus

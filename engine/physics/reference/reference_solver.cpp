@@ -1,0 +1,536 @@
+#include "engine/physics/reference/reference_solver.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unsupported/Eigen/MatrixFunctions>
+#include <utility>
+
+#include "engine/core/find_root.h"
+#include "engine/core/index.h"
+#include "engine/physics/numbers.h"
+#include "engine/physics/reference/extrapolation.h"
+
+namespace tactus {
+namespace {
+
+// Its exponential then takes a second; larger ones are integrated faster than multiplied.
+constexpr std::size_t kMostExactNumbers = 256;
+// Local error, relative to the largest position, velocity or current.
+constexpr double kTolerance = 1e-13;
+// A driven point changes its speed from frame to frame; less than this is rounding. [m/s]
+constexpr double kStill = 1e-12;
+// How far past a stop the law goes on. [m/s]
+constexpr double kPast = 1e-3;
+// More in one step of the network: the motion cannot be followed.
+constexpr int kMostSteps = 200'000;
+// Of a step of the network: what is left of it is nothing.
+constexpr double kNothing = 1e-13;
+// Of a step: how closely an event is located.
+constexpr double kInstant = 1e-14;
+// Slower motion, nearer to 0, is as good as rest. [m], [m/s], [A]
+constexpr double kLeastPosition = 1e-9, kLeastVelocity = 1e-6, kLeastCurrent = 1e-9;
+// So many times the tolerance may be the rounding of large forces that balance.
+constexpr double kMostRounding = 1e4;
+
+Eigen::Index row_of(std::size_t i) { return static_cast<Eigen::Index>(i); }
+
+/// matrix x = b for `n` unknowns, symmetric and positive (semi)definite; the result in `b`.
+void solve(double* matrix, double* b, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const double share = matrix[i * n + i] > 0.0 ? matrix[j * n + i] / matrix[i * n + i] : 0.0;
+      for (std::size_t l = i; l < n; ++l) matrix[j * n + l] -= share * matrix[i * n + l];
+      b[j] -= share * b[i];
+    }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t l = i + 1; l < n; ++l) b[i] -= matrix[i * n + l] * b[l];
+    b[i] = matrix[i * n + i] > 0.0 ? b[i] / matrix[i * n + i] : 0.0;
+  }
+}
+
+double largest(const double* numbers, std::size_t count) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < count; ++i)
+    if (!(std::abs(numbers[i]) <= most)) most = std::abs(numbers[i]);  // NaN is the largest
+  return most;
+}
+
+double sign_of(double x) { return x > 0.0 ? 1.0 : -1.0; }
+
+/// A force that pushes `lower` down and `upper` up.
+template <class Link>
+void push(double* force, const Link& link, double by) {
+  force[link.lower] -= by;
+  force[link.upper] += by;
+}
+
+/// The loss of a contact that closes at a speed.
+double start_loss(const NetworkModel::Contact& contact, double speed) {
+  constexpr double kSlowest_m_per_s = 1e-4;
+  if (contact.loss_speed == 0.0) return contact.loss;
+  return contact.loss_speed / std::max(speed, kSlowest_m_per_s);
+}
+
+}  // namespace
+
+/// The equation of motion and its solution over one step of the network. Its numbers `y` are the positions
+/// and the velocities of all slots, then the currents.
+class ReferenceSolver::Motion {
+ public:
+  explicit Motion(const NetworkModel& model) : model_(model), inverse_mass_(points()) {
+    std::transform(model.mass.begin(), model.mass.end(), inverse_mass_.begin(),
+                   [](double m) { return 1.0 / m; });
+    numbers_.resize(2 * points() + model.coils.size());
+    next_ = slope_ = numbers_;
+    loss_.resize(model.contacts.size());
+    contacts_.resize(model.contacts.size());
+    slide_.resize(model.frictions.size());
+    slipped_.resize(model.bonds.size());
+    hold_.resize(model.frictions.size());
+    mutual_.resize(model.frictions.size() * model.frictions.size());
+    inputs_.resize(model.forces.size() + model.coils.size() + model.ports.size() + model.frictions.size() +
+                   1);
+    make_transition();
+    if (!exact()) extrapolation_ = Extrapolation(numbers_.size());
+  }
+
+  void advance(NetworkState& state) {
+    load(state);
+    for (std::size_t i = 0; i < model_.motions.size(); ++i) {
+      const auto slot = index(model_.motions[i].on);
+      numbers_[points() + slot] = (state.next[i] - numbers_[slot]) / model_.k;
+    }
+    exact() ? multiply() : integrate();
+    for (std::size_t i = 0; i < model_.motions.size(); ++i)
+      numbers_[index(model_.motions[i].on)] = state.next[i];
+    store(state);
+  }
+
+  /// Forgets how long the last steps were.
+  void restart() { step_s_ = 0.0; }
+  bool exact() const { return transition_.size() > 0; }
+
+ private:
+  enum class ContactState { Open, Pressing, Releasing };
+
+  std::size_t points() const { return model_.start_position.size(); }
+  const double* velocities(const double* y) const { return y + points(); }
+
+  /// Which contacts press follows from how deep they are and how fast that changes.
+  void load(const NetworkState& state) {
+    const auto copy = [](std::vector<double>& into, std::initializer_list<const AlignedNumbers*> lists) {
+      auto to = into.begin();
+      for (const auto* list : lists) to = std::copy(list->begin(), list->end(), to);
+    };
+    copy(numbers_, {&state.position, &state.velocity, &state.current});
+    copy(loss_, {&state.loss});
+    copy(slide_, {&state.sliding});
+    copy(slipped_, {&state.slipped});
+    copy(inputs_, {&state.force, &state.voltage, &state.wave, &state.normal});
+    inputs_.back() = 1.0;
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      const bool pulls = 1.0 + loss_[c] * approach(numbers_.data(), c) < 0.0;
+      contacts_[c] = !(indentation(numbers_, model_.contacts[c]) > 0.0) ? ContactState::Open
+                     : pulls                                            ? ContactState::Releasing
+                                                                        : ContactState::Pressing;
+    }
+  }
+
+  void store(NetworkState& state) const {
+    const double* y = numbers_.data();
+    for (std::size_t i = 0; i < points(); ++i) state.change[i] = y[i] - state.position[i];
+    std::copy_n(y, points(), state.position.begin());
+    std::copy_n(velocities(y), points(), state.velocity.begin());
+    for (std::size_t i = 0; i < state.current.size(); ++i)
+      state.current[i] = state.mean_current[i] = current(y, i);
+    std::copy(loss_.begin(), loss_.end(), state.loss.begin());
+    std::copy(slide_.begin(), slide_.end(), state.sliding.begin());
+    std::copy(slipped_.begin(), slipped_.end(), state.slipped.begin());
+    for (std::size_t f = 0; f < slide_.size(); ++f) {
+      // Of one that holds: the force at the end of the last step.
+      state.friction_force[f] = slide_[f] == 0.0 ? hold_[f] : sliding_force(y, f, slide_[f]);
+      state.friction_velocity[f] = between(velocities(y), model_.frictions[f]);
+    }
+    for (std::size_t b = 0; b < slipped_.size(); ++b)
+      state.root[model_.contacts.size() + b] =
+          model_.bonds[b].law->root(between(state.position, model_.bonds[b]));
+    model_.send_waves(state, [&](int slot) { return state.change[index(slot)]; });
+  }
+
+  double approach(const double* y, std::size_t contact) const {
+    return between(velocities(y), model_.contacts[contact]);
+  }
+
+  /// Without an inductance the current follows the voltage at once.
+  double current(const double* y, std::size_t coil) const {
+    const auto& c = model_.coils[coil];
+    if (c.inductance > 0.0) return y[2 * points() + coil];
+    const double* v = velocities(y);
+    return (inputs_[model_.forces.size() + coil] - c.force_factor * (v[c.on] - v[c.against])) / c.resistance;
+  }
+
+  double tension(const double* y, const Spring& spring) const {
+    const double* v = velocities(y);
+    return spring.stiffness * extension(y, spring) + spring.damping * (v[spring.upper] - v[spring.lower]);
+  }
+
+  /// K n^a with its loss, with its sign changed below 0: smooth there, as a step that runs past an opening
+  /// needs.
+  double pressure(const double* y, std::size_t contact) const {
+    if (contacts_[contact] != ContactState::Pressing) return 0.0;
+    const auto& c = model_.contacts[contact];
+    const double n = indentation(y, c);
+    return (n < 0.0 ? -c.law.force(-n) : c.law.force(n)) * (1.0 + loss_[contact] * approach(y, contact));
+  }
+
+  double normal(const double* y, std::size_t friction) const {
+    const auto& f = model_.frictions[friction];
+    const double force = f.normal_contact >= 0  ? pressure(y, index(f.normal_contact))
+                         : f.normal_spring >= 0 ? tension(y, model_.springs[index(f.normal_spring)])
+                                                : inputs_[inputs_.size() - 1 - slide_.size() + friction];
+    return std::max(0.0, force);
+  }
+
+  double sliding_force(const double* y, std::size_t friction, double sign) const {
+    const auto& f = model_.frictions[friction];
+    const double v = between(velocities(y), f);
+    return sign * normal(y, friction) * f.law.coefficient(std::max(sign * v, -kPast)) + f.viscous * v;
+  }
+
+  void rates(const double* y, double* slope) {
+    double* force = slope + points();
+    std::copy_n(velocities(y), points(), slope);
+    std::fill_n(force, points(), 0.0);
+    for (const auto& spring : model_.springs) push(force, spring, -tension(y, spring));
+    for (std::size_t c = 0; c < contacts_.size(); ++c) push(force, model_.contacts[c], pressure(y, c));
+    add_held(y, force);
+    add_coils(y, slope);
+    add_slides(y, force);
+    hold(force);
+    for (std::size_t i = 0; i < points(); ++i) force[i] *= inverse_mass_[i];
+  }
+
+  /// What is held over a frame: forces, and waves with the impedance of their ports.
+  void add_held(const double* y, double* force) const {
+    const double* held = inputs_.data();
+    for (const auto& applied : model_.forces) force[applied.on] += *held++;
+    held += model_.coils.size();
+    for (const auto& port : model_.ports)
+      force[port.on] += 2.0 * *held++ - port.impedance * velocities(y)[port.on];
+  }
+
+  void add_coils(const double* y, double* slope) const {
+    const double *v = velocities(y), *voltages = inputs_.data() + model_.forces.size();
+    double* force = slope + points();
+    for (std::size_t i = 0; i < model_.coils.size(); ++i) {
+      const auto& coil = model_.coils[i];
+      const double flows = current(y, i);
+      force[coil.on] += coil.force_factor * flows;
+      force[coil.against] -= coil.force_factor * flows;
+      const double back = coil.force_factor * (v[coil.on] - v[coil.against]);
+      slope[2 * points() + i] =
+          coil.inductance > 0.0 ? (voltages[i] - coil.resistance * flows - back) / coil.inductance : 0.0;
+    }
+  }
+
+  void add_slides(const double* y, double* force) const {
+    for (std::size_t f = 0; f < slide_.size(); ++f)
+      if (slide_[f] != 0.0) push(force, model_.frictions[f], sliding_force(y, f, slide_[f]));
+    for (std::size_t b = 0; b < slipped_.size(); ++b) {
+      const auto& bond = model_.bonds[b];
+      if (slipped_[b] == 0.0)
+        push(force, bond, bond.law->force(between(y, bond)) + bond.damping * between(velocities(y), bond));
+    }
+  }
+
+  /// Adds the forces of the frictions that hold to those of all others: (x_lower - x_upper)'' = 0.
+  void hold(double* force) {
+    const auto n = slide_.size();
+    const auto& frictions = model_.frictions;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto& a = frictions[i];
+      const bool holds = slide_[i] == 0.0;
+      hold_[i] = holds ? force[a.lower] * inverse_mass_[index(a.lower)] -
+                             force[a.upper] * inverse_mass_[index(a.upper)]
+                       : 0.0;
+      for (std::size_t j = 0; j < n; ++j) {
+        const auto& b = frictions[j];
+        const auto share = [&](int of_a, int of_b) {
+          return of_a == of_b ? inverse_mass_[index(of_a)] : 0.0;
+        };
+        const double mutual = share(a.lower, b.lower) + share(a.upper, b.upper) - share(a.lower, b.upper) -
+                              share(a.upper, b.lower);
+        mutual_[i * n + j] = holds && slide_[j] == 0.0 ? mutual : 0.0;
+      }
+    }
+    solve(mutual_.data(), hold_.data(), n);
+    for (std::size_t i = 0; i < n; ++i) push(force, frictions[i], hold_[i]);
+  }
+
+  /// The columns of A are the rates of unit vectors. Velocities are counted in units that make the fastest
+  /// frequency 1, or the exponential would lose digits to large entries.
+  void make_transition() {
+    const auto numbers = numbers_.size(), all = numbers + inputs_.size();
+    const bool linear = model_.contacts.empty() && model_.frictions.empty() && model_.bonds.empty();
+    if (!linear || all > kMostExactNumbers) return;
+    double fastest = 1.0;
+    for (const auto& s : model_.springs)
+      for (const int end : {s.lower, s.upper})
+        fastest = std::fmax(fastest, std::sqrt(s.stiffness * inverse_mass_[index(end)]));
+    Eigen::VectorXd unit = Eigen::VectorXd::Ones(row_of(all));
+    unit.segment(row_of(points()), row_of(points())).setConstant(fastest);
+
+    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(row_of(all), row_of(all));
+    Eigen::VectorXd constant(row_of(numbers)), column(row_of(numbers));
+    rates(numbers_.data(), constant.data());
+    for (std::size_t j = 0; j + 1 < all; ++j) {
+      double& one = j < numbers ? numbers_[j] : inputs_[j - numbers];
+      one = 1.0;
+      rates(numbers_.data(), column.data());
+      one = 0.0;
+      a.col(row_of(j)).head(row_of(numbers)) = column - constant;
+    }
+    a.col(row_of(all - 1)).head(row_of(numbers)) = constant;
+    const Eigen::MatrixXd scaled =
+        model_.k * (unit.cwiseInverse().asDiagonal() * a * unit.asDiagonal()).eval();
+    const Eigen::MatrixXd exponential =
+        unit.asDiagonal() * Eigen::MatrixXd(scaled.exp()) * unit.cwiseInverse().asDiagonal();
+    transition_ = exponential.topRows(row_of(numbers));
+  }
+
+  void multiply() {
+    using Vector = Eigen::Map<Eigen::VectorXd>;
+    Vector y(numbers_.data(), row_of(numbers_.size())), inputs(inputs_.data(), row_of(inputs_.size()));
+    Vector next(next_.data(), y.size());
+    next.noalias() = transition_.leftCols(y.size()) * y;
+    next.noalias() += transition_.rightCols(inputs.size()) * inputs;
+    numbers_.swap(next_);
+  }
+
+  void integrate() {
+    double left_s = model_.k;
+    start_slides();
+    for (int steps = 0; left_s > kNothing * model_.k; ++steps) {
+      double done_s = steps < kMostSteps ? try_step(left_s) : 0.0;
+      if (done_s == 0.0)
+        return std::fill(numbers_.begin(), numbers_.end(), std::numeric_limits<double>::quiet_NaN());
+      done_s = until_event(until_turn(done_s));
+      numbers_.swap(next_);
+      left_s -= done_s;
+      switch_over();
+    }
+  }
+
+  /// At the start of a frame driven points have new speeds, which what held to them has not.
+  void start_slides() {
+    for (std::size_t f = 0; f < slide_.size(); ++f) {
+      const double v = between(velocities(numbers_.data()), model_.frictions[f]);
+      if (slide_[f] == 0.0 && std::abs(v) > kStill) slide_[f] = sign_of(v);
+    }
+  }
+
+  Extrapolation::Outcome attempt(double seconds) {
+    const auto outcome = extrapolation_.step(
+        [&](double, const double* y, double* slope) { rates(y, slope); }, numbers_.data(), seconds,
+        [&](const double* y, const double* difference) { return error(y, difference); });
+    next_ = extrapolation_.result();
+    return outcome;
+  }
+
+  /// The longest step that is good and not longer than `longest_s`, into `next_`; 0: there is none.
+  double try_step(double longest_s) {
+    double seconds = step_s_ > 0.0 ? std::min(step_s_, longest_s) : longest_s;
+    const double wanted_s = step_s_;
+    double last_s = 0.0, last_error = 0.0;
+    while (seconds > kNothing * kNothing * model_.k) {
+      const auto outcome = attempt(seconds);
+      step_s_ = outcome.advised_s;
+      // What shrinks no faster than the step is no error of the method.
+      const bool rounding = outcome.error < kMostRounding &&
+                            outcome.error * last_s > 0.5 * last_error * seconds && last_s > 0.0;
+      if (outcome.good || rounding) {
+        // The end of a frame does not limit the next step.
+        if (seconds == longest_s) step_s_ = std::max(step_s_, wanted_s);
+        return seconds;
+      }
+      last_s = std::exchange(seconds, outcome.advised_s);
+      last_error = outcome.error;
+    }
+    return 0.0;
+  }
+
+  double error(const double* y, const double* difference) const {
+    double most = 0.0;
+    const auto compare = [&](std::size_t from, std::size_t count, double least) {
+      const double wrong = largest(difference + from, count);
+      if (wrong == 0.0) return;
+      const double share = wrong / (kTolerance * std::max(least, largest(y + from, count)));
+      if (!(share <= most)) most = share;
+    };
+    compare(0, points(), kLeastPosition);
+    compare(points(), points(), kLeastVelocity);
+    compare(2 * points(), model_.coils.size(), kLeastCurrent);
+    return most;
+  }
+
+  // What falls below 0 where a contact, a friction or a bond changes its state.
+
+  double contact_margin(const double* y, std::size_t contact) const {
+    const double n = indentation(y, model_.contacts[contact]);
+    if (contacts_[contact] == ContactState::Open) return -n;
+    const double push = 1.0 + loss_[contact] * approach(y, contact);
+    return std::min(n, contacts_[contact] == ContactState::Pressing ? push : -push);
+  }
+
+  double friction_margin(const double* y, std::size_t friction) {
+    const auto& f = model_.frictions[friction];
+    if (slide_[friction] != 0.0) return slide_[friction] * between(velocities(y), f);
+    rates(y, slope_.data());
+    return normal(y, friction) * f.law.holding() - std::abs(hold_[friction]);
+  }
+
+  double bond_margin(const double* y, std::size_t bond) const {
+    const auto& b = model_.bonds[bond];
+    const double n = between(y, b);
+    return slipped_[bond] == 0.0 ? b.law->distance_at(b.limit) - std::abs(n) : slipped_[bond] * n;
+  }
+
+  double least_margin(const double* y) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < contacts_.size(); ++c) least = std::min(least, contact_margin(y, c));
+    for (std::size_t f = 0; f < slide_.size(); ++f) least = std::min(least, friction_margin(y, f));
+    for (std::size_t b = 0; b < slipped_.size(); ++b) least = std::min(least, bond_margin(y, b));
+    return least;
+  }
+
+  /// Cuts the step to `next_` just behind the place where `f` of its end, positive at the start, falls below
+  /// 0.
+  template <class Function>
+  double cut(double seconds, double at_start, const Function& f) {
+    const double at_end = f(next_.data());
+    const auto at = [&](double time) {
+      if (time <= 0.0) return at_start;
+      if (time == seconds) return at_end;
+      attempt(time);
+      const double value = f(next_.data());
+      return value == 0.0 ? std::numeric_limits<double>::min() : value;  // not yet behind it
+    };
+    const auto found = find_zero(at, 0.0, seconds, kInstant * seconds);
+    const double behind = found.f_near < 0.0 ? found.near : found.far;
+    attempt(behind);
+    return behind;
+  }
+
+  /// Cuts the step to `next_` behind the first event in it.
+  double until_event(double seconds) {
+    if (!(least_margin(next_.data()) < 0.0)) return seconds;
+    return cut(seconds, std::numeric_limits<double>::min(), [&](const double* y) { return least_margin(y); });
+  }
+
+  /// A contact may close or open and be back within a step: then its motion turns in the step.
+  bool turns(double seconds, std::size_t contact) const {
+    const double before = approach(numbers_.data(), contact), after = approach(next_.data(), contact);
+    const bool open = contacts_[contact] == ContactState::Open;
+    if (open ? !(before > 0.0 && after < 0.0) : !(before < 0.0 && after > 0.0)) return false;
+    const double far = std::abs(indentation(numbers_, model_.contacts[contact]));
+    return far < 2.0 * seconds * std::max(std::abs(before), std::abs(after));
+  }
+
+  /// Cuts the step to `next_` where such a motion turns, so that the deepest point is the end of a step.
+  double until_turn(double seconds) {
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      if (!turns(seconds, c)) continue;
+      const double before = approach(numbers_.data(), c), sign = sign_of(before);
+      seconds = cut(seconds, std::abs(before), [&](const double* y) { return sign * approach(y, c); });
+    }
+    return seconds;
+  }
+
+  void switch_over() {
+    const double* y = numbers_.data();
+    for (std::size_t c = 0; c < contacts_.size(); ++c)
+      if (contact_margin(y, c) < 0.0) switch_contact(c);
+    for (std::size_t b = 0; b < slipped_.size(); ++b)
+      if (bond_margin(y, b) < 0.0)
+        slipped_[b] = slipped_[b] != 0.0 ? 0.0 : sign_of(between(y, model_.bonds[b]));
+    for (std::size_t f = 0; f < slide_.size(); ++f)
+      if (friction_margin(y, f) < 0.0) switch_friction(f);
+  }
+
+  void switch_contact(std::size_t contact) {
+    const auto& c = model_.contacts[contact];
+    auto& state = contacts_[contact];
+    if (state == ContactState::Open) loss_[contact] = start_loss(c, approach(numbers_.data(), contact));
+    if (indentation(numbers_, c) < 0.0)
+      state = ContactState::Open;
+    else
+      state = state == ContactState::Pressing ? ContactState::Releasing : ContactState::Pressing;
+  }
+
+  /// One that slid has stopped: it holds if it can. One that cannot hold any longer slides.
+  void switch_friction(std::size_t friction) {
+    halt(model_.frictions[friction]);
+    slide_[friction] = 0.0;
+    if (friction_margin(numbers_.data(), friction) < 0.0) slide_[friction] = sign_of(hold_[friction]);
+  }
+
+  /// Takes away what rounding has left of the velocity at a stop.
+  void halt(const Friction& friction) {
+    const auto lower = index(friction.lower), upper = index(friction.upper);
+    double* v = numbers_.data() + points();
+    const double slides = v[lower] - v[upper], light = inverse_mass_[lower] + inverse_mass_[upper];
+    if (light == 0.0) return;
+    v[lower] -= slides * inverse_mass_[lower] / light;
+    v[upper] += slides * inverse_mass_[upper] / light;
+  }
+
+  const NetworkModel& model_;
+  std::vector<double> inverse_mass_;    ///< of each slot; 0: not moved by forces
+  Eigen::MatrixXd transition_;          ///< from numbers and inputs to the numbers of the next frame
+  std::vector<double> numbers_, next_;  ///< y at the start and at the end of a step
+  std::vector<double> slope_;           ///< workspace
+  std::vector<double> loss_;            ///< of each contact: r [s/m]
+  std::vector<ContactState> contacts_;
+  /// Of each friction: 0 while it holds, else the sign of the velocity; of each bond, of n.
+  std::vector<double> slide_, slipped_;
+  std::vector<double> inputs_;         ///< of the frame: forces, voltages, waves, normal forces, and 1
+  std::vector<double> hold_, mutual_;  ///< forces of the frictions that hold, and the matrix for them
+  double step_s_ = 0.0;                ///< what the last step advises
+  Extrapolation extrapolation_;
+};
+
+ReferenceSolver::ReferenceSolver(const NetworkModel& model)
+    : model_(model), motion_(std::make_unique<Motion>(model)) {}
+
+ReferenceSolver::~ReferenceSolver() = default;
+
+bool ReferenceSolver::exact() const { return motion_->exact(); }
+
+void ReferenceSolver::start(NetworkState& state) const noexcept {
+  std::copy(model_.start_velocity.begin(), model_.start_velocity.end(), state.velocity.begin());
+  for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
+    const auto& contact = model_.contacts[c];
+    const bool closed = indentation(state.position, contact) > 0.0;
+    state.loss[c] = closed ? start_loss(contact, between(state.velocity, contact)) : 0.0;
+  }
+  motion_->restart();
+}
+
+void ReferenceSolver::step(NetworkState& state) const noexcept { motion_->advance(state); }
+
+double ReferenceSolver::energy(const NetworkState& state) const noexcept {
+  double sum = model_.linear_energy(state);
+  for (const auto& contact : model_.contacts)
+    if (const double n = indentation(state.position, contact); n > 0.0) sum += contact.law.energy(n);
+  for (std::size_t b = 0; b < model_.bonds.size(); ++b)
+    if (state.slipped[b] == 0.0) sum += model_.bonds[b].law->energy(between(state.position, model_.bonds[b]));
+  return model_.with_inductances(sum, state);
+}
+
+double ReferenceSolver::current(const NetworkState& state, int coil) const noexcept {
+  return state.current[index(coil)];
+}
+
+}  // namespace tactus

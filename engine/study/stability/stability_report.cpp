@@ -1,0 +1,233 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/core/decibels.h"
+#include "engine/graph/file/read_graph.h"
+#include "engine/study/stability/stability.h"
+
+namespace tactus {
+namespace {
+
+std::string newtons_per_metre(double stiffness) {
+  return std::isfinite(stiffness) ? fmt::format("{:.4g} N/m", std::abs(stiffness)) : "any stiffness";
+}
+
+/// Where one change has the largest effect: in a stable system the place with the least margin, else the one
+/// nearest to stability. Systems held by a fingertip do not count.
+struct Critical {
+  const RegimeVerdict* regime = nullptr;
+  const LoopVerdict* loop = nullptr;
+  const StiffVerdict* stiff = nullptr;
+  double border = std::numeric_limits<double>::infinity();
+};
+
+bool more_critical(double border, const Critical& than) {
+  if (!std::isfinite(border) || border <= 0) return false;
+  return than.border < 1 ? border < 1 && border > than.border : border < than.border;
+}
+
+Critical most_critical(const StabilityVerdict& verdict) {
+  Critical found;
+  for (const bool springs : {true, false}) {
+    for (const auto& regime : verdict.regimes) {
+      if (regime.held || (!verdict.stable && regime.is_stable())) continue;
+      for (const auto& stiff : regime.stiff)
+        if (const double border = stiff.stable_up_to / stiff.stiffness;
+            springs && more_critical(border, found))
+          found = {&regime, nullptr, &stiff, border};
+      for (const auto& loop : regime.loops)
+        if (!springs && !loop.wave_port && !loop.integrates() && more_critical(loop.margin.border, found))
+          found = {&regime, &loop, nullptr, loop.margin.border};
+    }
+    // A spring is more specific than the loop that contains it.
+    if (found.regime != nullptr) return found;
+  }
+  return found;
+}
+
+bool is_drive(const LoopVerdict& loop) { return loop.drive; }
+
+class Report {
+ public:
+  explicit Report(const StabilityVerdict& verdict) : verdict_(verdict), critical_(most_critical(verdict)) {}
+
+  std::vector<std::string> run() {
+    add_headline();
+    for (const auto& regime : verdict_.regimes) add_growing(regime);
+    for (const auto& network : verdict_.networks) add_network(network);
+    if (std::any_of(verdict_.networks.begin(), verdict_.networks.end(),
+                    [](const auto& network) { return network.has_friction; }))
+      add("dry friction is left out: it stabilises small motions beyond these limits");
+    for (const auto& path : verdict_.regimes.front().unstable_equilibria)
+      add("rests on an unstable equilibrium of '{}': analysed where its force restores", path);
+    add_critical();
+    if (!verdict_.stable) add_remedies();
+    add_delay_margin();
+    if (verdict_.stable) add_controls();
+    add_held();
+    add_events();
+    add_outside();
+    for (const auto& path : verdict_.skipped) add("{}: too large to analyse; skipped", path);
+    return std::move(lines_);
+  }
+
+ private:
+  template <class... Args>
+  void add(fmt::format_string<Args...> format, Args&&... args) {
+    lines_.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  void add_headline() {
+    const auto at = fmt::format("at {:g} kHz with a delay of {:.4g} ms", verdict_.rate.value / 1e3,
+                                1e3 * verdict_.delay_s);
+    const auto* const stable = verdict_.outside_known ? "stable" : "stable by itself";
+    if (!verdict_.stable) return add("unstable {}", at);
+    if (critical_.regime == nullptr) return add("{} {}: no loop is closed", stable, at);
+    add("{} {}: margin {:.1f} dB at {:.4g} Hz", stable, at, amplitude_to_db(critical_.border),
+        critical_.stiff != nullptr ? critical_.stiff->border_hz : critical_.loop->margin.border_hz);
+  }
+
+  void add_growing(const RegimeVerdict& regime) {
+    if (regime.is_stable()) return;
+    const bool one = regime.growing == 1;
+    add("{}{}: {} root{} grow{}", regime.name, regime.held ? ", held by a fingertip" : "", regime.growing,
+        one ? "" : "s", one ? "s" : "");
+    if (!regime.roots.empty() && regime.roots.front().growth_per_s > 0)
+      lines_.back() += fmt::format(", the fastest at {:.4g} Hz with a time constant of {:.3g} s",
+                                   regime.roots.front().frequency_hz, 1 / regime.roots.front().growth_per_s);
+  }
+
+  void add_network(const NetworkVerdict& network) {
+    const bool first = &network == &verdict_.networks.front() || (&network - 1)->path != network.path;
+    if (first && !network.contacts_stable()) add_contacts(network);
+    if (network.stable || !network.grows) return;
+    add("network '{}' ({}) is unstable by itself: spectral radius {:.9g}", network.path, network.regime,
+        network.radius);
+    if (!network.weakest.empty()) lines_.back() += ", mode of " + network.weakest;
+    if (network.needed_hz && std::isfinite(*network.needed_hz))
+      lines_.back() += fmt::format("; it needs {:.4g} Hz: oversample = {:.0f}, or solver = \"passive\"",
+                                   *network.needed_hz, std::ceil(*network.needed_hz / verdict_.rate.value));
+  }
+
+  void add_contacts(const NetworkVerdict& network) {
+    if (network.contact_steps < kFewestContactSteps)
+      add("network '{}': a strike at 1 m/s lasts {:.2g} steps, fewer than {:g}: explicit contacts then add "
+          "energy; oversample = {:.0f}, or solver = \"passive\"",
+          network.path, network.contact_steps, kFewestContactSteps,
+          std::ceil(kFewestContactSteps / network.contact_steps));
+    else
+      add("network '{}': its initial state presses a contact too stiff for explicit steps, which then add "
+          "energy; more steps, or solver = \"passive\"",
+          network.path);
+  }
+
+  void add_critical() {
+    const auto& [regime, loop, stiff, border] = critical_;
+    if (stiff != nullptr)
+      add("most critical: {} '{}' ({}), which {} {} and is stable up to {}", stiff->type, stiff->path,
+          regime->name, stiff->stiffness < 0 ? "pushes away with" : "has",
+          newtons_per_metre(stiff->stiffness), newtons_per_metre(stiff->stable_up_to));
+    else if (loop != nullptr)
+      add("most critical ({}): the loop {}, unstable from {:.3g} times its gain on", regime->name,
+          fmt::join(loop->way, " -> "), border);
+  }
+
+  void add_remedies() {
+    std::vector<std::string> remedies;
+    if (critical_.regime == nullptr)
+      for (const auto& regime : verdict_.regimes)
+        for (const auto& stiff : regime.stiff)
+          if (!regime.held && !regime.is_stable())
+            remedies.push_back(fmt::format("give '{}' less than its {} (it grows together with others)",
+                                           stiff.path, newtons_per_metre(stiff.stiffness)));
+    if (critical_.stiff != nullptr)
+      remedies.push_back(fmt::format("give '{}' less than {}", critical_.stiff->path,
+                                     newtons_per_metre(critical_.stiff->stable_up_to)));
+    if (critical_.loop != nullptr)
+      remedies.push_back(fmt::format("use less than {:.3g} times the gain", critical_.border));
+    for (const auto& control : verdict_.controls)
+      if (control.border)
+        remedies.push_back(fmt::format("set '{}' {} {}", control.control.name,
+                                       control.stable_low ? "below" : "above",
+                                       in_unit(*control.border, control.control.unit)));
+    if (verdict_.delay_s > 0) remedies.emplace_back("shorten the delay");
+    if (!remedies.empty()) add("remedies, one of: {}", fmt::join(remedies, "; "));
+  }
+
+  void add_delay_margin() {
+    const auto& loops = verdict_.regimes.front().loops;
+    if (std::count_if(loops.begin(), loops.end(), is_drive) > 1)
+      return add(
+          "several drives: each margin is that of one drive alone; all together have smaller margins "
+          "of gain and of delay");
+    if (critical_.regime == nullptr) return;
+    const auto& own = critical_.regime->loops;
+    const auto drive = std::find_if(own.begin(), own.end(), is_drive);
+    if (drive != own.end() && drive->margin.more_delay_s > 0 && std::isfinite(drive->margin.more_delay_s))
+      add("delay margin: {:.3g} ms", 1e3 * drive->margin.more_delay_s);
+  }
+
+  void add_controls() {
+    for (const auto& control : verdict_.controls)
+      if (control.border)
+        add("stable with control '{}' {} {}", control.control.name, control.stable_low ? "up to" : "from",
+            in_unit(*control.border, control.control.unit));
+  }
+
+  /// Of each spring the least stable stiffness over all regimes in which a fingertip holds the device.
+  void add_held() {
+    std::vector<const StiffVerdict*> least;
+    for (const auto& regime : verdict_.regimes)
+      for (const auto& stiff : regime.stiff) {
+        if (!regime.held) continue;
+        const auto known = std::find_if(least.begin(), least.end(),
+                                        [&](const auto* other) { return other->path == stiff.path; });
+        if (known == least.end())
+          least.push_back(&stiff);
+        else if (stiff.stable_up_to < (*known)->stable_up_to)
+          *known = &stiff;
+      }
+    for (const auto* stiff : least) {
+      add("held by a fingertip, '{}' is stable up to {}", stiff->path,
+          newtons_per_metre(stiff->stable_up_to));
+      if (stiff->passive_up_to)
+        lines_.back() += ", and is passive up to " + newtons_per_metre(*stiff->passive_up_to);
+    }
+  }
+
+  /// Those with a hold limit the rate of events; the others are listed only if none has one.
+  void add_events() {
+    const bool limited = std::any_of(verdict_.events.begin(), verdict_.events.end(),
+                                     [](const auto& event) { return event.on_loop && event.place.hold_s; });
+    for (const auto& [place, on_loop] : verdict_.events) {
+      if (!on_loop || place.hold_s.has_value() != limited) continue;
+      add("the loop through {} '{}' is event-driven: no small-signal gain exists", place.type, place.path);
+      if (limited && *place.hold_s > 0)
+        lines_.back() += fmt::format("; its hold limits it to {:.4g} events per second", 1 / *place.hold_s);
+    }
+  }
+
+  /// Of an instrument alone, without a plant.
+  void add_outside() {
+    if (verdict_.outside_known) return;
+    add("not analysed: the path outside from its outputs to its inputs; a scene with a plant has it (or, for "
+        "outputs in N and inputs in m, the assumed device)");
+    for (const auto& pair : verdict_.open)
+      add("{} -> {}: gain at most {:.3g} (at {:.4g} Hz): with a gain outside below {:.3g} it is stable at "
+          "every delay",
+          pair.input, pair.output, pair.peak, pair.peak_hz, 1 / pair.peak);
+  }
+
+  const StabilityVerdict& verdict_;
+  const Critical critical_;
+  std::vector<std::string> lines_;
+};
+
+}  // namespace
+
+std::vector<std::string> describe(const StabilityVerdict& verdict) { return Report{verdict}.run(); }
+
+}  // namespace tactus
