@@ -84,7 +84,7 @@ class PointReader {
     const auto time = read_quantity(value, parse_unit("s").value(), "time");
     if (errors_.keep(time) == nullptr) return std::nullopt;
     if (*time < 0 || *time > kLongestTime_s) {
-      errors_.add(Errc::OutOfRange, value.at, "a gesture cannot be at " + seconds_text(*time),
+      errors_.add(Errc::OutOfRange, value.at, "the time of a point cannot be " + seconds_text(*time),
                   "times run from 0 s to a day");
     } else if (*time <= last_s_) {
       errors_.add(Errc::OutOfRange, value.at,

@@ -233,7 +233,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 hand = { points = [["-5 ms", 0]] }
 )",
-     R"(scene.toml:7:21: a gesture cannot be at -5 ms; times run from 0 s to a day)"},
+     R"(scene.toml:7:21: the time of a point cannot be -5 ms; times run from 0 s to a day)"},
     {"a gesture in two units",
      R"(format = 1
 duration = "1 s"
