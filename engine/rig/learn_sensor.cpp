@@ -43,7 +43,7 @@ SensorLearner::SensorLearner(Hertz sample_rate)
   sensitivity_.hold = 200_ms;
 }
 
-void SensorLearner::hear(std::span<const double> samples) {
+void SensorLearner::process(std::span<const double> samples) {
   for (const double sample : samples) {
     if (done()) return;
     const double in = std::isfinite(sample) ? sample : 0.0;

@@ -33,7 +33,7 @@ class SensorLearner {
   /// [control]
   explicit SensorLearner(Hertz sample_rate);
   /// [control] The next samples, in blocks of any size. After the fifth hit it ignores them.
-  void hear(std::span<const double> samples);
+  void process(std::span<const double> samples);
   /// [control] Hits detected so far.
   int hits() const { return static_cast<int>(peaks_.size()); }
   /// [control] Five hits were detected, and the last one to its peak.

@@ -5,10 +5,10 @@
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
-#include "engine/scene/measures/judged_run.h"
 #include "engine/scene/measures/landings.h"
 #include "engine/scene/measures/measure.h"
 #include "engine/scene/measures/oscillation.h"
+#include "engine/scene/measures/playability_result.h"
 
 // The table of measures: a new one is a line of `measures()`, a function where it needs one, and its test.
 
@@ -177,9 +177,9 @@ std::vector<Measure> all_measures() {
        energy_given},
       {"faults", "", "non-finite values, at inputs and in nodes", S::Nothing, faults},
       {"score", "", "0 nothing, 1 all that [playability] asks for", S::Playing,
-       [](W w) { return judge(w.recording, *w.playability).score; }},
+       [](W w) { return evaluate(w.recording, *w.playability).score; }},
       {"playable", "", "1: playable as [playability] says, 0: not", S::Playing,
-       [](W w) { return judge(w.recording, *w.playability).playable ? 1.0 : 0.0; }},
+       [](W w) { return evaluate(w.recording, *w.playability).playable ? 1.0 : 0.0; }},
       {"onset_time", "s", "from the beginning of the note to a steady tone", S::Playing,
        [](W w) { return tone(w).start_s; }},
       {"partial", "", "partial of the expected note that is nearest to the tone; 0: none", S::Playing,

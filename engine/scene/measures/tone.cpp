@@ -4,9 +4,9 @@
 
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
-#include "engine/scene/measures/judged_run.h"
 #include "engine/scene/measures/notes/pitch_track.h"
 #include "engine/scene/measures/notes/steady_tone.h"
+#include "engine/scene/measures/playability_result.h"
 
 namespace tactus {
 namespace {
@@ -90,9 +90,9 @@ const char* kind_of(double level, double quiet, const SteadyMoments& moments) {
   return moments.partials > moments.strays() ? "wrong partial" : "howl";
 }
 
-JudgedTone evaluate_note(std::span<const double> steady, const std::vector<PitchPoint>& track,
+ToneResult evaluate_note(std::span<const double> steady, const std::vector<PitchPoint>& track,
                          const ToneNote& note, double quiet) {
-  JudgedTone tone;
+  ToneResult tone;
   auto& [run, values] = tone;
   const auto moments = steady_moments_of(track, note);
   const double pitch = median(moments.hertz);
@@ -146,8 +146,8 @@ std::vector<ToneNote> notes_of(const SceneRecording& recording, const Playabilit
 }
 
 /// All notes as one run.
-JudgedTone together(const std::vector<JudgedTone>& notes) {
-  const auto worse = [](const JudgedTone& a, const JudgedTone& b) {
+ToneResult together(const std::vector<ToneResult>& notes) {
+  const auto worse = [](const ToneResult& a, const ToneResult& b) {
     return a.run.playable != b.run.playable ? !a.run.playable : a.run.score < b.run.score;
   };
   auto all = *std::min_element(notes.begin(), notes.end(), worse);
@@ -163,19 +163,19 @@ JudgedTone together(const std::vector<JudgedTone>& notes) {
 
 }  // namespace
 
-JudgedTone tone_of(const SceneRecording& recording, const Playability& playability) {
+ToneResult tone_of(const SceneRecording& recording, const Playability& playability) {
   const auto* sound = recording.find(playability.sound.name);
   const auto notes = notes_of(recording, playability);
   Window window{recording, playability.from_s, playability.to_s};
   window.playability = &playability;
-  JudgedTone tone{{"silent", 0, false, {}}, {}};
+  ToneResult tone{{"silent", 0, false, {}}, {}};
   if (sound != nullptr && !notes.empty()) {
     const auto [low, high] = std::ranges::minmax_element(notes, {}, &ToneNote::hertz);
     // The tracker leaves out both ends of what it is given.
     auto track = track_notes(Window{recording, playability.begin_s, {}}.samples(*sound),
                              recording.sample_rate, Hertz{low->hertz}, Hertz{high->hertz});
     for (auto& point : track) point.time_s += playability.begin_s;
-    std::vector<JudgedTone> tones;
+    std::vector<ToneResult> tones;
     for (const auto& note : notes) {
       const auto steady = Window{recording, note.steady_s, note.to_s}.samples(*sound);
       tones.push_back(evaluate_note(steady, track, note, playability.quiet));

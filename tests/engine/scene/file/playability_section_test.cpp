@@ -31,13 +31,13 @@ TEST_CASE("playability section: what is left out has its usual value", "[scene]"
   const auto loaded = folder.load("kind = \"roll\"\ncontact = \"plant.stick\"\n");
   REQUIRE(loaded.scene);
   REQUIRE(loaded.scene->playability);
-  const auto& judged = *loaded.scene->playability;
-  CHECK(judged.kind == Playability::Kind::Roll);
-  CHECK(judged.hits.name == "instrument.hit");
-  CHECK(judged.contact.name == "plant.stick");
-  CHECK(judged.fewest == 10);
-  CHECK(judged.from_s == 1);
-  CHECK_FALSE(judged.to_s);
+  const auto& playability = *loaded.scene->playability;
+  CHECK(playability.kind == Playability::Kind::Roll);
+  CHECK(playability.hits.name == "instrument.hit");
+  CHECK(playability.contact.name == "plant.stick");
+  CHECK(playability.fewest == 10);
+  CHECK(playability.from_s == 1);
+  CHECK_FALSE(playability.to_s);
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\n") == "");
 }
 

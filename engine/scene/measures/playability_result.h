@@ -10,7 +10,7 @@
 namespace tactus {
 
 /// How playable the instrument was in one run of a scene; docs/playability.md explains the rules.
-struct JudgedRun {
+struct PlayabilityResult {
   std::string kind;  ///< one of `run_kinds`
   double score = 0;  ///< 0 nothing, 1 all that is expected
   bool playable = false;
@@ -18,7 +18,7 @@ struct JudgedRun {
 
   /// The reading in the column `name` of `kind`, which the run was evaluated as.
   double reading(Playability::Kind evaluated_as, const std::string& name) const;
-  bool operator==(const JudgedRun&) const = default;
+  bool operator==(const PlayabilityResult&) const = default;
 };
 
 /// A measure in the tables, plots and JSON of a playability study.
@@ -62,7 +62,7 @@ const std::vector<RunKind>& run_kinds(Playability::Kind kind);
 /// Each of several notes is evaluated from its own beginning on, `right` and `steady` from `from_s` -
 /// `begin_s` later, at most from its middle; one shorter than 0.2 s is left out. The score is the mean over
 /// the notes; they are playable if each is; kind and readings are those of the worst.
-JudgedRun judge(const SceneRecording& recording, const Playability& playability);
+PlayabilityResult evaluate(const SceneRecording& recording, const Playability& playability);
 
 /// How even the intervals between strikes are. The spread of a pattern of p strikes is
 ///     s_p = rms(I[n + p] - I[n]) / (sqrt(2) mean(I)):
@@ -99,10 +99,10 @@ struct ToneValues {
   int notes = 0, good_notes = 0;  ///< of all
 };
 
-struct JudgedTone {
-  JudgedRun run;
+struct ToneResult {
+  PlayabilityResult run;
   ToneValues values;
 };
-JudgedTone tone_of(const SceneRecording& recording, const Playability& playability);
+ToneResult tone_of(const SceneRecording& recording, const Playability& playability);
 
 }  // namespace tactus

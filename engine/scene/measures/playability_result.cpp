@@ -1,4 +1,4 @@
-#include "engine/scene/measures/judged_run.h"
+#include "engine/scene/measures/playability_result.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ const char* kind_of(bool lives, const Evenness& even) {
   return even.pattern_spread <= kEvenSpread ? "gallop" : "irregular";
 }
 
-JudgedRun evaluate_roll(const SceneRecording& recording, const Playability& playability) {
+PlayabilityResult evaluate_roll(const SceneRecording& recording, const Playability& playability) {
   Window window{recording, playability.from_s, playability.to_s};
   window.playability = &playability;
   const auto* contact = recording.find(playability.contact.name);
@@ -45,7 +45,7 @@ JudgedRun evaluate_roll(const SceneRecording& recording, const Playability& play
   const auto even = evenness_of(hits);
   const double lasts = sustained(hits, window.from_s, window.to_s, playability.fewest);
   const bool lives = lasts == 1.0;
-  JudgedRun run;
+  PlayabilityResult run;
   run.kind = kind_of(lives, even);
   run.score = lasts * detected_share(detection) *
               std::min(1.0, kEvenSpread / std::max(even.pattern_spread, kEvenSpread));
@@ -58,7 +58,7 @@ JudgedRun evaluate_roll(const SceneRecording& recording, const Playability& play
 
 }  // namespace
 
-double JudgedRun::reading(Playability::Kind evaluated_as, const std::string& name) const {
+double PlayabilityResult::reading(Playability::Kind evaluated_as, const std::string& name) const {
   const auto& columns = measure_columns(evaluated_as);
   return readings.at(static_cast<std::size_t>(find_named(columns, name) - columns.data()));
 }
@@ -140,7 +140,7 @@ Evenness evenness_of(const std::vector<double>& times_s) {
   return even;
 }
 
-JudgedRun judge(const SceneRecording& recording, const Playability& playability) {
+PlayabilityResult evaluate(const SceneRecording& recording, const Playability& playability) {
   return playability.kind == Playability::Kind::Roll ? evaluate_roll(recording, playability)
                                                      : tone_of(recording, playability).run;
 }
