@@ -2,7 +2,7 @@
 #include <exception>
 
 #include "apps/cli/commands.h"
-#include "apps/cli/version.h"
+#include "apps/cli/console.h"
 #include "apps/play/live/controls/keyboard.h"
 
 int main(int argc, char** argv) {
@@ -20,6 +20,9 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;
+  } catch (const CommandError& error) {
+    const int code = report(error.errors);
+    return error.exit != 0 ? error.exit : code;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tactus: %s\n", error.what());
     return kNo;

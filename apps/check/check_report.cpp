@@ -14,50 +14,55 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What has no end is no number in JSON.
-Json finite(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
+// JSON has no infinity and no NaN: they are written as null.
 
-Json margin_json(const CutMargin& margin) {
-  return {{"border_factor", finite(margin.border)},
+Json or_null(const std::optional<double>& number) { return number ? Json(*number) : Json(); }
+
+template <class List, class Convert>
+Json list_of(const List& list, Convert convert) {
+  Json json = Json::array();
+  for (const auto& item : list) json.push_back(convert(item));
+  return json;
+}
+
+Json loop_json(const LoopVerdict& loop) {
+  const auto& margin = loop.margin;
+  return {{"border_factor", margin.border},
           {"border_hz", margin.border_hz},
-          {"least_factor_above", finite(margin.up)},
+          {"least_factor_above", margin.up},
           {"largest_factor_below", margin.down},
-          {"gain_margin_db", finite(20 * std::log10(margin.border))},
+          {"gain_margin_db", 20 * std::log10(margin.border)},
           {"peak_gain", margin.peak},
           {"peak_hz", margin.peak_hz},
           {"holds_at_every_delay", margin.peak < 1},
-          {"more_delay_ms", finite(1e3 * margin.more_delay_s)}};
+          {"more_delay_ms", 1e3 * margin.more_delay_s},
+          {"at", loop.at},
+          {"through", loop.way},
+          {"drive", loop.drive},
+          {"joint", loop.wave_port},
+          {"integrates", loop.integrates()},
+          {"growth_per_s_below_border", loop.growth_below},
+          {"growth_per_s_above_border", loop.growth_above}};
+}
+
+Json stiff_json(const StiffVerdict& stiff) {
+  return {{"name", stiff.path},           {"type", stiff.type},
+          {"n_per_m", stiff.stiffness},   {"stable_up_to_n_per_m", stiff.stable_up_to},
+          {"border_hz", stiff.border_hz}, {"passive_up_to_n_per_m", or_null(stiff.passive_up_to)}};
 }
 
 Json regime_json(const RegimeVerdict& regime) {
-  Json json{{"regime", regime.name}, {"held", regime.held}, {"roots_that_grow", regime.growing}};
-  json["roots"] = Json::array();
-  for (const auto& root : regime.roots)
-    json["roots"].push_back({{"hz", root.frequency_hz}, {"growth_per_s", root.growth_per_s}});
-  json["loops"] = Json::array();
-  for (const auto& loop : regime.loops) {
-    auto entry = margin_json(loop.margin);
-    entry.update({{"at", loop.at},
-                  {"through", loop.way},
-                  {"drive", loop.drive},
-                  {"joint", loop.wave_port},
-                  {"integrates", loop.integrates()},
-                  {"growth_per_s_below_border", loop.growth_below},
-                  {"growth_per_s_above_border", loop.growth_above}});
-    json["loops"].push_back(std::move(entry));
-  }
-  json["stiff"] = Json::array();
-  for (const auto& stiff : regime.stiff)
-    json["stiff"].push_back(
-        {{"name", stiff.path},
-         {"type", stiff.type},
-         {"n_per_m", stiff.stiffness},
-         {"stable_up_to_n_per_m", finite(stiff.stable_up_to)},
-         {"border_hz", stiff.border_hz},
-         {"passive_up_to_n_per_m", stiff.passive_up_to ? finite(*stiff.passive_up_to) : Json()}});
-  json["crests"] = regime.unstable_equilibria;
-  json["device_damping_n_s_per_m"] = regime.device_damping ? finite(*regime.device_damping) : Json();
-  return json;
+  return {{"regime", regime.name},
+          {"held", regime.held},
+          {"roots_that_grow", regime.growing},
+          {"roots", list_of(regime.roots,
+                            [](const LoopRoot& root) -> Json {
+                              return {{"hz", root.frequency_hz}, {"growth_per_s", root.growth_per_s}};
+                            })},
+          {"loops", list_of(regime.loops, loop_json)},
+          {"stiff", list_of(regime.stiff, stiff_json)},
+          {"crests", regime.unstable_equilibria},
+          {"device_damping_n_s_per_m", or_null(regime.device_damping)}};
 }
 
 Json network_json(const NetworkVerdict& network) {
@@ -67,9 +72,9 @@ Json network_json(const NetworkVerdict& network) {
           {"spectral_radius", network.radius},
           {"rate_hz", network.rate_hz},
           {"holds_at_every_rate", !network.needed_hz.has_value()},
-          {"needs_hz", network.needed_hz ? finite(*network.needed_hz) : Json()},
+          {"needs_hz", or_null(network.needed_hz)},
           {"weakest", network.weakest},
-          {"contact_steps", finite(network.contact_steps)},
+          {"contact_steps", network.contact_steps},
           {"contact_too_deep", network.too_deep},
           {"holds", network.stable}};
 }
@@ -80,8 +85,8 @@ Json run_json(const ExtremeRun& run) {
           {"delay_ms", 1e3 * run.delay_s},
           {"seconds", run.seconds},
           {"peak", run.peak},
-          {"before", finite(run.energy_before)},
-          {"after", finite(run.energy_after)},
+          {"before", run.energy_before},
+          {"after", run.energy_after},
           {"faults", run.faults},
           {"finite", run.finite},
           {"grew", run.grew},
@@ -90,27 +95,36 @@ Json run_json(const ExtremeRun& run) {
 }
 
 Json control_json(const ControlVerdict& control) {
-  return {{"name", control.control.name},
-          {"value", control.control.value},
-          {"low", control.control.range.low},
-          {"high", control.control.range.high},
-          {"holds_at_low", control.stable_low},
-          {"holds_at_high", control.stable_high},
-          {"border", control.border ? Json(*control.border) : Json()}};
+  return {{"name", control.control.name},       {"value", control.control.value},
+          {"low", control.control.range.low},   {"high", control.control.range.high},
+          {"holds_at_low", control.stable_low}, {"holds_at_high", control.stable_high},
+          {"border", or_null(control.border)}};
 }
 
-template <class List, class Convert>
-Json list_of(const List& list, Convert convert) {
-  Json json = Json::array();
-  for (const auto& item : list) json.push_back(convert(item));
-  return json;
+Json event_json(const EventVerdict& event) {
+  return {{"name", event.place.path},
+          {"type", event.place.type},
+          {"hold_s", or_null(event.place.hold_s)},
+          {"on_loop", event.on_loop}};
+}
+
+Json open_json(const OpenVerdict& open) {
+  return {
+      {"input", open.input}, {"output", open.output}, {"peak_gain", open.peak}, {"peak_hz", open.peak_hz}};
 }
 
 std::string decibels(double factor) {
   return std::isfinite(factor) && factor > 0 ? fmt::format("{:.1f} dB", amplitude_to_db(factor)) : "any";
 }
 
+/// Whether any regime has entries in `list`.
+bool any(const StabilityVerdict& verdict, auto list) {
+  return std::any_of(verdict.regimes.begin(), verdict.regimes.end(),
+                     [&](const RegimeVerdict& regime) { return !(regime.*list).empty(); });
+}
+
 void print_loops(const StabilityVerdict& verdict) {
+  if (!any(verdict, &RegimeVerdict::loops)) return;
   fmt::print("\n  {:28} {:8} {:24} {:>10} {:>9} {:>10} {:>10}\n", "regime", "device", "loop at", "margin",
              "Hz", "peak gain", "more delay");
   for (const auto& regime : verdict.regimes)
@@ -127,6 +141,7 @@ void print_loops(const StabilityVerdict& verdict) {
 }
 
 void print_stiff(const StabilityVerdict& verdict) {
+  if (!any(verdict, &RegimeVerdict::stiff)) return;
   fmt::print("\n  {:28} {:8} {:24} {:>12} {:>12} {:>12}\n", "regime", "device", "spring or wall", "N/m",
              "stable to", "passive to");
   const auto number = [](double value) {
@@ -147,7 +162,7 @@ void print_networks(const StabilityVerdict& verdict) {
                name_of(network.solver), network.radius, network.rate_hz,
                !network.needed_hz                  ? "any"
                : std::isfinite(*network.needed_hz) ? fmt::format("{:.5g} Hz", *network.needed_hz)
-                                                   : "none holds",
+                                                   : "never stable",
                network.weakest);
 }
 
@@ -172,59 +187,40 @@ void print_runs(const std::vector<ExtremeRun>& runs) {
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const CheckedSubject& subject, const StabilityVerdict& verdict,
-                               const std::vector<ExtremeRun>& runs) {
-  Json json{{"name", subject.name},
-            {"holds", holds(verdict, runs)},
-            {"outside_known", verdict.outside_known},
-            {"sample_rate_hz", verdict.rate.value},
-            {"delay_ms", 1e3 * verdict.delay_s},
-            {"delay_from", subject.delay_from},
-            {"words", describe(verdict)}};
-  json["regimes"] = list_of(verdict.regimes, regime_json);
-  json["networks"] = list_of(verdict.networks, network_json);
-  json["controls"] = list_of(verdict.controls, control_json);
-  json["events"] = list_of(verdict.events, [](const EventVerdict& event) -> Json {
-    return {{"name", event.place.path},
-            {"type", event.place.type},
-            {"hold_s", event.place.hold_s ? Json(*event.place.hold_s) : Json()},
-            {"on_loop", event.on_loop}};
-  });
-  json["open"] = list_of(verdict.open, [](const OpenVerdict& open) -> Json {
-    return {
-        {"input", open.input}, {"output", open.output}, {"peak_gain", open.peak}, {"peak_hz", open.peak_hz}};
-  });
-  json["not_looked_at"] = verdict.skipped;
-  json["runs"] = list_of(runs, run_json);
-  return json;
+nlohmann::ordered_json json_of(const CheckReport& report) {
+  const auto& verdict = report.verdict;
+  return {{"name", report.name},
+          {"holds", report.passed()},
+          {"outside_known", verdict.outside_known},
+          {"sample_rate_hz", verdict.rate.value},
+          {"delay_ms", 1e3 * verdict.delay_s},
+          {"delay_from", report.delay_source},
+          {"words", describe(verdict)},
+          {"regimes", list_of(verdict.regimes, regime_json)},
+          {"networks", list_of(verdict.networks, network_json)},
+          {"controls", list_of(verdict.controls, control_json)},
+          {"events", list_of(verdict.events, event_json)},
+          {"open", list_of(verdict.open, open_json)},
+          {"not_looked_at", verdict.skipped},
+          {"runs", list_of(report.runs, run_json)}};
 }
 
-bool holds(const StabilityVerdict& verdict, const std::vector<ExtremeRun>& runs) {
-  bool all = verdict.stable;
-  for (const auto& run : runs) all = all && run.as_expected();
-  return all;
-}
-
-void print(const CheckedSubject& subject, const StabilityVerdict& verdict,
-           const std::vector<ExtremeRun>& runs, bool verbose) {
-  fmt::print("{}\n\n", !holds(verdict, runs)   ? "unstable"
+void print(const CheckReport& report, bool verbose) {
+  const auto& verdict = report.verdict;
+  fmt::print("{}\n\n", !report.passed()        ? "unstable"
                        : verdict.outside_known ? "stable"
                                                : "stable by itself; the loop over the outside is not known");
-  const auto words = describe(verdict);
-  fmt::print("{}: {} ({})\n", subject.name, words.front(), subject.delay_from);
-  for (std::size_t i = 1; i < words.size(); ++i) fmt::print("  {}\n", words[i]);
-  for (const auto& run : runs)
+  const auto sentences = describe(verdict);
+  fmt::print("{}: {} ({})\n", report.name, sentences.front(), report.delay_source);
+  for (std::size_t i = 1; i < sentences.size(); ++i) fmt::print("  {}\n", sentences[i]);
+  for (const auto& run : report.runs)
     if (!run.as_expected()) fmt::print("  not as predicted: {}\n", run.what);
   if (!verbose) return;
-  const auto any = [&](auto list) {
-    return std::any_of(verdict.regimes.begin(), verdict.regimes.end(),
-                       [&](const RegimeVerdict& regime) { return !(regime.*list).empty(); });
-  };
-  if (any(&RegimeVerdict::loops)) print_loops(verdict);
-  if (any(&RegimeVerdict::stiff)) print_stiff(verdict);
+  print_loops(verdict);
+  print_stiff(verdict);
   if (!verdict.networks.empty()) print_networks(verdict);
   if (!verdict.controls.empty()) print_controls(verdict);
-  if (!runs.empty()) print_runs(runs);
+  if (!report.runs.empty()) print_runs(report.runs);
 }
 
 }  // namespace tactus::app

@@ -7,23 +7,15 @@
 
 #include "backends/backend.h"
 #include "backends/midi.h"
+#include "backends/sound_backends.h"
 
 namespace tactus::app {
 
 /// Names of the backends for sound cards that this program was built with, the best first.
 std::vector<std::string> card_backends();
-/// Why there is none, where there is none, and what to do.
-const char* no_card_backend();
-/// One of them, or "loop", the simulated cards. Errors: UnknownName, with what there is and how to have it.
-Result<std::unique_ptr<Backend>> make_card_backend(const std::string& name);
-
-/// All that a backend can open now, or why that is unknown.
-struct BackendDevices {
-  std::string backend;
-  Result<std::vector<Device>> devices;
-};
-/// Asks `backend`, or all of those for sound cards if it is empty.
-std::vector<BackendDevices> list_devices(const std::string& backend = {});
+/// The backend of this name, "loop" for the simulated cards; without one all for sound cards. Errors:
+/// UnknownName, listing what there is; Device if this program was built without any.
+Result<std::vector<SoundBackend>> backends_called(const std::string& name);
 
 /// Where a stream is to be opened.
 struct ChosenDevices {
@@ -32,8 +24,8 @@ struct ChosenDevices {
 };
 /// `output` and `input`: ids, or parts of them; an empty `input` means the output's device, an empty `output`
 /// the default. Several backends often reach the same card: without a `backend`, and where no id names it,
-/// they are asked in turn, and the first that has such a device counts. Errors: of find_device; Device if no
-/// backend has any.
+/// they are asked in turn, and the first that has such a device counts. Errors: of find_device; of
+/// backends_called; Device if no backend has any.
 Result<ChosenDevices> choose_devices(const std::string& backend, const std::string& output,
                                      const std::string& input);
 

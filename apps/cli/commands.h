@@ -8,6 +8,9 @@ namespace tactus::app {
 /// Exit codes of the program.
 enum Exit { kDone = 0, kNo = 1, kUsage = 2, kBadFile = 3, kDevice = 4, kInterrupted = 5 };
 
+/// "tactus 0.1.0", as CMakeLists.txt has it.
+const char* version();
+
 /// Each command adds itself: its options, its help, and what it does (its result goes into `exit_code`).
 void add_play(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);

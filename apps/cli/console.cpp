@@ -3,31 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "apps/cli/commands.h"
+#include "apps/play/live/controls/keyboard.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 
-#if defined(_WIN32)
-#include <io.h>
-#else
-#include <unistd.h>
-#endif
-
 namespace tactus::app {
-namespace {
-
-bool stderr_is_terminal() {
-#if defined(_WIN32)
-  return _isatty(2) != 0;
-#else
-  return isatty(2) != 0;
-#endif
-}
-
-}  // namespace
-
 int report(const std::vector<Error>& errors) {
   fmt::print(stderr, "{}\n", to_string(errors));
   const bool usage = std::all_of(errors.begin(), errors.end(), [](const Error& error) {
@@ -42,7 +26,7 @@ int exit_of(const Error& error) {
   return error.code == Errc::BadArgument || error.code == Errc::OutOfRange ? kUsage : kDevice;
 }
 
-Progress::Progress(std::string what) : what_(std::move(what)), terminal_(stderr_is_terminal()) {}
+Progress::Progress(std::string what) : what_(std::move(what)), terminal_(terminal_columns() > 0) {}
 
 Progress::~Progress() {
   if (shown_) fmt::print(stderr, "\r{:70}\r", "");
@@ -61,7 +45,7 @@ void Progress::operator()(double share) {
 void Progress::operator()(double share, const std::string& what) {
   if (what != what_) {
     percent_ = -1;
-    if (shown_) fmt::print(stderr, "\r{:70}", "");  // the former words may be longer
+    if (shown_) fmt::print(stderr, "\r{:70}", "");  // the previous text may be longer
   }
   what_ = what;
   (*this)(share);
@@ -113,9 +97,27 @@ Result<double> parse_option(const std::string& text, const char* unit, const cha
 Result<Hertz> parse_rate(const std::string& text) {
   const auto rate = parse_option(text, "Hz", "rate");
   if (!rate) return tl::unexpected(rate.error());
-  if (!(*rate >= 1e3 && *rate <= 768e3))
-    return fail(Errc::OutOfRange, "--rate", "must be between 1 kHz and 768 kHz", "");
-  return Hertz{*rate};
+  if (*rate >= 1e3 && *rate <= 768e3) return Hertz{*rate};
+  return fail(Errc::OutOfRange, "--rate", "must be between 1 kHz and 768 kHz", "");
 }
+
+Result<Seconds> parse_delay(const std::string& text) {
+  const auto delay = parse_option(text, "s", "delay");
+  if (!delay) return tl::unexpected(delay.error());
+  if (*delay >= 0 && *delay <= 10) return Seconds{*delay};
+  return fail(Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", "");
+}
+
+Result<Seconds> parse_duration(const std::string& text, Seconds longest) {
+  const auto duration = parse_option(text, "s", "duration");
+  if (!duration) return tl::unexpected(duration.error());
+  if (*duration > 0 && *duration <= longest.value) return Seconds{*duration};
+  return fail(Errc::OutOfRange, "--duration",
+              "must be above 0 s" +
+                  (std::isfinite(longest.value) ? fmt::format(" and at most {:g} s", longest.value) : ""),
+              "");
+}
+
+const char* version() { return "tactus " TACTUS_VERSION; }
 
 }  // namespace tactus::app

@@ -11,30 +11,31 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<Error> wrong(const std::string& option, const std::string& what, const std::string& remedy) {
-  return {Error{Errc::BadArgument, option, what, remedy}};
+tl::unexpected<std::vector<Error>> invalid(const std::string& option, const std::string& what,
+                                           const std::string& remedy) {
+  return tl::unexpected(std::vector{Error{Errc::BadArgument, option, what, remedy}});
 }
 
 Checked<DriveLimits> limits_of(const GuardOptions& options, const std::filesystem::path& root) {
   if (options.profile.empty() || options.volts.empty())
-    return tl::unexpected(wrong(options.profile.empty() ? "--volts-per-full-scale" : "--profile",
-                                "a profile and the volts of full scale belong together",
-                                "give both, as in --profile woofer --volts-per-full-scale 8"));
+    return invalid(options.profile.empty() ? "--volts-per-full-scale" : "--profile",
+                   "a profile and the volts of full scale belong together",
+                   "give both, as in --profile woofer --volts-per-full-scale 8");
   const auto volts = parse_option(options.volts, "V", "volts-per-full-scale");
   if (!volts) return tl::unexpected(std::vector{volts.error()});
   if (!(*volts >= 1e-3 && *volts <= 1000))
-    return tl::unexpected(wrong("--volts-per-full-scale", "must be between 1 mV and 1 kV", ""));
+    return invalid("--volts-per-full-scale", "must be between 1 mV and 1 kV", "");
   const auto file = find_profile(options.profile, root, "--profile");
   if (!file) return tl::unexpected(std::vector{file.error()});
   const auto profile = load_profile(*file);
   if (!profile) return tl::unexpected(profile.error());
   const auto limits = limits_for(*profile, *volts);
   if (const auto status = check(limits); !status)
-    return tl::unexpected(wrong("--profile", status.error().what, status.error().remedy));
+    return invalid("--profile", status.error().what, status.error().remedy);
   return limits;
 }
 
-Status raise(DriveBook& drives, const std::string& text, bool said) {
+Status raise(DriveBook& drives, const std::string& text, bool silent) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     return fail(Errc::Syntax, "--raise-limit", "'" + text + "' is not NAME=VALUE",
@@ -45,7 +46,7 @@ Status raise(DriveBook& drives, const std::string& text, bool said) {
   // Where every drive has limits of its own, the cautious ones need not have what is raised.
   auto others = raise_limit(drives.others, name, value, "--raise-limit");
   if (!others && drives.named.empty()) return others;
-  if (!said)
+  if (!silent)
     fmt::print(
         stderr,
         "warning: the drive guard's limit '{}' is raised to {}, beyond what the profile or the cautious "
@@ -68,14 +69,14 @@ void add_guard_options(CLI::App& command, GuardOptions& options) {
 }
 
 Checked<DriveBook> apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
-                         bool said) {
+                         bool silent) {
   if (!options.profile.empty() || !options.volts.empty()) {
     const auto limits = limits_of(options, root);
     if (!limits) return tl::unexpected(limits.error());
     drives = DriveBook{{}, *limits};
   }
   for (const auto& text : options.raise)
-    if (const auto status = raise(drives, text, said); !status)
+    if (const auto status = raise(drives, text, silent); !status)
       return tl::unexpected(std::vector{status.error()});
   return drives;
 }

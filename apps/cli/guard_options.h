@@ -22,10 +22,10 @@ struct GuardOptions {
 /// --profile, --volts-per-full-scale and --raise-limit.
 void add_guard_options(CLI::App& command, GuardOptions& options);
 
-/// Changes `drives` as the command line wants, and warns on stderr of what was raised unless that was said
-/// before. `root`: the folder with the profiles.
+/// Changes `drives` as the command line wants, and warns on stderr of what was raised, unless `silent`.
+/// `root`: the folder with the profiles.
 Checked<DriveBook> apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
-                         bool said = false);
+                         bool silent = false);
 
 /// What the guards did, for machines.
 nlohmann::ordered_json guard_json(const GuardReport& report, Hertz sample_rate);

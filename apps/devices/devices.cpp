@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const Device& device, const MeasuredDelays& delays) {
+Json device_json(const Device& device, const MeasuredDelays& delays) {
   Json rates = Json::array();
   for (const auto& rate : device.sample_rates) rates.push_back(rate.value);
   Json json{{"id", device.id},
@@ -45,49 +45,44 @@ std::string latency_text(const Device& device) {
 std::string measured_text(const Device& device, const MeasuredDelays& delays) {
   const auto* measured = delays.newest(device.id, device.id);
   if (measured == nullptr) return "";
-  return fmt::format("\n      measured here: {:.3f} ms, block {} frames, {:g} kHz, {}",
+  return fmt::format("\n      measured on this machine: {:.3f} ms, block {} frames, {:g} kHz, {}",
                      1e3 * measured->delay.value, measured->key.block_frames,
                      measured->key.sample_rate.value / 1e3, measured->when);
 }
 
 void print(const Device& device, const MeasuredDelays& delays) {
   fmt::print("  {}{}\n", device.id, device.is_default ? "  (default)" : "");
-  std::string rates;
-  for (const auto& rate : device.sample_rates)
-    rates += fmt::format("{}{:g}", rates.empty() ? "" : ", ", rate.value / 1e3);
-  fmt::print(
-      "      {}: {} in, {} out, {}{}{}{}\n", device.name, device.in_channels, device.out_channels,
-      rates.empty() ? fmt::format("{:g} kHz, others too", device.default_rate.value / 1e3) : rates + " kHz",
-      device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
-      latency_text(device), measured_text(device, delays));
+  std::vector<double> rates;
+  for (const auto& rate : device.sample_rates) rates.push_back(rate.value / 1e3);
+  fmt::print("      {}: {} in, {} out, {}{}{}{}\n", device.name, device.in_channels, device.out_channels,
+             rates.empty() ? fmt::format("{:g} kHz, others too", device.default_rate.value / 1e3)
+                           : fmt::format("{:g} kHz", fmt::join(rates, ", ")),
+             device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
+             latency_text(device), measured_text(device, delays));
 }
 
 int run_devices(const std::string& backend, bool as_json) {
-  if (!backend.empty())
-    if (const auto known = make_card_backend(backend); !known) return report(known.error()), kUsage;
-  const auto all = list_devices(backend);
+  const auto backends = or_exit(backends_called(backend), backend.empty() ? kDevice : kUsage);
   const auto delays = MeasuredDelays::load();
   if (delays.load_error()) fmt::print(stderr, "{}\n", to_string(*delays.load_error()));
-  bool any = false;
   Json json{{"devices", Json::array()}, {"unavailable", Json::array()}};
-  for (const auto& [name, devices] : all) {
-    if (!as_json) fmt::print("{}\n", name);
+  for (const auto& called : backends) {
+    const auto devices = called.make()->devices();
+    if (!as_json) fmt::print("{}\n", called.name);
     if (!devices) {
       json["unavailable"].push_back(
-          {{"backend", name}, {"reason", devices.error().what}, {"remedy", devices.error().remedy}});
+          {{"backend", called.name}, {"reason", devices.error().what}, {"remedy", devices.error().remedy}});
       if (!as_json) fmt::print("  unavailable: {}\n", to_string(devices.error()));
       continue;
     }
     if (!as_json && devices->empty()) fmt::print("  no device\n");
     for (const auto& device : *devices) {
-      any = true;
-      json["devices"].push_back(json_of(device, delays));
+      json["devices"].push_back(device_json(device, delays));
       if (!as_json) print(device, delays);
     }
   }
   if (as_json) fmt::print("{}\n", json.dump(2));
-  if (all.empty()) fmt::print(stderr, "{}\n", no_card_backend());
-  return any ? kDone : kDevice;
+  return json["devices"].empty() ? kDevice : kDone;
 }
 
 }  // namespace
@@ -104,7 +99,7 @@ void add_devices(CLI::App& app, int& exit_code) {
       "Examples:\n  tactus devices\n  tactus devices --backend jack --json\n"
       "An id, or a part of a name that only one device has, goes into:\n"
       "  tactus play instruments/haptic_drum --device jack:system\n"
-      "Exit code 4: there is none.");
+      "Exit code 4: no device.");
   command->callback([=, &exit_code] { exit_code = run_devices(*backend, *as_json); });
 }
 

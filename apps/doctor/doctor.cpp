@@ -1,11 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "apps/check/judge_system.h"
 #include "apps/cli/commands.h"
+#include "apps/doctor/findings.h"
 #include "backends/realtime_thread.h"
 
 namespace tactus::app {
@@ -22,7 +23,23 @@ Status try_priority() {
   return tried;
 }
 
-void print(const Finding& finding) {
+/// The settings of a PipeWire that runs; empty where there is none.
+std::string pipewire_settings([[maybe_unused]] const SystemFiles& system) {
+  std::string text;
+#if defined(__linux__)
+  const auto processes = processes_of(system);
+  if (std::none_of(processes.begin(), processes.end(),
+                   [](const Process& process) { return process.name == "pipewire"; }))
+    return text;
+  std::FILE* pipe = popen("timeout 2 pw-metadata -n settings 0 2>/dev/null </dev/null", "r");
+  if (pipe == nullptr) return text;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);
+  pclose(pipe);
+#endif
+  return text;
+}
+
+void print(const SystemFinding& finding) {
   fmt::print("{:8} {:18}  {}\n", name_of(finding.state), finding.name, finding.what);
   if (!finding.command.empty()) fmt::print("{:29}{}\n", "", finding.command);
 }
@@ -30,9 +47,10 @@ void print(const Finding& finding) {
 int run_doctor(bool json) {
   const auto priority = try_priority();
   const auto memory = lock_memory();
-  const auto findings = judge_system(read_system(), priority, memory);
-  const auto warnings = std::count_if(findings.begin(), findings.end(), [](const Finding& finding) {
-    return finding.state == Finding::State::Warn;
+  const SystemFiles system;
+  const auto findings = check_system(system, priority, memory, pipewire_settings(system));
+  const auto warnings = std::count_if(findings.begin(), findings.end(), [](const SystemFinding& finding) {
+    return finding.state == SystemFinding::State::Warn;
   });
   if (json) {
     Json all{{"ok", warnings == 0}, {"findings", Json::array()}};
@@ -51,13 +69,13 @@ int run_doctor(bool json) {
 }  // namespace
 
 void add_doctor(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("doctor", "Is this system fit for short delays, and what mends it");
+  auto* command = app.add_subcommand("doctor", "Check whether this system is fit for short delays");
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "for machines");
   command->footer(
       "Example:\n  tactus doctor\nIt changes nothing; each finding is followed by the command that fixes it, "
       "or "
-      "that shows more.\nExit code 1: something warns.");
+      "that shows more.\nExit code 1: at least one warning.");
   command->callback([json, &exit_code] { exit_code = run_doctor(*json); });
 }
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "apps/render/resample.h"
+#include "apps/render/render.h"
 #include "backends/wav_file.h"
 #include "engine/dsp/delays/resample.h"
 #include "engine/scene/file/path_file.h"

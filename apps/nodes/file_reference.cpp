@@ -1,9 +1,8 @@
-#include "apps/nodes/file_reference.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "apps/nodes/schema.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"
@@ -14,11 +13,7 @@ namespace tactus {
 namespace {
 
 std::string range_of(const FieldType& field) {
-  if (!field.choices.empty()) {
-    std::string text;
-    for (const auto& choice : field.choices) text += (text.empty() ? "`" : ", `") + choice + "`";
-    return text;
-  }
+  if (!field.choices.empty()) return fmt::format("`{}`", fmt::join(field.choices, "`, `"));
   const auto dimension = parse_unit(field.unit).value_or(Unit{}).dimension;
   const auto number = [&](double si) { return std::isfinite(si) ? short_quantity(si, dimension) : "any"; };
   if (!std::isfinite(field.low) && !std::isfinite(field.high)) return "";

@@ -5,7 +5,6 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/nodes/file_reference.h"
 #include "apps/nodes/schema.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/nodes/networks/network_elements.h"
@@ -30,14 +29,22 @@ void add_range(Json& json, double low, double high) {
   if (std::isfinite(high)) json["high"] = high;
 }
 
-Json entry_json(const InputPort& port) {
-  Json json{{"name", port.name}, {"unit", port.unit}, {"doc", port.doc}, {"required", !port.fallback}};
+/// What ports and fields have in common.
+Json number_json(const InputPort& port, bool required) {
+  Json json{{"name", port.name}, {"unit", port.unit}, {"doc", port.doc}, {"required", required}};
   if (port.fallback) json["default"] = *port.fallback;
   add_range(json, port.low, port.high);
   json["constant"] = port.fixed;
+  return json;
+}
+
+Json entry_json(const InputPort& port) {
+  auto json = number_json(port, !port.fallback);
   json["closes_loops"] = port.late;
   return json;
 }
+
+Json entry_json(const ElementField& field) { return number_json(field, !field.fallback && !field.optional); }
 
 Json entry_json(const OutputPort& port) {
   Json json{{"name", port.name},
@@ -49,26 +56,14 @@ Json entry_json(const OutputPort& port) {
 }
 
 Json entry_json(const Setting& setting) {
-  using Kind = Setting::Kind;
+  const bool choice = setting.kind == Setting::Kind::Choice;
   Json json{{"name", setting.name},
             {"kind", setting_kind_name(setting.kind)},
             {"doc", setting.doc},
             {"required", setting.fallback.empty() && !setting.optional}};
-  if (setting.kind == Kind::Choice) json["choices"] = setting.choices;
-  if (setting.kind != Kind::Choice && !setting.choices.empty()) json["units"] = setting.choices;
+  if (choice || !setting.choices.empty()) json[choice ? "choices" : "units"] = setting.choices;
   if (!setting.fallback.empty()) json["default"] = setting.fallback;
   add_range(json, setting.low, setting.high);
-  return json;
-}
-
-Json entry_json(const ElementField& field) {
-  Json json{{"name", field.name},
-            {"unit", field.unit},
-            {"doc", field.doc},
-            {"required", !field.fallback && !field.optional}};
-  if (field.fallback) json["default"] = *field.fallback;
-  add_range(json, field.low, field.high);
-  json["constant"] = field.fixed;
   return json;
 }
 
@@ -111,48 +106,43 @@ Json entry_json(const ElementType& element) {
           {"outputs", json_list(element.quantities)}};
 }
 
-int report_unknown(const NodeTable& table, const std::string& name) {
+[[noreturn]] void exit_unknown(const NodeTable& table, const std::string& name) {
   std::vector<std::string> names = {"network"};
   for (const auto* type : table.types) names.push_back(type->name);
   const auto near = nearest_name(name, names);
-  fmt::print(stderr, "there is no node type '{}'; {}\n", name,
+  exit_with({Errc::UnknownName, "", "there is no node type '" + name + "'",
              find_element(name) ? "it is an element of networks, see `tactus nodes network`"
              : near.empty()     ? "`tactus nodes` lists them all"
-                                : "did you mean '" + near + "'?");
-  return kUsage;
+                                : "did you mean '" + near + "'?"});
 }
 
-int run_json(const NodeTable& table, const std::string& name) {
+std::string json_text(const NodeTable& table, const std::string& name) {
   Json all;
-  const bool network = name.empty() || name == "network";
-  if (!network || name.empty()) {
-    all["nodes"] = Json::array();
-    for (const auto* type : table.types)
-      if (name.empty() || type->name == name) all["nodes"].push_back(entry_json(*type));
-  }
-  if (network) all["network_elements"] = json_list(network_elements());
-  fmt::print("{}\n", all.dump(2));
-  return kDone;
+  if (name != "network") all["nodes"] = Json::array();
+  for (const auto* type : table.types)
+    if (name.empty() || type->name == name) all["nodes"].push_back(entry_json(*type));
+  if (name.empty() || name == "network") all["network_elements"] = json_list(network_elements());
+  return all.dump(2) + "\n";
 }
 
 int run_nodes(const NodesOptions& options) {
   const auto& table = standard_nodes();
-  const auto* type = table.find(options.name);
-  if (!options.name.empty() && options.name != "network" && type == nullptr)
-    return report_unknown(table, options.name);
-  if (options.json) return run_json(table, options.name);
-  fmt::print("{}", options.schema         ? file_schema(table)
-                   : options.markdown     ? reference_markdown(table) + file_reference()
-                   : options.name.empty() ? reference_overview(table)
-                   : type != nullptr      ? reference_text(*type)
-                                          : network_reference());
+  const auto& name = options.name;
+  const auto* type = table.find(name);
+  if (!name.empty() && name != "network" && type == nullptr) exit_unknown(table, name);
+  fmt::print("{}", options.json       ? json_text(table, name)
+                   : options.schema   ? file_schema(table)
+                   : options.markdown ? reference_markdown(table) + file_reference()
+                   : name.empty()     ? reference_overview(table)
+                   : type != nullptr  ? reference_text(*type)
+                                      : network_reference());
   return kDone;
 }
 
 }  // namespace
 
 void add_nodes(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("nodes", "What a graph file can be made of");
+  auto* command = app.add_subcommand("nodes", "Reference of node types and network elements");
   auto options = std::make_shared<NodesOptions>();
   command->add_option("NAME", options->name, "one type in full; `network` for the elements of networks");
   command->add_flag("--json", options->json, "for machines");

@@ -1,7 +1,11 @@
 #include "apps/nodes/schema.h"
 
-#include "apps/nodes/schema_pieces.h"
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
 #include "engine/graph/file/read_graph.h"
+#include "engine/nodes/networks/network_elements.h"
 #include "engine/nodes/networks/solver_names.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"
@@ -10,7 +14,231 @@
 namespace tactus {
 namespace {
 
-using namespace schema;
+using Json = nlohmann::ordered_json;
+
+/// JSON has no infinity: a bound that is not there is left out.
+Json bounds(double low, double high) {
+  auto json = Json::object();
+  if (std::isfinite(low)) json["minimum"] = low;
+  if (std::isfinite(high)) json["maximum"] = high;
+  return json;
+}
+
+Json joined(Json json, const Json& more) {
+  json.update(more);
+  return json;
+}
+
+/// "corner [Hz]; 20 if left out"
+std::string described(const std::string& doc, const std::string& unit, std::optional<double> fallback) {
+  auto text = doc;
+  if (unit.starts_with('='))
+    text += " [unit as " + unit.substr(1) + "]";
+  else if (!unit.empty() && unit != "any")
+    text += " [" + unit + "]";
+  if (fallback) text += "; " + short_number(*fallback) + " if left out";
+  return text;
+}
+
+Json text(const std::string& description) {
+  return {{"description", description}, {"type", "string"}, {"minLength", 1}};
+}
+
+Json whole_number(const std::string& description, double low, double high) {
+  return joined({{"description", description}, {"type", "integer"}}, bounds(low, high));
+}
+
+Json choice(const std::string& description, const std::vector<std::string>& choices) {
+  return {{"description", description}, {"enum", choices}};
+}
+
+Json list(const std::string& description, Json items, int least = 1, int most = 0) {
+  Json json{
+      {"description", description}, {"type", "array"}, {"items", std::move(items)}, {"minItems", least}};
+  if (most > 0) json["maxItems"] = most;
+  return json;
+}
+
+/// A number or a quantity ("15 ms"); the bounds hold for bare numbers, which count in SI.
+Json quantity(const std::string& description, double low = -kUnlimited, double high = kUnlimited) {
+  return joined({{"description", description}, {"type", {"number", "string"}}, {"minLength", 1}},
+                bounds(low, high));
+}
+
+Json range(const std::string& description) { return list(description, quantity(""), 2, 2); }
+
+Json channels(const std::string& description) {
+  const auto one = whole_number("", 1, 1024);
+  return {{"description", description}, {"anyOf", {one, list("", one), {{"const", "none"}}}}};
+}
+
+/// Where a signal belongs: a number, an expression, a list of lanes or a spread over lanes.
+Json signal(const std::string& description, double low = -kUnlimited, double high = kUnlimited) {
+  auto json = quantity(description, low, high);
+  json["type"] = {"number", "string", "array", "object"};
+  json["items"] = joined({{"type", {"number", "string"}}, {"minLength", 1}}, bounds(low, high));
+  json["minItems"] = 1;
+  json["properties"] = {{"from", quantity("of the first lane")},
+                        {"to", quantity("of the last lane")},
+                        {"curve", choice("from lane to lane", {"linear", "exponential"})}};
+  json["required"] = {"from", "to"};
+  json["additionalProperties"] = false;
+  return json;
+}
+
+/// The keys of an object; nothing else is allowed in it.
+struct Keys {
+  Json properties = Json::object();
+  std::vector<std::string> required{};
+
+  void add(const std::string& key, Json value, bool is_required = false) {
+    properties[key] = std::move(value);
+    if (is_required) required.push_back(key);
+  }
+  Json object(const std::string& description) const {
+    Json json{{"description", description}, {"type", "object"}, {"properties", properties}};
+    if (!required.empty()) json["required"] = required;
+    json["additionalProperties"] = false;
+    return json;
+  }
+};
+
+/// An object of entries with free names, each like `entry`.
+Json entries(const std::string& description, Json entry) {
+  return {{"description", description},
+          {"type", "object"},
+          {"propertyNames",
+           {{"pattern", "^[a-z][a-z0-9_]*$"}, {"not", {{"enum", {"system", "min", "max", "abs"}}}}}},
+          {"additionalProperties", std::move(entry)}};
+}
+
+Json reference(const std::string& definition) { return {{"$ref", "#/definitions/" + definition}}; }
+
+Json section_schema(const SectionType& section);
+
+Json of_field(const FieldType& field) {
+  using Kind = FieldType::Kind;
+  const auto doc = field.doc + (field.fallback.empty() ? "" : "; " + field.fallback + " if left out");
+  switch (field.kind) {
+    case Kind::Text:
+      break;
+    case Kind::Prose:
+      return {{"description", doc}, {"type", "string"}};
+    case Kind::Quantity:
+    case Kind::Any:
+      return quantity(doc, field.low, field.high);
+    case Kind::Signal:
+      return signal(doc);
+    case Kind::Whole:
+      return whole_number(doc, field.low, field.high);
+    case Kind::Flag:
+      return {{"description", doc}, {"type", "boolean"}};
+    case Kind::Choice:
+      return choice(doc, field.choices);
+    case Kind::Range:
+      return range(doc);
+    case Kind::Points:
+      return list(doc, range(""));
+    case Kind::Channels:
+      return channels(doc);
+    case Kind::Format:
+      return {{"description", doc}, {"const", 1}};
+    case Kind::Section:
+      return section_schema(*field.inside);
+    case Kind::Entries:
+      return entries(doc, section_schema(*field.inside));
+    case Kind::Settings:
+      return entries(doc, quantity(""));
+    case Kind::Reference:
+      return entries(doc, reference(field.unit));
+  }
+  return text(doc);
+}
+
+Json section_schema(const SectionType& section) {
+  Keys keys;
+  for (const auto& field : section.fields) keys.add(field.key, of_field(field), field.required);
+  auto json = keys.object(section.doc);
+  for (const auto& key : section.one_of) json["anyOf"].push_back({{"required", {key}}});
+  if (section.together.size() == 2)
+    json["dependencies"] = {{section.together[0], {section.together[1]}},
+                            {section.together[1], {section.together[0]}}};
+  return json;
+}
+
+Json of_setting(const Setting& setting) {
+  using Kind = FieldType::Kind;
+  if (setting.kind == Setting::Kind::Numbers) return list(setting.doc, quantity(""));
+  if (setting.kind == Setting::Kind::Names) return list(setting.doc, text(""));
+  static constexpr Kind kKinds[] = {Kind::Choice, Kind::Whole, Kind::Quantity, Kind::Flag,
+                                    Kind::Text,   Kind::Text,  Kind::Points};
+  FieldType field{setting.name, kKinds[static_cast<int>(setting.kind)], setting.doc};
+  if (field.kind == Kind::Quantity && !setting.choices.empty())
+    field.doc = described(setting.doc, setting.choices[0], {});
+  field.low = setting.low;
+  field.high = setting.high;
+  field.choices = setting.choices;
+  return of_field(field);
+}
+
+/// The keys that name other elements.
+void add_ends(const ElementType& type, Keys& keys) {
+  using Ends = ElementType::Ends;
+  if (type.ends == Ends::Between)
+    keys.add("between", list("two points, the lower one first", text(""), 2, 2), true);
+  if (type.ends == Ends::On || type.ends == Ends::Against)
+    keys.add("on", text("the point that it acts on"), true);
+  if (type.ends == Ends::Against) keys.add("against", text("the point that it pushes off; none: fixed"));
+}
+
+Json node(const NodeType& type) {
+  Keys keys;
+  keys.add("type", {{"const", type.name}}, true);
+  for (const auto& port : type.inputs)
+    keys.add(port.name, signal(described(port.doc, port.unit, port.fallback), port.low, port.high),
+             !port.fallback);
+  for (const auto& setting : type.settings)
+    keys.add(setting.name, of_setting(setting), setting.fallback.empty() && !setting.optional);
+  keys.add("voices", whole_number("how many lanes", 1, 1024));
+  keys.add("about", text("for people"));
+  return keys.object(type.summary);
+}
+
+Json element(const ElementType& type) {
+  Keys keys;
+  keys.add("type", {{"const", type.name}}, true);
+  add_ends(type, keys);
+  for (const auto& setting : type.settings)
+    keys.add(setting.name, of_setting(setting), setting.fallback.empty());
+  for (const auto& field : type.fields)
+    keys.add(field.name, signal(described(field.doc, field.unit, field.fallback), field.low, field.high),
+             !field.fallback && !field.optional);
+  return keys.object(type.doc);
+}
+
+/// For `anyOf`: what an editor may complete from, which forbids nothing. Many editors complete from
+/// alternatives only; but a validator that tries alternatives reports "none of them" where a condition
+/// reports what is wrong.
+Json hints(Json alternatives) {
+  alternatives.push_back(true);
+  return alternatives;
+}
+
+/// An object whose `type` decides what it is: one definition called `prefix` + type for each of `types`.
+Json by_type(const std::string& prefix, const std::vector<std::string>& types) {
+  auto conditions = Json::array();
+  auto alternatives = Json::array();
+  for (const auto& type : types) {
+    conditions.push_back({{"if", {{"properties", {{"type", {{"const", type}}}}}, {"required", {"type"}}}},
+                          {"then", reference(prefix + type)}});
+    alternatives.push_back(reference(prefix + type));
+  }
+  return {{"type", "object"},
+          {"properties", {{"type", {{"enum", types}}}}},
+          {"required", {"type"}},
+          {"allOf", std::move(conditions)},
+          {"anyOf", hints(std::move(alternatives))}};
+}
 
 /// A node of a graph is an expression, a part, or of a type.
 Json any_node() {
@@ -23,7 +251,7 @@ Json any_node() {
 }
 
 Json part() {
-  auto json = object(part_fields());
+  auto json = section_schema(part_fields());
   json["additionalProperties"] = signal("");
   return json;
 }
@@ -35,13 +263,13 @@ Json network() {
                             {choice_field("solver", solvers, "what steps it", "passive"),
                              whole_field("oversample", 1, 64, "steps in a frame", "1")}};
   auto json = entries("masses on a line and what joins them", reference("element"));
-  json["properties"] = object(options)["properties"];
+  json["properties"] = section_schema(options)["properties"];
   json["minProperties"] = 1;
   return json;
 }
 
 Json scene() {
-  auto json = object(scene_fields());
+  auto json = section_schema(scene_fields());
   auto& keys = json["properties"];
   keys["parts"]["required"] = {"plant"};
   keys["converters"]["not"] = {{"required", {"bits", "off"}}, {"properties", {{"off", {{"const", true}}}}}};
@@ -55,10 +283,10 @@ Json scene() {
 }  // namespace
 
 std::string file_schema(const NodeTable& table) {
-  Json definitions{{"graph", object(graph_fields())},
+  Json definitions{{"graph", section_schema(graph_fields())},
                    {"scene", scene()},
-                   {"profile", object(profile_fields())},
-                   {"rig", object(rig_fields())},
+                   {"profile", section_schema(profile_fields())},
+                   {"rig", section_schema(rig_fields())},
                    {"node", any_node()},
                    {"part", part()},
                    {"network", network()}};

@@ -1,8 +1,10 @@
 #pragma once
+// Thread: [control]
 
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -11,48 +13,46 @@
 
 namespace tactus::app {
 
-/// A control and where its knob goes: 0 to 1 of its way, whose range and taper are the knob's own.
+/// A control and its new position: 0 to 1 of its range, along its taper.
 struct ControlMove {
   std::string control;
-  double place = 0;
+  double position = 0;
 };
 
-/// Turns what a player moves into controls, and learns what moves which. [control]
+/// Turns MIDI messages into controls, and learns which message moves which.
 class MidiMap {
  public:
   explicit MidiMap(std::vector<RigMidi> bindings) : bindings_(std::move(bindings)) {}
 
-  /// What this moves, and how far. While it learns, nothing moves.
-  std::vector<ControlMove> hear(const MidiEvent& event);
+  /// The controls that this moves. During MIDI learn nothing moves.
+  std::vector<ControlMove> handle(const MidiEvent& event);
 
   /// The next controller, note or pitch wheel that is moved will move `control`. A controller must come at
-  /// least `kLearnSteps` of its 127 steps away from where it was first heard: worn knobs jitter by one or
-  /// two.
+  /// least `kLearnSteps` of its 127 steps away from where it was first: worn ones jitter by one or two.
   void learn(const std::string& control);
-  void stop_learning() { learning_.clear(); }
   bool learning() const { return !learning_.empty(); }
-  /// What it learnt, once. It is among `bindings` already, in the place of what moved the control before.
+  /// The binding that was learnt, once. It is among `bindings` already, instead of the former one of the
+  /// control.
   std::optional<RigMidi> take_learnt() { return std::exchange(learnt_, std::nullopt); }
 
   const std::vector<RigMidi>& bindings() const { return bindings_; }
   static constexpr int kLearnSteps = 4;
 
  private:
-  /// Something that a player can move: port, channel, number.
-  using Knob = std::pair<std::string, std::pair<int, int>>;
-  struct Heard {
+  using Source = std::tuple<std::string, int, int>;  ///< port, channel, number
+  struct Seen {
     int first = 0;
     bool fine = false;  ///< its low seven bits came too
   };
 
   void watch(const MidiEvent& event);
-  void bind(const MidiEvent& event, RigMidi::Kind kind, int number, bool fine);
-  std::optional<double> place_of(const RigMidi& binding, const MidiEvent& event);
+  void bind(const MidiEvent& event, RigMidi::Kind kind, bool fine);
+  std::optional<double> position_of(const RigMidi& binding, const MidiEvent& event);
 
   std::vector<RigMidi> bindings_;
   std::string learning_;
-  std::map<Knob, Heard> heard_;    ///< since it learns
-  std::map<Knob, int> high_bits_;  ///< last values of controllers 0 to 31
+  std::map<Source, Seen> seen_;      ///< since MIDI learn began
+  std::map<Source, int> high_bits_;  ///< last values of controllers 0 to 31
   std::optional<RigMidi> learnt_;
 };
 

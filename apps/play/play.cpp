@@ -6,10 +6,8 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/writable.h"
-#include "apps/play/live/live_options.h"
-#include "apps/play/play_files.h"
+#include "apps/play/live/plan.h"
 #include "apps/play/play_report.h"
-#include "apps/play/report_sections.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus::app {
@@ -17,22 +15,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct PlayOptions {
-  std::string target;
-  PlayFiles files;
-  SceneRun run;
-  LiveOptions live;
-  std::optional<int> block;
-  bool json = false;
+struct PlayOptions : LiveOptions {
+  std::string folder = "out";
+  std::vector<std::string> show;
 };
 
 /// What is reported of a played scene, for machines and for people.
 struct Report {
   const PlayedScene& played;
-  std::vector<std::unique_ptr<ReportSection>> sections;
+  std::vector<ReportSection> sections;
   std::vector<Outcome> outcomes;
 
-  bool holds() const {
+  bool passed() const {
     return played.recording.faults.empty() &&
            std::all_of(outcomes.begin(), outcomes.end(),
                        [](const Outcome& outcome) { return outcome.holds; });
@@ -41,15 +35,13 @@ struct Report {
   double times_real_time() const { return played.recording.seconds() / played.recording.run_seconds; }
 };
 
-Json json_of(const Report& report) {
+Json report_json(const Report& report) {
   const auto& recording = report.played.recording;
   Json json{{"scene", report.played.scene.name}, {"sample_rate_hz", recording.sample_rate.value},
             {"delay_ms", report.delay_ms()},     {"duration_s", recording.seconds()},
             {"run_s", recording.run_seconds},    {"real_time_factor", report.times_real_time()}};
-  for (const auto& section : report.sections) section->add_to(json);
-  json["faults"] = Json::array();
-  for (const auto& fault : recording.faults)
-    json["faults"].push_back({{"node", fault.path}, {"count", fault.count}});
+  for (const auto& section : report.sections) json.update(section.json);
+  json["faults"] = faults_json(recording.faults);
   json["bad_input_samples"] = recording.bad_inputs;
   json["guard"] = guard_json(recording.guard, recording.sample_rate);
   json["ports"] = ports_json(recording.ports);
@@ -70,7 +62,7 @@ void print(const Report& report) {
       "  played              {:g} s at {:g} Hz with {:g} ms of delay, in {:.2f} s: {:.0f} times real time\n",
       recording.seconds(), recording.sample_rate.value, report.delay_ms(), recording.run_seconds,
       report.times_real_time());
-  for (const auto& section : report.sections) fmt::print("{}", section->text());
+  for (const auto& section : report.sections) fmt::print("{}", section.text);
   print_guard(recording.guard, recording.sample_rate);
   print_ports(recording.ports);
   fmt::print("  faults              {}\n",
@@ -85,94 +77,99 @@ void print(const Report& report) {
                outcome.unit.empty() ? "" : " " + outcome.unit, outcome.wanted);
 }
 
-/// On a sound card the options that both ways have mean the same.
-int play_on_card(const PlayOptions& options) {
-  auto live = options.live;
-  live.target = options.target;
-  live.rate = options.run.rate;
-  live.duration = options.run.duration;
-  live.delay = options.run.delay;
-  live.block = options.block;
-  live.set = options.run.set;
-  live.guard = options.run.guard;
-  live.json = options.json;
-  return play_live(live);
+/// The options that only a sound card has.
+void add_live_options(CLI::App& command, LiveOptions& options) {
+  auto* group = command.add_option_group("on a sound card");
+  group->add_option("--rig", options.rig, "rig file: device, channels, actuators, sensors, measured delay");
+  group->add_option("--backend", options.backend,
+                    fmt::format("{}; see tactus devices", fmt::join(card_backends(), ", ")));
+  group->add_option("--device", options.device, "id of a device, or a part of its name")
+      ->check([](const std::string& text) { return text.empty() ? "it is empty" : std::string{}; });
+  group->add_option("--input-device", options.input_device, "where the sensors are on another device");
+  group->add_option("--inputs", options.in, "channels of the device for the inputs, such as --inputs 2,5")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1024));
+  group->add_option("--outputs", options.out, "channels of the device for the outputs")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1024));
+  group->add_option("--periods", options.periods, "blocks in the driver's buffer")->check(CLI::Range(1, 64));
+  group->add_option("--pad-delay", options.pad_delay,
+                    "extend the system delay to this in every session, such as \"20 ms\"");
+  group->add_option("--record", options.record, "record sensors, drives and controls to this WAV file");
+  group->add_option("--save-rig", options.save_rig,
+                    "ask what is connected where, and write it to this rig file");
+  group->add_flag(
+      "--learn{*}", options.learn,
+      "set the sensitivity of the first sensor, or with --learn=NAME of another, from five soft hits");
+  group
+      ->add_option("--midi", options.midi,
+                   "way to MIDI inputs: alsa, jack, core, winmm; default: the system's")
+      ->check(CLI::IsMember({"alsa", "jack", "core", "winmm"}));
+  group->add_flag("--listen", options.listen, "play a scene's simulated world to the sound card");
+  group->add_flag("--arm", options.arm, "drives move at once, instead of when 'a' is pressed");
+  group->add_flag("--yes", options.yes, "answer every question with its default");
+  group->add_flag("--force", options.force, "overwrite files");
+}
+
+/// Options for sound cards only must not be given without one.
+void check_card_options(const CLI::App& command) {
+  for (const auto* option : {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs",
+                             "--outputs", "--periods", "--arm"})
+    if (command.count(option) > 0)
+      exit_with({Errc::BadArgument, option, "is for sound cards", "give --device, --backend or --rig too"});
 }
 
 int run_play(const PlayOptions& options) {
-  if (options.live.live()) return play_on_card(options);
-  if (const auto stray = options.live.stray(); !stray.empty())
-    return report(
-        Error{Errc::BadArgument, stray, "is for sound cards", "give --device, --backend or --rig too"});
-  auto scene_run = options.run;
-  scene_run.block = options.block.value_or(scene_run.block);
-  scene_run.file = resolve_target(options.target, "scene.toml");
-  const auto played = play_file(scene_run);
-  if (!played) return report(played.error());
-  const auto outcomes = check_expectations(played->scene, played->recording);
-  if (!outcomes) return report(outcomes.error());
+  const auto file = resolve_target(options.target, "scene.toml");
+  const auto played = play_file(file, options);
+  auto outcomes = or_exit(check_expectations(played.scene, played.recording));
   std::optional<PlayedScene> compared;
-  if (played->scene.compare) {
-    scene_run.overrides = played->scene.compare->set;
-    scene_run.said = true;
-    auto other = play_file(scene_run);
-    if (!other) return report(other.error());
-    compared = std::move(*other);
-  }
-  const Report finished{*played, sections_of(*played, compared ? &*compared : nullptr), *outcomes};
-  auto json = json_of(finished);
-  auto written = write_files(options.files, *played);
-  if (!written) return report(written.error());
-  const auto kept = base_of(options.files, *played) + ".json";
-  if (auto status = write_json(kept, json); !status) return report(status.error());
-  written->push_back(kept + "  this report, with what the guard did");
+  if (played.scene.compare) compared = play_file(file, options, &played.scene.compare->set);
+  const Report report{played, sections_of(played, compared ? &*compared : nullptr), std::move(outcomes)};
+  auto json = report_json(report);
+  auto written = or_exit(write_files(options.folder, options.show, played));
+  const auto report_file = base_of(options.folder, played) + ".json";
+  or_exit(write_json(report_file, json));
+  written.push_back(report_file + "  this report, with what the guard did");
   if (options.json) {
-    json["written"] = *written;
+    json["written"] = written;
     fmt::print("{}\n", json.dump(2));
   } else {
-    print(finished);
-    fmt::print("\n  written\n");
-    for (const auto& line : *written) fmt::print("    {}\n", line);
+    print(report);
+    fmt::print("\n  written\n    {}\n", fmt::join(written, "\n    "));
   }
-  return finished.holds() ? kDone : kNo;
+  return report.passed() ? kDone : kNo;
 }
 
 }  // namespace
 
 void add_play(CLI::App& app, int& exit_code) {
-  auto* command =
-      app.add_subcommand("play", "Play an instrument on a sound card, or a scene in the simulated world");
+  auto* command = app.add_subcommand("play", "Play an instrument on a sound card, or a scene in simulation");
   auto options = std::make_shared<PlayOptions>();
   command
       ->add_option(
           "FILE", options->target,
           "instrument or scene; a folder means its instrument.toml on a card, otherwise its scene.toml")
       ->required();
-  command->add_option("--delay", options->run.delay,
-                      "system delay instead of the scene's, such as \"10 ms\"");
-  command->add_option("--rate", options->run.rate, "sample rate instead of the scene's");
-  command->add_option("--duration", options->run.duration, "duration instead of the scene's");
-  command->add_option("--block", options->block, "frames a block (the result does not depend on it); [64]")
-      ->check(CLI::Range(1, 8192));
-  command->add_option("--set", options->run.set,
-                      "NAME=VALUE: a control of the instrument, or plant.NAME=VALUE");
-  add_guard_options(*command, options->run.guard);
-  command->add_option("--out", options->files.folder, "folder for the WAV files and the picture")
+  add_player_options(*command, *options);
+  command->add_option("--out", options->folder, "folder for the WAV files and the plot")
       ->check(writable_folder())
       ->capture_default_str();
   command
-      ->add_option("--show", options->files.show,
-                   "FROM TO: times that the picture shows, such as --show \"2 s\" \"3 s\"")
+      ->add_option("--show", options->show,
+                   "FROM TO: times that the plot shows, such as --show \"2 s\" \"3 s\"")
       ->expected(2);
-  command->add_flag("--json", options->json, "for machines");
-  add_live_options(*command, options->live);
+  add_live_options(*command, *options);
   command->footer(
       "Examples:\n  tactus play instruments/haptic_drum\n  tactus play instruments/haptic_drum --device "
-      "jack:system\n  tactus play instruments/haptic_drum --delay \"40 "
-      "ms\" --set strength=0.5\n"
+      "jack:system\n"
+      "  tactus play instruments/haptic_drum --delay \"40 ms\" --set strength=0.5\n"
       "  tactus play instruments/haptic_drum/galloping.toml --show \"2 s\" \"3 s\"\n"
-      "Exit code 1: it ran, and did not do what the scene expects.");
-  command->callback([options, &exit_code] { exit_code = run_play(*options); });
+      "Exit code 1: it ran, and an expectation of the scene was not met.");
+  command->callback([command, options, &exit_code] {
+    if (!options->live()) check_card_options(*command);
+    exit_code = options->live() ? play_live(*options) : run_play(*options);
+  });
 }
 
 }  // namespace tactus::app

@@ -3,13 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "apps/cli/console.h"
 #include "engine/core/decibels.h"
+#include "engine/core/index.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/events.h"
+#include "engine/scene/measures/notes/pitch_track.h"
+#include "engine/study/scene_plot.h"
 
 namespace tactus::app {
 namespace {
@@ -19,91 +24,129 @@ using Json = nlohmann::ordered_json;
 /// Levels count the highest envelope of a hit's first 5 ms.
 constexpr double kLevelAfter_s = 5e-3;
 
-Result<SceneOptions> scene_options(const SceneRun& run) {
-  SceneOptions options;
-  auto set = parse_settings(run.set);
-  if (!set) return tl::unexpected(set.error());
-  options.set = std::move(*set);
-  for (const auto& [name, value] : run.overrides) options.set[name] = value;
-  if (!run.delay.empty()) {
-    const auto delay = parse_option(run.delay, "s", "delay");
-    if (!delay) return tl::unexpected(delay.error());
-    if (*delay < 0 || *delay > 10)
-      return fail(Errc::OutOfRange, "--delay", "must be between 0 s and 10 s", "");
-    options.delay = Seconds{*delay};
-  }
-  if (!run.rate.empty()) {
-    const auto rate = parse_rate(run.rate);
-    if (!rate) return tl::unexpected(rate.error());
-    options.rate = *rate;
-  }
-  return options;
+using Signals = std::vector<const RecordedSignal*>;
+
+std::string slug(const std::string& name) {
+  std::string text;
+  for (const unsigned char c : name) text += std::isalnum(c) != 0 ? static_cast<char>(c) : '_';
+  return text.empty() ? "scene" : text;
+}
+
+Result<std::pair<double, double>> shown_times(const std::vector<std::string>& show,
+                                              const SceneRecording& recording) {
+  const double shown = melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds());
+  if (show.empty()) return std::pair{0.0, shown};
+  const auto from = parse_option(show[0], "s", "show");
+  const auto to = parse_option(show[1], "s", "show");
+  if (!from) return tl::unexpected(from.error());
+  if (!to) return tl::unexpected(to.error());
+  if (*from >= *to || *from >= recording.seconds())
+    return fail(Errc::OutOfRange, "--show", "shows nothing of this scene",
+                "give two rising times within its duration");
+  return std::pair{*from, *to};
+}
+
+Signals of_instrument(const SceneRecording& recording, const std::vector<std::string>& names) {
+  Signals signals;
+  for (const auto& name : names) signals.push_back(recording.find("instrument." + name));
+  return signals;
+}
+
+Signals motion_in(const SceneRecording& recording) {
+  Signals signals;
+  for (const auto& signal : recording.signals)
+    if (!signal.name.starts_with("instrument.") && !signal.dimension.plain()) signals.push_back(&signal);
+  return signals;
+}
+
+std::string named(const Signals& signals) {
+  std::vector<std::string> names;
+  for (const auto* signal : signals)
+    names.push_back(signal->name.substr(signal->name.find('.') + 1) +
+                    (signal->dimension.plain() ? "" : " [" + to_string(signal->dimension) + "]"));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+Status write_sound(const std::string& path, const Signals& signals, Hertz rate,
+                   std::vector<std::string>& written) {
+  if (signals.empty()) return {};
+  Samples samples;
+  samples.sample_rate = rate;
+  for (const auto* signal : signals) samples.channels.push_back(signal->samples);
+  written.push_back(path + "  " + named(signals));
+  return write_wav(path, samples);
 }
 
 }  // namespace
 
-Checked<PlayedScene> play_file(const SceneRun& run) {
-  auto loaded = load_scene_leniently(run.file, root_of(run.file));
-  if (!loaded.scene) return tl::unexpected(std::move(loaded.errors));
-  auto& scene = loaded.scene;
-  if (!run.duration.empty()) {
-    const auto duration = parse_option(run.duration, "s", "duration");
-    if (!duration) return tl::unexpected(std::vector{duration.error()});
-    if (!(*duration > 0) || *duration > 3600)
-      return tl::unexpected(
-          std::vector{Error{Errc::OutOfRange, "--duration", "must be above 0 s and at most an hour", ""}});
-    scene->duration = Seconds{*duration};
-  }
-  const auto options = scene_options(run);
-  if (!options) return tl::unexpected(std::vector{options.error()});
-  auto drives = apply(run.guard, std::move(scene->drives), root_of(run.file), run.said);
-  if (!drives) return tl::unexpected(drives.error());
-  scene->drives = std::move(*drives);
-  auto built = build_scene(loaded, standard_nodes(), *options);
-  if (!built) return tl::unexpected(built.error());
-  const auto* instrument = scene->part("instrument");
-  if (!run.said && options->delay && instrument != nullptr && instrument->graph != nullptr)
-    announce_delay(*instrument->graph, options->delay->value);
-  Progress progress{"playing " + scene->name};
-  auto recording = play_scene(*scene, *built, run.block, [&](double share) {
-    if (run.show_progress) progress(share);
-  });
-  if (!recording) return tl::unexpected(std::vector{recording.error()});
-  return PlayedScene{std::move(*scene), std::move(*recording)};
+void add_player_options(CLI::App& command, PlayerOptions& options) {
+  command.add_option("--delay", options.delay, "system delay instead of the scene's, such as \"10 ms\"");
+  command.add_option("--rate", options.rate,
+                     "sample rate instead of the scene's or the input file's, which is then resampled");
+  command.add_option("--duration", options.duration,
+                     "instead of the scene's or the input file's, such as \"10 s\"");
+  command.add_option("--set", options.set,
+                     "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene also "
+                     "plant.NAME=VALUE");
+  command.add_option("--block", options.block, "frames a block (the result does not depend on it)")
+      ->check(CLI::Range(1, 8192));
+  add_guard_options(command, options.guard);
+  command.add_flag("--json", options.json, "for machines");
+}
+
+PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,
+                      const std::map<std::string, double>* compared) {
+  const bool first = compared == nullptr;
+  auto loaded = load_scene_leniently(file, root_of(file));
+  if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
+  auto& scene = *loaded.scene;
+  if (!options.duration.empty()) scene.duration = or_exit(parse_duration(options.duration, 3600_s));
+  SceneOptions changes;
+  changes.set = or_exit(parse_settings(options.set));
+  if (!first)
+    for (const auto& [name, value] : *compared) changes.set[name] = value;
+  if (!options.delay.empty()) changes.delay = or_exit(parse_delay(options.delay));
+  if (!options.rate.empty()) changes.rate = or_exit(parse_rate(options.rate));
+  scene.drives = or_exit(apply(options.guard, std::move(scene.drives), root_of(file), !first));
+  auto built = or_exit(build_scene(loaded, standard_nodes(), changes));
+  const auto* instrument = scene.part("instrument");
+  if (first && changes.delay && instrument != nullptr && instrument->graph != nullptr)
+    announce_delay(*instrument->graph, changes.delay->value);
+  Progress progress{"playing " + scene.name};
+  auto recording =
+      or_exit(play_scene(scene, built, options.block.value_or(64), [&](double share) { progress(share); }));
+  return {std::move(scene), std::move(recording)};
 }
 
 Json events_json(const std::vector<std::string>& names, const std::vector<std::vector<double>>& taps,
                  Hertz sample_rate) {
-  struct Event {
-    double time_s;
-    std::string node;
-    double level;
-  };
-  std::vector<Event> events;
+  std::vector<std::pair<double, Json>> events;  // with their times
   for (std::size_t t = 0; t < names.size(); ++t) {
     const auto node = names[t].substr(0, names[t].rfind('.'));
     if (names[t] == node + ".level") continue;
-    const auto level = std::find(names.begin(), names.end(), node + ".level") - names.begin();
+    const auto level = std::find(names.begin(), names.end(), node + ".level");
     const auto times = trigger_times(taps[t], sample_rate);
     for (std::size_t i = 0; i < times.size(); ++i) {
-      double value = std::nan("");
-      if (level < static_cast<std::ptrdiff_t>(names.size())) {
-        const auto& levels = taps[static_cast<std::size_t>(level)];
-        const double until = i + 1 < times.size() ? std::min(times[i] + kLevelAfter_s, times[i + 1])
-                                                  : times[i] + kLevelAfter_s;
-        value = levels[std::min(levels.size() - 1, static_cast<std::size_t>(until * sample_rate.value))];
-      }
-      events.push_back({times[i], node, value});
+      events.push_back({times[i], {{"time_s", times[i]}, {"node", node}}});
+      if (level == names.end()) continue;
+      const auto& levels = taps[index(level - names.begin())];
+      const double next_s = i + 1 < times.size() ? times[i + 1] : times[i] + kLevelAfter_s;
+      const double until_s = std::min(times[i] + kLevelAfter_s, next_s);
+      const double highest =
+          levels[std::min(levels.size() - 1, static_cast<std::size_t>(until_s * sample_rate.value))];
+      if (highest > 0) events.back().second["level_db"] = amplitude_to_db(highest);
     }
   }
   std::stable_sort(events.begin(), events.end(),
-                   [](const Event& a, const Event& b) { return a.time_s < b.time_s; });
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   Json json{{"events", Json::array()}};
-  for (const auto& event : events) {
-    Json entry{{"time_s", event.time_s}, {"node", event.node}};
-    if (event.level > 0) entry["level_db"] = amplitude_to_db(event.level);
-    json["events"].push_back(entry);
-  }
+  for (auto& [time_s, event] : events) json["events"].push_back(std::move(event));
+  return json;
+}
+
+Json faults_json(const std::vector<FaultCount>& faults) {
+  auto json = Json::array();
+  for (const auto& fault : faults) json.push_back({{"node", fault.path}, {"count", fault.count}});
   return json;
 }
 
@@ -134,25 +177,46 @@ Status write_json(const std::string& path, const Json& json) {
   return fail(Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written");
 }
 
-Json events_of(const PlayedScene& played) {
+Json events_of(const SceneRecording& recording) {
   std::vector<std::string> names;
   std::vector<std::vector<double>> taps;
   const std::string prefix = "instrument.";
-  for (const auto& signal : played.recording.signals) {
+  for (const auto& signal : recording.signals) {
     if (!signal.name.starts_with(prefix) || signal.name.find('.', prefix.size()) == std::string::npos)
       continue;
     names.push_back(signal.name.substr(prefix.size()));
     taps.push_back(signal.samples);
   }
-  return events_json(names, taps, played.recording.sample_rate);
+  return events_json(names, taps, recording.sample_rate);
 }
 
-Samples outputs_of(const PlayedScene& played, const std::vector<std::string>& names) {
-  Samples samples;
-  samples.sample_rate = played.recording.sample_rate;
-  for (const auto& name : names)
-    samples.channels.push_back(played.recording.find("instrument." + name)->samples);
-  return samples;
+std::string base_of(const std::string& folder, const PlayedScene& played) {
+  return (std::filesystem::path{folder} / slug(played.scene.name)).string();
+}
+
+Result<std::vector<std::string>> write_files(const std::string& folder, const std::vector<std::string>& show,
+                                             const PlayedScene& played) {
+  const auto& recording = played.recording;
+  const auto times = shown_times(show, recording);
+  if (!times) return tl::unexpected(times.error());
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  const auto base = base_of(folder, played);
+  std::vector<std::string> written;
+  const std::pair<const char*, Signals> sounds[] = {
+      {"_sound.wav", of_instrument(recording, recording.sounds)},
+      {"_drives.wav", of_instrument(recording, drive_names(recording))},
+      {"_sensors.wav", of_instrument(recording, recording.inputs)},
+      {"_motion.wav", motion_in(recording)}};
+  for (const auto& [suffix, signals] : sounds)
+    if (auto status = write_sound(base + suffix, signals, recording.sample_rate, written); !status)
+      return tl::unexpected(status.error());
+  const auto picture = base + ".svg";
+  if (auto status = write_svg(picture, {scene_plot(played.scene, recording, times->first, times->second)});
+      !status)
+    return tl::unexpected(status.error());
+  written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", times->first, times->second));
+  return written;
 }
 
 }  // namespace tactus::app

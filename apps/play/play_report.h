@@ -1,10 +1,11 @@
 #pragma once
-
 // Thread: [control]
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,39 +16,61 @@
 
 namespace tactus::app {
 
-/// A scene to play: its file and the changes to it.
-struct SceneRun {
-  std::filesystem::path file;
-  int block = 64;
-  std::vector<std::string> set;             ///< NAME=VALUE
-  std::map<std::string, double> overrides;  ///< on top of `set`, SI
-  std::string delay, rate, duration;        ///< empty: as the scene says
+/// Options of every run of an instrument or a scene.
+struct PlayerOptions {
+  std::string target;
+  std::string rate, delay, duration;  ///< empty: as the file says
+  std::optional<int> block;
+  std::vector<std::string> set;  ///< NAME=VALUE
   GuardOptions guard;
-  bool show_progress = true;
-  bool said = false;  ///< it was played before: what that warned of is known
+  bool json = false;
 };
+/// All but FILE.
+void add_player_options(CLI::App& command, PlayerOptions& options);
 
 struct PlayedScene {
   SceneSpec scene;
   SceneRecording recording;
 };
 
-/// Loads, builds and plays. All mistakes of its files in one go.
-Checked<PlayedScene> play_file(const SceneRun& run);
+/// Loads, builds and plays a scene. `compared`: control values [SI] on top of the options, for a second run,
+/// which does not repeat the warnings of the first. Throws a CommandError with all errors of its files.
+PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,
+                      const std::map<std::string, double>* compared = nullptr);
 
 /// {"events": [{"time_s", "node", "level_db"}]} from taps "node.output" and "node.level".
 nlohmann::ordered_json events_json(const std::vector<std::string>& names,
                                    const std::vector<std::vector<double>>& taps, Hertz sample_rate);
-nlohmann::ordered_json events_of(const PlayedScene& played);
+nlohmann::ordered_json events_of(const SceneRecording& recording);
 
-/// What went through the ports of a scene, for machines and for people.
+nlohmann::ordered_json faults_json(const std::vector<FaultCount>& faults);
+
+/// The energy that passed the ports of a scene, for machines and for people.
 nlohmann::ordered_json ports_json(const std::vector<PortEnergy>& ports);
 void print_ports(const std::vector<PortEnergy>& ports);
 
 /// Errors: BadFile.
 Status write_json(const std::string& path, const nlohmann::ordered_json& json);
 
-/// What the instrument gave out, behind the guard: a channel for each of these outputs.
-Samples outputs_of(const PlayedScene& played, const std::vector<std::string>& names);
+/// A section of the report of a played scene: what the signal with one role did, for machines and for people.
+struct ReportSection {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< part of the report
+  std::string text{};
+};
+
+/// The sections of the roles that [roles] gives, in its order; without it, of those that ports play by name.
+/// `contact`: a roll; `ball`: its orbit; `monitor`: notes (see melody_of). `compared`: the other run of a
+/// scene with [compare], or nullptr.
+std::vector<ReportSection> sections_of(const PlayedScene& played, const PlayedScene* compared);
+
+/// What the names of all files of a run begin with.
+std::string base_of(const std::string& folder, const PlayedScene& played);
+
+/// The monitor output, the drives and the sensors as a sound file each, unscaled and unclipped; what moved as
+/// another, in metres and newtons; the plot. `show`: the two times that it shows; empty: a melody as a whole,
+/// otherwise the first second. No empty files. A line each: the path and its contents. Errors: BadFile;
+/// OutOfRange for the times.
+Result<std::vector<std::string>> write_files(const std::string& folder, const std::vector<std::string>& show,
+                                             const PlayedScene& played);
 
 }  // namespace tactus::app

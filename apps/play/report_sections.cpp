@@ -1,10 +1,10 @@
-#include "apps/play/report_sections.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "apps/play/play_report.h"
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
 #include "engine/scene/file/scene_spec.h"
@@ -16,7 +16,6 @@ namespace tactus::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Section = std::unique_ptr<ReportSection>;
 
 const RecordedSignal* playing(const SceneRecording& recording, const char* role) {
   return recording.find(signal_of(recording.roles, role));
@@ -58,45 +57,29 @@ std::string describe_orbit(const Bouncing& bouncing, double drive_hz) {
 }
 
 /// Landings at the end of a scene.
-class BallSection : public ReportSection {
- public:
-  static Section make(const PlayedScene& played, const PlayedScene*) {
-    const auto& recording = played.recording;
-    const auto *ball = playing(recording, "ball"), *table = playing(recording, "table");
-    if (ball == nullptr || table == nullptr) return nullptr;
-    auto section = std::make_unique<BallSection>();
-    const double end = recording.seconds();
-    section->bouncing_ =
-        bouncing_in(ball->samples, table->samples, recording.sample_rate, std::max(0.0, end - kRead_s), end);
-    section->drive_hz_ = driven_hz(recording, *table);
-    return section;
-  }
-
-  void add_to(Json& json) const override {
-    auto& ball = json["ball"] = {{"period_landings", bouncing_.period},
-                                 {"landings_per_second", bouncing_.landings_per_second},
-                                 {"drive_hz", drive_hz_},
-                                 {"words", describe_orbit(bouncing_, drive_hz_)}};
-    if (bouncing_.speeds.empty()) return;
-    ball["slowest_m_per_s"] = slowest();
-    ball["fastest_m_per_s"] = fastest();
-  }
-
-  std::string text() const override {
-    auto text = fmt::format("  ball                {}\n", describe_orbit(bouncing_, drive_hz_));
-    if (!bouncing_.speeds.empty())
-      text += fmt::format("  landings            {:.1f} a second, at {:.3f} to {:.3f} m/s\n",
-                          bouncing_.landings_per_second, slowest(), fastest());
-    return text;
-  }
-
- private:
-  double slowest() const { return *std::min_element(bouncing_.speeds.begin(), bouncing_.speeds.end()); }
-  double fastest() const { return *std::max_element(bouncing_.speeds.begin(), bouncing_.speeds.end()); }
-
-  Bouncing bouncing_;
-  double drive_hz_ = 0;
-};
+ReportSection ball_section(const PlayedScene& played, const PlayedScene*) {
+  const auto& recording = played.recording;
+  const auto *ball = playing(recording, "ball"), *table = playing(recording, "table");
+  if (ball == nullptr || table == nullptr) return {};
+  const double end = recording.seconds();
+  const auto bouncing =
+      bouncing_in(ball->samples, table->samples, recording.sample_rate, std::max(0.0, end - kRead_s), end);
+  const double drive_hz = driven_hz(recording, *table);
+  const auto orbit = describe_orbit(bouncing, drive_hz);
+  ReportSection section;
+  auto& json = section.json["ball"] = {{"period_landings", bouncing.period},
+                                       {"landings_per_second", bouncing.landings_per_second},
+                                       {"drive_hz", drive_hz},
+                                       {"words", orbit}};
+  section.text = fmt::format("  ball                {}\n", orbit);
+  if (bouncing.speeds.empty()) return section;
+  const auto [slowest, fastest] = std::minmax_element(bouncing.speeds.begin(), bouncing.speeds.end());
+  json["slowest_m_per_s"] = *slowest;
+  json["fastest_m_per_s"] = *fastest;
+  section.text += fmt::format("  landings            {:.1f} a second, at {:.3f} to {:.3f} m/s\n",
+                              bouncing.landings_per_second, *slowest, *fastest);
+  return section;
+}
 
 // ---- roll ----
 
@@ -115,77 +98,52 @@ Rhythm rhythm_in(const SceneRecording& recording) {
 }
 
 /// Strikes and the hits that were detected of them.
-class RollSection : public ReportSection {
- public:
-  static Section make(const PlayedScene& played, const PlayedScene* compared) {
-    const auto& recording = played.recording;
-    const auto* contact = playing(recording, "contact");
-    if (contact == nullptr) return nullptr;
-    auto section = std::make_unique<RollSection>();
-    auto& roll = *section;
-    roll.rhythm_ = rhythm_in(recording);
-    roll.strikes_ = strikes_in(*contact, recording.sample_rate).size();
-    roll.hits_ = hits_in(recording).size();
-    roll.missed_ = value_of("missed", recording);
-    roll.doubled_ = value_of("doubled", recording);
-    roll.longest_detection_ms_ = 1e3 * value_of("detection_time", recording);
-    roll.restitution_ = value_of("restitution", recording);
-    if (compared != nullptr)
-      roll.compared_ = Compared{compared->scene.compare->name, value_of("restitution", compared->recording),
-                                rhythm_in(compared->recording)};
-    return section;
+ReportSection roll_section(const PlayedScene& played, const PlayedScene* compared) {
+  const auto& recording = played.recording;
+  const auto* contact = playing(recording, "contact");
+  if (contact == nullptr) return {};
+  const auto rhythm = rhythm_in(recording);
+  const auto strikes = strikes_in(*contact, recording.sample_rate).size(), hits = hits_in(recording).size();
+  const double missed = value_of("missed", recording), doubled = value_of("doubled", recording);
+  const double longest_detection_ms = 1e3 * value_of("detection_time", recording);
+  const double restitution = value_of("restitution", recording);
+  ReportSection roll{
+      {{"strikes", strikes},
+       {"hits", hits},
+       {"missed", missed},
+       {"doubled", doubled},
+       {"longest_detection_ms", longest_detection_ms},
+       {"roll_rate_hz", rhythm.rate_hz},
+       {"fewest_in_a_second", rhythm.fewest_in_a_second},
+       {"spread", rhythm.spread},
+       {"long_short", rhythm.long_short},
+       {"growing_intervals", rhythm.growing},
+       {"last_hit_s", rhythm.last_s},
+       {"restitution", restitution}},
+      fmt::format(
+          "  hits detected       {}, of {} strikes above 5 N {} missed; {} doubled; detected within {:.2f} "
+          "ms\n"
+          "  roll                {:.1f} hits a second, at least {} in any second, spread {:.0f} %\n"
+          "  intervals           long/short {:.2f}, longest run of growing ones {}, last hit at {:.2f} s\n"
+          "  restitution         {:.2f}",
+          hits, strikes, missed, doubled, longest_detection_ms, rhythm.rate_hz, rhythm.fewest_in_a_second,
+          100 * rhythm.spread, rhythm.long_short, rhythm.growing, rhythm.last_s, restitution)};
+  if (compared != nullptr) {
+    const auto& name = compared->scene.compare->name;
+    const auto other = rhythm_in(compared->recording);
+    const double rebound = value_of("restitution", compared->recording);
+    roll.json["compared"] = {
+        {"name", name}, {"restitution", rebound}, {"hits", other.count}, {"last_hit_s", other.last_s}};
+    roll.text += fmt::format("; {} {:.2f}, and {} hits, the last at {:.2f} s", name, rebound, other.count,
+                             other.last_s);
   }
-
-  void add_to(Json& json) const override {
-    json.update(Json{{"strikes", strikes_},
-                     {"hits", hits_},
-                     {"missed", missed_},
-                     {"doubled", doubled_},
-                     {"longest_detection_ms", longest_detection_ms_},
-                     {"roll_rate_hz", rhythm_.rate_hz},
-                     {"fewest_in_a_second", rhythm_.fewest_in_a_second},
-                     {"spread", rhythm_.spread},
-                     {"long_short", rhythm_.long_short},
-                     {"growing_intervals", rhythm_.growing},
-                     {"last_hit_s", rhythm_.last_s},
-                     {"restitution", restitution_}});
-    if (compared_)
-      json["compared"] = {{"name", compared_->name},
-                          {"restitution", compared_->restitution},
-                          {"hits", compared_->rhythm.count},
-                          {"last_hit_s", compared_->rhythm.last_s}};
-  }
-
-  std::string text() const override {
-    auto text = fmt::format(
-        "  hits detected       {}, of {} strikes above 5 N {} missed; {} doubled; detected within {:.2f} ms\n"
-        "  roll                {:.1f} hits a second, at least {} in any second, spread {:.0f} %\n"
-        "  intervals           long/short {:.2f}, longest run of growing ones {}, last hit at {:.2f} s\n"
-        "  restitution         {:.2f}",
-        hits_, strikes_, missed_, doubled_, longest_detection_ms_, rhythm_.rate_hz,
-        rhythm_.fewest_in_a_second, 100 * rhythm_.spread, rhythm_.long_short, rhythm_.growing, rhythm_.last_s,
-        restitution_);
-    if (compared_)
-      text += fmt::format("; {} {:.2f}, and {} hits, the last at {:.2f} s", compared_->name,
-                          compared_->restitution, compared_->rhythm.count, compared_->rhythm.last_s);
-    return text + "\n";
-  }
-
- private:
-  struct Compared {
-    std::string name;
-    double restitution;
-    Rhythm rhythm;
-  };
-  Rhythm rhythm_;
-  std::size_t strikes_ = 0, hits_ = 0;
-  double missed_ = 0, doubled_ = 0, longest_detection_ms_ = 0, restitution_ = 0;
-  std::optional<Compared> compared_;
-};
+  roll.text += "\n";
+  return roll;
+}
 
 // ---- notes ----
 
-Json json_of(const DetectedNote& note) {
+Json note_json(const DetectedNote& note) {
   const auto& expected = note.expected;
   Json json{{"from_s", expected.from_s},
             {"to_s", expected.to_s},
@@ -206,68 +164,49 @@ Json json_of(const DetectedNote& note) {
   return json;
 }
 
-using Notes = std::vector<DetectedNote>;
-
-void add_notes(Json& json, const Notes& notes) {
-  json["notes"] = Json::array();
-  for (const auto& note : notes) json["notes"].push_back(json_of(note));
-  json["notes_in_words"] = in_words(notes);
+/// The detected notes of a recording under a title.
+ReportSection notes_of(const std::string& title, const std::vector<DetectedNote>& notes) {
+  ReportSection section;
+  section.json["notes"] = Json::array();
+  section.text = fmt::format("  {:<19} {}\n", title, in_words(notes));
+  for (const auto& note : notes) {
+    section.json["notes"].push_back(note_json(note));
+    section.text += fmt::format("    {:5.2f} s           {}\n", note.expected.from_s, in_words(note));
+  }
+  section.json["notes_in_words"] = in_words(notes);
+  return section;
 }
 
-std::string text_of(const std::string& title, const Notes& notes) {
-  auto text = fmt::format("  {:<19} {}\n", title, in_words(notes));
-  for (const auto& note : notes)
-    text += fmt::format("    {:5.2f} s           {}\n", note.expected.from_s, in_words(note));
-  return text;
+ReportSection notes_section(const PlayedScene& played, const PlayedScene* compared) {
+  const auto melody = melody_of(played.recording);
+  if (!melody) return {};
+  auto section = notes_of("detected", melody->notes);
+  const auto other = compared != nullptr ? melody_of(compared->recording) : std::nullopt;
+  if (!other) return section;
+  const auto& name = compared->scene.compare->name;
+  const auto compared_notes = notes_of(name, other->notes);
+  auto& json = section.json["compared_notes"] = {{"name", name}};
+  json.update(compared_notes.json);
+  section.text += compared_notes.text;
+  return section;
 }
-
-/// Expected and detected notes.
-class NotesSection : public ReportSection {
- public:
-  static Section make(const PlayedScene& played, const PlayedScene* compared) {
-    const auto melody = melody_of(played.recording);
-    if (!melody) return nullptr;
-    auto section = std::make_unique<NotesSection>();
-    section->notes_ = melody->notes;
-    const auto other = compared != nullptr ? melody_of(compared->recording) : std::nullopt;
-    if (other) section->compared_ = std::pair{compared->scene.compare->name, other->notes};
-    return section;
-  }
-
-  void add_to(Json& json) const override {
-    add_notes(json, notes_);
-    if (!compared_) return;
-    auto& notes = json["compared_notes"] = {{"name", compared_->first}};
-    add_notes(notes, compared_->second);
-  }
-
-  std::string text() const override {
-    return text_of("detected", notes_) + (compared_ ? text_of(compared_->first, compared_->second) : "");
-  }
-
- private:
-  Notes notes_;
-  std::optional<std::pair<std::string, Notes>> compared_;
-};
 
 struct RoleSection {
   const char* role;
-  Section (*make)(const PlayedScene&, const PlayedScene*);
+  ReportSection (*make)(const PlayedScene&, const PlayedScene*);
 };
 constexpr RoleSection kSections[] = {
-    {"ball", BallSection::make}, {"contact", RollSection::make}, {"monitor", NotesSection::make}};
+    {"ball", ball_section}, {"contact", roll_section}, {"monitor", notes_section}};
 
 }  // namespace
 
-std::vector<std::unique_ptr<ReportSection>> sections_of(const PlayedScene& played,
-                                                        const PlayedScene* compared) {
+std::vector<ReportSection> sections_of(const PlayedScene& played, const PlayedScene* compared) {
   const auto& roles = played.scene.roles;
   const bool asks = std::any_of(roles.begin(), roles.end(), [](const Role& role) { return role.written; });
-  std::vector<Section> sections;
+  std::vector<ReportSection> sections;
   for (const auto& role : roles)
     for (const auto& known : kSections)
-      if (role.name == known.role && role.written == asks)
-        if (auto section = known.make(played, compared)) sections.push_back(std::move(section));
+      if (role.name == known.role && role.written == asks) sections.push_back(known.make(played, compared));
   return sections;
 }
 

@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
-#include <istream>
-#include <ostream>
+#include <functional>
+#include <iostream>
 #include <sstream>
-#include <system_error>
-#include <utility>
 
+#include "apps/cli/commands.h"
+#include "apps/cli/console.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig_text.h"
@@ -28,27 +27,17 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-Status nonsense(const std::string& what, const std::string& remedy) {
+Status invalid(const std::string& what, const std::string& remedy) {
   return fail(Errc::BadArgument, "", what, remedy);
 }
 
 /// "2 5" or "2, 5"
-std::optional<std::vector<int>> numbers_in(const std::string& text) {
+std::optional<std::vector<int>> numbers_in(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::istringstream in{text};
   std::vector<int> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (at != end) {
-    if (*at == ' ' || *at == ',') {
-      ++at;
-      continue;
-    }
-    int number = 0;
-    const auto parsed = std::from_chars(at, end, number);
-    if (parsed.ec != std::errc{}) return std::nullopt;
-    numbers.push_back(number);
-    at = parsed.ptr;
-  }
-  return numbers;
+  for (int number = 0; in >> number;) numbers.push_back(number);
+  return in.eof() && !numbers.empty() ? std::optional{numbers} : std::nullopt;
 }
 
 Result<QuantityValue> quantity_in(const std::string& text, const Dimension& wanted,
@@ -59,247 +48,201 @@ Result<QuantityValue> quantity_in(const std::string& text, const Dimension& want
   return fail(Errc::BadArgument, "", "'" + text + "' makes no sense here", "write for instance " + example);
 }
 
-Dimension dimension_of(const EntrySpec& port) {
-  ErrorList told_elsewhere;
-  return read_unit(port, told_elsewhere).value_or(Unit{}).dimension;
-}
-
-std::string about(const EntrySpec& port) {
-  ErrorList told_elsewhere;
-  const auto text = told_elsewhere.text(port.fields, "about");
-  return text.empty() ? "" : " (" + text + ")";
-}
-
 Dimension volt() { return parse_unit("V")->dimension; }
 
-std::optional<RigQuestion> asked_if(bool needed, const RigQuestion& question) {
-  return needed ? std::optional{question} : std::nullopt;
+/// "'name' (what `about` says)"
+std::string title_of(const EntrySpec& port) {
+  ErrorList reported_elsewhere;
+  const auto about = reported_elsewhere.text(port.fields, "about");
+  return "'" + port.name + "'" + (about.empty() ? "" : " (" + about + ")");
 }
 
-RigQuestion full_scale_question(const std::string& per) {
-  return {
-      "How many volts at that input are full scale? Such as 1 V; unknown: a sample of 1 counts as 1" + per,
-      "unknown"};
-}
-
-RigQuestion sensitivity_question(const Dimension& dimension, const std::string& unit, double volts) {
-  return {dimension.plain() ? "How many volts of the sensor count as full scale? Such as 50 mV (or find out "
-                              "with --learn)"
-                            : "How sensitive is the sensor? In " + unit + ", such as 2 " + unit,
-          fmt::format("{} {}", volts, unit)};
-}
-
-RigQuestion profile_question(const std::string& name) {
-  return {
-      "What does '" + name +
-          "' move? woofer, bass_shaker, tactor_lra, …, or a file; unknown: the guard's limits are cautious",
-      "unknown"};
+/// Asks until `take` accepts the answer. `proposed`: what an empty line stands for; empty: nothing.
+void ask(const Dialog& dialog, const std::string& question, const std::string& proposed,
+         const std::function<Status(const std::string&)>& take) {
+  while (true) {
+    std::string answer;
+    if (!dialog.take_defaults) {
+      dialog.out << question << (proposed.empty() ? "" : " [" + proposed + "]") << ": " << std::flush;
+      if (!std::getline(dialog.in, answer))
+        exit_with({Errc::Missing, "--save-rig", "the input ended before all questions were answered",
+                   "answer on a terminal, or take all defaults with --yes"});
+    }
+    answer = trimmed(answer);
+    if (answer.empty()) answer = proposed;
+    const auto taken = answer.empty() ? invalid("this has no default", "give an answer") : take(answer);
+    if (taken) return;
+    if (dialog.take_defaults) exit_with(taken.error(), kUsage);
+    dialog.out << "  " << to_string(taken.error()) << "\n";
+  }
 }
 
 /// Volts from `least` to 1 kV.
-Status take_volts(const std::string& text, double least, const char* least_text, const char* example,
-                  std::optional<double>& to) {
-  const auto volts = quantity_in(text, volt(), example);
-  if (!volts) return tl::unexpected(volts.error());
-  if (!(volts->si >= least && volts->si <= 1000))
-    return nonsense(fmt::format("it is between {} and 1 kV", least_text),
-                    fmt::format("write for instance {}", example));
-  to = volts->si;
-  return {};
+std::function<Status(const std::string&)> take_volts(double least, const char* least_text,
+                                                     const std::string& example, std::optional<double>& to) {
+  return [=, &to](const std::string& text) -> Status {
+    const auto volts = quantity_in(text, volt(), example);
+    if (!volts) return tl::unexpected(volts.error());
+    if (!(volts->si >= least && volts->si <= 1000))
+      return invalid(fmt::format("must be between {} and 1 kV", least_text), "write for instance " + example);
+    to = volts->si;
+    return {};
+  };
 }
 
-Status take_full_scale(const std::string& text, const Dimension& dimension, RigInput& input) {
-  if (text != "unknown") return take_volts(text, 1e-6, "1 uV", "1 V", input.volts);
-  if (dimension.plain()) return {};
-  input.volts = 1.0;
-  input.sensitivity = QuantityValue{1.0, Unit{volt() / dimension}, false};
-  return {};
-}
+/// The questions, one port after the other.
+class Interview {
+ public:
+  Interview(Rig& rig, int inputs, int outputs, const fs::path& root, const Dialog& dialog)
+      : rig_(rig), device_inputs_(inputs), device_outputs_(outputs), root_(root), dialog_(dialog) {}
+
+  void ask_input(const EntrySpec& port) {
+    auto& input = rig_.inputs.emplace_back();
+    input.name = port.name;
+    const auto proposed = static_cast<int>(rig_.inputs.size());
+    ask(dialog_,
+        fmt::format("Which input of the card is {}? 1 to {}, or none", title_of(port), device_inputs_),
+        proposed <= device_inputs_ ? std::to_string(proposed) : kNone,
+        [&](const std::string& text) { return take_channels(text, input, device_inputs_, true); });
+    if (!input.channels.empty()) ask_sensitivity(port, input);
+  }
+
+  void ask_output(const EntrySpec& port) {
+    auto& output = rig_.outputs.emplace_back();
+    output.name = port.name;
+    const auto* kind = find(port.fields, "kind");
+    const bool audio = kind != nullptr && kind->text() != nullptr && *kind->text() == "audio";
+    int free = 1;
+    while (used_by_output(free)) ++free;
+    ask(dialog_,
+        fmt::format("Which output of the card is {}? {}; 1 to {}, or none", title_of(port),
+                    audio ? "It is a monitor output" : "It drives an actuator", device_outputs_),
+        free <= device_outputs_ ? std::to_string(free) : kNone,
+        [&](const std::string& text) { return take_channels(text, output, device_outputs_, false); });
+    if (audio || output.channels.empty()) return;
+    ask(dialog_,
+        "What does '" + port.name +
+            "' move? woofer, bass_shaker, tactor_lra, …, or a file; unknown: the guard's limits are cautious",
+        "unknown", [&](const std::string& text) { return take_profile(text, output); });
+    // There is no cautious guess: too few volts would allow too much.
+    if (output.has_actuator())
+      ask(dialog_, "How many volts does a sample of 1 put on it, behind the amplifier? Such as 10 V", "",
+          take_volts(1e-3, "1 mV", "10 V", output.drive.volts));
+  }
+
+  void ask_actuators() {
+    if (device_outputs_ <= static_cast<int>(rig_.outputs.size())) return;
+    RigPort others;
+    ask(dialog_,
+        "Are actuators connected to other outputs, which must never carry sound? Their numbers, or none",
+        kNone, [&](const std::string& text) { return take_channels(text, others, device_outputs_, false); });
+    for (const int channel : others.channels) {
+      auto& actuator = rig_.actuators.emplace_back();
+      actuator.name = fmt::format("on_{}", channel);
+      actuator.channels = {channel};
+    }
+  }
+
+ private:
+  void ask_sensitivity(const EntrySpec& port, RigInput& input) {
+    ErrorList reported_elsewhere;
+    const auto dimension = read_unit(port, reported_elsewhere).value_or(Unit{}).dimension;
+    const auto per_volt = volt() / dimension;
+    const auto unit = dimension.plain() ? std::string{"V"} : volts_per(per_volt);
+    ask(dialog_,
+        "How many volts at that input are full scale? Such as 1 V; unknown: a sample of 1 counts as 1" +
+            (dimension.plain() ? "" : " " + to_string(dimension)),
+        "unknown", [&](const std::string& text) -> Status {
+          if (text != "unknown") return take_volts(1e-6, "1 uV", "1 V", input.volts)(text);
+          if (dimension.plain()) return {};
+          input.volts = 1.0;
+          input.sensitivity = QuantityValue{1.0, Unit{per_volt}, false};
+          return {};
+        });
+    if (!input.volts || input.sensitivity) return;
+    ask(dialog_,
+        dimension.plain()
+            ? "How many volts of the sensor count as full scale? Such as 50 mV (or find out with "
+              "--learn)"
+            : "How sensitive is the sensor? In " + unit + ", such as 2 " + unit,
+        fmt::format("{} {}", *input.volts, unit), [&](const std::string& text) -> Status {
+          const auto found = quantity_in(text, per_volt, "2 " + unit);
+          if (!found) return tl::unexpected(found.error());
+          input.sensitivity = *found;
+          return {};
+        });
+  }
+
+  bool used_by_output(int channel) const {
+    return std::any_of(rig_.outputs.begin(), rig_.outputs.end(), [channel](const RigOutput& output) {
+      return std::find(output.channels.begin(), output.channels.end(), channel) != output.channels.end();
+    });
+  }
+
+  Status take_channels(const std::string& text, RigPort& port, int there, bool shared) {
+    if (text == kNone) return {};
+    const auto numbers = numbers_in(text);
+    if (!numbers)
+      return invalid("'" + text + "' is no channel", "write a number, several for several lanes, or none");
+    for (const int number : *numbers) {
+      if (number < 1 || number > there)
+        return invalid(fmt::format("the card has no channel {}", number),
+                       there > 0 ? fmt::format("it has 1 to {}", there) : "write none");
+      if (!shared && used_by_output(number))
+        return invalid(fmt::format("channel {} is taken already", number), "choose another");
+    }
+    port.channels = *numbers;
+    return {};
+  }
+
+  Status take_profile(const std::string& text, RigOutput& output) {
+    if (text == "unknown" || text == kNone) return {};
+    const auto file = find_profile(text, root_, "");
+    if (!file) return tl::unexpected(file.error());
+    if (const auto profile = load_profile(*file); !profile) return tl::unexpected(profile.error().front());
+    output.drive.profile = text;
+    return {};
+  }
+
+  Rig& rig_;
+  int device_inputs_, device_outputs_;
+  const fs::path& root_;
+  const Dialog& dialog_;
+};
 
 }  // namespace
 
-RigInterview::RigInterview(const GraphSpec& instrument, Rig::Device device, int device_inputs,
-                           int device_outputs, fs::path root)
-    : device_inputs_(device_inputs), device_outputs_(device_outputs), root_(std::move(root)) {
-  rig_.name = instrument.name;
-  rig_.device = std::move(device);
-  for (const auto& port : instrument.inputs) rig_.inputs.emplace_back().name = port.name;
-  for (const auto& port : instrument.outputs) rig_.outputs.emplace_back().name = port.name;
-  for (std::size_t i = 0; i < instrument.inputs.size(); ++i) ask_input(instrument.inputs[i], i);
-  for (std::size_t o = 0; o < instrument.outputs.size(); ++o) ask_output(instrument.outputs[o], o);
-  ask_actuators();
-  skip_needless();
+Rig ask_for_rig(const GraphSpec& instrument, Rig::Device device, int device_inputs, int device_outputs,
+                const fs::path& root, const Dialog& dialog) {
+  Rig rig;
+  rig.name = instrument.name;
+  rig.device = std::move(device);
+  Interview interview{rig, device_inputs, device_outputs, root, dialog};
+  for (const auto& port : instrument.inputs) interview.ask_input(port);
+  for (const auto& port : instrument.outputs) interview.ask_output(port);
+  interview.ask_actuators();
+  return rig;
 }
 
-std::optional<RigQuestion> RigInterview::question() const {
-  if (next_ >= steps_.size()) return std::nullopt;
-  return steps_[next_].ask();
-}
-
-Status RigInterview::answer(const std::string& given) {
-  const auto asked = question();
-  if (!asked) return {};
-  auto text = trimmed(given);
-  if (text.empty()) text = asked->on_enter;
-  if (text.empty()) return nonsense("this has no default", "give an answer");
-  if (auto status = steps_[next_].take(text); !status) return status;
-  ++next_;
-  skip_needless();
-  return {};
-}
-
-void RigInterview::skip_needless() {
-  while (next_ < steps_.size() && !steps_[next_].ask()) ++next_;
-}
-
-void RigInterview::add(std::function<std::optional<RigQuestion>()> ask,
-                       std::function<Status(const std::string&)> take) {
-  steps_.push_back({std::move(ask), std::move(take)});
-}
-
-void RigInterview::ask_input(const EntrySpec& port, std::size_t index) {
-  auto* input = &rig_.inputs[index];  // the rig keeps its ports from here on
-  const auto dimension = dimension_of(port);
-  const auto per = dimension.plain() ? "" : " " + to_string(dimension);
-  const auto unit = dimension.plain() ? std::string{"V"} : volts_per(volt() / dimension);
-  add(
-      [=, text = port.name + "'" + about(port), this] {
-        const bool there = static_cast<int>(index) < device_inputs_;
-        return RigQuestion{
-            fmt::format("Which input of the card is '{}? 1 to {}, or none", text, device_inputs_),
-            there ? std::to_string(index + 1) : kNone};
-      },
-      [=, this](const std::string& text) { return take_channels(text, *input, device_inputs_, true); });
-  add([=] { return asked_if(!input->channels.empty(), full_scale_question(per)); },
-      [=](const std::string& text) { return take_full_scale(text, dimension, *input); });
-  add(
-      [=] {
-        const bool needed = input->volts && !input->sensitivity;
-        return asked_if(needed, sensitivity_question(dimension, unit, input->volts.value_or(0)));
-      },
-      [=](const std::string& text) -> Status {
-        const auto found = quantity_in(text, volt() / dimension, "2 " + unit);
-        if (!found) return tl::unexpected(found.error());
-        input->sensitivity = *found;
-        return {};
-      });
-}
-
-void RigInterview::ask_output(const EntrySpec& port, std::size_t index) {
-  auto* output = &rig_.outputs[index];
-  const auto* kind = find(port.fields, "kind");
-  const bool audio = kind != nullptr && kind->text() != nullptr && *kind->text() == "audio";
-  add(
-      [=, text = port.name + "'" + about(port), this] {
-        int free = 1;
-        while (used_by_output(free)) ++free;
-        return RigQuestion{
-            fmt::format("Which output of the card is '{}? {}; 1 to {}, or none", text,
-                        audio ? "It is a monitor output" : "It drives an actuator", device_outputs_),
-            free <= device_outputs_ ? std::to_string(free) : kNone};
-      },
-      [=, this](const std::string& text) { return take_channels(text, *output, device_outputs_, false); });
-  if (audio) return;
-  add([=, name = port.name] { return asked_if(!output->channels.empty(), profile_question(name)); },
-      [=, this](const std::string& text) { return take_profile(text, *output); });
-  // There is no cautious guess: too few volts would allow too much.
-  const RigQuestion volts{"How many volts does a sample of 1 put on it, behind the amplifier? Such as 10 V",
-                          ""};
-  add([=] { return asked_if(output->has_actuator(), volts); },
-      [=](const std::string& text) { return take_volts(text, 1e-3, "1 mV", "10 V", output->drive.volts); });
-}
-
-void RigInterview::ask_actuators() {
-  const RigQuestion question{
-      "Are actuators connected to other outputs, which must never carry sound? Their numbers, or none",
-      kNone};
-  add([=, this] { return asked_if(device_outputs_ > static_cast<int>(rig_.outputs.size()), question); },
-      [this](const std::string& text) { return take_actuators(text); });
-}
-
-Status RigInterview::take_actuators(const std::string& text) {
-  RigPort others;
-  if (auto status = take_channels(text, others, device_outputs_, false); !status) return status;
-  for (const int channel : others.channels) {
-    auto& actuator = rig_.actuators.emplace_back();
-    actuator.name = fmt::format("on_{}", channel);
-    actuator.channels = {channel};
-  }
-  return {};
-}
-
-bool RigInterview::used_by_output(int channel) const {
-  return std::any_of(rig_.outputs.begin(), rig_.outputs.end(), [channel](const RigOutput& output) {
-    return std::find(output.channels.begin(), output.channels.end(), channel) != output.channels.end();
-  });
-}
-
-Status RigInterview::take_channels(const std::string& text, RigPort& port, int there, bool shared) {
-  if (text == kNone) return {};
-  const auto numbers = numbers_in(text);
-  if (!numbers || numbers->empty())
-    return nonsense("'" + text + "' is no channel", "write a number, several for several lanes, or none");
-  for (const int number : *numbers) {
-    if (number < 1 || number > there)
-      return nonsense(fmt::format("the card has no channel {}", number),
-                      there > 0 ? fmt::format("it has 1 to {}", there) : "write none");
-    if (!shared && used_by_output(number))
-      return nonsense(fmt::format("channel {} is taken already", number), "choose another");
-  }
-  port.channels = *numbers;
-  return {};
-}
-
-Status RigInterview::take_profile(const std::string& text, RigOutput& output) {
-  if (text == "unknown" || text == kNone) return {};
-  const auto file = find_profile(text, root_, "");
-  if (!file) return tl::unexpected(file.error());
-  const auto profile = load_profile(*file);
-  if (!profile) return tl::unexpected(profile.error().front());
-  output.drive.profile = text;
-  return {};
-}
-
-Result<Rig> hold_interview(RigInterview& interview, std::istream& in, std::ostream& out, bool take_defaults) {
-  while (const auto question = interview.question()) {
-    std::string line;
-    if (!take_defaults) {
-      out << question->text << (question->on_enter.empty() ? "" : " [" + question->on_enter + "]") << ": "
-          << std::flush;
-      if (!std::getline(in, line))
-        return fail(Errc::Missing, "--save-rig", "the input ended before all questions were answered",
-                    "answer on a terminal, or take all defaults with --yes");
-    }
-    const auto status = interview.answer(line);
-    if (status) continue;
-    if (take_defaults) return tl::unexpected(status.error());
-    out << "  " << to_string(status.error()) << "\n";
-  }
-  return interview.rig();
-}
-
-Status save_rig(const Rig& rig, const fs::path& file, std::istream& in, std::ostream& out, bool force) {
+Status save_rig(const Rig& rig, const fs::path& file, const Dialog& dialog, bool force) {
   std::error_code error;
   if (!force && fs::exists(file, error)) {
-    out << "'" << file.string() << "' is there already. Overwrite it? [no]: " << std::flush;
-    std::string line;
-    std::getline(in, line);
-    line = trimmed(line);
-    if (line != "y" && line != "yes")
-      return fail(Errc::BadFile, "--save-rig", "'" + file.string() + "' was left as it is",
-                  "choose another name, answer yes, or say --force");
+    dialog.out << "'" << file.string() << "' exists. Overwrite it? [no]: " << std::flush;
+    std::string answer;
+    if (!dialog.take_defaults) std::getline(dialog.in, answer);
+    answer = trimmed(answer);
+    if (answer != "y" && answer != "yes")
+      return fail(Errc::BadFile, "--save-rig", "'" + file.string() + "' was not overwritten",
+                  "choose another name, answer yes, or give --force");
   }
   auto temporary = file;
   temporary += ".new";
-  {
-    std::ofstream text{temporary};
-    text << to_text(rig);
-    text.close();
-    if (text) fs::rename(temporary, file, error);
-    if (text && !error) return {};
-  }
-  std::error_code ignored;
-  fs::remove(temporary, ignored);
+  std::ofstream text{temporary};
+  text << to_text(rig);
+  text.close();
+  if (text) fs::rename(temporary, file, error);
+  if (text && !error) return {};
+  fs::remove(temporary, error);
   return fail(Errc::BadFile, file.string(), "cannot be written",
               "choose a folder that exists and can be written");
 }
@@ -309,9 +252,7 @@ Status replace_rig(const Rig& rig, const fs::path& file) {
   auto former = file;
   former += "~";
   fs::copy_file(file, former, fs::copy_options::overwrite_existing, ignored);
-  std::istringstream nobody;
-  std::ostringstream unheard;
-  return save_rig(rig, file, nobody, unheard, true);
+  return save_rig(rig, file, {std::cin, std::cerr, true}, true);
 }
 
 }  // namespace tactus::app

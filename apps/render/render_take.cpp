@@ -1,57 +1,148 @@
-#include "apps/render/render_take.h"
-
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/render/replay.h"
+#include "apps/cli/take_files.h"
+#include "apps/render/render.h"
+#include "backends/take/replay.h"
+#include "engine/core/index.h"
 #include "engine/nodes/table.h"
-#include "engine/scene/guard_report.h"
+#include "engine/rig/check_rig.h"
+#include "engine/rig/rig_inputs.h"
+#include "engine/runtime/player.h"
 
 namespace tactus::app {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+/// A rig that does nothing but leave these ports out.
+Rig leaving_out(const std::vector<std::string>& ports) {
+  Rig rig;
+  for (const auto& port : ports) {
+    rig.inputs.emplace_back().name = port;
+    rig.outputs.emplace_back().name = port;
+  }
+  return rig;
+}
+
+}  // namespace
+
+TakeCompiler::TakeCompiler(const TakeHeader& header) : header_(header) {
+  static std::atomic<int> count{0};
+  const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
+  folder_ = fs::temp_directory_path() / fmt::format("tactus_replay_{}_{}", ticks, count++);
+}
+
+Checked<std::unique_ptr<Plan>> TakeCompiler::compile(const TakeFiles& files,
+                                                     const std::map<std::string, double>& settings) const {
+  // All versions in one place: a node that plays a sound file is another one if the path is another one.
+  clear();
+  const auto file = unpack(files, folder_);
+  if (!file) return tl::unexpected(std::vector{file.error()});
+  auto loaded = load_graph_leniently(*file, folder_);
+  if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
+  loaded.spec = without_left_out(leaving_out(header_.left_out), loaded.spec);
+  CompileOptions options;
+  options.sample_rate = header_.sample_rate;
+  options.system_delay = header_.system_delay;
+  options.taps = header_.taps;
+  options.controls.insert(settings.begin(), settings.end());
+  return tactus::compile(loaded, standard_nodes(), options);
+}
+
+void TakeCompiler::clear() const {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+std::vector<JournalEntry> journal_for(const Take& take, const Player& engine) {
+  // Numbers stay; edits only add some.
+  const auto& names = take.edits.empty() ? take.header.controls : take.edits.back().controls;
+  std::vector<JournalEntry> entries;
+  for (auto entry : take.engine) {
+    if (entry.kind == JournalEntry::Kind::ControlChange) {
+      const auto number = index(entry.index);
+      entry.index = number < names.size() ? engine.control_index(names[number]) : -1;
+      if (entry.index < 0) continue;
+    }
+    entries.push_back(entry);
+  }
+  return entries;
+}
+
+std::vector<int> sensors_for(const TakeHeader& header, const std::vector<std::string>& inputs) {
+  std::vector<int> sensors;
+  for (const auto& input : inputs) {
+    const auto found = std::find(header.inputs.begin(), header.inputs.end(), input);
+    sensors.push_back(found == header.inputs.end() ? -1 : static_cast<int>(found - header.inputs.begin()));
+  }
+  return sensors;
+}
+
+bool is_same(const Take& take, const Replayed& replayed) {
+  return !replayed.first_difference && why_not_exact(take).empty();
+}
+
+std::string verdict(const Take& take, const Replayed& replayed) {
+  const auto seconds = [&](std::int64_t frame) {
+    return static_cast<double>(frame) / take.header.sample_rate.value;
+  };
+  if (is_same(take, replayed))
+    return fmt::format("the drives are the same, bit for bit, for {:.3f} s", seconds(replayed.frames));
+  const auto why = why_not_exact(take);
+  const auto reason = why.empty() ? "" : fmt::format("this take cannot be replayed bit for bit: {}; ", why);
+  if (!replayed.first_difference) return reason + "the recorded part is the same";
+  const auto& first = *replayed.first_difference;
+  return reason + fmt::format("the drives differ from {:.4f} s on (frame {}): '{}' is {:.9g} and was {:.9g}",
+                              seconds(first.frame), first.frame, take.header.outputs[index(first.channel)],
+                              first.replayed, first.recorded);
+}
+
+namespace {
+
+/// The scales that the rig gave these sensors.
+std::vector<double> scales_for(const TakeHeader& header, const std::vector<int>& sensors) {
+  std::vector<double> scales;
+  for (const int sensor : sensors) {
+    const bool known = sensor >= 0 && sensor < std::ssize(header.input_scales);
+    scales.push_back(known ? header.input_scales[index(sensor)] : 1.0);
+  }
+  return scales;
+}
 
 struct OpenTake {
   Take take;
   WavReader wav;
 };
 
-Result<OpenTake> open(const std::string& path) {
-  auto take = read_take(path);
-  if (!take) return tl::unexpected(take.error());
-  auto wav = WavReader::open(path);
-  if (!wav) return tl::unexpected(wav.error());
-  return OpenTake{std::move(*take), std::move(*wav)};
-}
-
 /// Plays into the file that was asked for, if any.
-Result<Replayed> play_into(const ReplayOptions& options, OpenTake& open, const ReplayHost& host) {
+Replayed play_into(const RenderOptions& options, OpenTake& open, const ReplayHost& host) {
   std::optional<WavWriter> writer;
-  if (!options.out.empty()) {
-    const auto encoding = options.format == "24" ? WavEncoding::Pcm24 : WavEncoding::Float32;
-    auto made = WavWriter::create(options.out, open.take.header.sample_rate, host.out_channels, encoding);
-    if (!made) return tl::unexpected(made.error());
-    writer.emplace(std::move(*made));
-  }
+  if (!options.out.empty())
+    writer.emplace(or_exit(
+        WavWriter::create(options.out, open.take.header.sample_rate, host.out_channels, options.encoding())));
   Progress progress{"replaying"};
   const auto frames = static_cast<double>(frames_to_replay(open.take, open.wav));
   double done = 0;
-  auto replayed =
-      replay(open.take, open.wav, host, {options.block}, [&](const double* const* out, int count) {
-        progress((done += count) / frames);
-        return writer ? writer->write(out, count) : Status{};
-      });
-  if (!replayed || !writer) return replayed;
-  if (auto status = writer->close(); !status) return tl::unexpected(status.error());
+  auto replayed = or_exit(replay(open.take, open.wav, host, {options.block.value_or(256)},
+                                 [&](const double* const* out, int count) {
+                                   progress((done += count) / frames);
+                                   return writer ? writer->write(out, count) : Status{};
+                                 }));
+  if (writer) or_exit(writer->close());
   return replayed;
 }
 
-void print_rest(const ReplayOptions& options, const OpenTake& open) {
+void print_rest(const RenderOptions& options, const OpenTake& open) {
   if (!open.take.finished)
     fmt::print(
         "the recording was cut off; it is whole up to {:.3f} s\n",
@@ -61,38 +152,40 @@ void print_rest(const ReplayOptions& options, const OpenTake& open) {
 }
 
 Json take_json(const OpenTake& open, const Replayed& replayed, const std::string& instrument) {
-  Json json{{"instrument", instrument},
-            {"sample_rate_hz", open.take.header.sample_rate.value},
-            {"frames", replayed.frames},
-            {"finished", open.take.finished},
-            {"ended", open.take.ended}};
-  return json;
+  return {{"instrument", instrument},
+          {"sample_rate_hz", open.take.header.sample_rate.value},
+          {"frames", replayed.frames},
+          {"finished", open.take.finished},
+          {"ended", open.take.ended}};
 }
 
-int render_recorded(const ReplayOptions& options, OpenTake& open) {
+int render_recorded(const RenderOptions& options, OpenTake& open) {
   const auto& header = open.take.header;
-  auto graph = RebuiltGraph::build(header);
-  if (!graph) return report(graph.error());
-  auto& engine = (*graph)->engine();
+  const TakeCompiler compiler{header};
+  Player engine{or_exit(compiler.compile(header.files, header.settings))};
   engine.set_journal(open.take.engine);
-  Guarded guarded{(*graph)->processor(), header.guard, header.armed};
-  const auto replace = [&](const TakeEdit& edit) { return (*graph)->replace(edit); };
-  const ReplayHost host{guarded, sensors_for(header, header.inputs), engine.out_channels(), replace, true};
-  const auto replayed = play_into(options, open, host);
-  if (!replayed) return report(replayed.error());
-  const auto words = verdict(open.take, *replayed);
-  const bool same = is_same(open.take, *replayed);
+  RigInputs rig{engine, header.input_scales, header.padding_frames};
+  Guarded guarded{rig, header.guard, header.armed};
+  const auto replace = [&](const TakeEdit& edit) -> Status {
+    auto plan = compiler.compile(edit.files, edit.settings);
+    if (!plan) return tl::unexpected(plan.error().front());
+    return engine.replace(std::move(*plan));
+  };
+  const auto replayed = play_into(
+      options, open, {guarded, sensors_for(header, header.inputs), engine.out_channels(), replace, true});
+  const auto result = verdict(open.take, replayed);
+  const bool same = is_same(open.take, replayed);
   if (options.json) {
-    auto json = take_json(open, *replayed, (*graph)->name());
+    auto json = take_json(open, replayed, engine.plan().name);
     json["same"] = same;
-    json["verdict"] = words;
-    if (const auto& first = replayed->first_difference)
+    json["verdict"] = result;
+    if (const auto& first = replayed.first_difference)
       json["first_difference"] = {{"frame", first->frame}, {"output", first->channel}};
     fmt::print("{}\n", json.dump(2));
-    return same ? kDone : kNo;
+  } else {
+    fmt::print("{}: {}\n", engine.plan().name, result);
+    print_rest(options, open);
   }
-  fmt::print("{}: {}\n", (*graph)->name(), words);
-  print_rest(options, open);
   return same ? kDone : kNo;
 }
 
@@ -105,41 +198,32 @@ DriveBook recorded_drives(const TakeHeader& header) {
   return drives;
 }
 
-int render_other(const ReplayOptions& options, OpenTake& open) {
+int render_other(const RenderOptions& options, OpenTake& open) {
   const auto& header = open.take.header;
   const auto file = resolve_target(options.target, "instrument.toml");
   const auto loaded = load_graph_leniently(file, root_of(file));
-  if (loaded.spec == nullptr) return report(loaded.errors);
-  const auto settings = parse_settings(options.set);
-  if (!settings) return report(settings.error());
-  const auto delay = options.delay.empty() ? Result<double>{header.system_delay.value}
-                                           : parse_option(options.delay, "s", "delay");
-  if (!delay) return report(delay.error());
-  CompileOptions compile_options;
-  compile_options.sample_rate = header.sample_rate;
-  compile_options.system_delay = Seconds{*delay};
-  compile_options.controls = *settings;
-  auto schedule = compile(loaded, standard_nodes(), compile_options);
-  if (!schedule) return report(schedule.error());
-  Player engine{std::move(*schedule)};
+  if (loaded.spec == nullptr) throw CommandError{loaded.errors};
+  CompileOptions compiling;
+  compiling.sample_rate = header.sample_rate;
+  compiling.system_delay = options.delay.empty() ? header.system_delay : or_exit(parse_delay(options.delay));
+  compiling.controls = or_exit(parse_settings(options.set));
+  Player engine{or_exit(compile(loaded, standard_nodes(), compiling))};
   engine.set_journal(journal_for(open.take, engine));
-  const auto drives = apply(options.guard, recorded_drives(header), root_of(file));
-  if (!drives) return report(drives.error());
+  const auto drives = or_exit(apply(options.guard, recorded_drives(header), root_of(file)));
   const auto& inputs = engine.plan().input_names;
   const auto sensors = sensors_for(header, inputs);
   RigInputs rig{engine, scales_for(header, sensors), header.padding_frames};
-  Guarded guarded{rig, guarded_channels(engine.plan(), *drives), header.armed};
-  const ReplayHost host{guarded, sensors, engine.out_channels(), {}, false};
-  const auto replayed = play_into(options, open, host);
-  if (!replayed) return report(replayed.error());
+  Guarded guarded{rig, guarded_channels(engine.plan(), drives), header.armed};
+  const auto replayed = play_into(options, open, {guarded, sensors, engine.out_channels(), {}, false});
+  const auto& name = loaded.spec->name;
   if (options.json) {
-    auto json = take_json(open, *replayed, loaded.spec->name);
+    auto json = take_json(open, replayed, name);
     json["outputs"] = output_names(engine.plan());
     fmt::print("{}\n", json.dump(2));
     return kDone;
   }
-  fmt::print("{}: played the sensors of the take for {:.3f} s\n", loaded.spec->name,
-             static_cast<double>(replayed->frames) / header.sample_rate.value);
+  fmt::print("{}: played the sensors of the take for {:.3f} s\n", name,
+             static_cast<double>(replayed.frames) / header.sample_rate.value);
   for (std::size_t i = 0; i < inputs.size(); ++i)
     if (sensors[i] < 0) fmt::print("the take has no sensor '{}': it was silent\n", inputs[i]);
   if (!open.take.edits.empty()) fmt::print("edits that were made while it was recorded are left out\n");
@@ -149,18 +233,15 @@ int render_other(const ReplayOptions& options, OpenTake& open) {
 
 }  // namespace
 
-int render_take(const ReplayOptions& options) {
+int render_take(const RenderOptions& options) {
   std::error_code none;
-  if (!options.out.empty() && std::filesystem::equivalent(options.out, options.take, none))
-    return report(
-        Error{Errc::BadArgument, "--out " + options.out, "would overwrite the take", "choose another name"});
+  if (!options.out.empty() && fs::equivalent(options.out, options.replay, none))
+    exit_with({Errc::BadArgument, "--out " + options.out, "would overwrite the take", "choose another name"});
   if (options.target.empty() && (!options.set.empty() || !options.delay.empty()))
-    return report(Error{Errc::BadArgument, "--replay",
-                        "a take is played with the settings that it was recorded with",
-                        "name an instrument to play its sensors with other settings"});
-  auto opened = open(options.take);
-  if (!opened) return report(opened.error());
-  return options.target.empty() ? render_recorded(options, *opened) : render_other(options, *opened);
+    exit_with({Errc::BadArgument, "--replay", "a take is played with the settings that it was recorded with",
+               "name an instrument to play its sensors with other settings"});
+  OpenTake open{or_exit(read_take(options.replay)), or_exit(WavReader::open(options.replay))};
+  return options.target.empty() ? render_recorded(options, open) : render_other(options, open);
 }
 
 }  // namespace tactus::app

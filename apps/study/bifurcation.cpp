@@ -139,7 +139,8 @@ int run_bifurcation(const BifurcationOptions& options) {
     return study_bifurcation(*scene, standard_nodes(), plan, [&](double share) { progress(share); });
   }();
   if (!study) return report(study.error());
-  if (const int failed = publish(options, text_of(*study), json_of(*study), plots_of(*study))) return failed;
+  if (const int failed = publish(options, app::text_of(*study), app::json_of(*study), app::plots_of(*study)))
+    return failed;
   return study->measured_restitution > 0 ? kDone : kNo;
 }
 

@@ -59,7 +59,7 @@ int run_playability(const PlayabilityArguments& options) {
   const auto study = study_playability(*scene, standard_nodes(), *plan);
   if (!study) return report(study.error());
   if (const auto exit = monitor.end(study->finished(), std::ssize(study->runs))) return *exit;
-  if (const int failed = publish(options, text_of(*study), json_of(*study), plots_of(*study),
+  if (const int failed = publish(options, app::text_of(*study), app::json_of(*study), plots_of(*study),
                                  study->over.size() > 1 ? 2 : 1))
     return failed;
   const auto verdicts = study->verdicts();

@@ -75,7 +75,8 @@ int run_stability(const StabilityOptions& options) {
   const auto map = map_walls(*study, plan);
   if (!map) return report(map.error());
   if (const auto exit = monitor.end(map->finished, map->runs)) return *exit;
-  if (const int failed = publish(options, text_of(*map), json_of(*map), plots_of(*map))) return failed;
+  if (const int failed = publish(options, app::text_of(*map), app::json_of(*map), app::plots_of(*map)))
+    return failed;
   return map->confirmed() == map->borders() ? kDone : kNo;
 }
 

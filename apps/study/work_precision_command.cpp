@@ -36,7 +36,7 @@ Status write_files(const WorkPrecision& study, const fs::path& folder) {
   fs::create_directories(folder, ignored);
   if (auto status = write_svg(folder / "work_precision.svg", plots_of(study)); !status) return status;
   if (auto status = write_text(folder / "work_precision.md", markdown_of(study)); !status) return status;
-  return write_json((folder / "work_precision.json").string(), json_of(study));
+  return write_json((folder / "work_precision.json").string(), app::json_of(study));
 }
 
 Result<std::vector<Hertz>> rates_of(const std::vector<std::string>& texts) {
@@ -64,7 +64,7 @@ int run_work_precision(const WorkPrecisionArguments& options) {
   }();
   if (!study) return report(study.error());
   const auto written = options.folder.empty() ? Status{} : write_files(*study, options.folder);
-  const int failed = publish(options, text_of(*study), json_of(*study), plots_of(*study));
+  const int failed = publish(options, app::text_of(*study), app::json_of(*study), plots_of(*study));
   if (!written) return report(written.error());
   if (failed) return failed;
   return study->cheapest(1.0) == nullptr ? kNo : kDone;

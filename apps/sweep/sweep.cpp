@@ -100,7 +100,8 @@ int run(const Options& options) {
   const auto table = sweep_measures(*scene, standard_nodes(), *plan, *measures);
   if (!table) return report(table.error());
   if (const auto exit = monitor.end(finished(table->points), std::ssize(table->points))) return *exit;
-  return publish(options, text_of(*table), json_of(*table), plots_of(*table), table->over.size() > 2 ? 2 : 1);
+  return publish(options, app::text_of(*table), app::json_of(*table), plots_of(*table),
+                 table->over.size() > 2 ? 2 : 1);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,8 +17,6 @@
 #include "engine/graph/semantics/interval.h"
 
 namespace tactus {
-
-inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 /// A port that takes a signal: an expression, a name, a quantity or a number.
 struct InputPort {

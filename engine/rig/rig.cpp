@@ -134,7 +134,7 @@ class RigReader {
   RigMidi read_midi(const EntrySpec& entry) {
     const auto& section = *rig_fields()["midi"].inside;
     FieldReader fields{entry, section, errors_, "control"};
-    const auto number = [&](const char* key, double most = kNoBound) {
+    const auto number = [&](const char* key, double most = kUnlimited) {
       return static_cast<int>(fields.number(key, most).value_or(section[key].low));
     };
     RigMidi midi{entry.name, entry.at, fields.text("device")};

@@ -11,25 +11,23 @@ namespace {
 
 class LiveInstrument final : public Performer {
  public:
-  static Checked<std::unique_ptr<Performer>> open(InstrumentSetup setup) {
+  static Checked<std::unique_ptr<Performer>> open(PerformerSetup setup) {
     std::unique_ptr<LiveInstrument> made{new LiveInstrument{std::move(setup)}};
-    auto schedule = made->compile_files();
-    if (!schedule) return tl::unexpected(schedule.error());
-    if (auto wired = made->wire(**schedule); !wired) return tl::unexpected(wired.error());
-    made->engine_ = std::make_unique<Player>(std::move(*schedule));
+    auto plan = made->compile_files();
+    if (!plan) return tl::unexpected(plan.error());
+    if (auto wired = made->wire(**plan); !wired) return tl::unexpected(wired.error());
+    made->engine_ = std::make_unique<Player>(std::move(*plan));
     made->loaded_ = std::move(made->read_);
     if (RigInputs::needed(made->wiring_.input_scales, made->setup_.padding_frames))
       made->rig_inputs_.emplace(*made->engine_, made->wiring_.input_scales, made->setup_.padding_frames);
     return made;
   }
 
-  const std::string& name() const override { return name_; }
   BlockProcessor& processor() override {
     if (rig_inputs_) return *rig_inputs_;
     return *engine_;
   }
   Player& instrument() override { return *engine_; }
-  const Player& instrument() const override { return *engine_; }
   std::vector<std::string> inputs() const override { return engine_->plan().input_names; }
   std::vector<std::string> outputs() const override { return output_names(engine_->plan()); }
   std::vector<GuardedChannel> guards() const override {
@@ -41,48 +39,48 @@ class LiveInstrument final : public Performer {
   }
   std::vector<int> in_map() const override { return wiring_.in_map; }
   std::vector<int> out_map() const override { return wiring_.out_map; }
-  std::vector<std::filesystem::path> files() const override { return files_; }
-  bool describe(TakeHeader& header) const override {
+  void describe(TakeHeader& header) const override {
     header.files = take_files(loaded_, standard_nodes(), setup_.root);
     header.input_scales = wiring_.input_scales;
     header.padding_frames = setup_.padding_frames;
     if (setup_.rig) add_rig(*setup_.rig, to_text(*setup_.rig), header);
-    return true;
   }
 
   Checked<void> edit() override {
-    auto schedule = compile_files();
-    if (!schedule) return tl::unexpected(schedule.error());
-    if (auto status = engine_->replace(std::move(*schedule)); !status)
+    auto plan = compile_files();
+    if (!plan) return tl::unexpected(plan.error());
+    if (auto status = engine_->replace(std::move(*plan)); !status)
       return tl::unexpected(std::vector{status.error()});
     loaded_ = std::move(read_);
     return {};
   }
 
  private:
-  explicit LiveInstrument(InstrumentSetup setup) : setup_(std::move(setup)) { files_ = {setup_.file}; }
+  explicit LiveInstrument(PerformerSetup setup) : setup_(std::move(setup)) { files_ = {setup_.file}; }
 
   Checked<std::unique_ptr<Plan>> compile_files() {
     auto loaded = load_graph_leniently(setup_.file, setup_.root);
     if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
     read_ = loaded;
-    files_ = files_of(*loaded.spec);
+    files_.clear();
+    add_files(*loaded.spec, files_);
     name_ = loaded.spec->name;
     if (setup_.rig) {
       for (auto& mistake : check_rig(*setup_.rig, *loaded.spec)) loaded.errors.push_back(std::move(mistake));
       loaded.spec = without_left_out(*setup_.rig, loaded.spec);
     }
-    if (setup_.delay.value > 0) announce_delay(*loaded.spec, setup_.delay.value);
     CompileOptions options;
     options.sample_rate = setup_.rate;
-    options.system_delay = setup_.delay;
+    options.system_delay =
+        Seconds{setup_.delay.value_or(0_s).value + setup_.padding_frames / setup_.rate.value};
+    if (options.system_delay.value > 0) announce_delay(*loaded.spec, options.system_delay.value);
     options.controls = setup_.controls;
     return compile(loaded, standard_nodes(), options);
   }
 
-  Checked<void> wire(const Plan& schedule) {
+  Checked<void> wire(const Plan& plan) {
     if (setup_.rig) {
-      auto wired = wire_rig(*setup_.rig, schedule);
+      auto wired = wire_rig(*setup_.rig, plan);
       if (!wired) return tl::unexpected(wired.error());
       wiring_ = std::move(*wired);
     }
@@ -92,31 +90,23 @@ class LiveInstrument final : public Performer {
     return {};
   }
 
-  InstrumentSetup setup_;
+  PerformerSetup setup_;
   RigWiring wiring_;
-  std::string name_;
-  std::vector<std::filesystem::path> files_;
   LoadedGraph loaded_, read_;  ///< that plays; that was read last
   std::unique_ptr<Player> engine_;
   std::optional<RigInputs> rig_inputs_;
 };
 
-void collect(const GraphSpec& graph, std::vector<std::filesystem::path>& files) {
-  if (graph.file.file) files.emplace_back(*graph.file.file);
-  for (const auto& [use, part] : graph.parts)
-    if (part != nullptr) collect(*part, files);
-}
-
 }  // namespace
 
-Checked<std::unique_ptr<Performer>> make_instrument(InstrumentSetup setup) {
+Checked<std::unique_ptr<Performer>> make_instrument(PerformerSetup setup) {
   return LiveInstrument::open(std::move(setup));
 }
 
-std::vector<std::filesystem::path> files_of(const GraphSpec& graph) {
-  std::vector<std::filesystem::path> files;
-  collect(graph, files);
-  return files;
+void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files) {
+  if (graph.file.file) files.emplace_back(*graph.file.file);
+  for (const auto& [use, part] : graph.parts)
+    if (part != nullptr) add_files(*part, files);
 }
 
 }  // namespace tactus::app

@@ -1,4 +1,4 @@
-#include "apps/play/live/learn_sensor.h"
+#include "engine/rig/learn_sensor.h"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,10 @@
 #include <cmath>
 #include <thread>
 
+#include "apps/play/live/plan.h"
 #include "engine/core/decibels.h"
 #include "engine/core/spsc_queue.h"
-#include "engine/graph/file/error_list.h"
-#include "engine/graph/file/quantity.h"
-#include "engine/rig/learn_sensor.h"
+#include "engine/graph/file/read_graph.h"
 
 namespace tactus::app {
 namespace {
@@ -19,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// Hands the first input to the control thread; it has no outputs, so nothing moves.
-class Listener final : public BlockProcessor {
+class InputReader final : public BlockProcessor {
  public:
   Status prepare(const StreamFormat&) override { return {}; }
   void process(const BlockIo& io) noexcept override {
@@ -35,25 +34,23 @@ class Listener final : public BlockProcessor {
   SpscQueue<double> samples_{1 << 17};
 };
 
+/// "*": the first one with a channel.
 Result<const RigInput*> find_input(const Rig& rig, const std::string& name) {
-  const auto found = std::find_if(rig.inputs.begin(), rig.inputs.end(), [&](const RigInput& input) {
-    return name == "*" ? !input.channels.empty() : input.name == name;
-  });
-  if (found != rig.inputs.end() && !found->channels.empty()) return &*found;
   std::vector<std::string> names;
-  for (const auto& input : rig.inputs)
-    if (!input.channels.empty()) names.push_back(input.name);
+  for (const auto& input : rig.inputs) {
+    if (input.channels.empty()) continue;
+    if (name == "*" || name == input.name) return &input;
+    names.push_back(input.name);
+  }
   return fail(Errc::UnknownName, "--learn",
-              name == "*" ? "the rig joins no input to a channel"
-                          : "the rig joins no input '" + name + "' to a channel",
+              fmt::format("the rig joins no input {}to a channel", name == "*" ? "" : "'" + name + "' "),
               names.empty() ? "" : fmt::format("there is {}", fmt::join(names, ", ")));
 }
 
-Dimension unit_of(const GraphSpec& instrument, const std::string& input) {
+Dimension dimension_of(const GraphSpec& instrument, const std::string& input) {
+  ErrorList reported_elsewhere;
   for (const auto& entry : instrument.inputs)
-    if (const auto* unit = find(entry.fields, "unit");
-        entry.name == input && unit != nullptr && unit->text() != nullptr)
-      if (const auto parsed = parse_unit(*unit->text())) return parsed->dimension;
+    if (entry.name == input) return read_unit(entry, reported_elsewhere).value_or(Unit{}).dimension;
   return {};
 }
 
@@ -67,8 +64,8 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   request.in_map = {(*input)->channels.front() - 1};
   request.out_channels = 0;
   request.out_map.clear();
-  Listener listener;
-  Guarded guarded{listener, {}};
+  InputReader reader;
+  Guarded guarded{reader, {}};
   guarded.disable_sensor_watch();
   auto stream = backend.open(request, guarded);
   if (!stream) return tl::unexpected(stream.error());
@@ -78,7 +75,7 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   const auto deadline = std::chrono::steady_clock::now() + 60s;
   for (int reported = 0; !learner.done() && std::chrono::steady_clock::now() < deadline;) {
     std::this_thread::sleep_for(20ms);
-    learner.process(listener.take());
+    learner.process(reader.take());
     if ((*stream)->state() == StreamState::Lost)
       return fail(Errc::Device, "", "the device was disconnected", "try again");
     for (; reported < learner.hits(); ++reported) fmt::print(stderr, "{} ", reported + 1);
@@ -92,7 +89,7 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
              "a soft hit reaches {:.1f} dB of the card, {:.0f} dB above the noise; it now "
              "counts as -20 dB\n",
              amplitude_to_db(learnt->soft), amplitude_to_db(learnt->soft / std::max(learnt->noise, 1e-9)));
-  return use_learnt(rig, (*input)->name, *learnt, unit_of(instrument, (*input)->name));
+  return use_learnt(rig, (*input)->name, *learnt, dimension_of(instrument, (*input)->name));
 }
 
 }  // namespace tactus::app

@@ -18,17 +18,18 @@
 
 namespace tactus::app {
 
-/// What sounds in a live session: an instrument, or an instrument in its simulated world.
+/// What a live session plays: an instrument, or an instrument in its simulated world.
 class Performer {
  public:
   virtual ~Performer() = default;
 
-  virtual const std::string& name() const = 0;
+  const std::string& name() const { return name_; }
+  /// The files that it was read from.
+  const std::vector<std::filesystem::path>& files() const { return files_; }
   /// What a Guarded is put around.
   virtual BlockProcessor& processor() = 0;
   /// Whose controls, faults and edits are shown.
   virtual Player& instrument() = 0;
-  virtual const Player& instrument() const = 0;
   /// Channels of `processor`, and what is connected to each output.
   virtual std::vector<std::string> inputs() const = 0;
   virtual std::vector<std::string> outputs() const = 0;
@@ -36,45 +37,41 @@ class Performer {
   /// Channels of the card, from 0 on; empty: the first ones.
   virtual std::vector<int> in_map() const { return {}; }
   virtual std::vector<int> out_map() const { return {}; }
-  /// The files that it was read from.
-  virtual std::vector<std::filesystem::path> files() const = 0;
-  /// [control, while it plays] Reads its files again and puts what they say in the place of what sounds.
-  /// Errors: what is wrong with them; the old version then plays on.
+  /// [control, while it plays] Reads its files again and replaces what plays. Errors: of the files; the
+  /// previous version keeps playing.
   virtual Checked<void> edit() = 0;
-  /// Can a take of it be played again? Its files and what the rig does to its inputs go into `header` then.
-  virtual bool describe(TakeHeader&) const { return false; }
-  /// [control & stopped] What went through the ports of a scene, as far as one was played.
+  /// Puts its files and what the rig does to its inputs into the header of a take.
+  virtual void describe(TakeHeader&) const {}
+  /// [control & stopped] The energy that passed the ports of a scene.
   virtual std::vector<PortEnergy> ports() const { return {}; }
-  /// [control, while it plays] Strikes once, where there is something to strike.
+  /// [control, while it plays] Strikes once, where a control called `strike` allows it.
   virtual bool strike() { return false; }
+
+ protected:
+  std::string name_;
+  std::vector<std::filesystem::path> files_;
 };
 
-/// An instrument on a sound card. Without a rig it is unknown what is connected: all outputs, sound too,
-/// then have the guard of a drive with `drives`.
-struct InstrumentSetup {
+struct PerformerSetup {
   std::filesystem::path file, root;
   Hertz rate = 48_kHz;
-  Seconds delay;           ///< system delay, padding included, as far as it is known
-  int padding_frames = 0;  ///< to be added to the card's own delay
-  std::map<std::string, ControlValue> controls;
-  std::optional<Rig> rig;
-  GuardOptions guard;
+  std::optional<Seconds> delay{};  ///< of the card, as far as it is known; of a scene: instead of its own
+  std::map<std::string, ControlValue> controls{};
+  GuardOptions guard{};
+  std::optional<Rig> rig{};
+  int padding_frames = 0;  ///< added to the card's own delay
+  int speakers = 2;        ///< channels for the monitor output of a scene
 };
-Checked<std::unique_ptr<Performer>> make_instrument(InstrumentSetup setup);
 
-/// A scene, its simulated world run in real time: the instrument's audio outputs go to `speakers` channels,
-/// the sensors where it has none. Edits of what both sides read are followed.
-struct WorldSetup {
-  std::filesystem::path file, root;
-  Hertz rate = 48_kHz;
-  std::optional<Seconds> delay;  ///< instead of the scene's
-  std::map<std::string, ControlValue> set;
-  GuardOptions guard;
-  int speakers = 2;
-};
-Checked<std::unique_ptr<Performer>> make_world(WorldSetup setup);
+/// An instrument on a sound card. Without a rig it is unknown what is connected: all outputs, sound too, are
+/// then guarded as drives.
+Checked<std::unique_ptr<Performer>> make_instrument(PerformerSetup setup);
 
-/// The files of a graph and its parts.
-std::vector<std::filesystem::path> files_of(const GraphSpec& graph);
+/// A scene, its simulated world run in real time: the monitor output goes to the speakers, the sensors where
+/// there is none. Edits of its instrument and of its plant take effect while it plays.
+Checked<std::unique_ptr<Performer>> make_world(PerformerSetup setup);
+
+/// Appends the files of a graph and its parts.
+void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files);
 
 }  // namespace tactus::app

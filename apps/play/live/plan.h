@@ -7,34 +7,58 @@
 #include <vector>
 
 #include "apps/cli/backends.h"
-#include "apps/cli/console.h"
-#include "apps/play/live/live_options.h"
 #include "apps/play/live/performer.h"
+#include "apps/play/play_report.h"
 
 namespace tactus::app {
 
-/// All that a session is made from.
-struct Plan {
+/// Options of playing on a sound card.
+struct LiveOptions : PlayerOptions {
+  std::string rig, backend, device, input_device;
+  std::vector<int> in, out;  ///< channels, from 1
+  std::string pad_delay;
+  std::optional<int> periods;
+  std::string record, save_rig, midi;
+  std::string learn;  ///< an input, "*" for the first one; empty: no sensitivity is learnt
+  bool arm = false, listen = false, yes = false, force = false;
+
+  /// Is a sound card asked for at all?
+  bool live() const {
+    return listen || !rig.empty() || !backend.empty() || !device.empty() || !input_device.empty();
+  }
+};
+
+/// Plays until the user, the duration or the device ends it. The program's exit status.
+int play_live(const LiveOptions& options);
+
+/// What a session is made from.
+struct LivePlan {
   ChosenDevices devices;
   StreamRequest request;
   std::unique_ptr<Performer> performer;
   std::optional<Rig> rig;
-  std::string rig_file;                           ///< where it is kept, or empty
-  std::optional<double> delay_s;                  ///< of the card, measured
+  std::string rig_file;                           ///< or empty
+  std::optional<Seconds> delay;                   ///< of the card, measured
   std::optional<int> delay_block, delay_periods;  ///< that it was measured with, where that is known
   int padding_frames = 0;
 };
 
-/// The command line and the rig, the former first, turned into what a session needs. Asks and learns what is
-/// asked for, and opens nothing else yet.
-tl::expected<Plan, Refusal> make_plan(const LiveOptions& options);
+/// The plan by the command line and the rig, the former first. Asks for a rig and learns a sensitivity where
+/// that is an option, and opens nothing else yet. Throws a CommandError.
+LivePlan make_plan(const LiveOptions& options);
 
 /// What was granted, and beside it what was asked for where it is something else.
-std::string granted_in_words(const Plan& plan, const StreamGranted& granted);
-/// Does the measured delay hold for what was granted? It is taken back with a warning if not. Errors:
-/// BadArgument where frames were to be added to it.
-Status check_delay(Plan& plan, const StreamGranted& granted);
+std::string granted_text(const LivePlan& plan, const StreamGranted& granted);
+/// Is the measured delay valid for what was granted? If not, it is dropped with a warning. Throws a
+/// CommandError where frames were to be added to it.
+void check_delay(LivePlan& plan, const StreamGranted& granted);
 /// The system delay that the instrument uses, and its source.
-std::string delay_in_words(const Plan& plan);
+std::string delay_text(const LivePlan& plan);
+
+/// Asks the user to hit softly five times, reads the sensor at `input` ("*": the first one that the rig joins
+/// to a channel) with nothing driven, and puts its sensitivity into the rig. Errors: of the device;
+/// UnknownName for the input; of SensorLearner::result, for instance after a minute without five hits.
+Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string& input, Backend& backend,
+                         StreamRequest request);
 
 }  // namespace tactus::app

@@ -6,12 +6,10 @@
 #include "apps/cli/console.h"
 #include "apps/cli/interrupts.h"
 #include "apps/play/live/controls/keyboard.h"
-#include "apps/play/live/controls/midi_controls.h"
 #include "apps/play/live/controls/status_line.h"
-#include "apps/play/live/live_options.h"
 #include "apps/play/live/plan.h"
 #include "apps/play/live/session.h"
-#include "apps/play/live/session_report.h"
+#include "apps/play/midi_map.h"
 #include "apps/play/save_rig.h"
 #include "backends/realtime_thread.h"
 #include "engine/core/index.h"
@@ -25,155 +23,142 @@ constexpr const char* kHelp =
     "keys: a arm or disarm | m mute | space strike | up, down select a control | left, right change it | "
     "l MIDI learn for it | s save the rig | q quit";
 
-/// The keys of a session, and the control that they have selected.
+std::string source_text(const RigMidi& binding) {
+  if (binding.kind == RigMidi::Kind::PitchBend) return "the pitch wheel";
+  return fmt::format("{} {}", binding.kind == RigMidi::Kind::Note ? "note" : "controller", binding.number);
+}
+
+/// The keys and the MIDI controllers of a session, and the control that the keys have selected.
 class LivePlay {
  public:
-  LivePlay(Session& session, Plan& plan, const LiveOptions& options, StatusLine& line)
+  LivePlay(Session& session, LivePlan& plan, const std::string& midi_api, StatusLine& line)
       : session_(session),
+        controls_(session.controls()),
         plan_(plan),
         line_(line),
-        midi_(options.midi, plan.rig ? plan.rig->midi : std::vector<RigMidi>{}, session.controls()) {}
+        midi_api_(midi_api),
+        midi_map_(plan.rig ? plan.rig->midi : std::vector<RigMidi>{}) {
+    if (!midi_map_.bindings().empty() || !midi_api.empty()) open_midi();
+  }
 
   /// What happens without keys: edits, MIDI, device and guard events.
   void tick() {
-    for (const auto& words : session_.tick()) line_.say(words);
-    for (const auto& words : midi_.tick()) line_.say(words);
+    session_.tick();
+    for (const auto& message : session_.take_messages()) line_.print(message);
+    if (midi_ == nullptr) return;
+    for (const auto& message : midi_->news()) line_.print(message);
+    for (const auto& event : midi_->poll()) {
+      for (const auto& move : midi_map_.handle(event)) (void)controls_.turn(move.control, move.position);
+      if (const auto learnt = midi_map_.take_learnt())
+        line_.print(fmt::format("{} of {} moves {}; s saves it in the rig", source_text(*learnt), event.port,
+                                learnt->control));
+    }
   }
 
   /// False: the user wants to end it.
-  bool press(const Key& key) {
-    switch (key.kind) {
-      case Key::Kind::Up:
-        choose(-1);
-        break;
-      case Key::Kind::Down:
-        choose(1);
-        break;
-      case Key::Kind::Left:
-        turn(-0.05);
-        break;
-      case Key::Kind::Right:
-        turn(0.05);
-        break;
-      case Key::Kind::Character:
-        return press(key.character);
-      default:
-        break;
-    }
-    return true;
+  bool press(char pressed) {
+    for (const auto& [key, act] : {std::pair{'a', &LivePlay::arm},
+                                   {'m', &LivePlay::mute},
+                                   {' ', &LivePlay::strike},
+                                   {'l', &LivePlay::learn},
+                                   {'s', &LivePlay::save},
+                                   {'?', &LivePlay::help},
+                                   {'h', &LivePlay::help}})
+      if (key == pressed) (this->*act)();
+    if (pressed == kUpKey || pressed == kDownKey) select(pressed == kUpKey ? -1 : 1);
+    if (pressed == kLeftKey || pressed == kRightKey) turn(pressed == kLeftKey ? -0.05 : 0.05);
+    return pressed != 'q';
   }
 
-  std::string selected_control() const {
-    return chosen_ < session_.controls().all().size() ? session_.controls().text(chosen_) : "";
-  }
+  std::string selected_control() const { return any() ? controls_.text(selected_) : ""; }
 
  private:
-  bool press(char key) {
-    switch (key) {
-      case 'q':
-        return false;
-      case 'a':
-        if (!session_.has_drives()) {
-          line_.say("there is no drive to arm");
-          break;
-        }
-        session_.arm(!session_.armed());
-        line_.say(session_.armed() ? "drives armed" : "drives disarmed");
-        break;
-      case 'm':
-        session_.mute(!session_.muted());
-        line_.say(session_.muted() ? "muted" : "unmuted");
-        break;
-      case ' ':
-        if (!plan_.performer->strike()) line_.say("this scene has no strike; m mutes, a arms");
-        break;
-      case 'l':
-        learn();
-        break;
-      case 's':
-        save();
-        break;
-      case '?':
-      case 'h':
-        line_.say(kHelp);
-        break;
-      default:
-        break;
-    }
-    return true;
-  }
-  void choose(int step) {
-    const auto count = static_cast<int>(session_.controls().all().size());
-    if (count > 0) chosen_ = index((static_cast<int>(chosen_) + step + count) % count);
-  }
-  void turn(double share) {
-    if (chosen_ >= session_.controls().all().size()) return;
-    if (!session_.controls().nudge(chosen_, share))
-      line_.say(session_.controls().all()[chosen_].control.name + " is fixed while it plays");
+  bool any() const { return selected_ < controls_.all().size(); }
+  const std::string& name() const { return controls_.all()[selected_].control.name; }
+
+  bool open_midi() {
+    if (midi_ == nullptr) midi_ = make_midi_inputs(midi_api_);
+    return midi_ != nullptr;
   }
 
+  void arm() {
+    if (!session_.has_drives()) return line_.print("there is no drive to arm");
+    session_.arm(!session_.armed());
+    line_.print(session_.armed() ? "drives armed" : "drives disarmed");
+  }
+  void mute() {
+    session_.mute(!session_.muted());
+    line_.print(session_.muted() ? "muted" : "unmuted");
+  }
+  void strike() {
+    if (!plan_.performer->strike()) line_.print("this scene has no strike; m mutes, a arms");
+  }
+  void help() { line_.print(kHelp); }
+  void select(int step) {
+    const auto count = static_cast<int>(controls_.all().size());
+    if (count > 0) selected_ = index((static_cast<int>(selected_) + step + count) % count);
+  }
+  void turn(double share) {
+    if (any() && !controls_.nudge(selected_, share)) line_.print(name() + " is fixed while it plays");
+  }
   void learn() {
-    if (chosen_ >= session_.controls().all().size()) return;
-    const auto& name = session_.controls().all()[chosen_].control.name;
-    line_.say(midi_.learn(name) ? "move the MIDI controller for " + name
-                                : "this program was built without MIDI");
+    if (!any()) return;
+    if (!open_midi()) return line_.print("this program was built without MIDI");
+    midi_map_.learn(name());
+    line_.print("move the MIDI controller for " + name());
   }
   void save() {
-    if (!plan_.rig) return line_.say("there is no rig file: start with --save-rig FILE");
-    plan_.rig->midi = midi_.bindings();
+    if (!plan_.rig) return line_.print("there is no rig file: start with --save-rig FILE");
+    plan_.rig->midi = midi_map_.bindings();
     plan_.rig->controls.clear();
-    for (const auto& [control, frozen] : session_.controls().all())
+    for (const auto& [control, frozen] : controls_.all())
       plan_.rig->controls.push_back({control.name, {}, {control.value, control.unit, false}});
-    const auto saved = replace_rig(*plan_.rig, plan_.rig_file);
-    line_.say(saved ? plan_.rig_file + ": controls and MIDI bindings saved; the former file is " +
-                          plan_.rig_file + "~"
-                    : to_string(saved.error()));
+    const auto& file = plan_.rig_file;
+    const auto saved = replace_rig(*plan_.rig, file);
+    line_.print(saved ? file + ": controls and MIDI bindings saved; the former file is " + file + "~"
+                      : to_string(saved.error()));
   }
 
   Session& session_;
-  Plan& plan_;
+  LiveControls& controls_;
+  LivePlan& plan_;
   StatusLine& line_;
-  MidiControls midi_;
-  std::size_t chosen_ = 0;
+  std::string midi_api_;
+  MidiMap midi_map_;
+  std::unique_ptr<MidiInputs> midi_;  ///< opened when something is bound or MIDI learn is on
+  std::size_t selected_ = 0;
 };
 
-Result<double> seconds_of(const std::string& text, const char* option) {
-  if (text.empty()) return 0.0;
-  const auto seconds = parse_option(text, "s", option);
-  if (seconds && !(*seconds > 0))
-    return fail(Errc::OutOfRange, std::string{"--"} + option, "must be above 0 s", "");
-  return seconds;
-}
-
-/// The control loop: keys, edits, the status line. Returns the exit code.
-int run_play_live(Session& session, Plan& plan, const LiveOptions& options, double seconds) {
+/// The control loop: keys, edits, the status line. `duration`: 0: until it is ended. Returns the exit code.
+int run_play_live(Session& session, LivePlan& plan, const LiveOptions& options, Seconds duration) {
   using namespace std::chrono_literals;
   StatusLine line;
   Keyboard keyboard;
-  LivePlay player{session, plan, options, line};
-  if (keyboard.is_terminal()) line.say(kHelp);
+  LivePlay player{session, plan, options.midi, line};
+  if (keyboard.is_terminal()) line.print(kHelp);
   const auto begin = Clock::now();
   auto drawn = begin - 1s;
   while (true) {
     if (interrupted()) return kInterrupted;
     if (session.over()) return kDevice;
-    if (seconds > 0 && std::chrono::duration<double>(Clock::now() - begin).count() >= seconds) return kDone;
+    const std::chrono::duration<double> played = Clock::now() - begin;
+    if (duration.value > 0 && played.count() >= duration.value) return kDone;
     if (const auto key = keyboard.wait(20ms); key && !player.press(*key)) return kDone;
     player.tick();
     if (Clock::now() - drawn < 100ms) continue;
     drawn = Clock::now();
-    line.draw(session.look(), player.selected_control());
+    line.draw(session.view(), player.selected_control());
   }
 }
 
 /// What plays where, and the state of the drives.
-void announce(const Session& session, const Plan& plan, const LiveOptions& options) {
-  fmt::print(stderr, "{}\n{}\n", plan.performer->name(), granted_in_words(plan, session.granted()));
+void announce(const Session& session, const LivePlan& plan, const LiveOptions& options) {
+  fmt::print(stderr, "{}\n{}\n", plan.performer->name(), granted_text(plan, session.granted()));
   if (options.listen)
     fmt::print(stderr, "sound goes to the first channels of {}: connect speakers there, no actuators\n",
                session.granted().device);
   else
-    fmt::print(stderr, "{}\n", delay_in_words(plan));
+    fmt::print(stderr, "{}\n", delay_text(plan));
   if (!options.arm && session.has_drives())
     fmt::print(stderr, "the drives are disarmed: press a, or start with --arm\n");
 }
@@ -181,31 +166,24 @@ void announce(const Session& session, const Plan& plan, const LiveOptions& optio
 }  // namespace
 
 int play_live(const LiveOptions& options) {
-  const auto seconds = seconds_of(options.duration, "duration");
-  if (!seconds) return report(seconds.error()), kUsage;
+  const auto duration = options.duration.empty() ? 0_s : or_exit(parse_duration(options.duration));
   auto plan = make_plan(options);
-  if (!plan) return report(plan.error().errors), plan.error().exit;
-
   if (const auto locked = lock_memory(); !locked) fmt::print(stderr, "note: {}\n", to_string(locked.error()));
-  Session session{*plan->performer, *plan->devices.backend, plan->request, options.arm};
-  if (!options.record.empty()) session.record(options.record);
+  Session session{*plan.performer, *plan.devices.backend, plan.request, options.arm};
   install_signal_handlers(/*also_hangup=*/true);
-  if (const auto opened = session.open(); !opened) return report(opened.error()), exit_of(opened.error());
-  if (const auto known = check_delay(*plan, session.granted()); !known) return report(known.error()), kUsage;
-  if (plan->delay_s)
-    session.know_delay();
-  else
-    session.forget_delay();
-  if (const auto started = session.start(); !started) return report(started.error()), kDevice;
-  announce(session, *plan, options);
+  if (const auto opened = session.open(options.record); !opened)
+    exit_with(opened.error(), exit_of(opened.error()));
+  check_delay(plan, session.granted());
+  session.set_delay_known(plan.delay.has_value());
+  or_exit(session.start(), kDevice);
+  announce(session, plan, options);
 
-  const int ended = run_play_live(session, *plan, options, *seconds);
-  const auto view = session.look();
-  std::vector<std::string> words;
-  const auto stopped = session.stop(words);
-  for (const auto& line : words) fmt::print(stderr, "{}\n", line);
-  print_report(session, view, *plan->performer, options.json);
-  if (!stopped) return report(stopped.error()), kDevice;
+  const int ended = run_play_live(session, plan, options, duration);
+  const auto view = session.view();
+  const auto stopped = session.stop();
+  for (const auto& message : session.take_messages()) fmt::print(stderr, "{}\n", message);
+  print_report(session, view, *plan.performer, options.json);
+  or_exit(stopped, kDevice);
   return ended;
 }
 

@@ -5,7 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <thread>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/take_files.h"
+#include "apps/play/live/controls/status_line.h"
+#include "apps/play/play_report.h"
 
 namespace tactus::app {
 namespace {
@@ -29,6 +35,46 @@ void raise(std::vector<double>& highest, const std::vector<double>& peaks) {
   for (std::size_t c = 0; c < peaks.size(); ++c) highest[c] = std::max(highest[c], peaks[c]);
 }
 
+using Json = nlohmann::ordered_json;
+
+Json session_health(const Health& health) {
+  Json gaps = Json::object();
+  for (std::size_t g = 0; g < kGaps; ++g) gaps[name_of(static_cast<Gap>(g))] = health.gaps[g];
+  return {{"blocks", health.blocks},
+          {"frames", health.frames},
+          {"xruns", health.xruns},
+          {"xruns_by_cause", gaps},
+          {"lost_frames", health.lost_frames},
+          {"late_blocks", health.late_blocks},
+          {"bad_input_samples", health.bad_input},
+          {"load_median", health.median_load},
+          {"load_p999", health.high_load},
+          {"load_worst", health.peak_load},
+          {"realtime_priority", health.realtime_priority}};
+}
+
+Json levels_json(const std::vector<SessionView::Level>& levels) {
+  Json json = Json::object();
+  for (const auto& level : levels) json[level.name] = level.peak;
+  return json;
+}
+
+Json report_json(Session& session, const SessionView& view, const Performer& performer) {
+  const auto& granted = session.granted();
+  Json json{{"instrument", performer.name()},
+            {"device", granted.device},
+            {"sample_rate_hz", granted.format.sample_rate.value},
+            {"block_frames", granted.block_frames},
+            {"highest_input", levels_json(view.highest_inputs)},
+            {"highest_output", levels_json(view.highest_outputs)},
+            {"health", session_health(view.health)},
+            {"takes", Json::array()},
+            {"guard", guard_json(session.guard_report(), granted.format.sample_rate)}};
+  for (const auto& take : session.takes()) json["takes"].push_back(take.string());
+  if (const auto ports = performer.ports(); !ports.empty()) json["ports"] = ports_json(ports);
+  return json;
+}
+
 }  // namespace
 
 Session::Session(Performer& performer, Backend& backend, StreamRequest request, bool armed)
@@ -45,39 +91,27 @@ Session::Session(Performer& performer, Backend& backend, StreamRequest request, 
   files_.watch(performer_.files());
 }
 
-Session::~Session() {
-  std::vector<std::string> unread;
-  (void)stop(unread);
-}
+Session::~Session() { (void)stop(); }
 
-void Session::record(const std::filesystem::path& wav) {
-  recording_ = std::make_unique<Recording>(wav, performer_, guarded_, meter_);
-}
-
-std::vector<std::filesystem::path> Session::takes() const {
-  return recording_ == nullptr ? std::vector<std::filesystem::path>{} : recording_->files();
-}
-
-Status Session::open() {
+Status Session::open(const std::filesystem::path& record) {
+  record_ = record;
   auto opened = ReconnectingStream::open(backend_, request_, guarded_);
   if (!opened) return tl::unexpected(opened.error());
   stream_ = std::move(*opened);
-  if (recording_ != nullptr) {
-    if (auto status = recording_->begin(); !status) return status;
-    stream_->on_return([this] {
-      if (const auto status = recording_->begin(); !status)
-        waiting_messages_.push_back("recording stopped: " + to_string(status.error()));
-    });
-  }
-  return {};
+  if (record_.empty()) return {};
+  stream_->on_return([this] {
+    end_take();
+    if (const auto status = begin_take(); !status)
+      messages_.push_back("recording stopped: " + to_string(status.error()));
+  });
+  return begin_take();
 }
 
-Status Session::stop(std::vector<std::string>& messages) {
+Status Session::stop() {
   if (stream_ == nullptr) return {};
   fade_out();
-  const auto stopped = stream_->stop();
-  if (recording_ != nullptr)
-    for (auto& line : recording_->end()) messages.push_back(std::move(line));
+  auto stopped = stream_->stop();
+  end_take();
   return stopped;
 }
 
@@ -110,48 +144,46 @@ void Session::mute(bool on) {
   muted_ = on;
 }
 
-std::vector<std::string> Session::tick() {
+void Session::tick() {
   stream_->tick();
-  auto messages = std::exchange(waiting_messages_, {});
-  while (auto event = stream_->take_event()) messages.push_back(std::move(*event));
-  if (recording_ != nullptr)
-    for (auto& line : recording_->news()) messages.push_back(std::move(line));
-  report_guard_events(messages);
-  report_faults(messages);
-  check_delay_after_gap(messages);
-  follow_edits(messages);
-  return messages;
+  while (auto event = stream_->take_event()) messages_.push_back(std::move(*event));
+  report_recording();
+  report_guard_events();
+  report_faults();
+  check_delay_after_gap();
+  follow_edits();
 }
 
-void Session::forget_delay() {
-  delay_known_ = false;
-  (void)performer_.instrument().post({JournalEntry::kNow, JournalEntry::Kind::SystemDelay, 0, -1.0});
+void Session::set_delay_known(bool known) {
+  delay_known_ = known;
+  if (!known)
+    (void)performer_.instrument().post({JournalEntry::kNow, JournalEntry::Kind::SystemDelay, 0, -1.0});
 }
 
 /// Some drivers come out of a gap with a buffer more or less.
-void Session::check_delay_after_gap(std::vector<std::string>& messages) {
+void Session::check_delay_after_gap() {
   if (!delay_known_ || !granted().xruns_move_delay || stream_->health().xruns == 0) return;
-  forget_delay();
-  messages.push_back(
+  set_delay_known(false);
+  messages_.push_back(
       "a gap may have changed the round-trip latency: it counts as unknown until the device is opened again");
 }
 
 /// An edit waits until the one before it has taken over.
-void Session::follow_edits(std::vector<std::string>& messages) {
-  edit_waits_ = files_.changed() || edit_waits_;
-  if (!edit_waits_ || performer_.instrument().replacing()) return;
-  edit_waits_ = false;
+void Session::follow_edits() {
+  edit_pending_ = files_.changed() || edit_pending_;
+  if (!edit_pending_ || performer_.instrument().replacing()) return;
+  edit_pending_ = false;
   if (const auto edited = performer_.edit(); !edited) {
-    messages.push_back(to_string(edited.error()) + "\nthe previous version keeps playing");
+    messages_.push_back(to_string(edited.error()) + "\nthe previous version keeps playing");
   } else {
     controls_.renew();
-    if (recording_ != nullptr) recording_->edited();
-    messages.push_back(performer_.name() + ": edit applied");
+    note_edit();
+    messages_.push_back(performer_.name() + ": edit applied");
   }
   files_.watch(performer_.files());
 }
 
-void Session::report_guard_events(std::vector<std::string>& messages) {
+void Session::report_guard_events() {
   GuardReport names;
   names.input_names = performer_.inputs();
   for (const auto& output : performer_.outputs()) names.outputs.push_back({output, {}, {}, 0.0});
@@ -160,24 +192,67 @@ void Session::report_guard_events(std::vector<std::string>& messages) {
     arm(false);  // one of several drives may still be armed: what is shown is true for all
     events_.push_back(event);
     names.events = {event};
-    for (auto& line : in_words(names, granted().format.sample_rate)) messages.push_back(std::move(line));
+    for (auto& line : in_words(names, granted().format.sample_rate)) messages_.push_back(std::move(line));
   }
 }
 
-void Session::report_faults(std::vector<std::string>& messages) {
-  for (const auto& fault : performer_.instrument().faults()) {
-    const auto reported = std::find_if(reported_faults_.begin(), reported_faults_.end(),
-                                       [&](const FaultCount& known) { return known.path == fault.path; });
-    if (reported != reported_faults_.end()) {
-      reported->count = fault.count;
-      continue;
-    }
-    reported_faults_.push_back(fault);
-    messages.push_back(fault.path + ": non-finite output; the node was reset and its output is silenced");
-  }
+void Session::report_faults() {
+  for (const auto& fault : performer_.instrument().faults())
+    if (!std::exchange(fault_counts_[fault.path], fault.count))
+      messages_.push_back(fault.path + ": non-finite output; the node was reset and its output is silenced");
 }
 
-SessionView Session::look() {
+Status Session::begin_take() {
+  auto header = take_header(performer_.instrument(), guarded_);
+  header.program = version();
+  performer_.describe(header);
+  auto file = record_;
+  if (!takes_.empty())
+    file.replace_filename(
+        fmt::format("{}-{}{}", record_.stem().string(), takes_.size() + 1, record_.extension().string()));
+  auto begun = TakeRecorder::start(file, std::move(header));
+  if (!begun) return tl::unexpected(begun.error());
+  recorder_ = std::move(*begun);
+  takes_.push_back(file);
+  reported_dropped_ = 0;
+  reported_error_ = false;
+  meter_.set_next(&recorder_->tap());
+  performer_.instrument().set_tap(&recorder_->tap());
+  return {};
+}
+
+void Session::end_take() {
+  if (recorder_ == nullptr) return;
+  meter_.set_next(nullptr);
+  performer_.instrument().set_tap(nullptr);
+  for (auto& message : recorder_->finish()) messages_.push_back(std::move(message));
+  recorder_.reset();
+}
+
+/// An edit took effect.
+void Session::note_edit() {
+  if (recorder_ == nullptr) return;
+  TakeHeader now;
+  performer_.describe(now);
+  const auto& instrument = performer_.instrument();
+  TakeEdit edit;
+  edit.files = std::move(now.files);
+  edit.settings = take_settings(instrument.plan());
+  edit.controls = instrument.control_names();
+  recorder_->note_edit(std::move(edit));
+}
+
+void Session::report_recording() {
+  if (recorder_ == nullptr) return;
+  const auto status = recorder_->status();
+  if (!status.error.empty() && !std::exchange(reported_error_, true))
+    messages_.push_back("recording stopped: " + status.error + "; the instrument keeps playing");
+  if (std::exchange(reported_dropped_, status.dropped_frames) < status.dropped_frames)
+    messages_.push_back(fmt::format("the disk is too slow: {} frames dropped from the recording so far",
+                                    status.dropped_frames));
+}
+
+SessionView Session::view() {
   SessionView view;
   view.drives = has_drives();
   view.armed = armed_;
@@ -199,8 +274,8 @@ SessionView Session::look() {
         view.guard.push_back(outputs[c] + " " + name_of(static_cast<GuardStage>(s)));
     seen_guards_[c] = counts;
   }
-  for (const auto& fault : reported_faults_) view.faults += fault.count;
-  if (recording_ != nullptr) view.recorded_s = recording_->seconds();
+  for (const auto& [path, count] : fault_counts_) view.faults += count;
+  if (recorder_ != nullptr) view.recorded_s = recorder_->status().recorded.value;
   return view;
 }
 
@@ -208,6 +283,20 @@ GuardReport Session::guard_report() {
   auto report = report_of(guarded_, guards_, performer_.inputs(), performer_.outputs());
   report.events.insert(report.events.begin(), events_.begin(), events_.end());
   return report;
+}
+
+void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json) {
+  if (as_json) return fmt::print("{}\n", report_json(session, view, performer).dump(2));
+  for (const auto* levels : {&view.highest_inputs, &view.highest_outputs})
+    for (const auto& level : *levels)
+      fmt::print("  {:<18}  {} at most\n", level.name, level_text(level.peak));
+  fmt::print("  load                {}\n", load_text(view.health));
+  fmt::print("  gaps                {}\n", xrun_text(view.health));
+  if (view.health.bad_input > 0)
+    fmt::print("  bad input           {} non-finite samples replaced by zero\n", view.health.bad_input);
+  print_guard(session.guard_report(), session.granted().format.sample_rate);
+  print_ports(performer.ports());
+  for (const auto& take : session.takes()) fmt::print("  take                {}\n", take.string());
 }
 
 }  // namespace tactus::app

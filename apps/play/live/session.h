@@ -1,21 +1,66 @@
 #pragma once
-// Thread: [control]
+// Thread: [control] unless stated otherwise
 
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "apps/play/live/controls/level_meter.h"
 #include "apps/play/live/controls/live_controls.h"
 #include "apps/play/live/performer.h"
-#include "apps/play/live/recording.h"
 #include "apps/play/live/watched_files.h"
 #include "backends/reconnecting_stream.h"
+#include "backends/take/take_recorder.h"
+#include "engine/core/index.h"
+#include "engine/guard/guarded.h"
 #include "engine/scene/guard_report.h"
 
 namespace tactus::app {
+
+/// The highest sample of each channel since the last call, and another tap behind it.
+class LevelMeter final : public BlockTap {
+ public:
+  LevelMeter(int inputs, int outputs) : inputs_(index(inputs)), outputs_(index(outputs)) {}
+
+  /// [control & stopped] It observes everything too, and outlives this or is removed with nullptr.
+  void set_next(BlockTap* next) { next_ = next; }
+
+  void applied(const JournalEntry& entry) noexcept TACTUS_NONBLOCKING override {
+    if (next_ != nullptr) next_->applied(entry);
+  }
+  void observe(const BlockIo& io, std::int64_t first_frame) noexcept TACTUS_NONBLOCKING override {
+    for (std::size_t c = 0; c < inputs_.size(); ++c) raise(inputs_[c], io.in[c], io.frames);
+    for (std::size_t c = 0; c < outputs_.size(); ++c) raise(outputs_[c], io.out[c], io.frames);
+    if (next_ != nullptr) next_->observe(io, first_frame);
+  }
+
+  /// [control, one thread] Full scale = 1; the next call starts anew.
+  std::vector<double> take_inputs() { return take(inputs_); }
+  std::vector<double> take_outputs() { return take(outputs_); }
+
+ private:
+  using Peaks = std::vector<std::atomic<double>>;
+
+  static void raise(std::atomic<double>& peak, const double* samples, int frames) noexcept {
+    double highest = peak.load(std::memory_order_relaxed);
+    for (int n = 0; n < frames; ++n) highest = std::max(highest, std::abs(samples[n]));
+    peak.store(highest, std::memory_order_relaxed);
+  }
+  static std::vector<double> take(Peaks& peaks) {
+    std::vector<double> levels;
+    for (auto& peak : peaks) levels.push_back(peak.exchange(0.0, std::memory_order_relaxed));
+    return levels;
+  }
+
+  Peaks inputs_, outputs_;
+  BlockTap* next_ = nullptr;
+};
 
 /// The state of a session, for a status line.
 struct SessionView {
@@ -24,12 +69,12 @@ struct SessionView {
   StreamState state = StreamState::Stopped;
   struct Level {
     std::string name;
-    double peak = 0;  ///< since the last look, full scale = 1
+    double peak = 0;  ///< since the last view, full scale = 1
   };
   std::vector<Level> inputs, outputs;
   std::vector<Level> highest_inputs, highest_outputs;  ///< since the start
   Health health;
-  std::vector<std::string> guard;  ///< stages that intervened since the last look: "woofer ceiling"
+  std::vector<std::string> guard;  ///< stages that intervened since the last view: "woofer ceiling"
   std::int64_t faults = 0;         ///< of nodes, so far
   std::optional<double> recorded_s;
 };
@@ -42,15 +87,18 @@ class Session {
   Session(Performer& performer, Backend& backend, StreamRequest request, bool armed);
   ~Session();
 
-  /// Opens the device; nothing flows yet. Errors: of ReconnectingStream; of the recording.
-  [[nodiscard]] Status open();
+  /// Opens the device; nothing flows yet. `record`: records takes into this WAV file, empty: into none. A
+  /// stream that begins again is another take: take.wav, take-2.wav and so on, one more for each reconnection
+  /// of the device. Errors: of ReconnectingStream; of TakeRecorder::start.
+  [[nodiscard]] Status open(const std::filesystem::path& record);
   /// Errors: of ReconnectingStream.
   [[nodiscard]] Status start() { return stream_->start(); }
-  /// Fades out, plays a block of zeros, and ends the take; its errors are appended to `messages`.
-  /// The device is closed with the session.
-  Status stop(std::vector<std::string>& messages);
-  /// To be called about 20 times a second. Returns messages for the user.
-  std::vector<std::string> tick();
+  /// Fades out, plays a block of zeros, and ends the take. The device is closed with the session.
+  Status stop();
+  /// To be called about 20 times a second.
+  void tick();
+  /// Messages for the user since the last call.
+  std::vector<std::string> take_messages() { return std::exchange(messages_, {}); }
 
   void arm(bool on);
   void mute(bool on);
@@ -64,27 +112,27 @@ class Session {
   bool over() const {
     return stream_ != nullptr && stream_->state() == StreamState::Lost && !granted().comes_back;
   }
-  Guarded& guarded() { return guarded_; }
-  /// [before `open`] Records takes.
-  void record(const std::filesystem::path& wav);
-  /// The files of the takes.
-  std::vector<std::filesystem::path> takes() const;
+  /// The files of the takes, oldest first.
+  const std::vector<std::filesystem::path>& takes() const { return takes_; }
   /// [opened] The round-trip latency is known: a warning is given when a gap may have changed it.
-  void know_delay() { delay_known_ = true; }
-  /// It is unknown, or was measured with other settings.
-  void forget_delay();
+  /// If not: it is unknown, or was measured with other settings.
+  void set_delay_known(bool known);
 
   /// Levels and guard stages since the last call.
-  SessionView look();
+  SessionView view();
   /// Counts of all guards since the start.
   GuardReport guard_report();
 
  private:
   void fade_out();
-  void follow_edits(std::vector<std::string>& messages);
-  void report_guard_events(std::vector<std::string>& messages);
-  void report_faults(std::vector<std::string>& messages);
-  void check_delay_after_gap(std::vector<std::string>& messages);
+  void follow_edits();
+  void report_guard_events();
+  void report_faults();
+  void report_recording();
+  void check_delay_after_gap();
+  Status begin_take();
+  void end_take();
+  void note_edit();
 
   Performer& performer_;
   Backend& backend_;
@@ -92,18 +140,25 @@ class Session {
   std::vector<GuardedChannel> guards_;
   Guarded guarded_;
   LevelMeter meter_;
-  std::unique_ptr<Recording> recording_;
   LiveControls controls_;
   WatchedFiles files_;
   std::unique_ptr<ReconnectingStream> stream_;
   bool armed_, muted_ = false;
-  bool edit_waits_ = false;
+  bool edit_pending_ = false;
   bool delay_known_ = false;
   std::vector<double> highest_in_, highest_out_;
   std::vector<GuardCounts> seen_guards_;
-  std::vector<FaultCount> reported_faults_;
+  std::map<std::string, std::int64_t> fault_counts_;  ///< by node
   std::vector<GuardEvent> events_;
-  std::vector<std::string> waiting_messages_;  ///< for the next tick
+  std::vector<std::string> messages_;
+  std::filesystem::path record_;
+  std::vector<std::filesystem::path> takes_;
+  std::unique_ptr<TakeRecorder> recorder_;
+  std::int64_t reported_dropped_ = 0;
+  bool reported_error_ = false;
 };
+
+/// Prints what a session that has stopped did; `view`: its last one. For people, or all of it as one object.
+void print_report(Session& session, const SessionView& view, const Performer& performer, bool as_json);
 
 }  // namespace tactus::app

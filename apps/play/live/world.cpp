@@ -21,7 +21,7 @@ struct Read {
   CompiledScene compiled;
 };
 
-Checked<Read> read_scene(const WorldSetup& setup) {
+Checked<Read> read_scene(const PerformerSetup& setup) {
   auto loaded = load_scene_leniently(setup.file, setup.root);
   if (!loaded.scene) return tl::unexpected(std::move(loaded.errors));
   auto drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
@@ -30,7 +30,7 @@ Checked<Read> read_scene(const WorldSetup& setup) {
   SceneOptions options;
   options.rate = setup.rate;
   options.delay = setup.delay;
-  options.set = setup.set;
+  options.set = setup.controls;
   options.by_hand = true;
   auto compiled = compile_scene(loaded, standard_nodes(), options);
   if (!compiled) return tl::unexpected(compiled.error());
@@ -40,8 +40,7 @@ Checked<Read> read_scene(const WorldSetup& setup) {
 std::vector<std::filesystem::path> files_of(const SceneSpec& scene, const std::filesystem::path& file) {
   std::vector<std::filesystem::path> files{file};
   for (const auto& part : scene.parts)
-    if (part.graph != nullptr)
-      for (auto& path : app::files_of(*part.graph)) files.push_back(std::move(path));
+    if (part.graph != nullptr) add_files(*part.graph, files);
   return files;
 }
 
@@ -76,26 +75,26 @@ Monitor monitor_of(const Player& instrument, int speakers) {
 
 class LiveWorld final : public Performer, private BlockProcessor {
  public:
-  LiveWorld(WorldSetup setup, Read read)
+  LiveWorld(PerformerSetup setup, Read read)
       : setup_(std::move(setup)),
         scene_(std::move(read.scene)),
-        files_(files_of(scene_, setup_.file)),
         built_(std::move(read.compiled)),
         ports_(scene_, built_.plant_taps),
         guarded_(*built_.instrument, guarded_channels(built_.instrument->plan(), scene_.drives)),
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
         monitor_(monitor_of(*built_.instrument, setup_.speakers)),
-        listener_([this](const ClosedLoop::Block& piece) { copy_monitor(piece); }) {}
+        listener_([this](const ClosedLoop::Block& piece) { copy_monitor(piece); }) {
+    name_ = scene_.name;
+    files_ = files_of(scene_, setup_.file);
+  }
 
-  const std::string& name() const override { return scene_.name; }
   BlockProcessor& processor() override { return *this; }
   Player& instrument() override { return *built_.instrument; }
-  const Player& instrument() const override { return *built_.instrument; }
   std::vector<std::string> inputs() const override { return {}; }
   std::vector<std::string> outputs() const override {
-    const auto& schedule = built_.instrument->plan();
-    const auto all = monitor_.sensors ? schedule.input_names : output_names(schedule);
+    const auto& plan = built_.instrument->plan();
+    const auto all = monitor_.sensors ? plan.input_names : output_names(plan);
     std::vector<std::string> names;
     for (const auto index : monitor_.channels) names.push_back(all[index]);
     return names;
@@ -103,7 +102,6 @@ class LiveWorld final : public Performer, private BlockProcessor {
   std::vector<GuardedChannel> guards() const override {
     return std::vector<GuardedChannel>(monitor_.channels.size(), GuardedChannel{DriveGuard::Kind::Audio, {}});
   }
-  std::vector<std::filesystem::path> files() const override { return files_; }
 
   Checked<void> edit() override {
     auto read = read_scene(setup_);
@@ -114,9 +112,9 @@ class LiveWorld final : public Performer, private BlockProcessor {
                             "another delay cannot take over while it plays", "start again"}});
     files_ = files_of(read->scene, setup_.file);
     if (!same_names(read->compiled.plant_taps, built_.plant_taps)) watching_ = false;
-    for (auto [engine, schedule] : {std::pair{built_.instrument.get(), &read->compiled.instrument},
-                                    std::pair{built_.plant.get(), &read->compiled.plant}})
-      if (auto status = engine->replace(std::move(*schedule)); !status)
+    for (auto [engine, plan] : {std::pair{built_.instrument.get(), &read->compiled.instrument},
+                                std::pair{built_.plant.get(), &read->compiled.plant}})
+      if (auto status = engine->replace(std::move(*plan)); !status)
         return tl::unexpected(std::vector{status.error()});
     return {};
   }
@@ -158,9 +156,8 @@ class LiveWorld final : public Performer, private BlockProcessor {
     if (watching_.load(std::memory_order_relaxed)) ports_.take(*built_.plant, piece.frames);
   }
 
-  WorldSetup setup_;
+  PerformerSetup setup_;
   SceneSpec scene_;  ///< as it was at first
-  std::vector<std::filesystem::path> files_;
   BuiltScene built_;
   PortWatches ports_;
   std::atomic<bool> watching_ = true;  ///< its signals lie where they did
@@ -175,7 +172,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
 }  // namespace
 
-Checked<std::unique_ptr<Performer>> make_world(WorldSetup setup) {
+Checked<std::unique_ptr<Performer>> make_world(PerformerSetup setup) {
   auto read = read_scene(setup);
   if (!read) return tl::unexpected(read.error());
   return std::make_unique<LiveWorld>(std::move(setup), std::move(*read));

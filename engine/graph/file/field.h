@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,8 +16,6 @@
 
 namespace tactus {
 
-/// Of a number that may be as large, or as far below 0, as one likes.
-inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 /// The latest time that a file may name: a day.
 inline constexpr double kLongestTime_s = 86400;
 
@@ -49,7 +46,7 @@ struct FieldType {
   Kind kind = Kind::Text;
   std::string doc;
   std::string unit{};
-  double low = -kNoBound, high = kNoBound;
+  double low = -kUnlimited, high = kUnlimited;
   std::string fallback{};  ///< what it is if left out, as in a file
   std::vector<std::string> choices{};
   const SectionType* inside = nullptr;
@@ -110,7 +107,7 @@ class FieldReader {
 
   std::string text(std::string_view key);
   /// Of a quantity or a whole number; `most` lowers the highest that the section allows.
-  std::optional<double> number(std::string_view key, double most = kNoBound);
+  std::optional<double> number(std::string_view key, double most = kUnlimited);
   std::optional<QuantityValue> any(std::string_view key);
   bool flag(std::string_view key);
   /// Place in the choices.

@@ -152,7 +152,7 @@ const SectionType& control_fields() {
       "what the player sets",
       {required(field("value", FieldType::Kind::Any, "where it starts")),
        field("range", FieldType::Kind::Range, "lowest and highest value"), unit_field(),
-       quantity_field("smooth", "s", 0, kNoBound, "time in which it reaches a new value", "10 ms"),
+       quantity_field("smooth", "s", 0, kUnlimited, "time in which it reaches a new value", "10 ms"),
        about_field()}};
   return section;
 }

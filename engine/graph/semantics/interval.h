@@ -8,10 +8,12 @@
 
 namespace tactus {
 
+inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
 /// All values that a signal can take: what bounds the delays, and so the sub-blocks, of a graph.
 struct Interval {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
+  double low = -kUnlimited;
+  double high = kUnlimited;
 
   static Interval exactly(double value) { return {value, value}; }
   bool bounded() const { return std::isfinite(low) && std::isfinite(high); }

@@ -1,9 +1,8 @@
-#include "apps/play/play_files.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
 
+#include "apps/play/play_report.h"
 #include "engine/scene/measures/measure.h"
 #include "tests/support/temporary_folder.h"
 
@@ -17,13 +16,9 @@ using namespace tactus::app;
 namespace {
 
 PlayedScene play(const char* scene, const char* duration) {
-  SceneRun run;
-  run.file = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene;
-  run.duration = duration;
-  run.show_progress = false;
-  auto played = play_file(run);
-  if (!played) throw std::runtime_error(to_string(played.error()));
-  return std::move(*played);
+  PlayerOptions options;
+  options.duration = duration;
+  return play_file(std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene, options);
 }
 
 /// The names of what is there, in order: "sound drives".
@@ -43,8 +38,8 @@ std::string kinds_of(const std::vector<std::string>& written) {
 TEST_CASE("play files: the sound alone in one, the drives in another, as they are", "[apps]") {
   const test::TemporaryFolder folder;
   const auto played = play("cellomobo/scene.toml", "0.5 s");
-  const PlayFiles files{folder.path().string(), {}};
-  const auto written = write_files(files, played);
+  const auto files = folder.path().string();
+  const auto written = write_files(files, {}, played);
   REQUIRE(written);
   CHECK(kinds_of(*written) == "sound drives sensors motion");
   for (const auto& [file, signal] :
@@ -63,9 +58,8 @@ TEST_CASE("play files: the sound alone in one, the drives in another, as they ar
 
 TEST_CASE("play files: there is no file of what does not sound or is not driven", "[apps]") {
   const test::TemporaryFolder folder;
-  const PlayFiles files{folder.path().string(), {}};
   const auto kinds = [&](const char* scene) {
-    return kinds_of(write_files(files, play(scene, "0.2 s")).value());
+    return kinds_of(write_files(folder.path().string(), {}, play(scene, "0.2 s")).value());
   };
   CHECK(kinds("bouncing_ball/scene.toml") == "drives motion");
   CHECK(kinds("bouncing_ball/table_scene.toml") == "motion");

@@ -1,7 +1,7 @@
-#include "apps/play/report_sections.h"
-
 #include <catch2/catch.hpp>
 #include <filesystem>
+
+#include "apps/play/play_report.h"
 
 using namespace tactus;
 using namespace tactus::app;
@@ -10,14 +10,11 @@ namespace {
 
 /// What is reported of a scene; null where no ball bounces.
 nlohmann::ordered_json ball_of(const char* scene, const char* duration = "") {
-  SceneRun run;
-  run.file = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene;
-  run.duration = duration;
-  run.show_progress = false;
-  const auto played = play_file(run);
-  if (!played) throw std::runtime_error(to_string(played.error()));
+  PlayerOptions options;
+  options.duration = duration;
+  const auto played = play_file(std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments" / scene, options);
   nlohmann::ordered_json json;
-  for (const auto& section : sections_of(*played, nullptr)) section->add_to(json);
+  for (const auto& section : sections_of(played, nullptr)) json.update(section.json);
   return json["ball"];
 }
 

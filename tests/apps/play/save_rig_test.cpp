@@ -5,6 +5,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "apps/cli/console.h"
 #include "engine/graph/file/load.h"
 #include "engine/rig/check_rig.h"
 #include "tests/support/temporary_folder.h"
@@ -27,16 +28,14 @@ Rig::Device device() {
 }
 
 struct Talk {
-  Result<Rig> rig;
+  Rig rig;
   std::string shown;
 };
 
 Talk talk(const std::string& answers, bool defaults = false, int outputs = 4) {
-  const auto instrument = drum();
-  RigInterview interview{*instrument, device(), 2, outputs, kRoot};
   std::istringstream in{answers};
   std::ostringstream out;
-  auto rig = hold_interview(interview, in, out, defaults);
+  auto rig = ask_for_rig(*drum(), device(), 2, outputs, kRoot, {in, out, defaults});
   return {std::move(rig), out.str()};
 }
 
@@ -44,9 +43,8 @@ Talk talk(const std::string& answers, bool defaults = false, int outputs = 4) {
 
 TEST_CASE("save_rig: all defaults give a rig that fits, with cautious limits", "[rig]") {
   const auto asked = talk("", true);
-  REQUIRE(asked.rig);
   CHECK(asked.shown.empty());
-  const auto rig = parse_rig(to_text(*asked.rig), "rig.toml", kRoot);
+  const auto rig = parse_rig(to_text(asked.rig), "rig.toml", kRoot);
   REQUIRE(rig);
   CHECK(to_string(check_rig(*rig, *drum())).empty());
   CHECK(rig->inputs[0].channels == std::vector{1});
@@ -58,8 +56,7 @@ TEST_CASE("save_rig: all defaults give a rig that fits, with cautious limits", "
 
 TEST_CASE("save_rig: a card with too few outputs leaves the last ones out", "[rig]") {
   const auto asked = talk("", true, 1);
-  REQUIRE(asked.rig);
-  CHECK(asked.rig->outputs[1].channels.empty());
+  CHECK(asked.rig.outputs[1].channels.empty());
 }
 
 TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig]") {
@@ -71,8 +68,7 @@ TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig
       "3\n1\n"              // sound cannot share its channel
       "4\n");               // another actuator
   INFO(asked.shown);
-  REQUIRE(asked.rig);
-  const auto rig = parse_rig(to_text(*asked.rig), "rig.toml", kRoot);
+  const auto rig = parse_rig(to_text(asked.rig), "rig.toml", kRoot);
   REQUIRE(rig);
   CHECK(rig->inputs[0].channels == std::vector{2});
   CHECK(rig->inputs[0].scale() == Approx(20));
@@ -88,10 +84,16 @@ TEST_CASE("save_rig: answers become the rig, and nonsense is asked again", "[rig
   CHECK(asked.shown.find("channel 3 is taken already; choose another") != std::string::npos);
 }
 
-TEST_CASE("save_rig: the end of the input is an error in words", "[rig]") {
-  CHECK(to_string(talk("1\n").rig.error()) ==
-        "--save-rig: the input ended before all questions were answered; answer on a terminal, or take all "
-        "defaults with --yes");
+TEST_CASE("save_rig: the end of the input is an error that names the remedy", "[rig]") {
+  try {
+    (void)talk("1\n");
+    FAIL("no error");
+  } catch (const CommandError& error) {
+    REQUIRE(error.errors.size() == 1);
+    CHECK(error.errors[0].code == Errc::Missing);
+    CHECK(error.errors[0].where == "--save-rig");
+    CHECK(error.errors[0].remedy.find("--yes") != std::string::npos);
+  }
 }
 
 TEST_CASE("save_rig: a port in newtons is asked for its sensitivity in volts for one", "[rig]") {
@@ -100,13 +102,11 @@ TEST_CASE("save_rig: a port in newtons is asked for its sensitivity in volts for
       "i.toml");
   REQUIRE(graph);
   const auto ask = [&](const std::string& answers) {
-    RigInterview interview{**graph, device(), 2, 1, kRoot};
     std::istringstream in{answers};
     std::ostringstream out;
-    const auto rig = hold_interview(interview, in, out, answers.empty());
-    REQUIRE(rig);
-    CHECK(to_string(check_rig(*parse_rig(to_text(*rig), "rig.toml", kRoot), **graph)).empty());
-    return rig->inputs[0].scale();
+    const auto rig = ask_for_rig(**graph, device(), 2, 1, kRoot, {in, out, answers.empty()});
+    CHECK(to_string(check_rig(*parse_rig(to_text(rig), "rig.toml", kRoot), **graph)).empty());
+    return rig.inputs[0].scale();
   };
   CHECK(ask("1\n2 V\n50 mV/N\n1\n\n") == Approx(40));
   CHECK(ask("") == 1.0);
@@ -119,21 +119,21 @@ TEST_CASE("save_rig: a file that is there is overwritten only with a yes or by f
     std::ifstream in{file};
     return std::string{std::istreambuf_iterator<char>{in}, {}};
   };
-  const auto rig = *talk("", true).rig;
+  const auto rig = talk("", true).rig;
   std::ostringstream out;
   for (const auto* no : {"", "\n", "no\n", "nonsense\n"}) {
     std::istringstream in{no};
-    const auto status = save_rig(rig, file, in, out, false);
+    const auto status = save_rig(rig, file, {in, out}, false);
     REQUIRE_FALSE(status);
     CHECK(text() == "mine");
   }
   std::istringstream yes{"yes\n"}, nothing;
-  REQUIRE(save_rig(rig, file, yes, out, false));
+  REQUIRE(save_rig(rig, file, {yes, out}, false));
   CHECK(text() == to_text(rig));
   folder.write("rig.toml", "mine");
-  REQUIRE(save_rig(rig, file, nothing, out, true));
+  REQUIRE(save_rig(rig, file, {nothing, out}, true));
   CHECK(text() == to_text(rig));
   CHECK(folder.strip(
-            to_string(save_rig(rig, folder.path() / "no" / "rig.toml", nothing, out, false).error())) ==
+            to_string(save_rig(rig, folder.path() / "no" / "rig.toml", {nothing, out}, false).error())) ==
         "no/rig.toml: cannot be written; choose a folder that exists and can be written");
 }

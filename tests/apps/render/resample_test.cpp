@@ -1,9 +1,9 @@
-#include "apps/render/resample.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+
+#include "apps/render/render.h"
 
 using namespace tactus;
 

@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "apps/cli/take_files.h"
-#include "apps/render/replay.h"
+#include "apps/render/render.h"
 #include "backends/take/take_recorder.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/nodes/table.h"
+#include "engine/rig/rig_inputs.h"
 
 namespace tactus::test {
 
@@ -159,13 +160,17 @@ struct ReplayOfTake {
 inline ReplayOfTake replay_of(const std::filesystem::path& path, const std::vector<int>& blocks) {
   ReplayOfTake result{must(read_take(path)), {}, {}};
   auto wav = must(WavReader::open(path));
-  auto graph = must(app::RebuiltGraph::build(result.take.header));
-  auto& engine = graph->engine();
+  const auto& header = result.take.header;
+  const app::TakeCompiler compiler{header};
+  Player engine{must(compiler.compile(header.files, header.settings))};
   engine.set_journal(result.take.engine);
-  Guarded guarded{graph->processor(), result.take.header.guard, result.take.header.armed};
+  RigInputs rig{engine, header.input_scales, header.padding_frames};
+  Guarded guarded{rig, header.guard, header.armed};
   result.drives.resize(static_cast<std::size_t>(engine.out_channels()));
-  const ReplayHost host{guarded, app::sensors_for(result.take.header, result.take.header.inputs),
-                        engine.out_channels(), [&](const TakeEdit& edit) { return graph->replace(edit); },
+  const auto replace = [&](const TakeEdit& edit) -> Status {
+    return engine.replace(must(compiler.compile(edit.files, edit.settings)));
+  };
+  const ReplayHost host{guarded, app::sensors_for(header, header.inputs), engine.out_channels(), replace,
                         true};
   const auto keep = [&](const double* const* out, int frames) -> Status {
     for (std::size_t c = 0; c < result.drives.size(); ++c)

@@ -12,17 +12,17 @@
 namespace tactus::app {
 
 struct Keyboard::Terminal {
-  bool there = false;
+  bool open = false;
   bool ended = false;
   termios before{};
 
-  bool readable(std::chrono::milliseconds patience) const {
+  bool readable(std::chrono::milliseconds timeout) const {
     pollfd input{STDIN_FILENO, POLLIN, 0};
-    return poll(&input, 1, static_cast<int>(patience.count())) > 0;
+    return poll(&input, 1, static_cast<int>(timeout.count())) > 0;
   }
   std::optional<char> next() {
     char c = 0;
-    if (read(STDIN_FILENO, &c, 1) == 1) return c;
+    if (::read(STDIN_FILENO, &c, 1) == 1) return c;
     ended = true;
     return std::nullopt;
   }
@@ -36,7 +36,7 @@ Keyboard::Keyboard() : terminal_(std::make_unique<Terminal>()) {
     return;
   }
   if (tcgetattr(STDIN_FILENO, &terminal.before) != 0) return;
-  terminal.there = true;
+  terminal.open = true;
   auto raw = terminal.before;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // a program that is stopped leaves its drives where they are
@@ -46,37 +46,26 @@ Keyboard::Keyboard() : terminal_(std::make_unique<Terminal>()) {
 }
 
 Keyboard::~Keyboard() {
-  if (terminal_->there) tcsetattr(STDIN_FILENO, TCSANOW, &terminal_->before);
+  if (terminal_->open) tcsetattr(STDIN_FILENO, TCSANOW, &terminal_->before);
 }
 
-bool Keyboard::is_terminal() const { return terminal_->there; }
+bool Keyboard::is_terminal() const { return terminal_->open; }
 
-std::optional<Key> Keyboard::wait(std::chrono::milliseconds patience) {
+std::optional<char> Keyboard::wait(std::chrono::milliseconds timeout) {
   if (terminal_->ended) {
-    std::this_thread::sleep_for(patience);
+    std::this_thread::sleep_for(timeout);
     return std::nullopt;
   }
-  if (!terminal_->readable(patience)) return std::nullopt;
+  if (!terminal_->readable(timeout)) return std::nullopt;
   const auto first = terminal_->next();
-  if (!first) return std::nullopt;
-  if (*first == '\n' || *first == '\r') return Key{Key::Kind::Enter, *first};
-  if (*first != '\x1b') return Key{Key::Kind::Character, *first};
   // Arrows come as ESC [ A … D, all at once; an Escape comes alone.
   constexpr std::chrono::milliseconds kRest{20};
-  if (!terminal_->readable(kRest) || terminal_->next() != '[' || !terminal_->readable(kRest))
-    return Key{Key::Kind::Escape, *first};
-  switch (terminal_->next().value_or(0)) {
-    case 'A':
-      return Key{Key::Kind::Up};
-    case 'B':
-      return Key{Key::Kind::Down};
-    case 'C':
-      return Key{Key::Kind::Right};
-    case 'D':
-      return Key{Key::Kind::Left};
-    default:
-      return Key{Key::Kind::Escape, *first};
-  }
+  if (first != '\x1b' || !terminal_->readable(kRest) || terminal_->next() != '[' ||
+      !terminal_->readable(kRest))
+    return first;
+  constexpr char kArrows[] = {kUpKey, kDownKey, kRightKey, kLeftKey};
+  const char last = terminal_->next().value_or(0);
+  return last >= 'A' && last <= 'D' ? kArrows[last - 'A'] : *first;
 }
 
 void open_standard_streams() {
@@ -86,11 +75,9 @@ void open_standard_streams() {
 }
 
 int terminal_columns() {
+  if (isatty(STDERR_FILENO) == 0) return 0;
   winsize size{};
-  return isatty(STDERR_FILENO) != 0 && ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0
-             ? size.ws_col
-         : isatty(STDERR_FILENO) != 0 ? 80
-                                      : 0;
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
 }  // namespace tactus::app
@@ -101,8 +88,8 @@ struct Keyboard::Terminal {};
 Keyboard::Keyboard() = default;
 Keyboard::~Keyboard() = default;
 bool Keyboard::is_terminal() const { return false; }
-std::optional<Key> Keyboard::wait(std::chrono::milliseconds patience) {
-  std::this_thread::sleep_for(patience);
+std::optional<char> Keyboard::wait(std::chrono::milliseconds timeout) {
+  std::this_thread::sleep_for(timeout);
   return std::nullopt;
 }
 void open_standard_streams() {}

@@ -7,18 +7,12 @@
 
 namespace tactus::app {
 
-/// A key that was pressed.
-struct Key {
-  enum class Kind { Character, Up, Down, Left, Right, Enter, Escape };
-  Kind kind = Kind::Character;
-  char character = 0;
+// Arrow keys, as the control characters that readline uses for them.
+inline constexpr char kLeftKey = 2, kRightKey = 6, kDownKey = 14, kUpKey = 16;
 
-  bool operator==(const Key&) const = default;
-};
-
-/// The keys of standard input, each as soon as it is pressed: a terminal is switched to bring them without
-/// Enter and without showing them, and back at the end. Anything else is read as it is; where it ends, no key
-/// comes any more.
+/// The keys of standard input, each as soon as it is pressed: a terminal is switched to deliver them without
+/// Enter and without echo, and back at the end. Anything else is read as it is; after its end no key comes
+/// any more.
 class Keyboard {
  public:
   Keyboard();
@@ -26,9 +20,8 @@ class Keyboard {
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
 
-  /// [control] The next key, or nothing if none is pressed for so long.
-  std::optional<Key> wait(std::chrono::milliseconds patience);
-  /// A person may be sitting there.
+  /// The next key, or nothing if none is pressed within this time.
+  std::optional<char> wait(std::chrono::milliseconds timeout);
   bool is_terminal() const;
 
  private:
@@ -37,7 +30,7 @@ class Keyboard {
 };
 
 /// [control, first of all] Where a program is started with standard streams closed, the next file that it
-/// opens takes their place, and its bytes would be read as keys: they lead nowhere then.
+/// opens takes their place, and its bytes would be read as keys: they are opened on /dev/null then.
 void open_standard_streams();
 
 /// Columns of the terminal at standard error; 0 if it is none.

@@ -20,10 +20,9 @@ const char* state_text(const SessionView& view) {
 }
 
 std::string levels_text(const std::vector<SessionView::Level>& levels) {
-  std::string text;
-  for (const auto& level : levels)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", level.name, level_text(level.peak));
-  return text;
+  std::vector<std::string> texts;
+  for (const auto& level : levels) texts.push_back(level.name + " " + level_text(level.peak));
+  return fmt::format("{}", fmt::join(texts, ", "));
 }
 
 /// Lengths count characters, not bytes.
@@ -43,12 +42,11 @@ std::string level_text(double peak) {
 
 std::string xrun_text(const Health& health) {
   if (health.xruns == 0) return "no xruns";
-  std::string causes;
+  std::vector<std::string> causes;
   for (std::size_t g = 0; g < kGaps; ++g)
     if (health.gaps[g] > 0)
-      causes +=
-          fmt::format("{}{} {}", causes.empty() ? "" : ", ", health.gaps[g], name_of(static_cast<Gap>(g)));
-  return fmt::format("{} xrun{} ({}){}", health.xruns, health.xruns == 1 ? "" : "s", causes,
+      causes.push_back(fmt::format("{} {}", health.gaps[g], name_of(static_cast<Gap>(g))));
+  return fmt::format("{} xrun{} ({}){}", health.xruns, health.xruns == 1 ? "" : "s", fmt::join(causes, ", "),
                      health.lost_frames > 0 ? fmt::format(", {} frames lost", health.lost_frames) : "");
 }
 
@@ -57,14 +55,14 @@ std::string load_text(const Health& health) {
                      100 * health.high_load, 100 * health.peak_load);
 }
 
-std::string status_line(const SessionView& view, const std::string& knob, int columns) {
+std::string status_line(const SessionView& view, const std::string& control, int columns) {
   std::string first =
       fmt::format("{} | load {:.2g}, {:.2g}, {:.2g} % | {}", state_text(view), 100 * view.health.median_load,
                   100 * view.health.high_load, 100 * view.health.peak_load, xrun_text(view.health));
-  for (std::size_t g = 0; g < view.guard.size(); ++g) first += (g == 0 ? " | guard: " : ", ") + view.guard[g];
+  if (!view.guard.empty()) first += fmt::format(" | guard: {}", fmt::join(view.guard, ", "));
   if (view.faults > 0) first += fmt::format(" | {} faults", view.faults);
   auto second = levels_text(view.inputs) + (view.inputs.empty() ? "" : " > ") + levels_text(view.outputs);
-  if (!knob.empty()) second += " | " + knob;
+  if (!control.empty()) second += " | " + control;
   if (view.recorded_s) second += fmt::format(" | recorded {:.0f} s", *view.recorded_s);
   return cut(first, columns) + "\n" + cut(second, columns);
 }
@@ -78,17 +76,17 @@ void StatusLine::clear() {
   drawn_ = false;
 }
 
-void StatusLine::draw(const SessionView& view, const std::string& knob) {
+void StatusLine::draw(const SessionView& view, const std::string& control) {
   if (columns_ == 0) return;
   columns_ = terminal_columns();
-  fmt::print(stderr, "\r\x1b[J{}\x1b[A\r", status_line(view, knob, columns_ - 1));
+  fmt::print(stderr, "\r\x1b[J{}\x1b[A\r", status_line(view, control, columns_ - 1));
   std::fflush(stderr);
   drawn_ = true;
 }
 
-void StatusLine::say(const std::string& words) {
+void StatusLine::print(const std::string& message) {
   clear();
-  fmt::print(stderr, "{}\n", words);
+  fmt::print(stderr, "{}\n", message);
 }
 
 }  // namespace tactus::app

@@ -11,7 +11,7 @@ namespace tactus::app {
 ///   armed | load 1.2, 3.4, 12 % | no xruns | guard: woofer ceiling
 ///   microphone -23 dB > woofer -6 dB, sound -23 dB | strength = 0.6
 /// Loads are the median, the 99.9th percentile and the worst share of a block's time.
-std::string status_line(const SessionView& view, const std::string& knob, int columns);
+std::string status_line(const SessionView& view, const std::string& control, int columns);
 
 /// "-23 dB", and "silent" below -99 dB.
 std::string level_text(double peak);
@@ -20,8 +20,8 @@ std::string xrun_text(const Health& health);
 /// "1.2 % of a block (p99.9 3.4 %, worst 12 %)".
 std::string load_text(const Health& health);
 
-/// A line on standard error that is drawn over and over; above it lines that stay. Where standard error is no
-/// terminal only those that stay are printed.
+/// A line on standard error that is drawn again and again, below the printed messages. Where standard error
+/// is no terminal only messages are printed.
 class StatusLine {
  public:
   StatusLine();
@@ -29,8 +29,8 @@ class StatusLine {
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 
-  void draw(const SessionView& view, const std::string& knob);
-  void say(const std::string& words);
+  void draw(const SessionView& view, const std::string& control);
+  void print(const std::string& message);
 
  private:
   void clear();

@@ -12,7 +12,7 @@ namespace {
 
 std::unique_ptr<Performer> single_strike() {
   const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
-  auto world = make_world({root / "haptic_drum/single_strike.toml", root, 48_kHz, {}, {}, {}, 2});
+  auto world = make_world({root / "haptic_drum/single_strike.toml", root});
   REQUIRE(world);
   return std::move(*world);
 }
@@ -64,7 +64,7 @@ TEST_CASE("live world: a rise of the strike is heard however long blocks are", "
 TEST_CASE("live world: the watch at a port finds the same energy as when the scene is rendered", "[live]") {
   const std::filesystem::path root = std::filesystem::path{TACTUS_SOURCE_DIR} / "instruments";
   const auto file = root / "exploding/scene.toml";
-  auto world = make_world({file, root, 48_kHz, {}, {}, {}, 2});
+  auto world = make_world({file, root});
   REQUIRE(world);
   Guarded guarded{(*world)->processor(), (*world)->guards(), false};
   REQUIRE(guarded.prepare({48_kHz, 0, 2, 256}));
