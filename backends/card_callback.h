@@ -27,6 +27,7 @@ class FrameWatch {
   static constexpr double kWindowSeconds = 0.5;
   static constexpr double kDrift = 0.002;
 
+  /// [any]
   explicit FrameWatch(double sample_rate_hz) : rate_(sample_rate_hz) {}
 
   /// [realtime] A block that begins at frame `frames` of the stream came at `seconds`. Returns how many

@@ -23,9 +23,13 @@ bool call_with_timeout(std::function<void()> call, std::chrono::milliseconds pat
   return returned.wait_for(patience) == std::future_status::ready;
 }
 
+#if defined(TACTUS_HAS_ALSA)
+static void ignore_alsa(const char*, int, const char*, int, const char*, ...) {}
+#endif
+
 void silence_library_logs() {
 #if defined(TACTUS_HAS_ALSA)
-  snd_lib_error_set_handler([](const char*, int, const char*, int, const char*, ...) {});
+  snd_lib_error_set_handler(ignore_alsa);
 #endif
 #if defined(TACTUS_HAS_JACK)
   jack_set_error_function([](const char*) {});

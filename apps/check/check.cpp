@@ -1,16 +1,250 @@
 #include <fmt/format.h>
 
-#include "apps/check/check_report.h"
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
+#include "engine/core/decibels.h"
 #include "engine/core/index.h"
 #include "engine/graph/file/read_graph.h"
+#include "engine/nodes/networks/solver_names.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/rig.h"
+#include "engine/study/stability/stability.h"
+#include "engine/study/stability/stability_extremes.h"
 #include "engine/study/sweep/evaluate_runs.h"
 
 namespace tactus::app {
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What `tactus check` found.
+struct CheckReport {
+  std::string name;
+  std::string delay_source;  ///< where the delay comes from
+  StabilityVerdict verdict;
+  std::vector<ExtremeRun> runs;
+
+  /// It is stable, and every run was as predicted.
+  bool passed() const {
+    return verdict.stable &&
+           std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.as_expected(); });
+  }
+};
+
+// JSON has no infinity and no NaN: they are written as null.
+
+Json or_null(const std::optional<double>& number) { return number ? Json(*number) : Json(); }
+
+template <class List, class Convert>
+Json list_of(const List& list, Convert convert) {
+  Json json = Json::array();
+  for (const auto& item : list) json.push_back(convert(item));
+  return json;
+}
+
+Json loop_json(const LoopVerdict& loop) {
+  const auto& margin = loop.margin;
+  return {{"border_factor", margin.border},
+          {"border_hz", margin.border_hz},
+          {"least_factor_above", margin.up},
+          {"largest_factor_below", margin.down},
+          {"gain_margin_db", 20 * std::log10(margin.border)},
+          {"peak_gain", margin.peak},
+          {"peak_hz", margin.peak_hz},
+          {"holds_at_every_delay", margin.peak < 1},
+          {"more_delay_ms", 1e3 * margin.more_delay_s},
+          {"at", loop.at},
+          {"through", loop.way},
+          {"drive", loop.drive},
+          {"joint", loop.wave_port},
+          {"integrates", loop.integrates()},
+          {"growth_per_s_below_border", loop.growth_below},
+          {"growth_per_s_above_border", loop.growth_above}};
+}
+
+Json stiff_json(const StiffVerdict& stiff) {
+  return {{"name", stiff.path},           {"type", stiff.type},
+          {"n_per_m", stiff.stiffness},   {"stable_up_to_n_per_m", stiff.stable_up_to},
+          {"border_hz", stiff.border_hz}, {"passive_up_to_n_per_m", or_null(stiff.passive_up_to)}};
+}
+
+Json regime_json(const RegimeVerdict& regime) {
+  return {{"regime", regime.name},
+          {"held", regime.held},
+          {"roots_that_grow", regime.growing},
+          {"roots", list_of(regime.roots,
+                            [](const LoopRoot& root) -> Json {
+                              return {{"hz", root.frequency_hz}, {"growth_per_s", root.growth_per_s}};
+                            })},
+          {"loops", list_of(regime.loops, loop_json)},
+          {"stiff", list_of(regime.stiff, stiff_json)},
+          {"crests", regime.unstable_equilibria},
+          {"device_damping_n_s_per_m", or_null(regime.device_damping)}};
+}
+
+Json network_json(const NetworkVerdict& network) {
+  return {{"name", network.path},
+          {"regime", network.regime},
+          {"solver", name_of(network.solver)},
+          {"spectral_radius", network.radius},
+          {"rate_hz", network.rate_hz},
+          {"holds_at_every_rate", !network.needed_hz.has_value()},
+          {"needs_hz", or_null(network.needed_hz)},
+          {"weakest", network.weakest},
+          {"contact_steps", network.contact_steps},
+          {"contact_too_deep", network.too_deep},
+          {"holds", network.stable}};
+}
+
+Json run_json(const ExtremeRun& run) {
+  return {{"what", run.what},
+          {"rate_hz", run.rate.value},
+          {"delay_ms", 1e3 * run.delay_s},
+          {"seconds", run.seconds},
+          {"peak", run.peak},
+          {"before", run.energy_before},
+          {"after", run.energy_after},
+          {"faults", run.faults},
+          {"finite", run.finite},
+          {"grew", run.grew},
+          {"expected_to_hold", run.expected},
+          {"as_expected", run.as_expected()}};
+}
+
+Json control_json(const ControlVerdict& control) {
+  return {{"name", control.control.name},       {"value", control.control.value},
+          {"low", control.control.range.low},   {"high", control.control.range.high},
+          {"holds_at_low", control.stable_low}, {"holds_at_high", control.stable_high},
+          {"border", or_null(control.border)}};
+}
+
+Json event_json(const EventVerdict& event) {
+  return {{"name", event.place.path},
+          {"type", event.place.type},
+          {"hold_s", or_null(event.place.hold_s)},
+          {"on_loop", event.on_loop}};
+}
+
+Json open_json(const OpenVerdict& open) {
+  return {
+      {"input", open.input}, {"output", open.output}, {"peak_gain", open.peak}, {"peak_hz", open.peak_hz}};
+}
+
+std::string decibels(double factor) {
+  return std::isfinite(factor) && factor > 0 ? fmt::format("{:.1f} dB", amplitude_to_db(factor)) : "any";
+}
+
+/// Whether any regime has entries in `list`.
+bool any(const StabilityVerdict& verdict, auto list) {
+  return std::any_of(verdict.regimes.begin(), verdict.regimes.end(),
+                     [&](const RegimeVerdict& regime) { return !(regime.*list).empty(); });
+}
+
+void print_loops(const StabilityVerdict& verdict) {
+  if (!any(verdict, &RegimeVerdict::loops)) return;
+  fmt::print("\n  {:28} {:8} {:24} {:>10} {:>9} {:>10} {:>10}\n", "regime", "device", "loop at", "margin",
+             "Hz", "peak gain", "more delay");
+  for (const auto& regime : verdict.regimes)
+    for (const auto& loop : regime.loops)
+      fmt::print("  {:28} {:8} {:24} {:>10} {:9.4g} {:10.3g} {:>10}\n", regime.name,
+                 regime.held ? "held" : "bare", loop.at,
+                 loop.wave_port      ? "passive"
+                 : loop.integrates() ? "integrates"
+                                     : decibels(loop.margin.border),
+                 loop.margin.border_hz, loop.margin.peak,
+                 std::isfinite(loop.margin.more_delay_s)
+                     ? fmt::format("{:.3g} ms", 1e3 * loop.margin.more_delay_s)
+                     : "any");
+}
+
+void print_stiff(const StabilityVerdict& verdict) {
+  if (!any(verdict, &RegimeVerdict::stiff)) return;
+  fmt::print("\n  {:28} {:8} {:24} {:>12} {:>12} {:>12}\n", "regime", "device", "spring or wall", "N/m",
+             "stable to", "passive to");
+  const auto number = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:.4g}", value) : "any";
+  };
+  for (const auto& regime : verdict.regimes)
+    for (const auto& stiff : regime.stiff)
+      fmt::print("  {:28} {:8} {:24} {:12.4g} {:>12} {:>12}\n", regime.name, regime.held ? "held" : "bare",
+                 stiff.path, stiff.stiffness, number(stiff.stable_up_to),
+                 stiff.passive_up_to ? number(*stiff.passive_up_to) : "not known");
+}
+
+void print_networks(const StabilityVerdict& verdict) {
+  fmt::print("\n  {:24} {:28} {:8} {:>14} {:>10} {:>12}  {}\n", "network", "regime", "solver", "radius",
+             "runs at", "needs", "weakest");
+  for (const auto& network : verdict.networks)
+    fmt::print("  {:24} {:28} {:8} {:14.10f} {:10g} {:>12}  {}\n", network.path, network.regime,
+               name_of(network.solver), network.radius, network.rate_hz,
+               !network.needed_hz                  ? "any"
+               : std::isfinite(*network.needed_hz) ? fmt::format("{:.5g} Hz", *network.needed_hz)
+                                                   : "never stable",
+               network.weakest);
+}
+
+void print_controls(const StabilityVerdict& verdict) {
+  fmt::print("\n  {:24} {:>14} {:>14} {:>14}\n", "control", "at its lowest", "at its highest", "border");
+  for (const auto& control : verdict.controls)
+    fmt::print("  {:24} {:>14} {:>14} {:>14}\n", control.control.name,
+               control.stable_low ? "stable" : "unstable", control.stable_high ? "stable" : "unstable",
+               control.border ? in_unit(*control.border, control.control.unit) : "");
+}
+
+void print_runs(const std::vector<ExtremeRun>& runs) {
+  fmt::print("\n  {:34} {:>9} {:>10} {:>8} {:>10} {:>10} {:>10}  {:8}  {}\n", "run", "rate Hz", "delay ms",
+             "seconds", "peak", "before", "after", "predicted", "measured");
+  for (const auto& run : runs) {
+    const char* how = !run.finite ? "not finite" : run.faults > 0 ? "faults" : run.grew ? "grew" : "bounded";
+    fmt::print("  {:34} {:9g} {:10.4g} {:8.3g} {:10.3g} {:10.3g} {:10.3g}  {:8}  {}{}\n", run.what,
+               run.rate.value, 1e3 * run.delay_s, run.seconds, run.peak, run.energy_before, run.energy_after,
+               run.expected ? "stable" : "unstable", how, run.as_expected() ? "" : "  (not as predicted)");
+  }
+}
+
+/// Every number of it.
+Json check_json(const CheckReport& report) {
+  const auto& verdict = report.verdict;
+  return {{"name", report.name},
+          {"holds", report.passed()},
+          {"outside_known", verdict.outside_known},
+          {"sample_rate_hz", verdict.rate.value},
+          {"delay_ms", 1e3 * verdict.delay_s},
+          {"delay_from", report.delay_source},
+          {"words", describe(verdict)},
+          {"regimes", list_of(verdict.regimes, regime_json)},
+          {"networks", list_of(verdict.networks, network_json)},
+          {"controls", list_of(verdict.controls, control_json)},
+          {"events", list_of(verdict.events, event_json)},
+          {"open", list_of(verdict.open, open_json)},
+          {"not_looked_at", verdict.skipped},
+          {"runs", list_of(report.runs, run_json)}};
+}
+
+/// The verdict, what fails, and with `verbose` every table.
+void print(const CheckReport& report, bool verbose) {
+  const auto& verdict = report.verdict;
+  fmt::print("{}\n\n", !report.passed()        ? "unstable"
+                       : verdict.outside_known ? "stable"
+                                               : "stable by itself; the loop over the outside is not known");
+  const auto sentences = describe(verdict);
+  fmt::print("{}: {} ({})\n", report.name, sentences.front(), report.delay_source);
+  for (std::size_t i = 1; i < sentences.size(); ++i) fmt::print("  {}\n", sentences[i]);
+  for (const auto& run : report.runs)
+    if (!run.as_expected()) fmt::print("  not as predicted: {}\n", run.what);
+  if (!verbose) return;
+  print_loops(verdict);
+  print_stiff(verdict);
+  if (!verdict.networks.empty()) print_networks(verdict);
+  if (!verdict.controls.empty()) print_controls(verdict);
+  if (!report.runs.empty()) print_runs(report.runs);
+}
 
 struct CheckOptions {
   std::string target, rate, delay, rig;
@@ -134,7 +368,7 @@ int run_check(const CheckOptions& options) {
   report.verdict = analyse(job);
   if (!options.quick) report.runs = run_all(job, report.verdict);
   if (options.json)
-    fmt::print("{}\n", json_of(report).dump(2));
+    fmt::print("{}\n", check_json(report).dump(2));
   else
     print(report, options.verbose);
   return report.passed() ? kDone : kNo;

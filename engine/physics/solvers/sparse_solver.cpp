@@ -10,15 +10,15 @@
 namespace tactus {
 namespace {
 
-using Matrix = Eigen::SparseMatrix<double>;
-using InOrder = Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
-using Reordered = Eigen::SimplicialLDLT<Matrix>;
+using Sparse = Eigen::SparseMatrix<double>;
+using InOrder = Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+using Reordered = Eigen::SimplicialLDLT<Sparse>;
 
 /// How many rows the farthest number lies from the diagonal. Up to 1, the own order fills in nothing.
-int bandwidth(const Matrix& matrix) {
+int bandwidth(const Sparse& matrix) {
   int most = 0;
   for (int column = 0; column < matrix.outerSize(); ++column)
-    for (Matrix::InnerIterator entry(matrix, column); entry; ++entry)
+    for (Sparse::InnerIterator entry(matrix, column); entry; ++entry)
       if (entry.value() != 0.0) most = std::max(most, std::abs(static_cast<int>(entry.row() - entry.col())));
   return most;
 }
@@ -37,10 +37,10 @@ void SparseSolver::take(const Factor& factor) {
   valid_ = factor.info() == Eigen::Success;
   if (!valid_) return;
   take_diagonal(factor.vectorD());
-  const Matrix lower = factor.matrixL();
+  const Sparse lower = factor.matrixL();
   starts_.push_back(0);
   for (int column = 0; column < lower.outerSize(); ++column) {
-    for (Matrix::InnerIterator entry(lower, column); entry; ++entry) {
+    for (Sparse::InnerIterator entry(lower, column); entry; ++entry) {
       if (entry.row() <= column) continue;
       rows_.push_back(static_cast<int>(entry.row()));
       values_.push_back(entry.value());
@@ -49,7 +49,7 @@ void SparseSolver::take(const Factor& factor) {
   }
 }
 
-SparseSolver::SparseSolver(const Matrix& matrix)
+SparseSolver::SparseSolver(const Sparse& matrix)
     : inverse_(index(static_cast<int>(matrix.rows()))), place_(inverse_.size()) {
   const int band = bandwidth(matrix);
   if (band == 0) {
