@@ -118,7 +118,7 @@ Finding verdict_of(const Calibration& calibration, double electrical_frames) {
     return {Verdict::NotFlat,
             fmt::format("it is captured {:.0f} frames before the card's own delay has passed",
                         electrical_frames - calibration.analysis.delay_frames),
-            "the delay that is to be taken off is too long: measure it again over a cable, with the same "
+            "the delay to subtract is too long: measure it again over a cable, with the same "
             "setting"};
   return {Verdict::NotFlat,
           "the path is no fixed linear response: part of what is captured changes from probe to probe or is "

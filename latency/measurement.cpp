@@ -61,7 +61,7 @@ void add_event(Findings& findings, const GuardEvent& event, int input, bool driv
       if (drive || event.channel == input)
         findings.push_back(
             {Verdict::Clipping,
-             fmt::format("input {} stood at the end of its range for 40 ms", event.channel + 1),
+             fmt::format("input {} stayed at the limit of its range for 40 ms", event.channel + 1),
              "look after its cable, its supply and its gain"});
       return;
     case GuardEvent::Kind::SensorStuck:
@@ -93,8 +93,8 @@ void add_mismatch(Findings& findings, const StreamGranted& granted, const Health
   const int block = granted.block_frames;
   if (block > 0 && after.blocks > 0 && (after.shortest_block != block || after.longest_block != block))
     findings.push_back({Verdict::ApiMismatch,
-                        fmt::format("blocks of {} frames were granted, and blocks of {} to {} came", block,
-                                    after.shortest_block, after.longest_block),
+                        fmt::format("the driver granted blocks of {} frames and delivered blocks of {} to {}",
+                                    block, after.shortest_block, after.longest_block),
                         remedy});
   const double seconds = after.seconds - before.seconds;
   const auto frames = static_cast<double>(after.frames - before.frames);
@@ -147,11 +147,10 @@ Finding unstable(const std::vector<const Opening*>& openings) {
     error = std::max(error, opening->analysis.standard_error_frames);
   }
   if (most - least <= std::max(kSameDelay, kSessionCertain * error)) return {};
-  return {
-      Verdict::UnstableStart,
-      fmt::format("the delay is another each time that the stream is opened: {} frames", delays_of(openings)),
-      "measure again each time that you start to play, or let a backend and a device that begin the "
-      "same way every time (JACK on the device itself) take its place"};
+  return {Verdict::UnstableStart,
+          fmt::format("the delay differs each time the stream is opened: {} frames", delays_of(openings)),
+          "measure again each time that you start to play, or let a backend and a device that begin the "
+          "same way every time (JACK on the device itself) take its place"};
 }
 
 Finding tolerated(std::size_t lost, std::size_t all) {

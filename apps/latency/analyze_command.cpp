@@ -62,7 +62,7 @@ int run_latency_analyze(AnalyzeOptions options) {
 void add_latency_analyze(CLI::App& latency, int& exit_code) {
   auto* command = latency.add_subcommand("analyze", "Find the delay in a recording");
   auto options = std::make_shared<AnalyzeOptions>();
-  command->add_option("FILE", options->files.capture, "WAV file of what came back")->required();
+  command->add_option("FILE", options->files.capture, "WAV file of the captured signal")->required();
   command->add_option("--probe", options->files.probe,
                       "WAV file of what was played; left out: it is the first channel of FILE");
   command

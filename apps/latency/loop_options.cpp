@@ -136,7 +136,8 @@ void add_loop_options(CLI::App& command, LoopOptions& options) {
 
 void add_setting_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--rate", options.rate, "sample rate; [the device's]");
-  command.add_option("--block", options.block, "frames a block; [the device's]")->check(CLI::Range(1, 8192));
+  command.add_option("--block", options.block, "block size in frames; [the device's]")
+      ->check(CLI::Range(1, 8192));
   command.add_option("--periods", options.periods, "blocks in the driver's buffer")->check(CLI::Range(1, 64));
 }
 

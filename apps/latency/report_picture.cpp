@@ -199,7 +199,7 @@ std::vector<Plot> picture_of(const Calibration& calibration) {
                 "Resonance {:.1f} Hz, Q {:.2f}; {:.0f} dB above the noise. The card's own delay is taken "
                 "off.",
                 calibration.resonance->frequency_hz, calibration.resonance->q, calibration.analysis.snr_db)
-          : fmt::format("{:.0f} dB above the noise. The card's own delay is taken off.",
+          : fmt::format("{:.0f} dB above the noise. The card's own delay is subtracted.",
                         calibration.analysis.snr_db);
   return page;
 }

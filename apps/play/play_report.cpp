@@ -98,7 +98,7 @@ PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& op
                       const std::map<std::string, double>* compared) {
   const bool first = compared == nullptr;
   auto loaded = load_scene_leniently(file, root_of(file));
-  if (!loaded.scene) throw CommandError{std::move(loaded.mistakes)};
+  if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
   auto& scene = *loaded.scene;
   if (!options.duration.empty()) scene.duration = or_exit(parse_duration(options.duration, 3600_s));
   SceneOptions changes;

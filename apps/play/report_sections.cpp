@@ -7,7 +7,7 @@
 #include "apps/play/play_report.h"
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
-#include "engine/scene/file/roles.h"
+#include "engine/scene/file/scene_spec.h"
 #include "engine/scene/measures/landings.h"
 #include "engine/scene/measures/measure.h"
 #include "engine/scene/measures/notes/format_note.h"

@@ -157,7 +157,7 @@ Status read_gain(const std::string& text, SweepPlan& plan) {
     return fail(Errc::UnitMismatch, "--gain", "'" + text + "' may be decibels or a factor",
                 fmt::format("write \"{0} dB\", or \"{1:g} %\" for {0} times as strong", text, 100 * *gain));
   if (!(*gain > 0 && *gain <= 100))
-    return fail(Errc::OutOfRange, "--gain", "must lie above 0 and at most at 40 dB", "");
+    return fail(Errc::OutOfRange, "--gain", "must be above 0 and at most 40 dB", "");
   plan.gains = {1 / *gain, *gain};
   return {};
 }

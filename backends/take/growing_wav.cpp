@@ -44,7 +44,7 @@ tl::unexpected<Error> cannot_write(const std::filesystem::path& path) {
 std::string why_not_written() {
   const std::error_code error{errno, std::generic_category()};
   if (error == std::errc::no_space_on_device) return "the disk is full";
-  return fmt::format("the disk takes no more ({})", error ? error.message() : "unknown error");
+  return fmt::format("writing to the disk failed ({})", error ? error.message() : "unknown error");
 }
 
 std::string wav_header(Hertz sample_rate, int channels, std::int64_t frames) {

@@ -8,7 +8,7 @@
 namespace tactus {
 namespace {
 
-// Written so that a NaN lies outside of everything.
+// Written so that a NaN is outside of everything.
 bool positive(double x) { return x > 0.0 && x < std::numeric_limits<double>::infinity(); }
 bool within(double x, double low, double high) { return x >= low && x <= high; }
 
@@ -33,9 +33,9 @@ Status check(const HeatLimits& heat, double ceiling, double slew_per_second, Her
         "a power or a rise in the heat limit of a drive is not positive"},
        {within(heat.coil_time.value, kShortestTime_s, kLongestTime_s) &&
             within(heat.body_time.value, kShortestTime_s, kLongestTime_s),
-        "a time constant in the heat limit of a drive lies outside 10 ms to a million seconds"},
+        "a time constant in the heat limit of a drive is outside 10 ms to a million seconds"},
        {heat.coil_share > 0.0 && heat.coil_share < 1.0,
-        "the coil's share of the heat of a drive lies outside 0 to 1"},
+        "the coil's share of the heat of a drive is outside 0 to 1"},
        {!(fastest_rise(heat, ceiling) * kGuardGroup / sample_rate.value > 0.125),
         "the coil of a drive would burn before the guard could act",
         "lower its ceiling or the volts per full scale"},
@@ -66,15 +66,14 @@ DriveLimits cautious_limits() {
 
 Status check(const DriveLimits& limits, Hertz sample_rate) {
   auto status = first_violation(
-      {{limits.ceiling > 0.0 && limits.ceiling <= 1.0,
-        "the ceiling of a drive lies outside (0, 1] full scale",
+      {{limits.ceiling > 0.0 && limits.ceiling <= 1.0, "the ceiling of a drive is outside (0, 1] full scale",
         "give it as a fraction of what the converter can put out"},
        {limits.slew_per_second > 0.0, "the slew limit of a drive is not positive",
         "leave it out for no limit, or give full scales a second"},
-       {within(limits.soft_start.value, 0.0, 60.0), "the soft start of a drive lies outside 0 s to 60 s"},
-       {within(limits.fade_out.value, 0.0, 1.0), "the fade out of a drive lies outside 0 s to 1 s"},
+       {within(limits.soft_start.value, 0.0, 60.0), "the soft start of a drive is outside 0 s to 60 s"},
+       {within(limits.fade_out.value, 0.0, 1.0), "the fade out of a drive is outside 0 s to 1 s"},
        {positive(limits.dc.level), "the DC level of a drive is not positive"},
-       {within(limits.dc.time.value, 0.0, 3600.0), "the DC time of a drive lies outside 0 s to an hour"}});
+       {within(limits.dc.time.value, 0.0, 3600.0), "the DC time of a drive is outside 0 s to an hour"}});
   if (status && limits.heat)
     status = check(*limits.heat, limits.ceiling, limits.slew_per_second, sample_rate);
   if (status && limits.excursion) status = check(*limits.excursion);

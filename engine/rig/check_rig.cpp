@@ -1,32 +1,18 @@
 #include "engine/rig/check_rig.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "engine/graph/file/error_list.h"
+#include "engine/core/index.h"
+#include "engine/core/named.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/rig_text.h"
 
 namespace tactus {
 namespace {
-
-template <class Items>
-auto find_named(const Items& items, const std::string& name) {
-  return std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
-}
-
-template <class Items>
-bool has(const Items& items, const std::string& name) {
-  return find_named(items, name) != items.end();
-}
-
-template <class Items>
-std::vector<std::string> names_of(const Items& items) {
-  std::vector<std::string> names;
-  for (const auto& item : items) names.push_back(item.name);
-  return names;
-}
 
 bool is_audio(const EntrySpec& output) {
   const auto* kind = find(output.fields, "kind");
@@ -35,28 +21,28 @@ bool is_audio(const EntrySpec& output) {
 
 /// Volts for one unit of the port.
 Unit sensitivity_unit(const EntrySpec& input) {
-  ErrorList told_elsewhere;
+  ErrorList reported_elsewhere;
   auto unit = *parse_unit("V");
-  unit.dimension = unit.dimension / read_unit(input, told_elsewhere).value_or(Unit{}).dimension;
+  unit.dimension = unit.dimension / read_unit(input, reported_elsewhere).value_or(Unit{}).dimension;
   return unit;
 }
 
-void complain_lanes(const RigPort& port, std::size_t lanes, ErrorList& mistakes) {
+void report_lanes(const RigPort& port, int lanes, ErrorList& errors) {
   std::string example;
-  for (std::size_t lane = 0; lane < std::min<std::size_t>(lanes, 3); ++lane)
-    example += (lane > 0 ? ", " : "") + std::to_string(lane + 1);
-  mistakes.add(Errc::OutOfRange, port.at,
-               "'" + port.name + "' has " + std::to_string(lanes) + (lanes == 1 ? " lane" : " lanes") +
-                   ", but " + std::to_string(port.channels.size()) +
-                   (port.channels.size() == 1 ? " channel" : " channels"),
-               lanes == 1 ? "give one, as in channel = 1"
-                          : "give each lane one, as in channel = [" + example + (lanes > 3 ? ", …]" : "]"));
+  for (int lane = 1; lane <= std::min(lanes, 3); ++lane) example += fmt::format("{}, ", lane);
+  errors.add(Errc::OutOfRange, port.at,
+             fmt::format("'{}' has {} lane{}, but {} channel{}", port.name, lanes, lanes == 1 ? "" : "s",
+                         port.channels.size(), port.channels.size() == 1 ? "" : "s"),
+             lanes == 1 ? "give one, as in channel = 1"
+                        : fmt::format("give each lane one, as in channel = [{}{}]",
+                                      lanes > 3 ? example : example.substr(0, example.size() - 2),
+                                      lanes > 3 ? "…" : ""));
 }
 
 class RigCheck {
  public:
   RigCheck(const Rig& rig, const GraphSpec& instrument)
-      : rig_(rig), instrument_(instrument), mistakes_(rig.file) {}
+      : rig_(rig), instrument_(instrument), errors_(rig.file) {}
 
   std::vector<Error> run() {
     check_names(rig_.inputs, instrument_.inputs, "input");
@@ -69,39 +55,41 @@ class RigCheck {
       if (is_audio(output)) check_audio(output.name);
     for (const auto& control : rig_.controls) check_control(control);
     for (const auto& midi : rig_.midi) check_midi(midi);
-    return mistakes_.take();
+    return errors_.take();
   }
 
  private:
-  template <class Items>
-  void complain(const char* what, const std::string& name, const Source& at, const Items& there) {
+  void report_unknown(const std::string& what, const std::string& name, const Source& at,
+                      const std::vector<EntrySpec>& known) {
     if (instrument_.incomplete) return;
-    const auto names = names_of(there);
-    mistakes_.add(Errc::UnknownName, at, std::string{"the instrument has no "} + what + " '" + name + "'",
-                  suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
+    const auto names = names_of(known);
+    errors_.add(Errc::UnknownName, at, "the instrument has no " + what + " '" + name + "'",
+                suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
   }
 
-  template <class Ours, class Theirs>
-  void check_names(const Ours& ours, const Theirs& theirs, const char* what) {
-    for (const auto& item : ours)
-      if (!has(theirs, item.name)) complain(what, item.name, item.at, theirs);
+  template <class Items>
+  void check_names(const Items& items, const std::vector<EntrySpec>& known, const char* what) {
+    for (const auto& item : items)
+      if (find_named(known, item.name) == nullptr) report_unknown(what, item.name, item.at, known);
   }
 
   template <class Ports>
-  void check_complete(const std::vector<EntrySpec>& theirs, const Ports& ours, const std::string& what) {
+  void check_complete(const std::vector<EntrySpec>& needed, const Ports& ports, const std::string& what) {
     if (rig_.incomplete) return;
-    for (const auto& port : theirs)
-      if (!has(ours, port.name))
-        mistakes_.add(Errc::Missing, {rig_.file.file, 1, 1},
-                      what + " '" + port.name + "' of the instrument has no channel",
-                      "under [" + what + "s], write " + port.name +
-                          " = { channel = 1 }, or { channel = \"none\" } to leave it out");
+    for (const auto& port : needed)
+      if (find_named(ports, port.name) == nullptr)
+        errors_.add(Errc::Missing, {rig_.file.file, 1, 1},
+                    what + " '" + port.name + "' of the instrument has no channel",
+                    "under [" + what + "s], write " + port.name +
+                        " = { channel = 1 }, or { channel = \"none\" } to leave it out");
   }
 
   void check_input(const EntrySpec& port) {
-    const auto input = find_named(rig_.inputs, port.name);
-    if (input == rig_.inputs.end() || input->channels.empty()) return;
-    check_lanes(*input, port);
+    const auto* input = find_named(rig_.inputs, port.name);
+    if (input == nullptr || input->channels.empty()) return;
+    ErrorList reported_elsewhere;
+    const int lanes = read_input(port, reported_elsewhere).lanes;
+    if (index(lanes) != input->channels.size()) report_lanes(*input, lanes, errors_);
     const auto wanted = sensitivity_unit(port);
     const auto volt = parse_unit("V")->dimension;
     const auto per = to_string(volt / wanted.dimension);
@@ -109,63 +97,53 @@ class RigCheck {
     const auto example =
         per.empty() ? "\"50 mV\"" : "the volts for 1 " + per + ", such as \"2 " + unit + "\"";
     if (!input->sensitivity && !(wanted.dimension == volt))
-      mistakes_.add(Errc::Missing, input->at,
-                    "'" + port.name + "' is in " + per + ", and nothing says how many volts that is",
-                    "give volts_per_full_scale, and as sensitivity " + example);
+      errors_.add(Errc::Missing, input->at,
+                  "'" + port.name + "' is in " + per + ", and nothing says how many volts that is",
+                  "give volts_per_full_scale, and as sensitivity " + example);
     if (!input->sensitivity || input->sensitivity->bare) return;
     if (!(input->sensitivity->unit.dimension == wanted.dimension))
-      mistakes_.add(Errc::UnitMismatch, input->sensitivity_at,
-                    "the sensitivity of '" + port.name + "' must be in " + unit, "give " + example);
-  }
-
-  void check_lanes(const RigInput& input, const EntrySpec& port) {
-    ErrorList told_elsewhere;
-    const auto lanes = static_cast<std::size_t>(read_input(port, told_elsewhere).lanes);
-    if (lanes != input.channels.size()) complain_lanes(input, lanes, mistakes_);
+      errors_.add(Errc::UnitMismatch, input->sensitivity_at,
+                  "the sensitivity of '" + port.name + "' must be in " + unit, "give " + example);
   }
 
   void check_audio(const std::string& name) {
-    const auto output = find_named(rig_.outputs, name);
-    if (output == rig_.outputs.end()) return;
-    for (const int channel : output->channels) {
-      const auto* actuator = rig_.actuator_on(channel);
-      if (actuator == nullptr) continue;
-      const auto profile = actuator->drive.profile.empty() ? "" : " (" + actuator->drive.profile + ")";
-      mistakes_.add(Errc::BadArgument, output->at,
-                    "'" + name + "' is sound, and on channel " + std::to_string(channel) +
-                        " hangs an actuator" + profile,
-                    "sound is guarded less than drives; give it another channel, or make it a drive in the "
-                    "instrument");
-      return;
-    }
+    const auto* output = find_named(rig_.outputs, name);
+    for (const int channel : output != nullptr ? output->channels : std::vector<int>{})
+      if (const auto* actuator = rig_.actuator_on(channel)) {
+        const auto& profile = actuator->drive.profile;
+        return errors_.add(Errc::BadArgument, output->at,
+                           fmt::format("'{}' is sound, but channel {} drives an actuator{}", name, channel,
+                                       profile.empty() ? "" : " (" + profile + ")"),
+                           "sound is limited less than drives; give it another channel, or make it a "
+                           "drive in the instrument");
+      }
   }
 
   void check_control(const Rig::Control& set) {
-    const auto entry = find_named(instrument_.controls, set.name);
-    if (entry == instrument_.controls.end()) return;
-    ErrorList told_elsewhere;
-    const auto read = read_control(*entry, told_elsewhere);
-    if (!read.unit_known || told_elsewhere.any()) return;
+    const auto* entry = find_named(instrument_.controls, set.name);
+    if (entry == nullptr) return;
+    ErrorList reported_elsewhere;
+    const auto read = read_control(*entry, reported_elsewhere);
+    if (!read.unit_known || reported_elsewhere.any()) return;
     const auto& control = read.control;
     if (!set.value.bare && !(set.value.unit.dimension == control.unit.dimension))
-      mistakes_.add(Errc::UnitMismatch, set.at,
-                    "'" + set.name + "' is set in " + named(set.value.unit.dimension) + ", but it is in " +
-                        named(control.unit.dimension),
-                    "give for instance " + in_unit(control.value, control.unit));
-    else if (!(set.value.si >= control.range.low && set.value.si <= control.range.high))
-      mistakes_.add(Errc::OutOfRange, set.at,
-                    "'" + set.name + "' cannot be " + in_unit(set.value.si, control.unit),
-                    "it runs from " + in_unit(control.range.low, control.unit) + " to " +
-                        in_unit(control.range.high, control.unit));
+      errors_.add(Errc::UnitMismatch, set.at,
+                  "'" + set.name + "' is set in " + named(set.value.unit.dimension) + ", but it is in " +
+                      named(control.unit.dimension),
+                  "give for instance " + in_unit(control.value, control.unit));
+    else if (!control.range.contains(set.value.si))
+      errors_.add(Errc::OutOfRange, set.at,
+                  "'" + set.name + "' cannot be " + in_unit(set.value.si, control.unit),
+                  "it runs from " + in_unit(control.range.low, control.unit) + " to " +
+                      in_unit(control.range.high, control.unit));
   }
 
   void check_midi(const RigMidi& midi) {
-    const auto entry = find_named(instrument_.controls, midi.control);
-    if (entry == instrument_.controls.end())
-      return complain("control", midi.control, midi.at, instrument_.controls);
+    const auto* entry = find_named(instrument_.controls, midi.control);
+    if (entry == nullptr) return report_unknown("control", midi.control, midi.at, instrument_.controls);
     if (find(entry->fields, "range") == nullptr)
-      mistakes_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range for a knob to move it over",
-                    "give it one in the instrument, as in range = [0, 1]");
+      errors_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range for a MIDI control to cover",
+                  "give it one in the instrument, as in range = [0, 1]");
   }
 
   static std::string named(const Dimension& dimension) {
@@ -174,17 +152,17 @@ class RigCheck {
 
   const Rig& rig_;
   const GraphSpec& instrument_;
-  ErrorList mistakes_;
+  ErrorList errors_;
 };
 
 bool left_out(const RigPort& port) { return port.channels.empty(); }
 
 /// 0 in the unit of a port, in each of its lanes, under its name.
 NodeSpec resting(const EntrySpec& input) {
-  ErrorList told_elsewhere;
-  const auto unit = to_string(read_unit(input, told_elsewhere).value_or(Unit{}).dimension);
+  ErrorList reported_elsewhere;
+  const auto unit = to_string(read_unit(input, reported_elsewhere).value_or(Unit{}).dimension);
   const Value zero{unit.empty() ? std::string{"0"} : "0 " + unit, input.at};
-  const auto lanes = static_cast<std::size_t>(read_input(input, told_elsewhere).lanes);
+  const auto lanes = static_cast<std::size_t>(read_input(input, reported_elsewhere).lanes);
   NodeSpec node;
   node.name = input.name;
   node.at = node.type_at = input.at;
@@ -195,22 +173,18 @@ NodeSpec resting(const EntrySpec& input) {
 /// "strings[2]" is lane 2 of "strings".
 std::string port_of(const std::string& channel) { return channel.substr(0, channel.find('[')); }
 
-/// Gives the channels of a port one by one, lane after lane.
-class Lanes {
+/// The channel of the card, from 0 on, of the next lane of each port.
+class LaneCounter {
  public:
-  /// Channel of the card, from 0 on; nothing if the port has no more.
-  std::optional<int> next(const RigPort& port) {
-    const auto lane = static_cast<std::size_t>(used_[port.name]++);
-    if (lane >= port.channels.size()) return std::nullopt;
-    return port.channels[lane] - 1;
+  /// 0 if the port has no more channels.
+  int next(const RigPort& port) {
+    const auto lane = index(used_[port.name]++);
+    return lane < port.channels.size() ? port.channels[lane] - 1 : 0;
   }
-  template <class Ports>
-  void check(const Ports& ports, ErrorList& mistakes) const {
-    for (const auto& port : ports) {
-      const auto used = used_.find(port.name);
-      if (used == used_.end() || static_cast<std::size_t>(used->second) == port.channels.size()) continue;
-      complain_lanes(port, static_cast<std::size_t>(used->second), mistakes);
-    }
+  void check(const RigPort& port, ErrorList& errors) const {
+    const auto used = used_.find(port.name);
+    if (used != used_.end() && index(used->second) != port.channels.size())
+      report_lanes(port, used->second, errors);
   }
 
  private:
@@ -230,8 +204,8 @@ std::shared_ptr<const GraphSpec> without_left_out(const Rig& rig,
   auto played = std::make_shared<GraphSpec>(*instrument);
   const auto leave_out = [](const auto& ports) {
     return [&ports](const EntrySpec& entry) {
-      const auto port = find_named(ports, entry.name);
-      return port != ports.end() && left_out(*port);
+      const auto* port = find_named(ports, entry.name);
+      return port != nullptr && left_out(*port);
     };
   };
   std::erase_if(played->outputs, leave_out(rig.outputs));
@@ -244,24 +218,24 @@ std::shared_ptr<const GraphSpec> without_left_out(const Rig& rig,
 
 Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule) {
   RigWiring wiring;
-  ErrorList mistakes{rig.file};
-  Lanes lanes;
+  ErrorList errors{rig.file};
+  LaneCounter lanes;
   for (const auto& name : schedule.input_names) {
-    const auto input = find_named(rig.inputs, port_of(name));
-    if (input == rig.inputs.end()) continue;
-    wiring.in_map.push_back(lanes.next(*input).value_or(0));
+    const auto* input = find_named(rig.inputs, port_of(name));
+    if (input == nullptr) continue;
+    wiring.in_map.push_back(lanes.next(*input));
     wiring.input_scales.push_back(input->scale());
   }
   for (const auto& channel : schedule.channels) {
-    const auto output = find_named(rig.outputs, port_of(channel.name));
-    if (channel.use == OutputUse::Tap || output == rig.outputs.end()) continue;
-    wiring.out_map.push_back(lanes.next(*output).value_or(0));
+    const auto* output = find_named(rig.outputs, port_of(channel.name));
+    if (channel.use == OutputUse::Tap || output == nullptr) continue;
+    wiring.out_map.push_back(lanes.next(*output));
     const auto* actuator = rig.actuator_on(wiring.out_map.back() + 1);
-    wiring.drives.named[channel.name] = actuator != nullptr ? actuator->drive.limits : output->drive.limits;
+    wiring.drives.named[channel.name] = (actuator != nullptr ? actuator : output)->drive.limits;
   }
-  lanes.check(rig.inputs, mistakes);
-  lanes.check(rig.outputs, mistakes);
-  if (mistakes.any()) return tl::unexpected(mistakes.take());
+  for (const auto& input : rig.inputs) lanes.check(input, errors);
+  for (const auto& output : rig.outputs) lanes.check(output, errors);
+  if (errors.any()) return tl::unexpected(errors.take());
   return wiring;
 }
 
@@ -274,7 +248,7 @@ Result<int> padding_frames(std::optional<Seconds> measured, Seconds target, Hert
   const double frames = frames_in(target - *measured, sample_rate);
   if (frames < -0.5)
     return fail(Errc::OutOfRange, where,
-                "the device alone takes " + short_quantity(measured->value, parse_unit("s")->dimension) +
+                "the device alone has " + short_quantity(measured->value, parse_unit("s")->dimension) +
                     ", longer than " + short_quantity(target.value, parse_unit("s")->dimension),
                 "ask for a longer delay, or use shorter blocks");
   return static_cast<int>(std::lround(std::max(frames, 0.0)));

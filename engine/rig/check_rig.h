@@ -13,8 +13,7 @@ namespace tactus {
 
 /// [control] What of a rig does not fit an instrument, in file order: ports without a channel that are not
 /// left out, names that the instrument does not have, units, ranges of controls. An output of kind audio may
-/// not go to a channel with an actuator: "audio" is only the graph's word, and the guard lets sound pass that
-/// would burn a coil.
+/// not go to a channel with an actuator: the guard passes sound that would burn a coil.
 std::vector<Error> check_rig(const Rig& rig, const GraphSpec& instrument);
 
 /// [control] The instrument as this rig plays it: outputs that are left out are gone (and with them what only
@@ -29,7 +28,7 @@ struct RigWiring {
   DriveBook drives;                  ///< for `guarded_channels`
 };
 
-/// [control] `schedule`: compiled from `without_left_out`, for a rig that `check_rig` found nothing against.
+/// [control] `schedule`: compiled from `without_left_out`, for a rig that passed `check_rig`.
 /// Errors: OutOfRange for a port whose lanes are not as many as its channels.
 Checked<RigWiring> wire_rig(const Rig& rig, const Plan& schedule);
 

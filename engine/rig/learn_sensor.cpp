@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/core/decibels.h"
+#include "engine/core/named.h"
 
 namespace tactus {
 namespace {
@@ -19,9 +20,9 @@ constexpr double kClips = 0.99;
 constexpr double kAboveNoise = 2.0;       // the highest of many minutes of noise lies 4 dB above a group's
 constexpr std::size_t kFirstGroups = 20;  // before the noise is known
 constexpr std::size_t kGroupsPerLook = 10;
-constexpr std::size_t kMostGroups = 6000;  // a minute says it all
-constexpr double kQuietest = 1e-5;         // below is only the noise of converters
-constexpr double kDeaf = 1e9;
+constexpr std::size_t kMaxGroups = 6000;  // a minute
+constexpr double kQuietest = 1e-5;        // below is only the noise of converters
+constexpr double kNoDetection = 1e9;
 
 /// The value below which `share` of them lie.
 double quantile(std::vector<double> values, double share) {
@@ -38,11 +39,11 @@ SensorLearner::SensorLearner(Hertz sample_rate)
       peak_frames_(static_cast<int>(frames_in(Seconds{kPeak_s}, sample_rate))),
       group_frames_(static_cast<int>(frames_in(Seconds{kGroup_s}, sample_rate))),
       ringing_frames_(static_cast<int>(frames_in(Seconds{kRinging_s}, sample_rate))) {
-  sensitivity_.threshold = kDeaf;
+  sensitivity_.threshold = kNoDetection;
   sensitivity_.hold = 200_ms;
 }
 
-void SensorLearner::hear(std::span<const double> samples) {
+void SensorLearner::process(std::span<const double> samples) {
   for (const double sample : samples) {
     if (done()) return;
     const double in = std::isfinite(sample) ? sample : 0.0;
@@ -72,7 +73,7 @@ void SensorLearner::close_peak() {
 }
 
 void SensorLearner::close_group() {
-  if (groups_.size() < kMostGroups) groups_.push_back(std::exchange(group_, 0.0));
+  if (groups_.size() < kMaxGroups) groups_.push_back(std::exchange(group_, 0.0));
   in_group_ = 0;
   if (groups_.size() < kFirstGroups || groups_.size() % kGroupsPerLook != 0) return;
   noise_ = quantile(groups_, 0.25);
@@ -106,9 +107,8 @@ Result<LearntSensor> SensorLearner::result() const {
 }
 
 Status use_learnt(Rig& rig, const std::string& name, const LearntSensor& learnt, const Dimension& unit) {
-  const auto input = std::find_if(rig.inputs.begin(), rig.inputs.end(),
-                                  [&](const RigInput& each) { return each.name == name; });
-  if (input == rig.inputs.end())
+  auto* const input = find_named(rig.inputs, name);
+  if (input == nullptr)
     return fail(Errc::UnknownName, "", "the rig has no input '" + name + "'", "name one of its [inputs]");
   if (!unit.plain())
     return fail(Errc::UnitMismatch, "",

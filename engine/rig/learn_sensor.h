@@ -10,7 +10,7 @@
 
 namespace tactus {
 
-/// What five soft hits say about a sensor. In samples of the card, whose full scale is 1.
+/// The sensitivity of a sensor from five soft hits. In samples of the card, whose full scale is 1.
 struct LearntSensor {
   double soft = 0;        ///< the middle one of the hits' peaks
   double noise = 0;       ///< level between them: highest envelope of 10 ms, lower quartile
@@ -27,19 +27,19 @@ class SensorLearner {
  public:
   static constexpr int kHits = 5;
   static constexpr double kSoft_db = -20;        ///< of full scale
-  static constexpr double kOverNoise_db = 12;    ///< the least by which each hit stands out
+  static constexpr double kOverNoise_db = 12;    ///< minimum of each hit
   static constexpr double kMostUnequal_db = 12;  ///< from the softest to the loudest
 
   /// [control]
   explicit SensorLearner(Hertz sample_rate);
   /// [control] The next samples, in blocks of any size. After the fifth hit it ignores them.
-  void hear(std::span<const double> samples);
+  void process(std::span<const double> samples);
   /// [control] Hits detected so far.
   int hits() const { return static_cast<int>(peaks_.size()); }
   /// [control] Five hits were detected, and the last one to its peak.
   bool done() const { return hits() == kHits && peak_frames_left_ == 0; }
-  /// [control] Errors: Missing for fewer than five hits; OutOfRange for hits that clip, that do not stand
-  /// out, or that are too unequal, with what to do.
+  /// [control] Errors: Missing for fewer than five hits; OutOfRange for hits that clip, that are too close
+  /// to the noise, or too unequal.
   Result<LearntSensor> result() const;
 
  private:

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/error_list.h"
-#include "engine/graph/file/field.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
@@ -15,97 +15,27 @@
 namespace tactus {
 namespace {
 
-/// Reads the sections of one profile.
-class ProfileReader {
- public:
-  ProfileReader(const Value::Table& table, const Source& file) : table_(table), file_(file) {}
-
-  Checked<ActuatorProfile> read() {
-    check_format(table_, file_, mistakes_);
-    FieldReader{table_, profile_fields(), mistakes_};
-    profile_.name = mistakes_.text(table_, "name");
-    profile_.about = mistakes_.text(table_, "about");
-    profile_.source = mistakes_.text(table_, "source");
-    read_drive();
-    read_heat();
-    read_travel();
-    read_direct();
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
-    return profile_;
-  }
-
- private:
-  void read_drive() {
-    if (!open("drive"))
-      return mistakes_.add(Errc::Missing, {file_.file, 1, 1}, "[drive] is missing",
-                           "give at least resistance and peak of the terminals");
-    profile_.resistance_ohm = number("resistance");
-    profile_.peak_volts = number("peak");
-    if (find(*section_, "slew") != nullptr) profile_.slew_volts_per_second = number("slew");
-    profile_.soft_start = Seconds{number("soft_start")};
-    profile_.fade_out = Seconds{number("fade_out")};
-  }
-
-  // clang 14 emplaces no empty one of a class inside a class.
-  void read_heat() {
-    if (!open("heat")) return;
-    auto& heat = profile_.heat.emplace(ActuatorProfile::Heat{});
-    heat.watts = number("power");
-    heat.coil_time = Seconds{number("coil_time")};
-    heat.body_time = Seconds{number("body_time")};
-    heat.coil_share = number("coil_share");
-    heat.rise_kelvin = number("rise");
-  }
-
-  void read_travel() {
-    if (!open("travel")) return;
-    auto& travel = profile_.travel.emplace(ActuatorProfile::Travel{});
-    travel.metres = number("limit");
-    travel.mass_kg = number("mass");
-    travel.stiffness_n_per_m = number("stiffness");
-    travel.damping_kg_per_s = number("damping");
-    travel.force_factor_tm = number("force_factor");
-  }
-
-  void read_direct() {
-    if (!open("direct")) return;
-    auto& direct = profile_.direct.emplace(ActuatorProfile::Direct{});
-    direct.volts = number("level");
-    direct.time = Seconds{number("time")};
-  }
-
-  /// False if the section is not there.
-  bool open(const std::string& name) {
-    section_ = read_section(table_, name, mistakes_);
-    if (section_ == nullptr) return false;
-    type_ = profile_fields()[name].inside;
-    name_ = name;
-    at_ = find(table_, name)->at;
-    FieldReader{*section_, *type_, mistakes_};
-    return true;
-  }
-
-  double number(const std::string& key) {
-    const auto& field = (*type_)[key];
-    FieldReader fields{*section_, *type_, mistakes_, FieldReader::kKeysChecked};
-    if (!fields.has(key))
-      mistakes_.add(Errc::Missing, at_, "[" + name_ + "] lacks '" + key + "'",
-                    field.unit.empty() ? "give a plain number" : "give it in " + field.unit);
-    return fields.number(key).value_or(field.low);
-  }
-
-  const Value::Table& table_;
-  Source file_, at_;
-  const Value::Table* section_ = nullptr;
-  const SectionType* type_ = nullptr;
-  std::string name_;
-  ErrorList mistakes_;
-  ActuatorProfile profile_;
-};
+void read_values(const Value::Table& profile, const FieldType& section, std::map<std::string, double>& values,
+                 ErrorList& errors) {
+  const auto* table = read_section(profile, section.key, errors);
+  if (table == nullptr) return;
+  FieldReader fields{*table, *section.inside, errors, "[" + section.key + "]",
+                     find(profile, section.key)->at};
+  for (const auto& field : section.inside->fields)
+    if (const auto number = fields.number(field.key)) values[section.key + "." + field.key] = *number;
+}
 
 Checked<ActuatorProfile> read(const Result<Value::Table>& table, const std::string& file) {
   if (!table) return tl::unexpected(std::vector{table.error()});
-  return ProfileReader{*table, {std::make_shared<const std::string>(file), 0, 0}}.read();
+  const Source start{std::make_shared<const std::string>(file), 1, 1};
+  ErrorList errors;
+  check_format(*table, start, errors);
+  FieldReader fields{*table, profile_fields(), errors, "the profile", start};
+  ActuatorProfile profile{fields.text("name"), fields.text("about"), fields.text("source"), {}};
+  for (const auto& field : profile_fields().fields)
+    if (field.inside != nullptr) read_values(*table, field, profile.values, errors);
+  if (errors.any()) return tl::unexpected(errors.take());
+  return profile;
 }
 
 std::vector<std::string> profiles_in(const std::filesystem::path& folder) {
@@ -116,6 +46,42 @@ std::vector<std::string> profiles_in(const std::filesystem::path& folder) {
   std::sort(names.begin(), names.end());
   return names;
 }
+
+/// A path stays in the folders of its file, like that of a part.
+Result<std::filesystem::path> path_of(const std::string& text, const ProfilePlaces& places,
+                                      const Source& at) {
+  if (!text.ends_with(".toml")) return find_profile(text, places.named, at.text());
+  return find_part(text, places.folder, places.within, at).map([](const PartPath& path) {
+    return std::filesystem::path{path.name};
+  });
+}
+
+std::optional<DriveLimits> read_limits(const DriveEntry& drive, const Source& entry_at, const Source& name_at,
+                                       const ProfilePlaces& places, ErrorList& errors) {
+  const auto file = path_of(drive.profile, places, name_at);
+  if (errors.keep(file) == nullptr) return std::nullopt;
+  const auto profile = load_profile(*file);
+  if (!profile) return errors.add(profile.error()), std::nullopt;
+  const auto limits = limits_for(*profile, *drive.volts);
+  if (const auto status = check(limits); !status)
+    return errors.add(Errc::OutOfRange, entry_at, status.error().what, status.error().remedy), std::nullopt;
+  return limits;
+}
+
+/// What the user can raise; `of` is nullptr where an actuator has no such limit.
+struct RaisableLimit {
+  std::string name;
+  const char* unit;
+  double* (*of)(DriveLimits&);
+};
+const std::vector<RaisableLimit> kRaisable = {
+    {"ceiling", "", [](DriveLimits& l) { return &l.ceiling; }},
+    {"slew", "", [](DriveLimits& l) { return &l.slew_per_second; }},
+    {"power", "W", [](DriveLimits& l) { return l.heat ? &l.heat->watts_for_ever : nullptr; }},
+    {"travel", "m", [](DriveLimits& l) { return l.excursion ? &l.excursion->metres : nullptr; }},
+    {"direct_level", "", [](DriveLimits& l) { return &l.dc.level; }},
+    {"direct_time", "s", [](DriveLimits& l) { return &l.dc.time.value; }},
+};
 
 }  // namespace
 
@@ -145,13 +111,10 @@ const SectionType& profile_fields() {
   static const SectionType direct{"limits of DC",
                                   {number("level", "V", 1e-6, 1000, "allowed for ever"),
                                    number("time", "s", 0, 3600, "that the mean may lie above it")}};
-  static const SectionType section = [] {
-    SectionType profile{"the limits of an actuator", heading_fields()};
-    profile.fields.push_back(required(section_field("drive", drive)));
-    for (const auto& [key, inside] : {std::pair{"heat", &heat}, {"travel", &travel}, {"direct", &direct}})
-      profile.fields.push_back(section_field(key, *inside));
-    return profile;
-  }();
+  static const SectionType section{
+      "the limits of an actuator",
+      joined(heading_fields(), {required(section_field("drive", drive)), section_field("heat", heat),
+                                section_field("travel", travel), section_field("direct", direct)})};
   return section;
 }
 
@@ -165,62 +128,56 @@ Checked<ActuatorProfile> parse_profile(std::string_view text, const std::string&
 
 Result<std::filesystem::path> find_profile(const std::string& name, const std::filesystem::path& folder,
                                            const std::string& where) {
-  std::error_code error;
   if (name.ends_with(".toml")) return std::filesystem::path{name};
   const auto names = profiles_in(folder / "profiles");
-  if (std::find(names.begin(), names.end(), name) != names.end())
-    return folder / "profiles" / (name + ".toml");
+  if (std::binary_search(names.begin(), names.end(), name)) return folder / "profiles" / (name + ".toml");
   if (names.empty())
-    return fail(Errc::BadFile, where, "there is no folder of profiles in '" + folder.string() + "'",
+    return fail(Errc::BadFile, where, "there is no profiles folder in '" + folder.string() + "'",
                 "name the profile's file, as in \"my_woofer.toml\"");
   return fail(Errc::UnknownName, where, "there is no profile '" + name + "'", suggest(name, names));
 }
 
 DriveLimits limits_for(const ActuatorProfile& profile, double volts) {
   DriveLimits limits;
-  limits.ceiling = std::min(1.0, profile.peak_volts / volts);
-  if (profile.slew_volts_per_second) limits.slew_per_second = *profile.slew_volts_per_second / volts;
-  limits.soft_start = profile.soft_start;
-  limits.fade_out = profile.fade_out;
-  if (profile.direct) limits.dc = {profile.direct->volts / volts, profile.direct->time};
-  if (const auto& heat = profile.heat)
-    limits.heat = HeatLimits{volts * volts / profile.resistance_ohm,
-                             heat->watts,
-                             heat->coil_time,
-                             heat->body_time,
-                             heat->coil_share,
-                             heat->rise_kelvin};
-  if (const auto& t = profile.travel) {
-    const double damping =
-        t->damping_kg_per_s + t->force_factor_tm * t->force_factor_tm / profile.resistance_ohm;
-    limits.excursion =
-        ExcursionLimits{t->metres, t->force_factor_tm * volts / profile.resistance_ohm / t->stiffness_n_per_m,
-                        Hertz{std::sqrt(t->stiffness_n_per_m / t->mass_kg) / (2.0 * std::numbers::pi)},
-                        std::sqrt(t->stiffness_n_per_m * t->mass_kg) / damping};
+  const double ohms = profile["drive.resistance"];
+  limits.ceiling = std::min(1.0, profile["drive.peak"] / volts);
+  if (profile.has("drive.slew")) limits.slew_per_second = profile["drive.slew"] / volts;
+  limits.soft_start = Seconds{profile["drive.soft_start"]};
+  limits.fade_out = Seconds{profile["drive.fade_out"]};
+  if (profile.has("direct.level"))
+    limits.dc = {profile["direct.level"] / volts, Seconds{profile["direct.time"]}};
+  if (profile.has("heat.power"))
+    limits.heat = HeatLimits{volts * volts / ohms,
+                             profile["heat.power"],
+                             Seconds{profile["heat.coil_time"]},
+                             Seconds{profile["heat.body_time"]},
+                             profile["heat.coil_share"],
+                             profile["heat.rise"]};
+  if (profile.has("travel.limit")) {
+    const double stiffness = profile["travel.stiffness"], mass = profile["travel.mass"];
+    const double force_factor = profile["travel.force_factor"];
+    const double damping = profile["travel.damping"] + force_factor * force_factor / ohms;
+    limits.excursion = ExcursionLimits{profile["travel.limit"], force_factor * volts / ohms / stiffness,
+                                       Hertz{std::sqrt(stiffness / mass) / (2.0 * std::numbers::pi)},
+                                       std::sqrt(stiffness * mass) / damping};
   }
   return limits;
 }
 
 Status raise_limit(DriveLimits& limits, const std::string& name, const std::string& text,
                    const std::string& where) {
-  static const std::vector<std::string> kNames = {"ceiling", "slew",         "power",
-                                                  "travel",  "direct_level", "direct_time"};
-  if (std::find(kNames.begin(), kNames.end(), name) == kNames.end())
-    return fail(Errc::UnknownName, where, "there is no limit '" + name + "'", "there are " + listed(kNames));
-  const char* unit = name == "power" ? "W" : name == "travel" ? "m" : name == "direct_time" ? "s" : "";
-  const auto value = read_quantity(Value{text, {}}, *parse_unit(unit), name);
+  const auto* type = find_named(kRaisable, name);
+  if (type == nullptr)
+    return fail(Errc::UnknownName, where, "there is no limit '" + name + "'",
+                "there are " + listed(names_of(kRaisable)));
+  const auto value = read_quantity(Value{text, {}}, *parse_unit(type->unit), name);
   if (!value) return fail(value.error().code, where, value.error().what, value.error().remedy);
-  double* limit = name == "ceiling"        ? &limits.ceiling
-                  : name == "slew"         ? &limits.slew_per_second
-                  : name == "direct_level" ? &limits.dc.level
-                  : name == "direct_time"  ? &limits.dc.time.value
-                  : name == "power"        ? (limits.heat ? &limits.heat->watts_for_ever : nullptr)
-                                           : (limits.excursion ? &limits.excursion->metres : nullptr);
+  double* const limit = type->of(limits);
   if (limit == nullptr || !std::isfinite(*limit))
     return fail(Errc::OutOfRange, where, "this drive has no limit on '" + name + "' to raise",
                 "leave it out");
   if (!(*value > *limit))
-    return fail(Errc::OutOfRange, where, "'" + name + "' is " + short_number(*limit) + " as it is",
+    return fail(Errc::OutOfRange, where, "'" + name + "' is already " + short_number(*limit),
                 "a limit can only be raised here");
   const double before = std::exchange(*limit, *value);
   auto status = check(limits);
@@ -228,6 +185,30 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
   *limit = before;
   status.error().where = where;
   return status;
+}
+
+std::vector<FieldType> actuator_fields() {
+  return {text_field("profile", "woofer, bass_shaker, tactor_lra, voice_coil, …, or a path"),
+          quantity_field("volts_per_full_scale", "V", 1e-3, 1000, "what a sample of 1 puts on its terminals"),
+          quantity_field("ceiling", "", 1e-6, 1, "less than the profile allows, in full scale"),
+          about_field()};
+}
+
+DriveEntry read_drive(const EntrySpec& entry, FieldReader& fields, const ProfilePlaces& places,
+                      ErrorList& errors) {
+  DriveEntry drive{fields.text("profile"), fields.number("volts_per_full_scale"), fields.number("ceiling")};
+  if (!drive.profile.empty() && drive.volts)
+    if (const auto limits = read_limits(drive, entry.at, fields.value("profile")->at, places, errors))
+      drive.limits = *limits;
+  auto& limit = drive.limits.ceiling;
+  if (drive.ceiling && *drive.ceiling > limit)
+    errors.add(
+        Errc::OutOfRange, fields.value("ceiling")->at,
+        "a file cannot raise a limit: the ceiling of '" + entry.name + "' is " + short_number(limit),
+        "lower it, or use --raise-limit ceiling=" + short_number(*drive.ceiling) + " on the command line");
+  else
+    limit = drive.ceiling.value_or(limit);
+  return drive;
 }
 
 const DriveLimits& DriveBook::of(const std::string& channel) const {

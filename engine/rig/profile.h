@@ -5,9 +5,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/core/error.h"
 #include "engine/graph/file/field.h"
+#include "engine/graph/file/spec.h"
 #include "engine/guard/drive_limits.h"
 
 namespace tactus {
@@ -15,34 +17,17 @@ namespace tactus {
 /// The limits of an actuator at its terminals, as in a file of instruments/profiles. How its figures become
 /// the limits of a drive: docs/drive_guard.md.
 struct ActuatorProfile {
-  struct Heat {
-    double watts = 0;  ///< steady power at which the coil reaches its limit in the end
-    Seconds coil_time, body_time;
-    double coil_share = 0.5;
-    double rise_kelvin = 100;
-  };
-  struct Travel {
-    double metres = 0;
-    double mass_kg = 0, stiffness_n_per_m = 0, damping_kg_per_s = 0, force_factor_tm = 0;
-  };
-  struct Direct {
-    double volts = 0;
-    Seconds time;
-  };
   std::string name, about, source;
-  double resistance_ohm = 0;
-  double peak_volts = 0;
-  std::optional<double> slew_volts_per_second;
-  Seconds soft_start, fade_out;
-  std::optional<Heat> heat;
-  std::optional<Travel> travel;
-  std::optional<Direct> direct;
+  std::map<std::string, double> values;  ///< SI, by section and key: "heat.power"
+
+  double operator[](const std::string& key) const { return values.at(key); }
+  bool has(const std::string& key) const { return values.contains(key); }
 };
 
 /// [any] All keys of a profile.
 const SectionType& profile_fields();
 
-/// [control] All mistakes of a profile in one go.
+/// [control] All errors of a profile at once.
 Checked<ActuatorProfile> load_profile(const std::filesystem::path& file);
 Checked<ActuatorProfile> parse_profile(std::string_view text, const std::string& file_name);
 
@@ -67,5 +52,27 @@ struct DriveBook {
   /// `channel`: an output, or one of its lanes, as in "strings[2]".
   const DriveLimits& of(const std::string& channel) const;
 };
+
+/// The folders of the profiles of a file.
+struct ProfilePlaces {
+  std::filesystem::path folder;  ///< of the file: paths ("my_woofer.toml") start here
+  std::filesystem::path within;  ///< and may not leave this
+  std::filesystem::path named;   ///< "woofer" is profiles/woofer.toml in here
+};
+
+/// What a file says of one actuator, as written:
+///   { profile = "woofer", volts_per_full_scale = "10 V", ceiling = 0.8 }
+struct DriveEntry {
+  std::string profile;          ///< empty: cautious limits
+  std::optional<double> volts;  ///< per full scale
+  std::optional<double> ceiling;
+  DriveLimits limits = cautious_limits();  ///< that result from all this
+};
+
+/// [any] The keys of an actuator.
+std::vector<FieldType> actuator_fields();
+/// [control] Reads these keys of `entry`; a ceiling may be lower than it is anyway, never higher.
+DriveEntry read_drive(const EntrySpec& entry, FieldReader& fields, const ProfilePlaces& places,
+                      ErrorList& errors);
 
 }  // namespace tactus

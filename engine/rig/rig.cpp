@@ -1,201 +1,204 @@
 #include "engine/rig/rig.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "engine/graph/file/field.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/rig/rig_midi.h"
 
 namespace tactus {
 namespace {
 
-constexpr int kMostChannels = 1024;
+constexpr int kMaxChannels = 1024;
 
 class RigReader {
  public:
   RigReader(const std::filesystem::path& file, const std::filesystem::path& root)
       : places_{file.parent_path(), file.parent_path(), root} {
     rig_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
-    mistakes_ = ErrorList{rig_.file};
+    errors_ = ErrorList{rig_.file};
   }
 
-  LoadedRig read(const Result<Value::Table>& table) {
-    if (mistakes_.keep(table) == nullptr) return {std::nullopt, mistakes_.take()};
-    read_sections(*table);
-    check_channels();
-    return {std::move(rig_), mistakes_.take()};
+  Checked<Rig> read(const Result<Value::Table>& table) {
+    if (errors_.keep(table) != nullptr) {
+      read_sections(*table);
+      check_channels();
+    }
+    if (errors_.any()) return tl::unexpected(errors_.take());
+    return std::move(rig_);
   }
 
  private:
   void read_sections(const Value::Table& table) {
-    check_format(table, rig_.file, mistakes_);
+    const Source start{rig_.file.file, 1, 1};
+    check_format(table, rig_.file, errors_);
+    FieldReader fields{table, rig_fields(), errors_, "the rig", start};
     const auto keys = rig_fields().keys();
     rig_.incomplete = std::any_of(table.begin(), table.end(), [&](const Field& field) {
       return std::find(keys.begin(), keys.end(), field.key) == keys.end();
     });
-    FieldReader fields{table, rig_fields(), mistakes_};
     rig_.name = fields.text("name");
-    rig_.about = mistakes_.text(table, "about");
-    read_device(table);
-    for (const auto& entry : read_entries(table, "inputs", "{ channel = 1 }", mistakes_)) read_input(entry);
-    for (const auto& entry : read_entries(table, "outputs", "{ channel = 1 }", mistakes_))
-      rig_.outputs.push_back(read_output(entry));
+    rig_.about = fields.text("about");
+    rig_.device.at = fields.at("device", start);
+    if (const auto* device = read_section(table, "device", errors_)) read_device(*device);
+    for (const auto& entry : read_entries(table, "inputs", "{ channel = 1 }", errors_)) read_input(entry);
+    for (const auto& entry : read_entries(table, "outputs", "{ channel = 1 }", errors_))
+      rig_.outputs.push_back(read_output(entry, "output"));
     for (const auto& entry :
          read_entries(table, "actuators",
-                      "{ channel = 3, profile = \"woofer\", volts_per_full_scale = \"10 V\" }", mistakes_))
+                      "{ channel = 3, profile = \"woofer\", volts_per_full_scale = \"10 V\" }", errors_))
       read_actuator(entry);
     read_controls(table);
-    rig_.midi = read_midi(table, mistakes_);
+    for (const auto& entry : read_entries(table, "midi", "{ control = 7 }", errors_))
+      if (!entry.broken) rig_.midi.push_back(read_midi(entry));
     read_delay(table);
   }
 
   void read_device(const Value::Table& table) {
     auto& device = rig_.device;
-    device.at = {rig_.file.file, 1, 1};
-    const auto* fields = read_section(table, "device", mistakes_);
-    if (fields != nullptr) device.at = find(table, "device")->at;
-    if (fields == nullptr || find(*fields, "output") == nullptr)
-      mistakes_.add(Errc::Missing, device.at, "the rig names no device",
-                    "under [device], write output = \"…\" with an id that `tactus devices` shows");
-    if (fields == nullptr) return;
-    FieldReader reader{*fields, *rig_fields()["device"].inside, mistakes_};
-    device.output = reader.text("output");
-    device.input = reader.text("input");
-    if (const auto rate = reader.number("rate")) device.rate = Hertz{*rate};
-    if (const auto block = reader.number("block")) device.block = static_cast<int>(*block);
-    if (const auto periods = reader.number("periods")) device.periods = static_cast<int>(*periods);
+    FieldReader fields{table, *rig_fields()["device"].inside, errors_, "[device]", device.at};
+    device.output = fields.text("output");
+    device.input = fields.text("input");
+    if (const auto rate = fields.number("rate")) device.rate = Hertz{*rate};
+    if (const auto block = fields.number("block")) device.block = static_cast<int>(*block);
+    if (const auto periods = fields.number("periods")) device.periods = static_cast<int>(*periods);
   }
 
-  void read_port(const EntrySpec& entry, RigPort& port) {
+  void read_port(const EntrySpec& entry, FieldReader& fields, RigPort& port) {
     port.name = entry.name;
     port.at = entry.at;
-    if (const auto* about = find(entry.fields, "about"); about != nullptr && about->text() != nullptr)
-      port.about = *about->text();
-    const auto* channel = find(entry.fields, "channel");
-    if (channel != nullptr && channel->text() != nullptr && *channel->text() == "none") return;
-    if (channel == nullptr && !entry.broken)
-      mistakes_.add(Errc::Missing, entry.at, "'" + entry.name + "' has no channel",
-                    "write channel = 1, or channel = \"none\" to leave it out");
-    if (channel == nullptr) return;
-    if (const auto* lanes = channel->list())
-      for (const auto& lane : *lanes) read_channel(lane, port);
-    else
-      read_channel(*channel, port);
+    port.about = fields.text("about");
+    const auto* channel = fields.value("channel");
+    if (channel == nullptr || (channel->text() != nullptr && *channel->text() == "none")) return;
+    for (const auto& lane : channel->list() != nullptr ? *channel->list() : Value::List{*channel})
+      read_channel(lane, port);
   }
 
   void read_channel(const Value& value, RigPort& port) {
     const auto* number = value.number();
     const bool whole = number != nullptr && std::floor(*number) == *number;
-    if (whole && *number >= 1 && *number <= kMostChannels)
+    if (whole && *number >= 1 && *number <= kMaxChannels)
       return port.channels.push_back(static_cast<int>(*number));
     rig_.incomplete = true;
-    mistakes_.add(Errc::OutOfRange, value.at,
-                  whole ? "there is no channel " + short_number(*number)
-                        : "a channel is a whole number, not " + value.kind(),
-                  "channels count from 1, as on the card; \"none\" leaves the port out");
+    errors_.add(Errc::OutOfRange, value.at,
+                whole ? "there is no channel " + short_number(*number)
+                      : "a channel must be a whole number, not " + value.kind(),
+                "channels count from 1, as on the card; \"none\" leaves the port out");
   }
 
   void read_input(const EntrySpec& entry) {
-    FieldReader fields{entry.fields, *rig_fields()["inputs"].inside, mistakes_};
+    FieldReader fields{entry, *rig_fields()["inputs"].inside, errors_, "input"};
     RigInput input;
-    read_port(entry, input);
+    read_port(entry, fields, input);
     input.volts = fields.number("volts_per_full_scale");
-    const auto* sensitivity = find(entry.fields, "sensitivity");
-    const bool has_volts = find(entry.fields, "volts_per_full_scale") != nullptr;
-    if (has_volts != (sensitivity != nullptr))
-      mistakes_.add(
-          Errc::Missing, entry.at,
-          "input '" + entry.name + "' lacks '" + (has_volts ? "sensitivity" : "volts_per_full_scale") + "'",
-          "give both, or neither where a sample of 1 means 1");
-    if (sensitivity != nullptr) read_sensitivity(*sensitivity, input);
+    input.sensitivity = fields.any("sensitivity");
+    input.sensitivity_at = fields.at("sensitivity", {});
+    const double size = input.sensitivity ? std::abs(input.sensitivity->si) : 1;
+    if (!(size >= 1e-12 && size <= 1e12)) {
+      errors_.add(Errc::OutOfRange, input.sensitivity_at,
+                  "'sensitivity' cannot be " + short_number(input.sensitivity->si),
+                  "give the volts for one unit, such as \"50 mV\" or \"2 V/m\"");
+      input.sensitivity.reset();
+    }
     rig_.inputs.push_back(std::move(input));
   }
 
-  void read_sensitivity(const Value& value, RigInput& input) {
-    input.sensitivity_at = value.at;
-    const auto quantity = read_quantity(value);
-    if (mistakes_.keep(quantity) == nullptr) return;
-    if (std::abs(quantity->si) >= 1e-12 && std::abs(quantity->si) <= 1e12)
-      input.sensitivity = *quantity;
-    else
-      mistakes_.add(Errc::OutOfRange, value.at, "'sensitivity' cannot be " + short_number(quantity->si),
-                    "give the volts for one unit, such as \"50 mV\" or \"2 V/m\"");
-  }
-
-  RigOutput read_output(const EntrySpec& entry) {
-    FieldReader{entry.fields, *rig_fields()["outputs"].inside, mistakes_};
+  RigOutput read_output(const EntrySpec& entry, const char* what) {
+    FieldReader fields{entry, *rig_fields()["outputs"].inside, errors_, what};
     RigOutput output;
-    read_port(entry, output);
-    output.drive = read_drive(entry, places_, mistakes_);
+    read_port(entry, fields, output);
+    output.drive = read_drive(entry, fields, places_, errors_);
     return output;
   }
 
   void read_actuator(const EntrySpec& entry) {
-    auto actuator = read_output(entry);
+    auto actuator = read_output(entry, "actuator");
     if (actuator.channels.empty() && find(entry.fields, "channel") != nullptr && !rig_.incomplete)
-      mistakes_.add(Errc::Missing, entry.at, "actuator '" + entry.name + "' has no channel",
-                    "give its channel, or remove it");
+      errors_.add(Errc::Missing, entry.at, "actuator '" + entry.name + "' has no channel",
+                  "give its channel, or remove it");
     rig_.actuators.push_back(std::move(actuator));
   }
 
   void read_controls(const Value::Table& table) {
-    const auto* fields = read_section(table, "controls", mistakes_);
+    const auto* fields = read_section(table, "controls", errors_);
     for (const auto& field : fields != nullptr ? *fields : Value::Table{}) {
       const auto value = read_quantity(field.value);
-      if (mistakes_.keep(value) != nullptr) rig_.controls.push_back({field.key, field.value.at, *value});
+      if (errors_.keep(value) != nullptr) rig_.controls.push_back({field.key, field.value.at, *value});
     }
   }
 
+  RigMidi read_midi(const EntrySpec& entry) {
+    const auto& section = *rig_fields()["midi"].inside;
+    FieldReader fields{entry, section, errors_, "control"};
+    const auto number = [&](const char* key, double most = kUnlimited) {
+      return static_cast<int>(fields.number(key, most).value_or(section[key].low));
+    };
+    RigMidi midi{entry.name, entry.at, fields.text("device")};
+    if (fields.has("channel")) midi.channel = number("channel");
+    midi.fine = fields.flag("fine");
+    midi.gate = fields.flag("gate");
+    const bool note = fields.has("note"), bend = fields.flag("pitch_bend"), control = fields.has("control");
+    if (control + note + bend != 1)
+      errors_.add(Errc::Missing, entry.at, "control '" + entry.name + "' needs exactly one MIDI source",
+                  "give one of control = 7, note = 36 and pitch_bend = true");
+    if (note) midi.kind = RigMidi::Kind::Note;
+    if (bend) midi.kind = RigMidi::Kind::PitchBend;
+    if (control) midi.number = number("control", midi.fine ? 31 : 127);
+    if (note) midi.number = number("note");
+    if (midi.fine && !control)
+      errors_.add(Errc::BadArgument, fields.value("fine")->at, "only controllers come in fine pairs",
+                  "remove 'fine'");
+    if (midi.gate && !note)
+      errors_.add(Errc::BadArgument, fields.value("gate")->at, "only a note is a gate", "remove 'gate'");
+    return midi;
+  }
+
   void read_delay(const Value::Table& table) {
-    const auto* section = read_section(table, "delay", mistakes_);
+    const auto* section = read_section(table, "delay", errors_);
     if (section == nullptr) return;
-    FieldReader fields{*section, *rig_fields()["delay"].inside, mistakes_};
+    FieldReader fields{*section, *rig_fields()["delay"].inside, errors_};
     if (const auto measured = fields.number("measured")) rig_.measured_delay = Seconds{*measured};
     if (const auto pad = fields.number("pad")) rig_.pad_delay = Seconds{*pad};
   }
 
   /// A channel has one output, and one actuator at most.
   void check_channels() {
-    const auto once = [this](const std::vector<RigOutput>& ports, const char* what) {
-      std::map<int, std::string> users;
-      for (const auto& port : ports)
-        for (const int channel : port.channels) {
-          const auto [user, fresh] = users.emplace(channel, port.name);
-          if (!fresh)
-            mistakes_.add(Errc::Duplicate, port.at,
-                          std::string{what} + " '" + port.name + "' and '" + user->second +
-                              "' share channel " + std::to_string(channel),
-                          "give each a channel of its own");
-        }
-    };
-    once(rig_.outputs, "outputs");
-    once(rig_.actuators, "actuators");
+    check_users(rig_.outputs, "outputs");
+    check_users(rig_.actuators, "actuators");
     for (const auto& output : rig_.outputs)
       for (const auto& actuator : rig_.actuators)
-        if (output.has_actuator() && share_channel(output, actuator))
-          mistakes_.add(
-              Errc::Duplicate, output.at,
-              "the actuator of '" + output.name + "' is also '" + actuator.name + "' in [actuators]",
-              "say it once");
+        if (output.has_actuator() && std::any_of(output.channels.begin(), output.channels.end(),
+                                                 [&](int channel) { return actuator.uses(channel); }))
+          errors_.add(Errc::Duplicate, output.at,
+                      "the actuator of '" + output.name + "' is also '" + actuator.name + "' in [actuators]",
+                      "declare it once");
   }
 
-  static bool share_channel(const RigOutput& a, const RigOutput& b) {
-    return std::find_first_of(a.channels.begin(), a.channels.end(), b.channels.begin(), b.channels.end()) !=
-           a.channels.end();
+  void check_users(const std::vector<RigOutput>& ports, const char* what) {
+    std::map<int, std::string> users;
+    for (const auto& port : ports)
+      for (const int channel : port.channels)
+        if (const auto [user, first] = users.emplace(channel, port.name); !first)
+          errors_.add(
+              Errc::Duplicate, port.at,
+              fmt::format("{} '{}' and '{}' share channel {}", what, port.name, user->second, channel),
+              "give each a channel of its own");
   }
 
   ProfilePlaces places_;
   Rig rig_;
-  ErrorList mistakes_;
+  ErrorList errors_;
 };
 
-Checked<Rig> without_mistakes(LoadedRig loaded) {
-  if (!loaded.mistakes.empty()) return tl::unexpected(std::move(loaded.mistakes));
-  return std::move(*loaded.rig);
+/// format, name and about.
+std::vector<FieldType> rig_heading() {
+  auto fields = heading_fields();
+  std::erase_if(fields, [](const FieldType& field) { return field.key == "source"; });
+  return fields;
 }
 
 }  // namespace
@@ -203,7 +206,7 @@ Checked<Rig> without_mistakes(LoadedRig loaded) {
 const SectionType& rig_fields() {
   using Kind = FieldType::Kind;
   static const SectionType device{
-      "as `tactus devices` shows it",
+      "as `tactus devices` prints it",
       {required(text_field("output", "id")), text_field("input", "id", "that of the output"),
        quantity_field("rate", "Hz", 8e3, 192e3, "sample rate"), whole_field("block", 1, 8192, "frames"),
        whole_field("periods", 1, 64, "blocks in the driver's buffer")}};
@@ -215,57 +218,56 @@ const SectionType& rig_fields() {
        field("sensitivity", Kind::Any, "volts for one unit of the port, as in \"2 V/m\""), about_field()},
       {},
       {"sensitivity", "volts_per_full_scale"}};
-  static const SectionType output = [] {
-    SectionType wired{"an output and its actuator", {channel}, {}, {"profile", "volts_per_full_scale"}};
-    for (auto& field : actuator_fields()) wired.fields.push_back(std::move(field));
-    return wired;
-  }();
+  static const SectionType output{"an output and its actuator",
+                                  joined({channel}, actuator_fields()),
+                                  {},
+                                  {"profile", "volts_per_full_scale"}};
+  static const SectionType midi{"what moves a control",
+                                {text_field("device", "a part of the port's name", "any"),
+                                 whole_field("channel", 1, 16, "channel", "any"),
+                                 whole_field("control", 0, 127, "number of the controller"),
+                                 whole_field("note", 0, 127, "its velocity moves the control"),
+                                 field("pitch_bend", Kind::Flag, "the pitch wheel moves the control"),
+                                 field("fine", Kind::Flag, "14 bits, with controller + 32"),
+                                 field("gate", Kind::Flag, "a note opens and closes")}};
   static const SectionType delay{"system delay",
                                  {quantity_field("measured", "s", 0, 10, "of the card"),
-                                  quantity_field("pad", "s", 0, 10, "hold the whole at this")}};
-  static const SectionType section = [] {
-    SectionType rig{"the hardware that an instrument plays on", heading_fields()};
-    std::erase_if(rig.fields, [](const FieldType& field) { return field.key == "source"; });
-    for (auto& field : std::vector<FieldType>{
-             required(section_field("device", device)),
-             entries_field("inputs", input, "where the instrument's inputs come from"),
-             entries_field("outputs", output, "where the instrument's outputs go"),
-             entries_field("actuators", output, "on channels that sound must never reach"),
-             field("controls", Kind::Settings, "initial values of controls"),
-             entries_field("midi", midi_fields(), "what moves the controls"), section_field("delay", delay)})
-      rig.fields.push_back(std::move(field));
-    return rig;
-  }();
+                                  quantity_field("pad", "s", 0, 10, "total delay to pad to")}};
+  static const SectionType section{
+      "the hardware that an instrument plays on",
+      joined(rig_heading(),
+             {required(section_field("device", device)),
+              entries_field("inputs", input, "where the instrument's inputs come from"),
+              entries_field("outputs", output, "where the instrument's outputs go"),
+              entries_field("actuators", output, "on channels that sound must never reach"),
+              field("controls", Kind::Settings, "initial values of controls"),
+              entries_field("midi", midi, "what moves the controls"), section_field("delay", delay)})};
   return section;
 }
 
+bool RigPort::uses(int channel) const {
+  return std::find(channels.begin(), channels.end(), channel) != channels.end();
+}
+
+bool RigMidi::same_source(const RigMidi& other) const {
+  return device == other.device && channel == other.channel && kind == other.kind && number == other.number;
+}
+
 const RigOutput* Rig::actuator_on(int channel) const {
-  const auto on_channel = [channel](const RigOutput& output) {
-    return std::find(output.channels.begin(), output.channels.end(), channel) != output.channels.end();
-  };
   for (const auto& actuator : actuators)
-    if (on_channel(actuator)) return &actuator;
+    if (actuator.uses(channel)) return &actuator;
   for (const auto& output : outputs)
-    if (output.has_actuator() && on_channel(output)) return &output;
+    if (output.has_actuator() && output.uses(channel)) return &output;
   return nullptr;
 }
 
-LoadedRig load_rig_leniently(const std::filesystem::path& file, const std::filesystem::path& root) {
-  return RigReader{file, root}.read(load_toml(file));
-}
-
-LoadedRig parse_rig_leniently(std::string_view text, const std::string& file_name,
-                              const std::filesystem::path& root) {
-  return RigReader{file_name, root}.read(parse_toml(text, file_name));
-}
-
 Checked<Rig> load_rig(const std::filesystem::path& file, const std::filesystem::path& root) {
-  return without_mistakes(load_rig_leniently(file, root));
+  return RigReader{file, root}.read(load_toml(file));
 }
 
 Checked<Rig> parse_rig(std::string_view text, const std::string& file_name,
                        const std::filesystem::path& root) {
-  return without_mistakes(parse_rig_leniently(text, file_name, root));
+  return RigReader{file_name, root}.read(parse_toml(text, file_name));
 }
 
 }  // namespace tactus

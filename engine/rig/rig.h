@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,23 +9,26 @@
 #include "engine/core/error.h"
 #include "engine/core/units.h"
 #include "engine/graph/file/field.h"
-#include "engine/rig/drive_entry.h"
+#include "engine/rig/profile.h"
 
 namespace tactus {
 
-/// What a port is joined to. Channels count from 1, one for each lane; none: the port is left out.
+/// The channels that a port is connected to. Channels count from 1, one for each lane; none: the port is left
+/// out.
 struct RigPort {
   std::string name;
   Source at;
   std::vector<int> channels;
   std::string about;
+
+  bool uses(int channel) const;
 };
 
 /// A sensor:  value = sample * volts_per_full_scale / sensitivity
 struct RigInput : RigPort {
   std::optional<double> volts;  ///< at the connector, for a sample of 1
   /// Volts for one SI unit of the port; for a port in full scale, the volts that count as its full scale.
-  /// A sensor that is wired the other way round has a negative one.
+  /// A sensor that is wired with inverted polarity has a negative one.
   std::optional<QuantityValue> sensitivity;
   Source sensitivity_at;
 
@@ -91,16 +93,8 @@ struct Rig {
 /// [any] All keys of a rig file.
 const SectionType& rig_fields();
 
-/// [control] Every mistake that a rig has by itself, in file order; `check_rig` finds what does not fit an
+/// [control] All errors that a rig has by itself, in file order; `check_rig` finds what does not fit an
 /// instrument. `root`: the folder with the profiles.
-struct LoadedRig {
-  std::optional<Rig> rig;       ///< nothing if the file cannot be read or is no TOML
-  std::vector<Error> mistakes;  ///< by place
-};
-LoadedRig load_rig_leniently(const std::filesystem::path& file, const std::filesystem::path& root);
-LoadedRig parse_rig_leniently(std::string_view text, const std::string& file_name,
-                              const std::filesystem::path& root);
-/// [control] The same for those who only want a rig whose text is right.
 Checked<Rig> load_rig(const std::filesystem::path& file, const std::filesystem::path& root);
 Checked<Rig> parse_rig(std::string_view text, const std::string& file_name,
                        const std::filesystem::path& root);

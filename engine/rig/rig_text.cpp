@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "engine/rig/rig.h"
-#include "engine/rig/rig_midi.h"
 
 namespace tactus {
 namespace {
@@ -53,7 +52,14 @@ std::string line(const Rig::Control& control) {
   return control.name + " = " + exact_quantity(control.value) + "\n";
 }
 
-std::string line(const RigMidi& midi) { return to_text(midi) + "\n"; }
+std::string line(const RigMidi& midi) {
+  std::string text = midi.control + " = { ";
+  if (!midi.device.empty()) text += "device = " + in_quotes(midi.device) + ", ";
+  if (midi.channel > 0) text += fmt::format("channel = {}, ", midi.channel);
+  constexpr const char* kKeys[] = {"control = {}", "note = {}", "pitch_bend = true"};  // as Kind
+  text += fmt::format(fmt::runtime(kKeys[static_cast<int>(midi.kind)]), midi.number);
+  return text + (midi.fine ? ", fine = true" : "") + (midi.gate ? ", gate = true" : "") + " }\n";
+}
 
 template <class Items>
 std::string section(const char* name, const Items& items) {

@@ -1,26 +1,23 @@
 #include "engine/scene/build_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/error_list.h"
-#include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/scene/file/scene_checks.h"
-#include "engine/scene/file/world_entries.h"
 #include "engine/scene/guard_report.h"
-#include "engine/scene/moved_controls.h"
+#include "engine/scene/scene_wiring.h"
 
 namespace tactus {
 namespace {
 
-int inputs_of(const Plan& schedule) { return static_cast<int>(schedule.input_names.size()); }
-
-int outputs_of(const Plan& schedule) { return static_cast<int>(output_names(schedule).size()); }
-
 class SceneBuilder {
  public:
-  /// `earlier`: what is already known to be wrong.
+  /// `earlier`: errors found before.
   SceneBuilder(const SceneSpec& scene, const NodeTable& table, const SceneOptions& options,
                std::vector<Error> earlier)
       : scene_(scene),
@@ -29,38 +26,33 @@ class SceneBuilder {
         instrument_(scene.part("instrument")),
         rate_(options.rate.value_or(scene.rate)),
         delay_(options.delay.value_or(scene.delay)),
-        mistakes_(scene.file) {
-    mistakes_.add(std::move(earlier));
+        errors_(scene.file) {
+    errors_.add(std::move(earlier));
   }
 
   Checked<CompiledScene> run() {
     built_.delay_frames = static_cast<int>(std::lround(frames_in(delay_, rate_)));
-    // The ring holds whole frames, and so much is what the instrument is told.
+    // The ring holds whole frames; the instrument compensates for exactly these.
     delay_ = Seconds{built_.delay_frames / rate_.value};
     route_set();
     make_world();
     if (instrument_known()) wire_instrument();
-    check_measures(scene_, table_, mistakes_);
-    check_accuracy(scene_, table_, mistakes_);
-    check_playability(scene_, table_, mistakes_);
-    check_comparison(scene_, mistakes_);
-    check_drives(scene_, mistakes_);
-    check_ports(scene_, mistakes_);
+    check_scene(scene_, table_, errors_);
     compile_world();
     if (instrument_known())
       compile_instrument();
-    else if (nobody_plays())
+    else if (has_no_instrument())
       compile_silence();
     if (built_.plant != nullptr && built_.instrument != nullptr) check_channels();
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    if (errors_.any()) return tl::unexpected(errors_.take());
     check_size();
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    if (errors_.any()) return tl::unexpected(errors_.take());
     return std::move(built_);
   }
 
  private:
   /// A scene of a plant alone.
-  bool nobody_plays() const { return instrument_ == nullptr && !scene_.incomplete; }
+  bool has_no_instrument() const { return instrument_ == nullptr && !scene_.incomplete; }
   bool instrument_known() const { return instrument_ != nullptr && instrument_->graph != nullptr; }
 
   /// "strength" is the instrument's, and no gesture moves it then; "plant.gain" overwrites a wire of a part.
@@ -101,14 +93,14 @@ class SceneBuilder {
     }
     for (const auto& [name, fields] : overwritten_)
       if (!fields.empty() && scene_.part(name) == nullptr)
-        mistakes_.add(Errc::UnknownName, scene_.file,
-                      "there is no part '" + name + "' to set '" + fields.begin()->first + "' of",
-                      "see [parts] of the scene");
+        errors_.add(Errc::UnknownName, scene_.file,
+                    "there is no part '" + name + "' to set '" + fields.begin()->first + "' of",
+                    "see [parts] of the scene");
   }
 
   /// What the instrument gives out comes into the world from outside.
   void declare_drives() {
-    if (nobody_plays()) return;
+    if (has_no_instrument()) return;
     NodeSpec unknown;
     unknown.name = "instrument";
     unknown.broken = true;
@@ -122,9 +114,9 @@ class SceneBuilder {
     for (const auto& input : graph.inputs) {
       const auto* wire = find(instrument_->wires, input.name);
       if (wire == nullptr) {
-        mistakes_.add(Errc::Missing, instrument_->at,
-                      "input '" + input.name + "' of the instrument is not wired",
-                      "say where it comes from, as in " + input.name + " = \"plant." + input.name + "\"");
+        errors_.add(Errc::Missing, instrument_->at,
+                    "input '" + input.name + "' of the instrument is not wired",
+                    "say where it comes from, as in " + input.name + " = \"plant." + input.name + "\"");
         continue;
       }
       EntrySpec output{"instrument." + input.name, wire->at, {{"from", wire->at, *wire}}};
@@ -132,24 +124,23 @@ class SceneBuilder {
       world_.outputs.push_back(std::move(output));
     }
     for (const auto& field : instrument_->wires) {
-      if (find_entry(graph.inputs, field.key) != nullptr) continue;
-      if (const auto* control = find_entry(graph.controls, field.key))
+      if (find_named(graph.inputs, field.key) != nullptr) continue;
+      if (const auto* control = find_named(graph.controls, field.key))
         wire_control(*control, field);
       else if (!graph.incomplete)
-        complain_unknown(field);
+        report_unknown(field);
     }
   }
 
-  void complain_unknown(const Field& field) {
-    std::vector<std::string> names;
-    for (const auto& entry : instrument_->graph->inputs) names.push_back(entry.name);
-    for (const auto& entry : instrument_->graph->controls) names.push_back(entry.name);
-    mistakes_.add(Errc::UnknownName, field.at, "the instrument has no input or control '" + field.key + "'",
-                  suggest(field.key, names, "see its [inputs] and [controls]"));
+  void report_unknown(const Field& field) {
+    auto names = names_of(instrument_->graph->inputs);
+    for (const auto& control : instrument_->graph->controls) names.push_back(control.name);
+    errors_.add(Errc::UnknownName, field.at, "the instrument has no input or control '" + field.key + "'",
+                suggest(field.key, names, "see its [inputs] and [controls]"));
   }
 
   void wire_control(const EntrySpec& control, const Field& field) {
-    const auto wired = tactus::wire_control(scene_, control, field, mistakes_);
+    const auto wired = tactus::wire_control(scene_, control, field, errors_);
     if (!wired) return;
     const bool asked = !controls_.try_emplace(control.name, wired->start).second;
     if (wired->gesture != nullptr && !asked) moved_.push_back({control.name, wired->gesture});
@@ -157,58 +148,69 @@ class SceneBuilder {
 
   // ---- compiling
 
-  /// Nodes are made only of what is right; nullptr and mistakes otherwise.
+  /// Makes nodes only if there is no error; nullptr and errors otherwise.
   std::unique_ptr<Plan> compile_or_check(const GraphSpec& graph, const CompileOptions& options) {
-    if (mistakes_.any()) {
-      mistakes_.add(check(graph, table_, options));
+    if (errors_.any()) {
+      errors_.add(check(graph, table_, options));
       return nullptr;
     }
     auto compiled = compile(graph, table_, options);
     if (compiled) return std::move(*compiled);
-    mistakes_.add(std::move(compiled.error()));
+    errors_.add(std::move(compiled.error()));
     return nullptr;
   }
 
-  void compile_world() {
+  CompileOptions compile_options(std::vector<std::string> taps) const {
     CompileOptions options;
     options.sample_rate = rate_;
     options.system_delay = delay_;
     options.vectorise = options_.vectorise;
-    options.taps = taps_;
+    options.taps = std::move(taps);
+    return options;
+  }
+
+  static std::vector<SceneTap> taps_of(const Plan& plan, const std::string& prefix) {
+    std::vector<SceneTap> taps;
+    for (const auto& channel : plan.channels)
+      if (channel.use == OutputUse::Tap) taps.push_back({prefix + channel.name, channel.dimension});
+    return taps;
+  }
+
+  void compile_world() {
+    auto options = compile_options(taps_);
     options.closed_outside = built_.delay_frames == 0;
     auto compiled = compile_or_check(world_, options);
     if (compiled == nullptr) return;
-    for (const auto& channel : compiled->channels)
-      if (channel.use == OutputUse::Tap) built_.plant_taps.push_back({channel.name, channel.dimension});
-    check_expected_pitch(scene_, built_.plant_taps, mistakes_);
+    built_.plant_taps = taps_of(*compiled, "");
+    check_expected_pitch(scene_, built_.plant_taps, errors_);
     built_.plant = std::move(compiled);
   }
 
   /// All that is recorded must fit into memory.
   void check_size() {
-    constexpr double kMostSamples = 1u << 29;
+    constexpr double kMaxSamples = 1u << 29;
     const auto signals =
         static_cast<double>(built_.plant->channels.size() + built_.instrument->channels.size());
     const double samples = signals * frames_in(scene_.duration, rate_);
-    if (samples > kMostSamples)
-      mistakes_.add(Errc::OutOfRange, scene_.file,
-                    "to record " + short_number(signals) + " signals for " +
-                        short_quantity(scene_.duration.value, Dimension{.second = 1}) + " takes " +
-                        short_number(std::ceil(samples * sizeof(double) / 1e9)) + " GB, more than 4",
-                    "shorten 'duration'");
+    if (samples > kMaxSamples)
+      errors_.add(Errc::OutOfRange, scene_.file,
+                  "to record " + short_number(signals) + " signals for " +
+                      short_quantity(scene_.duration.value, Dimension{.second = 1}) + " takes " +
+                      short_number(std::ceil(samples * sizeof(double) / 1e9)) + " GB, more than 4",
+                  "shorten 'duration'");
   }
 
   /// Signals between the two engines have one lane each, or the channels would shift.
   void check_channels() {
-    const auto check = [this](int from, int to, const char* what) {
-      if (from != to)
-        mistakes_.add(Errc::OutOfRange, instrument_ != nullptr ? instrument_->at : scene_.file,
-                      std::string{what} + " have " + std::to_string(from) + " lanes, but " +
-                          std::to_string(to) + " are wired",
-                      "in a scene, give each lane an input or output of its own, or 'mix' them");
+    const auto check = [this](const Plan& from, const Plan& to, const char* what) {
+      const auto lanes = output_names(from).size(), wired = to.input_names.size();
+      if (lanes != wired)
+        errors_.add(Errc::OutOfRange, instrument_ != nullptr ? instrument_->at : scene_.file,
+                    fmt::format("{} have {} lanes, but {} are wired", what, lanes, wired),
+                    "in a scene, give each lane an input or output of its own, or 'mix' them");
     };
-    check(outputs_of(*built_.plant), inputs_of(*built_.instrument), "the wires to the instrument");
-    check(outputs_of(*built_.instrument), inputs_of(*built_.plant), "the instrument's outputs");
+    check(*built_.plant, *built_.instrument, "the wires to the instrument");
+    check(*built_.instrument, *built_.plant, "the instrument's outputs");
   }
 
   void compile_silence() {
@@ -220,17 +222,11 @@ class SceneBuilder {
   }
 
   void compile_instrument() {
-    CompileOptions options;
-    options.sample_rate = rate_;
-    options.system_delay = delay_;
-    options.vectorise = options_.vectorise;
+    auto options = compile_options(event_taps(*instrument_->graph, table_));
     options.controls = controls_;
-    options.taps = event_taps(*instrument_->graph, table_);
     auto compiled = compile_or_check(*instrument_->graph, options);
     if (compiled == nullptr) return;
-    for (const auto& channel : compiled->channels)
-      if (channel.use == OutputUse::Tap)
-        built_.instrument_taps.push_back({"instrument." + channel.name, channel.dimension});
+    built_.instrument_taps = taps_of(*compiled, "instrument.");
     built_.journal = gesture_journal(moved_, *compiled);
     built_.instrument = std::move(compiled);
   }
@@ -246,7 +242,7 @@ class SceneBuilder {
   std::map<std::string, ControlValue> controls_;
   std::map<std::string, std::map<std::string, ControlValue>> overwritten_;
   std::vector<MovedControl> moved_;
-  ErrorList mistakes_;
+  ErrorList errors_;
   CompiledScene built_;
 };
 
@@ -259,8 +255,8 @@ Checked<CompiledScene> compile_scene(const SceneSpec& scene, const NodeTable& ta
 
 Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable& table,
                                      const SceneOptions& options) {
-  if (!loaded.scene) return tl::unexpected(loaded.mistakes);
-  return SceneBuilder{*loaded.scene, table, options, loaded.mistakes}.run();
+  if (!loaded.scene) return tl::unexpected(loaded.errors);
+  return SceneBuilder{*loaded.scene, table, options, loaded.errors}.run();
 }
 
 BuiltScene::BuiltScene(CompiledScene compiled)
@@ -273,9 +269,7 @@ BuiltScene::BuiltScene(CompiledScene compiled)
 }
 
 Checked<BuiltScene> build_scene(const SceneSpec& scene, const NodeTable& table, const SceneOptions& options) {
-  return compile_scene(scene, table, options).map([](CompiledScene made) {
-    return BuiltScene{std::move(made)};
-  });
+  return build_scene(LoadedScene{scene, {}}, table, options);
 }
 
 Checked<BuiltScene> build_scene(const LoadedScene& loaded, const NodeTable& table,

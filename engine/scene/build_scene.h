@@ -20,7 +20,7 @@ struct SceneOptions {
   std::map<std::string, ControlValue>
       set;  ///< "strength" of the instrument, "plant.gain" of another part; SI
   /// A person strikes: the world gets a control `strike`, from 0 to 1, which every control of this name of a
-  /// part follows, whatever the scene says about it.
+  /// part follows, overriding the scene.
   bool by_hand = false;
   bool vectorise = true;  ///< as CompileOptions::vectorise
 };
@@ -50,10 +50,10 @@ struct BuiltScene {
   std::vector<SceneTap> plant_taps, instrument_taps;
 };
 
-/// [control] All mistakes of the wiring, of both graphs and of what is to be measured, in file order.
+/// [control] All errors of the wiring, of both graphs and of the measures, in file order.
 Checked<CompiledScene> compile_scene(const SceneSpec& scene, const NodeTable& table,
                                      const SceneOptions& options = {});
-/// [control] The same for a scene just loaded, together with the mistakes of its text.
+/// [control] The same for a scene just loaded, together with the errors of its text.
 Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable& table,
                                      const SceneOptions& options = {});
 /// [control] The same as engines.

@@ -50,15 +50,15 @@ Status ClosedLoop::prepare(Hertz sample_rate, int max_block) {
 
 void ClosedLoop::run(int frames, const Listener& listener) {
   for (int done = 0; done < frames;) {
-    const int piece = std::min(block_, frames - done);
-    run_piece(piece);
-    if (listener) listener({piece, sensors_, drives_});
-    done += piece;
+    const int block = std::min(block_, frames - done);
+    run_block(block);
+    if (listener) listener({block, sensors_, drives_});
+    done += block;
   }
 }
 
-void ClosedLoop::run_piece(int frames) noexcept {
-  // With no delay `sensors_` is filled on the way, and holds what the converters made of it.
+void ClosedLoop::run_block(int frames) noexcept {
+  // With no delay `sensors_` is filled by `Answer`, converted.
   if (delay_ == 0) return plant_.process({delayed_.data(), unused_.data(), frames});
   for (std::size_t c = 0; c < ring_.size(); ++c) {
     const auto& ring = ring_[c];

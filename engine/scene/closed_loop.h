@@ -15,7 +15,7 @@ namespace tactus {
 ///     plant ──sensors──► ADC ──► instrument ──drives──► DAC ──► ring of D frames ──► plant
 ///
 /// D is exact: what the instrument answers to the sensors of frame n moves the plant from frame n + D on. It
-/// runs in pieces of min(block, max(1, D)) frames; with D = 0 the plant asks for the answer in the middle of
+/// runs in blocks of min(block, max(1, D)) frames; with D = 0 the plant calls the instrument in the middle of
 /// its frame (its schedule must have been compiled with `closed_outside`). The converters quantise to `bits`
 /// and clip at full scale.
 class ClosedLoop {
@@ -30,15 +30,15 @@ class ClosedLoop {
   /// [control & stopped] Silence in the ring, frame 0.
   [[nodiscard]] Status prepare(Hertz sample_rate, int max_block);
 
-  /// One piece as it went by: samples behind the converters.
-  struct Piece {
+  /// One block: samples after the converters.
+  struct Block {
     int frames;
     const ChannelBuffers& sensors;
     const ChannelBuffers& drives;  ///< of the instrument, before the delay
   };
-  using Listener = std::function<void(const Piece&)>;
+  using Listener = std::function<void(const Block&)>;
 
-  /// [control] Runs `frames` frames; `listener` sees every piece.
+  /// [control] Runs `frames` frames; `listener` receives every block.
   void run(int frames, const Listener& listener = {});
 
  private:
@@ -46,7 +46,7 @@ class ClosedLoop {
 
   void convert(double* samples, int frames) const noexcept;
   void answer(int frames) noexcept;
-  void run_piece(int frames) noexcept;
+  void run_block(int frames) noexcept;
 
   BlockProcessor& instrument_;
   Player& plant_;

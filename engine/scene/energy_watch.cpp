@@ -4,17 +4,9 @@
 
 #include <algorithm>
 
+#include "engine/core/named.h"
+
 namespace tactus {
-namespace {
-
-int tap_called(const std::string& name, const std::vector<SceneTap>& taps) {
-  const auto found =
-      std::find_if(taps.begin(), taps.end(), [&](const auto& tap) { return tap.name == name; });
-  return found == taps.end() ? -1 : static_cast<int>(found - taps.begin());
-}
-
-}  // namespace
-
 void EnergyWatch::take(const double* force, const double* position, int frames) noexcept {
   for (int n = 0; n < frames; ++n, ++frame_) {
     // Nothing was done before the first frame.
@@ -47,8 +39,10 @@ PortEnergy EnergyWatch::energy(Hertz sample_rate) const {
 
 PortWatches::PortWatches(const SceneSpec& scene, const std::vector<SceneTap>& plant_taps) {
   for (const auto& port : scene.ports) {
-    const int force = tap_called(port.force, plant_taps), position = tap_called(port.position, plant_taps);
-    if (force >= 0 && position >= 0) watched_.push_back({&port, force, position, EnergyWatch{port.allowed}});
+    const auto *force = find_named(plant_taps, port.force), *position = find_named(plant_taps, port.position);
+    if (force == nullptr || position == nullptr) continue;
+    const auto tap = [&](const SceneTap* named) { return static_cast<int>(named - plant_taps.data()); };
+    watched_.push_back({&port, tap(force), tap(position), EnergyWatch{port.allowed}});
   }
 }
 

@@ -32,7 +32,7 @@ class EnergyWatch {
  public:
   explicit EnergyWatch(double allowed) : allowed_(allowed) {}
 
-  /// [realtime] The next frames. How they are cut into pieces does not matter.
+  /// [realtime] The next frames. The block size does not matter.
   void take(const double* force, const double* position, int frames) noexcept;
   /// [any] What came of it so far.
   PortEnergy energy(Hertz sample_rate) const;
@@ -49,7 +49,7 @@ class PortWatches {
   /// [control] `scene` passed check_ports. Keeps the places of its signals among the taps of the plant.
   PortWatches(const SceneSpec& scene, const std::vector<SceneTap>& plant_taps);
 
-  /// [realtime] After each piece.
+  /// [realtime] After each block.
   void take(const Player& plant, int frames) noexcept;
   std::vector<PortEnergy> energies(Hertz sample_rate) const;
 

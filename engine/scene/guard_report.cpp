@@ -7,34 +7,43 @@
 namespace tactus {
 namespace {
 
-struct StageWords {
+struct StageText {
   const char* name;
-  const char* words;
+  const char* text;
 };
-constexpr std::array<StageWords, kGuardStages> kWords = {{
-    {"nonfinite", "it was non-finite"},
-    {"heat", "it was too warm, and held back"},
-    {"direct", "direct current had lasted too long, and it was held back"},
-    {"travel", "the travel limit held it back"},
-    {"ceiling", "it lay above the ceiling"},
-    {"slew", "it was too steep"},
+constexpr std::array<StageText, kGuardStages> kStages = {{
+    {"nonfinite", "non-finite values were replaced"},
+    {"heat", "the heat limit attenuated it"},
+    {"direct", "the DC limit attenuated it"},
+    {"travel", "the excursion limit attenuated it"},
+    {"ceiling", "the ceiling clipped it"},
+    {"slew", "the slew rate limit smoothed it"},
 }};
 
-std::string event_in_words(const GuardReport& report, const GuardEvent& event, Hertz sample_rate) {
-  const double at_s = static_cast<double>(event.frame) / sample_rate.value;
+struct EventText {
+  const char* name;
+  const char* text;  ///< "{}" is the time
+};
+constexpr std::array<EventText, 3> kEvents = {{
+    {"howl",
+     "howl at {:.3f} s: the guard limited it for more than half of 200 ms and faded it; lower the loop gain, "
+     "and arm it again"},
+    {"sensor railed",
+     "the sensor lay at the end of its range for 40 ms at {:.3f} s, and all drives were faded; check its "
+     "cable and its supply, and arm them again"},
+    {"sensor stuck",
+     "the sensor repeated the same value for 40 ms at {:.3f} s, and all drives were faded; check its "
+     "converter and its driver, and arm them again"},
+}};
+
+std::string describe(const GuardReport& report, const GuardEvent& event, Hertz sample_rate) {
   const auto channel = static_cast<std::size_t>(event.channel);
-  if (event.kind == GuardEvent::Kind::Feedback)
-    return fmt::format(
-        "{}: howl at {:.3f} s: the guard held it back for more than half of 200 ms and faded it; "
-        "look for a loop that is too loud, and arm it again",
-        report.outputs[channel].name, at_s);
-  const bool railed = event.kind == GuardEvent::Kind::SensorRailed;
-  const auto name = channel < report.input_names.size() ? report.input_names[channel]
-                                                        : fmt::format("input {}", event.channel + 1);
-  return fmt::format(
-      "{}: the sensor {} at {:.3f} s, and all drives were faded; {}, and arm them again", name,
-      railed ? "lay at the end of its range for 40 ms" : "repeated itself bit for bit for 40 ms", at_s,
-      railed ? "look at its cable and its supply" : "look at its converter and its driver");
+  const auto name = event.kind == GuardEvent::Kind::Feedback ? report.outputs[channel].name
+                    : channel < report.input_names.size()    ? report.input_names[channel]
+                                                             : fmt::format("input {}", channel + 1);
+  return name + ": " +
+         fmt::format(fmt::runtime(kEvents[static_cast<std::size_t>(event.kind)].text),
+                     static_cast<double>(event.frame) / sample_rate.value);
 }
 
 }  // namespace
@@ -45,12 +54,9 @@ bool GuardReport::idle() const {
   return events.empty();
 }
 
-const char* name_of(GuardStage stage) { return kWords[static_cast<std::size_t>(stage)].name; }
+const char* name_of(GuardStage stage) { return kStages[static_cast<std::size_t>(stage)].name; }
 
-const char* name_of(GuardEvent::Kind kind) {
-  constexpr std::array kNames = {"howl", "sensor railed", "sensor stuck"};
-  return kNames[static_cast<std::size_t>(kind)];
-}
+const char* name_of(GuardEvent::Kind kind) { return kEvents[static_cast<std::size_t>(kind)].name; }
 
 std::vector<std::string> output_names(const Plan& schedule) {
   std::vector<std::string> names;
@@ -101,13 +107,13 @@ GuardReport report_of(Guarded& guarded, const Plan& schedule, const DriveBook& d
 
 std::vector<std::string> in_words(const GuardReport& report, Hertz sample_rate) {
   std::vector<std::string> lines;
-  for (const auto& event : report.events) lines.push_back(event_in_words(report, event, sample_rate));
+  for (const auto& event : report.events) lines.push_back(describe(report, event, sample_rate));
   for (const auto& output : report.outputs)
     for (std::size_t s = 0; s < kGuardStages; ++s) {
       const auto& count = output.counts.stages[s];
       if (count.frames == 0) continue;
       lines.push_back(fmt::format("{}: {} for {:.3g} s, by up to {:.2g} full scale", output.name,
-                                  kWords[s].words, static_cast<double>(count.frames) / sample_rate.value,
+                                  kStages[s].text, static_cast<double>(count.frames) / sample_rate.value,
                                   count.most));
     }
   return lines;

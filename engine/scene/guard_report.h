@@ -11,7 +11,7 @@
 
 namespace tactus {
 
-/// What the guard of one output had to do.
+/// What the guard of one output did.
 struct GuardedOutput {
   std::string name;
   GuardCounts counts;
@@ -19,11 +19,11 @@ struct GuardedOutput {
   double rise_kelvin = 0;  ///< above the room, at the end; 0 without a heat limit
 };
 
-/// What all guards of a run had to do.
+/// What all guards of a run did.
 struct GuardReport {
   std::vector<GuardedOutput> outputs;
   std::vector<GuardEvent> events;        ///< oldest first
-  std::vector<std::string> input_names;  ///< that events speak of
+  std::vector<std::string> input_names;  ///< of the channels of events
 
   /// True if no stage had anything to do and nothing faded.
   bool idle() const;
@@ -36,7 +36,7 @@ const char* name_of(GuardEvent::Kind kind);
 
 /// Names of the outputs that a schedule gives to the outside.
 std::vector<std::string> output_names(const Plan& schedule);
-/// Of those, what is to be listened to: the one called `sound` if it is of kind "audio"; without it all of
+/// Of those, the monitor outputs: the one called `sound` if it is of kind "audio"; without it all of
 /// that kind. A carrier for a sensor is of that kind too.
 std::vector<std::string> sound_names(const Plan& schedule);
 /// Their guards.
@@ -48,7 +48,7 @@ GuardReport report_of(Guarded& guarded, const std::vector<GuardedChannel>& chann
 /// The same for what `guarded_channels` gave.
 GuardReport report_of(Guarded& guarded, const Plan& schedule, const DriveBook& drives);
 
-/// In words, a line each: "woofer: the travel limit held it back for 0.42 s, by up to 0.3 full scale".
+/// As text, a line each: "woofer: the excursion limit attenuated it for 0.42 s, by up to 0.3 full scale".
 std::vector<std::string> in_words(const GuardReport& report, Hertz sample_rate);
 
 }  // namespace tactus

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "engine/core/named.h"
 #include "engine/scene/closed_loop.h"
 
 namespace tactus {
@@ -20,13 +21,13 @@ class Recorder {
     for (const auto& tap : built.instrument_taps) add(tap.name, tap.dimension, frames);
   }
 
-  void take(const ClosedLoop::Piece& piece) {
+  void take(const ClosedLoop::Block& io) {
     std::size_t next = 0;
-    for (const auto* sensor : piece.sensors) append(next++, sensor, piece.frames);
-    for (const auto* drive : piece.drives) append(next++, drive, piece.frames);
-    for (int t = 0; t < built_.plant->tap_count(); ++t) append(next++, built_.plant->tap(t), piece.frames);
+    for (const auto* sensor : io.sensors) append(next++, sensor, io.frames);
+    for (const auto* drive : io.drives) append(next++, drive, io.frames);
+    for (int t = 0; t < built_.plant->tap_count(); ++t) append(next++, built_.plant->tap(t), io.frames);
     for (int t = 0; t < built_.instrument->tap_count(); ++t)
-      append(next++, built_.instrument->tap(t), piece.frames);
+      append(next++, built_.instrument->tap(t), io.frames);
   }
 
  private:
@@ -53,10 +54,7 @@ void collect_faults(SceneRecording& recording, const Player& engine, const std::
 
 }  // namespace
 
-const RecordedSignal* SceneRecording::find(std::string_view name) const {
-  const auto it = std::find_if(signals.begin(), signals.end(), [&](const auto& s) { return s.name == name; });
-  return it == signals.end() ? nullptr : &*it;
-}
+const RecordedSignal* SceneRecording::find(std::string_view name) const { return find_named(signals, name); }
 
 double SceneRecording::seconds() const {
   return signals.empty() ? 0 : static_cast<double>(signals.front().samples.size()) / sample_rate.value;
@@ -92,9 +90,9 @@ Result<SceneRecording> play_scene(const SceneSpec& scene, BuiltScene& built, int
   const auto started = std::chrono::steady_clock::now();
   const int part = std::max(block, frames / 100);
   for (int done = 0; done < frames; done += part) {
-    loop.run(std::min(part, frames - done), [&](const ClosedLoop::Piece& piece) {
-      recorder.take(piece);
-      ports.take(*built.plant, piece.frames);
+    loop.run(std::min(part, frames - done), [&](const ClosedLoop::Block& io) {
+      recorder.take(io);
+      ports.take(*built.plant, io.frames);
     });
     if (progress) progress(std::min(1.0, static_cast<double>(done + part) / frames));
   }

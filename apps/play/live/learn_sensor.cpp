@@ -75,7 +75,7 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   const auto deadline = std::chrono::steady_clock::now() + 60s;
   for (int reported = 0; !learner.done() && std::chrono::steady_clock::now() < deadline;) {
     std::this_thread::sleep_for(20ms);
-    learner.hear(reader.take());
+    learner.process(reader.take());
     if ((*stream)->state() == StreamState::Lost)
       return fail(Errc::Device, "", "the device was disconnected", "try again");
     for (; reported < learner.hits(); ++reported) fmt::print(stderr, "{} ", reported + 1);

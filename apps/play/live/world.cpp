@@ -23,7 +23,7 @@ struct Read {
 
 Checked<Read> read_scene(const PerformerSetup& setup) {
   auto loaded = load_scene_leniently(setup.file, setup.root);
-  if (!loaded.scene) return tl::unexpected(std::move(loaded.mistakes));
+  if (!loaded.scene) return tl::unexpected(std::move(loaded.errors));
   auto drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
   if (!drives) return tl::unexpected(drives.error());
   loaded.scene->drives = std::move(*drives);
@@ -84,7 +84,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
         loop_(guarded_, *built_.plant, built_.instrument->out_channels(), built_.delay_frames,
               scene_.converters),
         monitor_(monitor_of(*built_.instrument, setup_.speakers)),
-        listener_([this](const ClosedLoop::Piece& piece) { copy_monitor(piece); }) {
+        listener_([this](const ClosedLoop::Block& piece) { copy_monitor(piece); }) {
     name_ = scene_.name;
     files_ = files_of(scene_, setup_.file);
   }
@@ -148,7 +148,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
     loop_.run(io.frames, listener_);
   }
 
-  void copy_monitor(const ClosedLoop::Piece& piece) noexcept {
+  void copy_monitor(const ClosedLoop::Block& piece) noexcept {
     const auto& from = monitor_.sensors ? piece.sensors : piece.drives;
     for (std::size_t c = 0; c < monitor_.channels.size(); ++c)
       std::copy_n(from[static_cast<int>(monitor_.channels[c])], piece.frames, io_->out[c] + done_);

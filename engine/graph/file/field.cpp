@@ -7,6 +7,10 @@
 namespace tactus {
 namespace {
 
+std::string quoted(const FieldType& field) {
+  return field.kind == FieldType::Kind::Section ? "[" + field.key + "]" : "'" + field.key + "'";
+}
+
 std::optional<double> read_whole(const Value& value, const FieldType& field, double high, ErrorList& errors,
                                  const std::string& owner) {
   const auto* number = value.number();
@@ -83,6 +87,10 @@ FieldType only(std::string kind, FieldType field) {
   return field;
 }
 FieldType about_field() { return text_field("about", "for people"); }
+std::vector<FieldType> joined(std::vector<FieldType> fields, const std::vector<FieldType>& more) {
+  fields.insert(fields.end(), more.begin(), more.end());
+  return fields;
+}
 
 FieldReader::FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
                          std::string owner)
@@ -97,6 +105,41 @@ FieldReader::FieldReader(const Value::Table& table, const SectionType& section, 
     if (!decides || field.only.empty() || field.only == *chosen) known.push_back(field.key);
   errors.unknown_keys(table, known, owner_);
   if (has("about")) text("about");
+}
+
+FieldReader::FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
+                         const std::string& owner, const Source& at)
+    : FieldReader(table, section, errors) {
+  report_missing(owner, at);
+}
+
+FieldReader::FieldReader(const EntrySpec& entry, const SectionType& section, ErrorList& errors,
+                         const std::string& what)
+    : FieldReader(entry.fields, section, errors) {
+  if (!entry.broken) report_missing(what + " '" + entry.name + "'", entry.at);
+}
+
+void FieldReader::report_missing(const std::string& owner, const Source& at) {
+  const auto missing = [&](const std::string& keys, const std::string& remedy) {
+    errors_.add(Errc::Missing, at, owner + " lacks " + keys, remedy);
+  };
+  const auto given = [this](const std::string& key) { return has(key); };
+  for (const auto& field : section_.fields) {
+    // Those two are checked by code of their own.
+    if (!field.required || field.kind == FieldType::Kind::Format ||
+        field.kind == FieldType::Kind::Reference || given(field.key))
+      continue;
+    const bool few = !field.choices.empty() && field.choices.size() < 6;
+    missing(quoted(field), "give " + quoted(field) + ": " + field.doc +
+                               (field.unit.empty() ? "" : ", in " + field.unit) +
+                               (few ? ", one of " + listed(field.choices) : ""));
+  }
+  const auto &one_of = section_.one_of, &together = section_.together;
+  if (!one_of.empty() && std::none_of(one_of.begin(), one_of.end(), given))
+    missing(listed(one_of), "give at least one of them");
+  if (std::any_of(together.begin(), together.end(), given))
+    for (const auto& key : together)
+      if (!has(key)) missing("'" + key + "'", "give both " + listed(together) + ", or neither");
 }
 
 Source FieldReader::at(std::string_view key, const Source& otherwise) const {

@@ -9,6 +9,7 @@
 #include "engine/core/units.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
+#include "engine/graph/file/spec.h"
 #include "engine/graph/semantics/interval.h"
 
 // Thread: [control]
@@ -78,6 +79,7 @@ FieldType field(std::string key, FieldType::Kind kind, std::string doc);
 FieldType required(FieldType field);
 FieldType only(std::string kind, FieldType field);
 FieldType about_field();
+std::vector<FieldType> joined(std::vector<FieldType> fields, const std::vector<FieldType>& more);
 
 /// Reads one table as its section says; each error is reported with its place. What is left out or wrong is
 /// nothing. The table and the section must outlive it.
@@ -87,6 +89,11 @@ class FieldReader {
   /// `owner` ("delay 'a'") names the owner of the keys in messages.
   FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
               std::string owner = {});
+  /// Also reports what `section` requires and the table lacks; `owner` ("port 'arm'") stands at `at`.
+  FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors,
+              const std::string& owner, const Source& at);
+  /// The same of an entry, with `what` it is: "port". One that is broken lacks nothing.
+  FieldReader(const EntrySpec& entry, const SectionType& section, ErrorList& errors, const std::string& what);
   /// Reports nothing: for tables whose keys were checked before.
   enum Checked { kKeysChecked };
   FieldReader(const Value::Table& table, const SectionType& section, ErrorList& errors, Checked,
@@ -111,6 +118,8 @@ class FieldReader {
   std::pair<std::optional<double>, std::optional<double>> window(Seconds duration);
 
  private:
+  void report_missing(const std::string& owner, const Source& at);
+
   const Value::Table& table_;
   const SectionType& section_;
   ErrorList& errors_;

@@ -69,7 +69,8 @@ class Loader {
 
   bool too_deep(const NodeSpec& node) {
     if (open_.size() < kLoadMaxDepth) return false;
-    errors_.add(Errc::OutOfRange, node.type_at, "parts lie more than 32 files deep", "use fewer levels");
+    errors_.add(Errc::OutOfRange, node.type_at, "parts are nested more than 32 files deep",
+                "use fewer levels");
     return true;
   }
 

@@ -192,24 +192,21 @@ const SectionType& graph_fields() {
   static const SectionType delay{
       "system delay",
       {field("tested", Kind::Range, "shortest and longest that the instrument was tested with")}};
-  static const SectionType section = [] {
-    SectionType graph{"an instrument, a plant or a part", heading_fields()};
-    for (auto& field : std::vector<FieldType>{
-             entries_field("inputs", input_fields(), "sensors, or what a part is given"),
-             entries_field("controls", control_fields(), "what the player sets"),
-             {.key = "nodes",
-             .kind = Kind::Reference,
-             .doc = "`tactus nodes` explains each type",
-             .unit = "node"},
-             {.key = "networks",
-             .kind = Kind::Reference,
-             .doc = "`tactus nodes network` explains the elements",
-             .unit = "network"},
-             entries_field("outputs", output_fields(), "drives and sound, or what a part gives"),
-             section_field("delay", delay)})
-      graph.fields.push_back(std::move(field));
-    return graph;
-  }();
+  static const SectionType section{
+      "an instrument, a plant or a part",
+      joined(heading_fields(),
+             {entries_field("inputs", input_fields(), "sensors, or what a part is given"),
+              entries_field("controls", control_fields(), "what the player sets"),
+              {.key = "nodes",
+               .kind = Kind::Reference,
+               .doc = "`tactus nodes` explains each type",
+               .unit = "node"},
+              {.key = "networks",
+               .kind = Kind::Reference,
+               .doc = "`tactus nodes network` explains the elements",
+               .unit = "network"},
+              entries_field("outputs", output_fields(), "drives and sound, or what a part gives"),
+              section_field("delay", delay)})};
   return section;
 }
 

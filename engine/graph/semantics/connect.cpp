@@ -75,7 +75,7 @@ void Instance::connect_compensation(const EntrySpec& entry, const std::string& f
     const auto known = nodes_by_name_.find(name);
     if (known != nodes_by_name_.end()) {
       if (name == entry.name || flat_.nodes[index(known->second)].type->resonant)
-        errors_.add(Errc::BadArgument, value->at, "'" + name + "' cannot be compensated: it is no filter",
+        errors_.add(Errc::BadArgument, value->at, "'" + name + "' cannot be compensated: it is not a filter",
                     "leave it out; name what only turns the phase");
       node.compensate.push_back(known->second);
     } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {

@@ -33,7 +33,7 @@ NodeType clip_type() {
         const auto low = setup.input("low").constant, high = setup.input("high").constant;
         if (low && high && *low > *high)
           return fail(Errc::OutOfRange, {},
-                      "its 'low' lies above its 'high', so that it gives 'low' for ever", "exchange them");
+                      "its 'low' is above its 'high', so that its output is always 'low'", "exchange them");
         return std::make_unique<ElementwiseNode<ClipFunction>>(ClipFunction{});
       },
       .stateless = true,

@@ -15,10 +15,10 @@ constexpr const char* kForm =
 
 enum FirSetting { kTaps, kRate };
 
-/// Reads the one node of a graph without mistakes.
+/// Reads the one node of a graph without errors.
 class PathReader {
  public:
-  explicit PathReader(const GraphSpec& graph) : graph_(graph), mistakes_(graph.file) {}
+  explicit PathReader(const GraphSpec& graph) : graph_(graph), errors_(graph.file) {}
 
   Checked<PathFile> read() {
     if (const auto* node = the_node()) {
@@ -26,7 +26,7 @@ class PathReader {
       read_rate(*node);
       path_.taps = setting(*node, kTaps).numbers;
     }
-    if (mistakes_.any()) return tl::unexpected(mistakes_.take());
+    if (errors_.any()) return tl::unexpected(errors_.take());
     path_.name = graph_.name;
     path_.about = graph_.about;
     path_.source = graph_.source;
@@ -34,7 +34,7 @@ class PathReader {
   }
 
  private:
-  void other(const Source& at, const std::string& what) { mistakes_.add(Errc::BadFile, at, what, kForm); }
+  void other(const Source& at, const std::string& what) { errors_.add(Errc::BadFile, at, what, kForm); }
 
   const NodeSpec* the_node() {
     const NodeSpec* path = nullptr;
@@ -42,11 +42,12 @@ class PathReader {
       if (node.name == "path" && node.type == fir_type().name)
         path = &node;
       else
-        other(node.at, "'" + node.name + "' is more than a path");
-    for (const auto& network : graph_.networks)
-      other(network.at, "'" + network.name + "' is more than a path");
-    for (const auto& control : graph_.controls)
-      other(control.at, "'" + control.name + "' is more than a path");
+        other(node.at, "'" + node.name + "' is not part of a measured path");
+    const auto others = [this](const auto& items) {
+      for (const auto& item : items) other(item.at, "'" + item.name + "' is not part of a measured path");
+    };
+    others(graph_.networks);
+    others(graph_.controls);
     if (path == nullptr) other({graph_.file.file, 1, 1}, "there is no fir node called 'path'");
     return path;
   }
@@ -67,19 +68,19 @@ class PathReader {
   }
 
   SettingValue setting(const NodeSpec& node, std::size_t which) {
-    return bind_setting(fir_type().settings[which], node.fields, {}, "fir 'path'", node.at, mistakes_);
+    return bind_setting(fir_type().settings[which], node.fields, {}, "fir 'path'", node.at, errors_);
   }
 
   void read_rate(const NodeSpec& node) {
     const auto rate = setting(node, kRate);
     path_.rate = Hertz{rate.number};
     if (!rate.given)
-      mistakes_.add(Errc::Missing, node.at, "fir 'path' lacks 'rate'",
-                    "write the sample rate that its taps were measured at, as in rate = \"48 kHz\"");
+      errors_.add(Errc::Missing, node.at, "fir 'path' lacks 'rate'",
+                  "write the sample rate that its taps were measured at, as in rate = \"48 kHz\"");
   }
 
   const GraphSpec& graph_;
-  ErrorList mistakes_;
+  ErrorList errors_;
   PathFile path_;
 };
 

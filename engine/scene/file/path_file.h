@@ -24,7 +24,7 @@ struct PathFile {
 /// exactly.
 std::string to_text(const PathFile& path);
 
-/// [control] All mistakes of such a file in one go: those of any graph, and those by which it is another one.
+/// [control] All errors of such a file at once: those of any graph, and all that a path file cannot contain.
 Checked<PathFile> load_path(const std::filesystem::path& file);
 Checked<PathFile> parse_path(std::string_view text, const std::string& file_name);
 

@@ -1,22 +1,17 @@
 #include "engine/scene/file/scene_checks.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/scene/build_scene.h"
-#include "engine/scene/file/roles.h"
 #include "engine/scene/measures/measure.h"
-#include "engine/scene/moved_controls.h"
+#include "engine/scene/scene_wiring.h"
 
 namespace tactus {
 namespace {
-
-std::vector<std::string> names_of(const std::vector<EntrySpec>& entries) {
-  std::vector<std::string> names;
-  for (const auto& entry : entries) names.push_back(entry.name);
-  return names;
-}
 
 void add_names(std::vector<std::string>& names, const std::string& part,
                const std::vector<std::string>& more) {
@@ -51,185 +46,213 @@ bool may_have_more(const SceneSpec& scene, const std::string& name) {
   return scene.incomplete || (part != nullptr && (part->graph == nullptr || part->graph->incomplete));
 }
 
-void complain_unknown(const Expectation& expectation, ErrorList& mistakes) {
-  const auto names = value_names();
-  mistakes.add(Errc::UnknownName, expectation.measure_at, "there is no measure '" + expectation.measure + "'",
-               suggest(expectation.measure, names));
+/// A number of [expect] or [accuracy] beside the measure that it is a value of.
+void check_unit(const std::optional<QuantityValue>& number, const MeasureEntry& entry, const Measure& type,
+                ErrorList& errors) {
+  if (!number || number->bare || type.unit == Measure::kUnitOfSubject) return;
+  if (number->unit.dimension == parse_unit(type.unit)->dimension) return;
+  errors.add(Errc::UnitMismatch, entry.at,
+             "'" + entry.measure + "' is " + (type.unit.empty() ? "a plain number" : "in " + type.unit) +
+                 ", but it is to be compared with " + in_unit(number->si, number->unit),
+             type.unit.empty() ? "leave the unit out" : "give it in " + type.unit);
 }
 
-void check_limits(const Expectation& expectation, const Measure& type, ErrorList& mistakes) {
-  if (type.unit == Measure::kUnitOfSubject) return;
-  for (const auto& limit : {expectation.min, expectation.max})
-    if (limit && !limit->bare && !(limit->unit.dimension == parse_unit(type.unit)->dimension))
-      mistakes.add(Errc::UnitMismatch, expectation.at,
-                   "'" + expectation.measure + "' is " +
-                       (type.unit.empty() ? "a plain number" : "in " + type.unit) +
-                       ", but it is to be compared with " + in_unit(limit->si, limit->unit),
-                   type.unit.empty() ? "leave the unit out" : "give its limits in " + type.unit);
-}
+/// Checks that signals are recorded.
+class RecordedSignals {
+ public:
+  RecordedSignals(const SceneSpec& scene, const NodeTable& table, ErrorList& errors)
+      : scene_(scene), names_(recorded_names(scene, table)), errors_(errors) {}
 
-void check_subject(const Expectation& expectation, const std::string& of, const SceneSpec& scene,
-                   const std::vector<std::string>& recorded, ErrorList& mistakes) {
-  if (may_have_more(scene, of) || is_recorded(of, recorded)) return;
-  auto names = recorded;  // with "instrument.hit" for its first output
-  for (const auto& name : recorded)
-    if (name.find('.') != name.rfind('.')) names.push_back(name.substr(0, name.rfind('.')));
-  mistakes.add(Errc::UnknownName, expectation.of_at,
-               of == expectation.of
-                   ? "nothing called '" + of + "' is recorded"
-                   : "'" + expectation.measure + "' needs '" + of + "', and nothing of that name is recorded",
-               suggest(of, names, "recorded are " + listed(recorded)));
-}
+  /// `measure`: what needs the signal, if the scene does not name it there.
+  void check(const std::string& signal, const Source& at, const std::string& measure = {}) const {
+    if (may_have_more(scene_, signal) || is_recorded(signal, names_)) return;
+    auto names = names_;  // with "instrument.hit" for its first output
+    for (const auto& name : names_)
+      if (name.find('.') != name.rfind('.')) names.push_back(name.substr(0, name.rfind('.')));
+    errors_.add(Errc::UnknownName, at,
+                measure.empty() ? "no signal '" + signal + "' is recorded"
+                                : "'" + measure + "' needs '" + signal + "', and no such signal is recorded",
+                suggest(signal, names, "recorded are " + listed(names_)));
+  }
+  /// The same of the signal with a role.
+  void check_role(const std::string& signal, const Source& at, const std::string& role,
+                  const std::string& needed_by) const {
+    if (!signal.empty()) return check(signal, at, needed_by);
+    const bool unknown = std::any_of(scene_.parts.begin(), scene_.parts.end(), [](const ScenePart& part) {
+      return part.graph == nullptr || part.graph->incomplete;
+    });
+    if (!unknown && !scene_.incomplete)
+      errors_.add(Errc::Missing, at, "'" + needed_by + "' needs a signal with the role '" + role + "'",
+                  "name one under [roles], as in " + role + " = \"plant." + role + "\"");
+  }
+  std::string example() const { return names_.empty() ? "part.output" : names_.back(); }
 
-void check_recorded(const std::string& of, const Source& at, const SceneSpec& scene,
-                    const std::vector<std::string>& recorded, ErrorList& mistakes) {
-  Expectation subject;
-  subject.of = of;
-  subject.of_at = at;
-  check_subject(subject, of, scene, recorded, mistakes);
-}
+ private:
+  const SceneSpec& scene_;
+  std::vector<std::string> names_;
+  ErrorList& errors_;
+};
 
-void report_role(const std::string& needed_by, const Source& at, const std::string& role,
-                 const SceneSpec& scene, ErrorList& mistakes) {
-  const bool unknown = std::any_of(scene.parts.begin(), scene.parts.end(), [&](const ScenePart& part) {
-    return part.graph == nullptr || part.graph->incomplete;
-  });
-  if (unknown || scene.incomplete) return;
-  mistakes.add(Errc::Missing, at, "'" + needed_by + "' needs a signal with the role '" + role + "'",
-               "name one under [roles], as in " + role + " = \"plant." + role + "\"");
-}
-
-void check_port(const Expectation& expectation, const SceneSpec& scene, ErrorList& mistakes) {
+void check_port(const Expectation& expectation, const SceneSpec& scene, ErrorList& errors) {
   if (scene.port(expectation.of) != nullptr) return;
+  const auto names = names_of(scene.ports);
+  errors.add(Errc::UnknownName, expectation.of_at, "there is no port '" + expectation.of + "'",
+             suggest(expectation.of, names,
+                     names.empty() ? "declare it under [ports]" : "there are " + listed(names)));
+}
+
+void check_subject(const Expectation& expectation, const Measure& type, const SceneSpec& scene,
+                   const RecordedSignals& recorded, ErrorList& errors) {
+  if (!expectation.of.empty() && type.subject == Measure::Subject::Port)
+    check_port(expectation, scene, errors);
+  else if (!expectation.of.empty())
+    recorded.check(expectation.of, expectation.of_at);
+  else if (type.of.empty())
+    errors.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
+               "name a signal, as in of = \"" + recorded.example() + "\"");
+  else
+    recorded.check_role(signal_of(scene.roles, type.of), expectation.at, type.of, type.name);
+  if (!type.beside.empty())
+    recorded.check_role(signal_of(scene.roles, type.beside), expectation.at, type.beside, type.name);
+}
+
+void check_expectation(const Expectation& expectation, const SceneSpec& scene,
+                       const RecordedSignals& recorded, ErrorList& errors) {
+  const auto* type = find_measure(expectation.measure);
+  if (type == nullptr) return;  // reported when the scene was read
+  for (const auto& limit : {expectation.min, expectation.max}) check_unit(limit, expectation, *type, errors);
+  if (type->subject == Measure::Subject::Nothing) return;
+  if (type->subject != Measure::Subject::Playing)
+    return check_subject(expectation, *type, scene, recorded, errors);
+  if (!scene.playability && !scene.incomplete)
+    errors.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs [playability]",
+               "add the section with kind = \"roll\" or kind = \"tone\"");
+}
+
+void check_signals(const SceneSpec& scene, const NodeTable& table, ErrorList& errors) {
+  const RecordedSignals recorded{scene, table, errors};
+  for (const auto& role : scene.roles)
+    if (role.written) recorded.check(role.signal, role.at);
+  for (const auto& expectation : scene.expect) check_expectation(expectation, scene, recorded, errors);
+  for (const auto& accuracy : scene.accuracy) {
+    const auto* type = find_measure(accuracy.measure);
+    if (type == nullptr || accuracy.of.empty()) continue;  // reported when the scene was read
+    recorded.check(accuracy.of, accuracy.of_at);
+    for (const auto& number : {accuracy.exact, accuracy.scale}) check_unit(number, accuracy, *type, errors);
+  }
+  if (!scene.playability) return;
+  const auto check = [&](const Playability::Signal& signal, const char* role) {
+    recorded.check_role(signal.name, signal.at, role, "[playability]");
+  };
+  const auto& playability = *scene.playability;
+  if (playability.kind == Playability::Kind::Roll) {
+    check(playability.hits, "hit");
+    check(playability.contact, "contact");
+  } else {
+    check(playability.sound, "monitor");
+    if (!playability.pitch.name.empty()) recorded.check(playability.pitch.name, playability.pitch.at);
+  }
+}
+
+/// All outputs of the parts around the instrument.
+std::vector<std::string> outputs_around(const SceneSpec& scene) {
   std::vector<std::string> names;
-  for (const auto& port : scene.ports) names.push_back(port.name);
-  mistakes.add(Errc::UnknownName, expectation.of_at, "there is no port '" + expectation.of + "'",
-               suggest(expectation.of, names,
-                       names.empty() ? "declare it under [ports]" : "there are " + listed(names)));
+  for (const auto& part : scene.parts)
+    if (part.name != "instrument" && part.graph != nullptr)
+      for (const auto& output : part.graph->outputs) names.push_back(part.name + "." + output.name);
+  return names;
+}
+
+/// The unit of an output; nothing, and an error where that is certain, if there is none of that name.
+std::optional<Dimension> dimension_of(const SceneSpec& scene, const std::string& signal, const Source& at,
+                                      ErrorList& errors) {
+  if (signal.empty()) return std::nullopt;
+  const auto dot = signal.find('.');
+  const auto* part = scene.part(signal.substr(0, dot));
+  if (scene.incomplete || (part != nullptr && (part->graph == nullptr || part->graph->incomplete)))
+    return std::nullopt;
+  const bool around = part != nullptr && part->name != "instrument" && dot != std::string::npos;
+  const auto* output = around ? find_named(part->graph->outputs, signal.substr(dot + 1)) : nullptr;
+  if (output == nullptr) {
+    errors.add(Errc::UnknownName, at, "no part other than the instrument has an output '" + signal + "'",
+               suggest(signal, outputs_around(scene)));
+    return std::nullopt;
+  }
+  const auto* unit = find(output->fields, "unit");
+  if (unit == nullptr) return Dimension{};
+  const auto parsed = unit->text() == nullptr ? std::nullopt : parse_unit(*unit->text());
+  return parsed ? std::optional{parsed->dimension} : std::nullopt;
+}
+
+void check_ports(const SceneSpec& scene, ErrorList& errors) {
+  for (const auto& port : scene.ports) {
+    const auto force = dimension_of(scene, port.force, port.force_at, errors);
+    const auto position = dimension_of(scene, port.position, port.position_at, errors);
+    if (force && position && !(*force * *position == parse_unit("J")->dimension))
+      errors.add(Errc::UnitMismatch, port.at,
+                 "'" + port.force + "' times a change of '" + port.position + "' is not an energy",
+                 "name a force in N and a position in m, or a torque in N m and an angle");
+  }
+}
+
+void check_drives(const SceneSpec& scene, ErrorList& errors) {
+  const auto* instrument = scene.part("instrument");
+  if (instrument == nullptr || instrument->graph == nullptr || instrument->graph->incomplete) return;
+  std::vector<std::string> names;
+  ErrorList reported_elsewhere;
+  for (const auto& output : instrument->graph->outputs)
+    if (read_use(output, reported_elsewhere) != OutputUse::Audio) names.push_back(output.name);
+  for (const auto& [name, at] : scene.drive_places)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      errors.add(Errc::UnknownName, at, "the instrument has no drive '" + name + "'",
+                 suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
+}
+
+void check_comparison(const SceneSpec& scene, const std::string& name, double value, const Source& at,
+                      ErrorList& errors) {
+  const auto dot = name.find('.');
+  const auto owner = dot == std::string::npos ? "instrument" : name.substr(0, dot);
+  const auto port = dot == std::string::npos ? name : name.substr(dot + 1);
+  const auto* part = scene.part(owner);
+  if (part == nullptr && !scene.incomplete)
+    errors.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
+  if (part == nullptr || part->graph == nullptr || part->graph->incomplete) return;
+  if (const auto* control = find_named(part->graph->controls, port)) {
+    ErrorList reported_elsewhere;
+    const auto read = control->broken ? ReadControl{{}, false} : read_control(*control, reported_elsewhere);
+    if (read.unit_known) check_range(read.control, value, at, errors);
+    return;
+  }
+  auto known = names_of(part->graph->controls);
+  if (owner != "instrument")
+    for (const auto& input : part->graph->inputs) known.push_back(input.name);
+  if (std::find(known.begin(), known.end(), port) == known.end())
+    errors.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",
+               suggest(port, known));
 }
 
 }  // namespace
 
-const EntrySpec* find_entry(const std::vector<EntrySpec>& entries, std::string_view name) {
-  const auto it =
-      std::find_if(entries.begin(), entries.end(), [&](const EntrySpec& e) { return e.name == name; });
-  return it == entries.end() ? nullptr : &*it;
+void check_scene(const SceneSpec& scene, const NodeTable& table, ErrorList& errors) {
+  check_signals(scene, table, errors);
+  check_drives(scene, errors);
+  check_ports(scene, errors);
+  if (scene.compare)
+    for (const auto& [name, at] : scene.compare->places)
+      check_comparison(scene, name, scene.compare->set.at(name), at, errors);
 }
 
-void check_measures(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
-  const auto recorded = recorded_names(scene, table);
-  for (const auto& role : scene.roles)
-    if (role.written) check_recorded(role.signal, role.at, scene, recorded, mistakes);
-  for (const auto& expectation : scene.expect) {
-    if (expectation.measure.empty()) continue;  // reported when the scene was read
-    const auto* type = find_measure(expectation.measure);
-    if (type == nullptr || type->value == nullptr) {
-      complain_unknown(expectation, mistakes);
-      continue;
-    }
-    check_limits(expectation, *type, mistakes);
-    if (type->subject == Measure::Subject::Nothing) continue;
-    if (type->subject == Measure::Subject::Playing) {
-      if (!scene.playability && !scene.incomplete)
-        mistakes.add(Errc::Missing, expectation.at, "'" + expectation.measure + "' needs [playability]",
-                     "add the section with kind = \"roll\" or kind = \"tone\"");
-      continue;
-    }
-    const auto of = expectation.of.empty() ? signal_of(scene.roles, type->of) : expectation.of;
-    if (of.empty() && !type->of.empty())
-      report_role(expectation.measure, expectation.at, type->of, scene, mistakes);
-    else if (of.empty())
-      mistakes.add(
-          Errc::Missing, expectation.at, "'" + expectation.measure + "' needs an 'of'",
-          "say of what, as in of = \"" + (recorded.empty() ? "part.output" : recorded.back()) + "\"");
-    else if (type->subject == Measure::Subject::Port)
-      check_port(expectation, scene, mistakes);
-    else
-      check_subject(expectation, of, scene, recorded, mistakes);
-    if (type->beside.empty()) continue;
-    if (const auto beside = signal_of(scene.roles, type->beside); beside.empty())
-      report_role(expectation.measure, expectation.at, type->beside, scene, mistakes);
-    else
-      check_subject(expectation, beside, scene, recorded, mistakes);
-  }
-}
-
-void check_accuracy(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
-  const auto recorded = recorded_names(scene, table);
-  for (const auto& accuracy : scene.accuracy) {
-    const auto* type = find_measure(accuracy.measure);
-    if (type == nullptr || type->error == nullptr || accuracy.of.empty())
-      continue;  // reported when the scene was read
-    check_recorded(accuracy.of, accuracy.of_at, scene, recorded, mistakes);
-    const auto check_unit = [&](const std::optional<QuantityValue>& number, const std::string& unit) {
-      if (!number || number->bare || unit == Measure::kUnitOfSubject) return;
-      if (!(number->unit.dimension == parse_unit(unit)->dimension))
-        mistakes.add(
-            Errc::UnitMismatch, accuracy.at,
-            "'" + accuracy.measure + "' is in " + unit + ", not " + in_unit(number->si, number->unit),
-            "give it in " + unit);
-    };
-    check_unit(accuracy.exact, type->unit);
-    check_unit(accuracy.scale, type->unit);
-  }
-}
-
-void check_playability(const SceneSpec& scene, const NodeTable& table, ErrorList& mistakes) {
-  if (!scene.playability) return;
-  const auto recorded = recorded_names(scene, table);
-  const auto& judged = *scene.playability;
-  const bool roll = judged.kind == Playability::Kind::Roll;
-  auto signals = roll ? std::vector{&judged.hits, &judged.contact} : std::vector{&judged.sound};
-  if (!roll && !judged.pitch.name.empty()) signals.push_back(&judged.pitch);
-  for (const auto* signal : signals)
-    if (signal->name.empty())
-      report_role("[playability]", signal->at,
-                  signal == &judged.hits ? "hit"
-                  : roll                 ? "contact"
-                                         : "monitor",
-                  scene, mistakes);
-    else
-      check_recorded(signal->name, signal->at, scene, recorded, mistakes);
-}
-
-void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, ErrorList& mistakes) {
+void check_expected_pitch(const SceneSpec& scene, const std::vector<SceneTap>& taps, ErrorList& errors) {
   if (!scene.playability) return;
   const auto& pitch = scene.playability->pitch;
   static const auto kHertz = parse_unit("Hz")->dimension;
   for (const auto& tap : taps)
     if (tap.name == pitch.name && !(tap.dimension == kHertz))
-      mistakes.add(Errc::UnitMismatch, pitch.at,
-                   "'" + pitch.name + "' is " +
-                       (tap.dimension.plain() ? "a plain number" : "in " + to_string(tap.dimension)) +
-                       ", but 'pitch' is in Hz",
-                   "name an output in Hz, or give it a unit in its part");
-}
-
-void check_comparison(const SceneSpec& scene, ErrorList& mistakes) {
-  if (!scene.compare) return;
-  for (const auto& [name, at] : scene.compare->places) {
-    const auto dot = name.find('.');
-    const auto owner = dot == std::string::npos ? "instrument" : name.substr(0, dot);
-    const auto port = dot == std::string::npos ? name : name.substr(dot + 1);
-    const auto* part = scene.part(owner);
-    if (part == nullptr && !scene.incomplete)
-      mistakes.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
-    if (part == nullptr || part->graph == nullptr || part->graph->incomplete) continue;
-    auto known = names_of(part->graph->controls);
-    if (owner != "instrument")
-      for (const auto& input : part->graph->inputs) known.push_back(input.name);
-    if (const auto* control = find_entry(part->graph->controls, port);
-        control != nullptr && !control->broken) {
-      ErrorList told_by_the_graph;
-      const auto read = read_control(*control, told_by_the_graph);
-      if (const double value = scene.compare->set.at(name);
-          read.unit_known && !read.control.range.contains(value))
-        complain_range(read.control, value, at, mistakes);
-    }
-    if (std::find(known.begin(), known.end(), port) != known.end()) continue;
-    mistakes.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",
-                 suggest(port, known));
-  }
+      errors.add(Errc::UnitMismatch, pitch.at,
+                 "'" + pitch.name + "' is " +
+                     (tap.dimension.plain() ? "a plain number" : "in " + to_string(tap.dimension)) +
+                     ", but 'pitch' is in Hz",
+                 "name an output in Hz, or give it a unit in its part");
 }
 
 }  // namespace tactus

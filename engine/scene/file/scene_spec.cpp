@@ -2,21 +2,26 @@
 
 #include <algorithm>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/load.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/scope.h"
-#include "engine/scene/file/roles.h"
 #include "engine/scene/file/scene_fields.h"
-#include "engine/scene/file/scene_sections.h"
+#include "engine/scene/measures/measure.h"
 
 namespace tactus {
 namespace {
 
+constexpr double kMinPlayabilityWindow_s = 1;  // a roll has a worst second
+
+const SectionType& section_fields(std::string_view section) { return *scene_fields()[section].inside; }
+
 /// False if there is a key that may have been meant as a section, or a section that is none.
-bool check_keys(const Value::Table& table, ErrorList& mistakes) {
+bool check_keys(const Value::Table& table, ErrorList& errors) {
   const auto keys = scene_fields().keys(), graph_keys = graph_fields().keys();
   const auto among = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -26,11 +31,11 @@ bool check_keys(const Value::Table& table, ErrorList& mistakes) {
   };
   Value::Table rest = table;
   std::erase_if(rest, of_graph);
-  mistakes.unknown_keys(rest, keys);
+  errors.unknown_keys(rest, keys);
   for (const auto& field : table)
     if (of_graph(field))
-      mistakes.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a graph, and this is a scene",
-                   "move it to the file of a part");
+      errors.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a graph, and this is a scene",
+                 "move it to the file of a part");
   return std::all_of(rest.begin(), rest.end(), [&](const Field& field) {
     const bool known = among(keys, field.key);
     const bool section = field.key == "parts" || field.key == "gestures";
@@ -39,10 +44,10 @@ bool check_keys(const Value::Table& table, ErrorList& mistakes) {
 }
 
 /// A wire's grammar; what it names is looked up when the scene is put together.
-void check_wire(const Value& value, ErrorList& mistakes) {
-  if (const auto* text = value.text()) mistakes.keep(parse_expression(*text, text_start(value)));
+void check_wire(const Value& value, ErrorList& errors) {
+  if (const auto* text = value.text()) errors.keep(parse_expression(*text, text_start(value)));
   if (const auto* lanes = value.list())
-    for (const auto& lane : *lanes) check_wire(lane, mistakes);
+    for (const auto& lane : *lanes) check_wire(lane, errors);
 }
 
 /// What a scene without a name is called: as its file, or the folder that it is the scene of.
@@ -51,109 +56,389 @@ std::string name_of_file(const std::filesystem::path& file) {
   return (file.filename() == "scene.toml" && !folder.empty() ? folder : file.stem()).string();
 }
 
+std::string seconds_text(double seconds) {
+  return short_quantity(seconds, parse_unit("s").value().dimension);
+}
+
+// ---- gestures ----
+
+/// Reads the points of one gesture; points with errors are reported and left out.
+class PointReader {
+ public:
+  PointReader(Gesture& gesture, ErrorList& errors) : gesture_(gesture), errors_(errors) {
+    gesture_.bare = true;
+  }
+
+  void read(const Value& point) {
+    const auto* pair = point.list();
+    if (pair == nullptr || pair->size() != 2)
+      return errors_.add(Errc::WrongType, point.at, "a point is a time and a value",
+                         "write it as in [\"0.1 s\", \"2 m/s\"]");
+    const auto time = read_time((*pair)[0]);
+    const auto value = read_value((*pair)[1]);
+    if (time && value) gesture_.points.push_back({*time, *value});
+  }
+
+ private:
+  std::optional<double> read_time(const Value& value) {
+    const auto time = read_quantity(value, parse_unit("s").value(), "time");
+    if (errors_.keep(time) == nullptr) return std::nullopt;
+    if (*time < 0 || *time > kLongestTime_s) {
+      errors_.add(Errc::OutOfRange, value.at, "the time of a point cannot be " + seconds_text(*time),
+                  "times run from 0 s to a day");
+    } else if (*time <= last_s_) {
+      errors_.add(Errc::OutOfRange, value.at,
+                  seconds_text(*time) + " does not come after " + seconds_text(last_s_) + " before it",
+                  "the times of a gesture increase");
+    }
+    last_s_ = std::max(last_s_, *time);
+    return *time;
+  }
+
+  std::optional<double> read_value(const Value& value) {
+    const auto quantity = read_quantity(value);
+    if (errors_.keep(quantity) == nullptr) return std::nullopt;
+    if (quantity->bare) return quantity->si;
+    if (std::exchange(gesture_.bare, false)) gesture_.unit = quantity->unit;
+    const auto checked = read_quantity(value, gesture_.unit, gesture_.name);
+    return errors_.keep(checked) == nullptr ? std::nullopt : std::optional{*checked};
+  }
+
+  Gesture& gesture_;
+  ErrorList& errors_;
+  double last_s_ = -1;
+};
+
+Gesture read_gesture(const EntrySpec& entry, ErrorList& errors) {
+  FieldReader fields{entry, section_fields("gestures"), errors, "gesture"};
+  Gesture gesture{entry.name, entry.at, static_cast<Gesture::Curve>(fields.choice("curve").value_or(0))};
+  const auto* points = fields.value("points");
+  if (points == nullptr) return gesture;
+  if (points->list() == nullptr || points->list()->empty()) {
+    errors.add(Errc::Missing, points->at, "gesture '" + entry.name + "' has no points",
+               "write points = [[\"0 s\", 0], [\"1 s\", 1]]");
+    return gesture;
+  }
+  PointReader reader{gesture, errors};
+  for (const auto& point : *points->list()) reader.read(point);
+  return gesture;
+}
+
+Converters read_converters(const Value::Table& section, ErrorList& errors) {
+  Converters converters;
+  FieldReader fields{section, section_fields("converters"), errors};
+  if (const auto bits = fields.number("bits")) converters.bits = static_cast<int>(*bits);
+  converters.on = !fields.flag("off");
+  if (!converters.on && fields.has("bits"))
+    errors.add(Errc::Duplicate, fields.value("off")->at, "converters that are off have no bits",
+               "remove 'off' or 'bits'");
+  return converters;
+}
+
+Port read_port(const EntrySpec& entry, ErrorList& errors) {
+  FieldReader fields{entry, section_fields("ports"), errors, "port"};
+  return {entry.name,
+          entry.at,
+          fields.text("force"),
+          fields.text("position"),
+          fields.at("force", entry.at),
+          fields.at("position", entry.at),
+          fields.number("active_up_to").value_or(0)};
+}
+
+// ---- [expect] and [accuracy] ----
+
+MeasureEntry read_measure(const EntrySpec& entry, FieldReader& fields, Seconds duration) {
+  MeasureEntry read{entry.name, entry.at};
+  read.measure_at = fields.at("measure", entry.at);
+  if (fields.choice("measure")) read.measure = fields.text("measure");
+  read.of = fields.text("of");
+  read.of_at = fields.at("of", entry.at);
+  std::tie(read.from_s, read.to_s) = fields.window(duration);
+  return read;
+}
+
+Expectation read_expectation(const EntrySpec& entry, Seconds duration, ErrorList& errors) {
+  FieldReader fields{entry, section_fields("expect"), errors, "expectation"};
+  const Expectation expectation{read_measure(entry, fields, duration), fields.any("min"), fields.any("max")};
+  const auto &min = expectation.min, &max = expectation.max;
+  if (!min || !max) return expectation;
+  if (!min->bare && !max->bare && !(min->unit.dimension == max->unit.dimension))
+    errors.add(Errc::UnitMismatch, fields.value("max")->at, "'min' and 'max' are in different units",
+               "give both in the same");
+  else if (min->si > max->si)
+    errors.add(Errc::OutOfRange, fields.value("max")->at, "'max' is below 'min'", "swap them");
+  return expectation;
+}
+
+Accuracy read_accuracy(const EntrySpec& entry, Seconds duration, ErrorList& errors) {
+  FieldReader fields{entry, section_fields("accuracy"), errors, "accuracy"};
+  const Accuracy accuracy{read_measure(entry, fields, duration), fields.any("exact"), fields.any("scale")};
+  if (const auto* type = find_measure(accuracy.measure);
+      type != nullptr && fields.has("exact") && !type->has_exact)
+    errors.add(Errc::BadArgument, fields.value("exact")->at,
+               "'" + type->name + "' is not a single number that could be exact", "remove 'exact'");
+  if (accuracy.scale && !(accuracy.scale->si > 0.0))
+    errors.add(Errc::OutOfRange, fields.value("scale")->at, "'scale' must be above 0",
+               "give the value of an error of 1");
+  return accuracy;
+}
+
+// ---- [roles] ----
+
+/// A node of the instrument counts too: its events are recorded.
+bool has_port(const ScenePart& part, const std::string& name) {
+  return part.graph != nullptr &&
+         (find_named(part.graph->outputs, name) != nullptr ||
+          (part.name == "instrument" && find_named(part.graph->nodes, name) != nullptr));
+}
+
+std::vector<Role> read_roles(const Value::Table& scene, const std::vector<ScenePart>& parts,
+                             ErrorList& errors) {
+  std::vector<Role> roles;
+  if (const auto* section = read_section(scene, "roles", errors)) {
+    FieldReader fields{*section, section_fields("roles"), errors};
+    for (const auto& field : *section)
+      if (auto signal = fields.text(field.key); !signal.empty())
+        roles.push_back({field.key, std::move(signal), field.value.at, true});
+  }
+  for (const auto& type : role_types())
+    for (const auto& part : parts)
+      if (signal_of(roles, type.name).empty() && has_port(part, type.port))
+        roles.push_back({type.name, part.name + "." + type.port, part.at});
+  return roles;
+}
+
+// ---- [playability] ----
+
+using Kind = Playability::Kind;
+
+void read_times(FieldReader& fields, double end_s, Playability& playability, ErrorList& errors) {
+  playability.from_s = fields.number("from", end_s).value_or(playability.from_s);
+  playability.to_s = fields.number("to", end_s);
+  if (playability.to_s.value_or(end_s) - playability.from_s < kMinPlayabilityWindow_s)
+    errors.add(Errc::OutOfRange, fields.at("from", playability.at),
+               "the window to evaluate is shorter than a second",
+               "lower 'from', or raise 'to' or 'duration'");
+}
+
+void read_signal(FieldReader& fields, const char* key, Playability::Signal& signal) {
+  if (fields.has(key)) signal = {fields.text(key), fields.value(key)->at};
+}
+
+/// "110 Hz", or "wanted.pitch": an output of a part.
+void read_pitch(FieldReader& fields, Playability& playability, ErrorList& errors) {
+  if (!fields.has("pitch"))
+    return errors.add(Errc::Missing, playability.at, "a tone needs the expected 'pitch'",
+                      "give it as in pitch = \"110 Hz\", or as an output of a part: \"wanted.pitch\"");
+  const auto* text = fields.value("pitch")->text();
+  if (text != nullptr && !text->empty() && text->front() >= 'a' && text->front() <= 'z')
+    return read_signal(fields, "pitch", playability.pitch);
+  playability.pitch_hz = fields.number("pitch").value_or(playability.pitch_hz);
+}
+
+void read_tone(FieldReader& fields, double end_s, Playability& playability, ErrorList& errors) {
+  read_signal(fields, "sound", playability.sound);
+  playability.begin_s = fields.number("begin", end_s).value_or(playability.begin_s);
+  playability.quiet = fields.number("quiet").value_or(playability.quiet);
+  read_pitch(fields, playability, errors);
+  if (playability.begin_s > playability.from_s)
+    errors.add(Errc::OutOfRange, fields.value("begin")->at,
+               "the tone begins after 'from', where it should be steady",
+               "raise 'from', which is 1 s if left out");
+}
+
+std::optional<Playability> read_playability(const Value::Table& section, const Source& at, Seconds duration,
+                                            const std::vector<Role>& roles, ErrorList& errors) {
+  FieldReader fields{section, section_fields("playability"), errors, "[playability]", at};
+  Playability playability;
+  playability.at = at;
+  playability.hits = {signal_of(roles, "hit"), at};
+  playability.contact = {signal_of(roles, "contact"), at};
+  playability.sound = {signal_of(roles, "monitor"), at};
+  const auto kind = fields.choice("kind");
+  const double end_s = duration.value > 0 ? duration.value : kLongestTime_s;
+  read_times(fields, end_s, playability, errors);
+  if (!kind) return std::nullopt;
+  playability.kind = static_cast<Kind>(*kind);
+  if (playability.kind == Kind::Tone) {
+    read_tone(fields, end_s, playability, errors);
+  } else {
+    read_signal(fields, "hits", playability.hits);
+    read_signal(fields, "contact", playability.contact);
+    playability.fewest = fields.number("fewest").value_or(playability.fewest);
+  }
+  return playability;
+}
+
+// ---- [compare] ----
+
+void read_compared(const Field& field, const std::string& name, Comparison& comparison, ErrorList& errors) {
+  const auto value = read_quantity(field.value);
+  if (errors.keep(value) == nullptr) return;
+  comparison.set[name] = value->si;
+  comparison.places[name] = field.at;
+}
+
+Comparison read_comparison(const Value::Table& section, const Source& at, ErrorList& errors) {
+  Comparison comparison{errors.text(section, "name"), at, {}, {}};
+  if (comparison.name.empty())
+    errors.add(Errc::Missing, at, "[compare] lacks 'name'", "write name = \"without the pulse\"");
+  for (const auto& field : section) {
+    if (field.key == "name") continue;
+    const auto* part = field.value.table();  // plant.gain = 1
+    if (part == nullptr) read_compared(field, field.key, comparison, errors);
+    for (const auto& inner : part != nullptr ? *part : Value::Table{})
+      read_compared(inner, field.key + "." + inner.key, comparison, errors);
+  }
+  return comparison;
+}
+
+// ---- the whole file ----
+
 class SceneReader {
  public:
   SceneReader(const std::filesystem::path& file, const std::filesystem::path& root)
       : folder_(file.parent_path()), root_(root.empty() ? folder_ : root) {
     scene_.file = {std::make_shared<const std::string>(file.string()), 0, 0};
-    mistakes_ = ErrorList{scene_.file};
+    errors_ = ErrorList{scene_.file};
   }
 
   LoadedScene read(const Result<Value::Table>& table) {
-    if (mistakes_.keep(table) == nullptr) return {std::nullopt, mistakes_.take()};
+    if (errors_.keep(table) == nullptr) return {std::nullopt, errors_.take()};
     read_sections(*table);
-    return {std::move(scene_), mistakes_.take()};
+    return {std::move(scene_), errors_.take()};
   }
 
  private:
   void read_sections(const Value::Table& table) {
-    check_format(table, scene_.file, mistakes_);
-    scene_.incomplete = !check_keys(table, mistakes_);
-    scene_.name = mistakes_.text(table, "name");
+    check_format(table, scene_.file, errors_);
+    scene_.incomplete = !check_keys(table, errors_);
+    scene_.name = errors_.text(table, "name");
     if (scene_.name.empty()) scene_.name = name_of_file(*scene_.file.file);
-    scene_.about = mistakes_.text(table, "about");
-    scene_.source = mistakes_.text(table, "source");
+    scene_.about = errors_.text(table, "about");
+    scene_.source = errors_.text(table, "source");
     read_times(table);
     read_parts(table);
-    scene_.gestures = read_gestures(table, mistakes_);
-    scene_.converters = read_converters(table, mistakes_);
-    read_drives(table, folder_, root_, scene_, mistakes_);
-    scene_.ports = read_ports(table, mistakes_);
-    scene_.expect = read_expectations(table, scene_.duration, mistakes_);
-    scene_.accuracy = read_accuracy(table, scene_.duration, mistakes_);
-    scene_.roles = read_roles(table, scene_.parts, mistakes_);
-    scene_.playability = read_playability(table, scene_.duration, scene_.roles, mistakes_);
-    scene_.compare = read_comparison(table, mistakes_);
-    NameSpace names;
-    for (const auto& part : scene_.parts) names.add(part.name, "a part", part.at, mistakes_);
-    for (const auto& gesture : scene_.gestures) names.add(gesture.name, "a gesture", gesture.at, mistakes_);
+    const auto entries = [&](const char* section, const char* example, const auto& read) {
+      for (const auto& entry : read_entries(table, section, example, errors_)) read(entry);
+    };
+    const auto duration = scene_.duration;
+    entries("gestures", "{ points = [[\"0 s\", 0], [\"1 s\", 1]] }",
+            [&](auto& entry) { scene_.gestures.push_back(read_gesture(entry, errors_)); });
+    entries("drives", "{ profile = \"woofer\", volts_per_full_scale = \"10 V\" }",
+            [&](auto& entry) { read_drive_entry(entry); });
+    entries("ports", "{ force = \"plant.motor\", position = \"plant.arm\", active_up_to = \"10 mJ\" }",
+            [&](auto& entry) { scene_.ports.push_back(read_port(entry, errors_)); });
+    entries("expect", "{ measure = \"…\", max = 1 }",
+            [&](auto& entry) { scene_.expect.push_back(read_expectation(entry, duration, errors_)); });
+    entries("accuracy", "{ measure = \"position\", of = \"plant.stick\" }",
+            [&](auto& entry) { scene_.accuracy.push_back(read_accuracy(entry, duration, errors_)); });
+    scene_.roles = read_roles(table, scene_.parts, errors_);
+    if (const auto* section = read_section(table, "converters", errors_))
+      scene_.converters = read_converters(*section, errors_);
+    if (const auto* section = read_section(table, "playability", errors_))
+      scene_.playability =
+          read_playability(*section, find(table, "playability")->at, duration, scene_.roles, errors_);
+    if (const auto* section = read_section(table, "compare", errors_))
+      scene_.compare = read_comparison(*section, find(table, "compare")->at, errors_);
+    check_names();
+  }
+
+  void check_names() {
+    const auto check = [this](const auto& entries, const char* kind, NameSpace& names) {
+      for (const auto& entry : entries) names.add(entry.name, kind, entry.at, errors_);
+    };
+    NameSpace names, ports, expectations, accuracies;
+    check(scene_.parts, "a part", names);
+    check(scene_.gestures, "a gesture", names);
+    check(scene_.ports, "a port", ports);
+    check(scene_.expect, "an expectation", expectations);
+    check(scene_.accuracy, "a line of [accuracy]", accuracies);
+  }
+
+  void read_drive_entry(const EntrySpec& entry) {
+    scene_.drive_places[entry.name] = entry.at;
+    if (entry.broken) return;
+    FieldReader fields{entry, section_fields("drives"), errors_, "drive"};
+    scene_.drives.named[entry.name] = read_drive(entry, fields, {folder_, root_, root_}, errors_).limits;
   }
 
   void read_times(const Value::Table& table) {
-    FieldReader fields{table, scene_fields(), mistakes_, FieldReader::kKeysChecked};
+    FieldReader fields{table, scene_fields(), errors_, FieldReader::kKeysChecked};
     if (const auto seed = fields.number("seed")) scene_.seed = static_cast<std::uint64_t>(*seed);
     if (const auto rate = fields.number("rate")) scene_.rate = Hertz{*rate};
     if (const auto delay = fields.number("delay")) scene_.delay = Seconds{*delay};
     if (const auto duration = fields.number("duration")) scene_.duration = Seconds{*duration};
-    if (find(table, "duration") == nullptr)
-      mistakes_.add(Errc::Missing, {scene_.file.file, 1, 1}, "'duration' is missing",
-                    "say how long the scene lasts, as in duration = \"6 s\"");
+    if (!fields.has("duration"))
+      errors_.add(Errc::Missing, {scene_.file.file, 1, 1}, "'duration' is missing",
+                  "give the length of the scene, as in duration = \"6 s\"");
   }
 
   void read_parts(const Value::Table& table) {
-    for (const auto& entry : read_entries(table, "parts", "{ use = \"file.toml\" }", mistakes_))
+    for (const auto& entry : read_entries(table, "parts", "{ use = \"file.toml\" }", errors_))
       read_part(entry);
     const auto* section = find(table, "parts");
     const Source at = section ? section->at : Source{scene_.file.file, 1, 1};
     if (scene_.part("plant") == nullptr)
-      mistakes_.add(Errc::Missing, at, "the part 'plant' is missing",
-                    "under [parts], write plant = { use = \"plant.toml\", … }");
+      errors_.add(Errc::Missing, at, "the part 'plant' is missing",
+                  "under [parts], write plant = { use = \"plant.toml\", … }");
   }
 
   void read_part(const EntrySpec& entry) {
     ScenePart part{entry.name, entry.at, nullptr, entry.fields};
     std::erase_if(part.wires, [](const Field& field) { return field.key == "use"; });
-    for (const auto& wire : part.wires) check_wire(wire.value, mistakes_);
+    for (const auto& wire : part.wires) check_wire(wire.value, errors_);
     const auto* use = find(entry.fields, "use");
     if (use == nullptr && !entry.broken)
-      mistakes_.add(Errc::Missing, entry.at, "part '" + entry.name + "' has no 'use'",
-                    "name its file, as in use = \"" + entry.name + ".toml\"");
-    else if (const auto file = mistakes_.text(entry.fields, "use"); use != nullptr && use->text() != nullptr)
+      errors_.add(Errc::Missing, entry.at, "part '" + entry.name + "' has no 'use'",
+                  "name its file, as in use = \"" + entry.name + ".toml\"");
+    else if (const auto file = errors_.text(entry.fields, "use"); use != nullptr && use->text() != nullptr)
       part.graph = load_part(file, use->at);
     scene_.parts.push_back(std::move(part));
   }
 
   std::shared_ptr<const GraphSpec> load_part(const std::string& use, const Source& at) {
     const auto found = find_part(use, folder_, root_, at);
-    const auto* path = mistakes_.keep(found);
+    const auto* path = errors_.keep(found);
     if (path == nullptr) return nullptr;
     if (path->canonical == canonical_path(*scene_.file.file)) {
-      mistakes_.add(Errc::Cycle, at, "a scene cannot be a part of itself", "name the file of a graph");
+      errors_.add(Errc::Cycle, at, "a scene cannot be a part of itself", "name the file of a graph");
       return nullptr;
     }
     auto loaded = load_graph_leniently(path->name, root_);
-    mistakes_.add(std::move(loaded.errors));
+    errors_.add(std::move(loaded.errors));
     return loaded.spec;
   }
 
   std::filesystem::path folder_, root_;
   SceneSpec scene_;
-  ErrorList mistakes_;
+  ErrorList errors_;
 };
 
-template <class Items>
-auto* find_named(const Items& items, std::string_view name) {
-  const auto found =
-      std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
-  return found == items.end() ? nullptr : &*found;
-}
-
-Checked<SceneSpec> without_mistakes(LoadedScene loaded) {
-  if (!loaded.mistakes.empty()) return tl::unexpected(std::move(loaded.mistakes));
+Checked<SceneSpec> without_errors(LoadedScene loaded) {
+  if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
   return std::move(*loaded.scene);
 }
 
 }  // namespace
+
+const std::vector<RoleType>& role_types() {
+  static const std::vector<RoleType> types = {
+      {"monitor", "sound", "the output meant for ears"},
+      {"hit", "hit", "the trigger of a detected strike"},
+      {"contact", "contact", "the contact force of strikes"},
+      {"stick", "stick", "the position of what strikes"},
+      {"ball", "ball", "the position of what bounces"},
+      {"table", "table", "the position of what it bounces on"},
+  };
+  return types;
+}
+
+std::string signal_of(const std::vector<Role>& roles, std::string_view role) {
+  const auto* found = find_named(roles, role);
+  return found != nullptr ? found->signal : "";
+}
 
 const ScenePart* SceneSpec::part(std::string_view called) const { return find_named(parts, called); }
 const Gesture* SceneSpec::gesture(std::string_view called) const { return find_named(gestures, called); }
@@ -171,12 +456,12 @@ LoadedScene parse_scene_leniently(std::string_view text, const std::string& file
 }
 
 Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root) {
-  return without_mistakes(load_scene_leniently(path, root));
+  return without_errors(load_scene_leniently(path, root));
 }
 
 Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
                                const std::filesystem::path& root) {
-  return without_mistakes(parse_scene_leniently(text, file_name, root));
+  return without_errors(parse_scene_leniently(text, file_name, root));
 }
 
 }  // namespace tactus

@@ -22,7 +22,7 @@ namespace tactus {
 struct ScenePart {
   std::string name;
   Source at;
-  std::shared_ptr<const GraphSpec> graph;  ///< nullptr only after a mistake
+  std::shared_ptr<const GraphSpec> graph;  ///< nullptr only after an error
   Value::Table wires;
 };
 
@@ -68,35 +68,42 @@ struct Role {
   bool written = false;  ///< in [roles]; else a port plays it by its name
 };
 
-/// What must hold when the scene was played. Which measures there are is known to those who measure.
-struct Expectation {
+/// The kinds of roles.
+struct RoleType {
+  std::string name;
+  std::string port;  ///< of any part: plays the role where `[roles]` does not name a signal
+  std::string doc;
+};
+const std::vector<RoleType>& role_types();
+/// The signal that plays a role; empty if there is none.
+std::string signal_of(const std::vector<Role>& roles, std::string_view role);
+
+/// A measure of a signal between two times.
+struct MeasureEntry {
   std::string name;
   Source at;
-  std::string measure;
+  std::string measure;  ///< empty after an error
   Source measure_at;
   std::string of;  ///< "part.port", or empty
   Source of_at;
   std::optional<double> from_s, to_s;
+};
+
+/// Limits of a measure that must be met when the scene was played.
+struct Expectation : MeasureEntry {
   std::optional<QuantityValue> min, max;  ///< at least one of them
 };
 
-/// What of a scene must come out right, with every solver: the error that a study of solvers reports.
-struct Accuracy {
-  std::string name;
-  Source at;
-  std::string measure;
-  Source measure_at;
-  std::string of;  ///< "part.port"
-  Source of_at;
-  std::optional<double> from_s, to_s;
-  std::optional<QuantityValue> exact;  ///< what theory says
+/// A measure whose error a study of solvers reports.
+struct Accuracy : MeasureEntry {
+  std::optional<QuantityValue> exact;  ///< the theoretical value
   std::optional<QuantityValue> scale;  ///< an error of 1; left out: of the reference
 };
 
-/// What playing this scene well means: `[playability]`, which `tactus study playability` judges.
+/// What playing this scene well means: `[playability]`, which `tactus study playability` evaluates.
 struct Playability {
   enum class Kind {
-    Roll,  ///< strikes that keep coming
+    Roll,  ///< repeated strikes
     Tone,  ///< a note that is held, or several
   };
   struct Signal {
@@ -105,8 +112,8 @@ struct Playability {
   };
   Kind kind = Kind::Roll;
   Source at;
-  double from_s = 1;           ///< what is judged begins here
-  std::optional<double> to_s;  ///< and ends here, or with the scene
+  double from_s = 1;           ///< start of the evaluated window
+  std::optional<double> to_s;  ///< its end; else that of the scene
 
   // Signals that are left out play the roles "hit", "contact" and "monitor".
   Signal hits{};        ///< of a roll: the trigger of a detected strike
@@ -155,10 +162,10 @@ struct SceneSpec {
   const Port* port(std::string_view name) const;
 };
 
-/// A scene together with what is wrong with its text and that of its parts; `build_scene` finds the rest.
+/// A scene together with the errors in its text and those of its parts; `build_scene` finds the others.
 struct LoadedScene {
   std::optional<SceneSpec> scene;  ///< nothing if the file cannot be read or is no TOML
-  std::vector<Error> mistakes;     ///< by file, line and column
+  std::vector<Error> errors;       ///< by file, line and column
 };
 
 /// [control] Reads a scene and the files of its parts; a folder means its scene.toml. `root` is the folder
@@ -168,7 +175,7 @@ LoadedScene load_scene_leniently(const std::filesystem::path& path, const std::f
 LoadedScene parse_scene_leniently(std::string_view text, const std::string& file_name,
                                   const std::filesystem::path& root = {});
 
-/// [control] The same for those who only want a scene whose text is right.
+/// [control] The same; a scene with errors in its text is an error.
 Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
 Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
                                const std::filesystem::path& root = {});

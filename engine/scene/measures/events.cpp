@@ -9,6 +9,8 @@
 namespace tactus {
 namespace {
 
+constexpr Seconds kOneStrike = 15_ms;  // two so close count as one
+
 int longest_growth(const std::vector<double>& intervals) {
   int longest = 0;
   int run = 0;
@@ -101,30 +103,27 @@ double restitution(const std::vector<double>& position, Hertz sample_rate,
   return count == 0 ? 0 : std::exp(sum / count);
 }
 
-Detection match(const std::vector<Strike>& touches, const std::vector<double>& triggers_s,
-                const DetectionRules& rules) {
+Detection match(const std::vector<Strike>& touches, const std::vector<double>& triggers_s, double least) {
   Detection detection;
   std::vector<bool> detected(touches.size(), false);
   for (const double time : triggers_s) {
-    const auto after = std::upper_bound(touches.begin(), touches.end(), time,
-                                        [](double t, const Strike& s) { return t < s.start_s; });
-    const auto touch = after - touches.begin() - 1;
-    if (touch < 0 || time - touches[static_cast<std::size_t>(touch)].start_s > rules.late.value ||
-        detected[static_cast<std::size_t>(touch)]) {
+    const auto after = std::ranges::upper_bound(touches, time, {}, &Strike::start_s);
+    const auto touch = static_cast<std::size_t>(after - touches.begin()) - 1;
+    if (after == touches.begin() || time - touches[touch].start_s > kDetectionDelay.value ||
+        detected[touch]) {
       ++detection.doubled;
       continue;
     }
-    detected[static_cast<std::size_t>(touch)] = true;
+    detected[touch] = true;
     ++detection.found;
     detection.found_s.push_back(time);
-    detection.latest_s =
-        std::max(detection.latest_s, time - touches[static_cast<std::size_t>(touch)].start_s);
+    detection.latest_s = std::max(detection.latest_s, time - touches[touch].start_s);
   }
   for (std::size_t i = 0; i < touches.size(); ++i) {
-    if (detected[i] || touches[i].peak < rules.strike) continue;
+    if (detected[i] || touches[i].peak < least) continue;
     const double start = touches[i].start_s;
     const auto next = std::upper_bound(triggers_s.begin(), triggers_s.end(), start);
-    if (next == triggers_s.begin() || start - *(next - 1) >= rules.apart.value) ++detection.missed;
+    if (next == triggers_s.begin() || start - *(next - 1) >= kOneStrike.value) ++detection.missed;
   }
   return detection;
 }

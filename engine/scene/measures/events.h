@@ -11,7 +11,7 @@ namespace tactus {
 /// Frames at which a trigger signal rises through 0.5.
 std::vector<double> trigger_times(const std::vector<double>& samples, Hertz sample_rate);
 
-/// One touch of a stick: from the first push to the last, short gaps included.
+/// One strike, from the first contact to the last, short gaps included.
 struct Strike {
   double start_s, end_s;
   double peak;  ///< largest force
@@ -22,7 +22,7 @@ struct Strike {
 std::vector<Strike> find_strikes(const std::vector<double>& force, Hertz sample_rate, Seconds gap,
                                  double least);
 
-/// What the times of events say about rhythm; zeros where there are too few.
+/// The rhythm of event times; zeros where there are too few.
 struct Rhythm {
   int count = 0;
   double first_s = 0, last_s = 0;
@@ -39,21 +39,18 @@ Rhythm rhythm_of(const std::vector<double>& times_s, double from_s, double to_s)
 double restitution(const std::vector<double>& position, Hertz sample_rate,
                    const std::vector<Strike>& strikes);
 
-/// How well a detector did. A trigger belongs to the touch that began last before it, if that is at most
-/// `late` ago and has none yet; otherwise it is doubled. A strike is missed if it is none's, unless another
-/// one was detected less than `apart` before it: then the two count as one.
+/// How well a detector did.
 struct Detection {
   int found = 0, missed = 0, doubled = 0;
   double latest_s = 0;               ///< longest time from the start of a touch to its trigger
   std::vector<double> found_s = {};  ///< times of the triggers that have a touch
 };
-struct DetectionRules {
-  Seconds late = 6_ms;
-  Seconds apart = 15_ms;
-  double strike = 5.0;  ///< a touch with at least this peak is a strike that must be detected
-};
-/// `touches` in order, as find_strikes gives them with a small gap and least force.
-Detection match(const std::vector<Strike>& touches, const std::vector<double>& triggers_s,
-                const DetectionRules& rules);
+/// `touches` in order, as find_strikes gives them with a small gap and a low least force. A trigger belongs
+/// to the last touch before it, if that began at most 6 ms ago and has none yet; otherwise it is doubled. A
+/// touch of at least `least` is missed if it has no trigger, unless another one was detected less than 15 ms
+/// before it: then the two count as one.
+Detection match(const std::vector<Strike>& touches, const std::vector<double>& triggers_s, double least);
+/// A touch may be detected so late.
+inline constexpr Seconds kDetectionDelay = 6_ms;
 
 }  // namespace tactus

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace tactus {
 namespace {
@@ -15,11 +16,11 @@ double slope_before(std::span<const double> x, std::size_t n, Hertz rate) {
   return -0.5 * (3 * x[n] - 4 * x[n + 1] + x[n + 2]) * rate.value;
 }
 double mean_of(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+  return values.empty()
+             ? 0
+             : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
-double bend(std::span<const double> x, std::size_t n, Hertz rate) {
+double curvature(std::span<const double> x, std::size_t n, Hertz rate) {
   return (x[n] - 2 * x[n - 1] + x[n - 2]) * rate.value * rate.value;
 }
 
@@ -38,7 +39,7 @@ std::vector<Landing> landings_of(std::span<const double> ball, std::span<const d
     const double touching_s = static_cast<double>(off - last) / rate.value;
     found.push_back({(static_cast<double>(last) + gap(last) / (gap(last) - gap(n))) / rate.value,
                      table_speed - slope_after(ball, last, rate),
-                     slope_before(ball, off, rate) - bend(ball, last, rate) * touching_s - table_speed});
+                     slope_before(ball, off, rate) - curvature(ball, last, rate) * touching_s - table_speed});
     n = off;
   }
   return found;

@@ -33,7 +33,7 @@ int period_of(const std::vector<double>& speeds);
 /// What a ball does on its table.
 struct Bouncing {
   std::vector<double> speeds;      ///< of the landings, towards the table [m/s]
-  int period = 0;                  ///< as `period_of` says
+  int period = 0;                  ///< see `period_of`
   double landings_per_second = 0;  ///< over whole orbits, if there are
 };
 /// [control] Of the landings between two times, from the positions of both.

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
-#include "engine/scene/file/roles.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 namespace {
@@ -14,7 +15,7 @@ using Subject = Measure::Subject;
 
 constexpr Seconds kStrikeGap = 5_ms;
 constexpr double kLeastStrike_N = 5.0;
-// Any push that the ear could follow, where it begins and ends.
+// Any audible push, from its beginning to its end.
 constexpr Seconds kTouchGap = 1_ms;
 constexpr double kLeastTouch_N = 0.1;
 
@@ -31,11 +32,10 @@ std::string subject_of(const SceneRecording& recording, const Expectation& expec
 }
 
 tl::unexpected<Error> unknown_signal(const SceneRecording& recording, const Expectation& expectation) {
-  std::vector<std::string> names;
-  for (const auto& signal : recording.signals) names.push_back(signal.name);
+  const auto names = names_of(recording.signals);
   return fail(Errc::UnknownName, (expectation.of.empty() ? expectation.at : expectation.of_at).text(),
               expectation.of.empty() ? "'" + expectation.measure + "' needs an 'of'"
-                                     : "nothing called '" + expectation.of + "' was recorded",
+                                     : "no signal '" + expectation.of + "' was recorded",
               suggest(expectation.of, names, "recorded were " + listed(names)));
 }
 
@@ -48,8 +48,7 @@ Result<Window> window_of(const SceneRecording& recording, const Expectation& exp
     return fail(Errc::Missing, expectation.at.text(), "'" + type.name + "' needs [playability]",
                 "add the section with kind = \"roll\" or kind = \"tone\"");
   if (type.subject == Subject::Port) {
-    for (const auto& port : recording.ports)
-      if (port.name == expectation.of) window.port = &port;
+    window.port = find_named(recording.ports, expectation.of);
     if (window.port == nullptr)
       return fail(Errc::UnknownName, expectation.of_at.text(), "there is no port '" + expectation.of + "'",
                   "name it under [ports]");
@@ -80,10 +79,10 @@ std::string unit_in(const SceneRecording& recording, const Expectation& expectat
   return signal != nullptr ? to_string(signal->dimension) : "";
 }
 
-std::vector<std::string> names_of(bool (*has)(const Measure&)) {
+std::vector<std::string> names_with(auto Measure::*function) {
   std::vector<std::string> names;
   for (const auto& type : measures())
-    if (has(type)) names.push_back(type.name);
+    if (type.*function != nullptr) names.push_back(type.name);
   return names;
 }
 
@@ -113,20 +112,10 @@ double RunPair::scale(double natural) const {
   return chosen > 0 ? chosen : 1.0;
 }
 
-const Measure* find_measure(std::string_view name) {
-  const auto& all = measures();
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const auto& type) { return type.name == name; });
-  return found == all.end() ? nullptr : &*found;
-}
+const Measure* find_measure(std::string_view name) { return find_named(measures(), name); }
 
-std::vector<std::string> value_names() {
-  return names_of([](const Measure& type) { return type.value != nullptr; });
-}
-
-std::vector<std::string> error_names() {
-  return names_of([](const Measure& type) { return type.error != nullptr; });
-}
+std::vector<std::string> value_names() { return names_with(&Measure::value); }
+std::vector<std::string> error_names() { return names_with(&Measure::error); }
 
 Result<double> measure(const SceneRecording& recording, const Expectation& expectation) {
   const auto* type = find_measure(expectation.measure);
@@ -142,16 +131,15 @@ std::vector<Strike> strikes_in(const RecordedSignal& contact, Hertz sample_rate)
 
 Detection detection_of(const RecordedSignal& contact, Hertz sample_rate,
                        const std::vector<double>& triggers_s, double from_s, double to_s) {
-  std::vector<double> triggers;
-  for (const double time : triggers_s)
-    if (time >= from_s && time <= to_s) triggers.push_back(time);
-  const DetectionRules rules;
+  const auto outside = [&](double time) { return !(time >= from_s && time <= to_s); };
+  auto triggers = triggers_s;
+  std::erase_if(triggers, outside);
   auto touches = find_strikes(contact.samples, sample_rate, kTouchGap, kLeastTouch_N);
-  std::erase_if(touches, [&](const Strike& s) { return s.start_s < from_s || s.start_s > to_s; });
-  // What comes so late may be detected, and need not be.
+  std::erase_if(touches, [&](const Strike& s) { return outside(s.start_s); });
+  // A touch so late may be detected, and need not be.
   for (auto& touch : touches)
-    if (touch.start_s > to_s - rules.late.value) touch.peak = 0;
-  return match(touches, triggers, rules);
+    if (touch.start_s > to_s - kDetectionDelay.value) touch.peak = 0;
+  return match(touches, triggers, kLeastStrike_N);
 }
 
 std::vector<double> triggers_of(const SceneRecording& recording, const std::string& name) {
@@ -186,8 +174,8 @@ Result<double> accuracy_error(const Accuracy& accuracy, const SceneRecording& ru
   for (auto& window : windows) {
     window.signal = window.recording.find(accuracy.of);
     if (window.signal == nullptr)
-      return fail(Errc::UnknownName, accuracy.of_at.text(),
-                  "nothing called '" + accuracy.of + "' was recorded", "name an output of the plant");
+      return fail(Errc::UnknownName, accuracy.of_at.text(), "no signal '" + accuracy.of + "' was recorded",
+                  "name an output of the plant");
   }
   const auto* type = find_measure(accuracy.measure);
   return type->error(*type, {windows[0], windows[1], accuracy});

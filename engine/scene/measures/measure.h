@@ -91,7 +91,7 @@ std::vector<std::string> error_names();
 /// contact force (its strikes); of energy it is a port. Errors: UnknownName, Missing.
 Result<double> measure(const SceneRecording& recording, const Expectation& expectation);
 
-/// The result of one line of [expect].
+/// The result of one entry of [expect].
 struct Outcome {
   std::string name, measure;
   double value = 0;
@@ -102,7 +102,7 @@ struct Outcome {
 /// Of a scene that `build_scene` accepted. Errors: UnknownName for what was not recorded all the same.
 Checked<std::vector<Outcome>> check_expectations(const SceneSpec& scene, const SceneRecording& recording);
 
-/// Relative error of what `accuracy` names in `run`: against what theory says if it says so, else against
+/// Relative error of what `accuracy` names in `run`: against its exact value if it has one, else against
 /// `reference`, played at the same rate. What should oscillate, or happen, and does not is wrong by 1.
 /// Errors: UnknownName if it was not recorded.
 Result<double> accuracy_error(const Accuracy& accuracy, const SceneRecording& run,
@@ -110,8 +110,8 @@ Result<double> accuracy_error(const Accuracy& accuracy, const SceneRecording& ru
 
 /// Strikes: pushes of a contact force above 5 N; less than 5 ms apart they are one.
 std::vector<Strike> strikes_in(const RecordedSignal& contact, Hertz sample_rate);
-/// How well triggers at these times detect what touched `contact` between two times. A touch is any push that
-/// the ear could follow; of those, pushes above 5 N must be detected.
+/// How well triggers at these times detect what touched `contact` between two times. A touch is any
+/// audible push; those above 5 N must be detected.
 Detection detection_of(const RecordedSignal& contact, Hertz sample_rate,
                        const std::vector<double>& triggers_s, double from_s, double to_s);
 /// Times of the first trigger called `name`, with or without its output; empty if there is none.

@@ -5,12 +5,10 @@
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
-#include "engine/scene/measures/judged_run.h"
 #include "engine/scene/measures/landings.h"
 #include "engine/scene/measures/measure.h"
 #include "engine/scene/measures/oscillation.h"
-#include "engine/scene/measures/roll.h"
-#include "engine/scene/measures/tone.h"
+#include "engine/scene/measures/playability_result.h"
 
 // The table of measures: a new one is a line of `measures()`, a function where it needs one, and its test.
 
@@ -90,7 +88,7 @@ double position_error(const Measure&, const RunPair& pair) {
          pair.scale(peak_of(reference));
 }
 
-/// Of the change since the first sample: a scheme that keeps its energy between two instants reports an
+/// Of the change since the first sample: a solver that keeps its energy between two instants reports an
 /// energy that differs from the true one, and need not drift.
 double energy_error(const Measure&, const RunPair& pair) {
   const auto run = pair.run.samples(), reference = pair.reference.samples();
@@ -105,8 +103,7 @@ double energy_error(const Measure&, const RunPair& pair) {
 
 double relative_error(const Measure& measure, const RunPair& pair) {
   const auto& exact = pair.accuracy.exact;
-  const double expected = exact ? exact->si : measure.value(pair.reference);
-  const double found = measure.value(pair.run);
+  const double expected = exact ? exact->si : measure.value(pair.reference), found = measure.value(pair.run);
   if (std::isnan(expected) || std::isnan(found)) return std::isnan(expected) == std::isnan(found) ? 0.0 : 1.0;
   // The sign of a motion counts as much as its size.
   return std::abs(found - expected) / pair.scale(std::abs(expected));
@@ -131,6 +128,12 @@ double event_times_error(const Measure&, const RunPair& pair) {
 using W = const Window&;
 using S = Measure::Subject;
 constexpr auto kSame = Measure::kUnitOfSubject;
+
+/// Only compares two runs.
+Measure compared(const char* name, const char* unit, double (*error)(const Measure&, const RunPair&),
+                 const char* doc, bool has_exact = false) {
+  return {name, unit, "", S::Signal, nullptr, "", "", error, doc, has_exact};
+}
 
 std::vector<Measure> all_measures() {
   return {
@@ -174,9 +177,9 @@ std::vector<Measure> all_measures() {
        energy_given},
       {"faults", "", "non-finite values, at inputs and in nodes", S::Nothing, faults},
       {"score", "", "0 nothing, 1 all that [playability] asks for", S::Playing,
-       [](W w) { return judge(w.recording, *w.playability).score; }},
+       [](W w) { return evaluate(w.recording, *w.playability).score; }},
       {"playable", "", "1: playable as [playability] says, 0: not", S::Playing,
-       [](W w) { return judge(w.recording, *w.playability).playable ? 1.0 : 0.0; }},
+       [](W w) { return evaluate(w.recording, *w.playability).playable ? 1.0 : 0.0; }},
       {"onset_time", "s", "from the beginning of the note to a steady tone", S::Playing,
        [](W w) { return tone(w).start_s; }},
       {"partial", "", "partial of the expected note that is nearest to the tone; 0: none", S::Playing,
@@ -195,54 +198,21 @@ std::vector<Measure> all_measures() {
        S::Playing, [](W w) -> double { return tone(w).notes; }},
       {"good_notes", "", "notes that are playable", S::Playing,
        [](W w) -> double { return tone(w).good_notes; }},
-      {.name = "position",
-       .unit = kSame,
-       .doc = "",
-       .subject = S::Signal,
-       .value = nullptr,
-       .error = position_error,
-       .error_doc = "root mean square of the difference, by the largest value"},
-      {.name = "energy",
-       .unit = kSame,
-       .doc = "",
-       .subject = S::Signal,
-       .value = nullptr,
-       .error = energy_error,
-       .error_doc = "largest difference of its change from the first sample on, by the largest value",
-       .has_exact = true},
-      {.name = "frequency",
-       .unit = "Hz",
-       .doc = "frequency of an oscillation, from its first to its last swing",
-       .subject = S::Signal,
-       .value = [](W w) { return frequency_of(w.samples(), w.rate()).value_or(kUndefined); },
-       .error = relative_error,
-       .error_doc = "difference of the frequency of an oscillation, relative",
-       .has_exact = true},
-      {.name = "decay",
-       .unit = "1/s",
-       .doc = "rate at which an oscillation about 0 decays",
-       .subject = S::Signal,
-       .value = [](W w) { return decay_of(w.samples(), w.rate()).value_or(kUndefined); },
-       .error = relative_error,
-       .error_doc = "difference of the rate at which an oscillation decays, relative",
-       .has_exact = true},
-      {.name = "speed",
-       .unit = "m/s",
-       .doc = "slope of a straight line through a position",
-       .subject = S::Signal,
-       .value = [](W w) { return slope_of(w.samples(), w.rate()).value_or(kUndefined); },
-       .error = relative_error,
-       .error_doc = "difference of the speed, a straight line through a position, relative",
-       .has_exact = true},
-      {.name = "event_times",
-       .unit = "s",
-       .doc = "",
-       .subject = S::Signal,
-       .value = nullptr,
-       .error = event_times_error,
-       .error_doc =
-           "root mean square of the differences of the times at which a signal falls through 0, by the "
-           "mean interval between them"},
+      compared("position", kSame, position_error, "root mean square of the difference, by the largest value"),
+      compared("energy", kSame, energy_error,
+               "largest difference of its change from the first sample on, by the largest value", true),
+      {"frequency", "Hz", "frequency of an oscillation, from its first to its last swing", S::Signal,
+       [](W w) { return frequency_of(w.samples(), w.rate()).value_or(kUndefined); }, "", "", relative_error,
+       "difference of the frequency of an oscillation, relative", true},
+      {"decay", "1/s", "rate at which an oscillation about 0 decays", S::Signal,
+       [](W w) { return decay_of(w.samples(), w.rate()).value_or(kUndefined); }, "", "", relative_error,
+       "difference of the rate at which an oscillation decays, relative", true},
+      {"speed", "m/s", "slope of a straight line through a position", S::Signal,
+       [](W w) { return slope_of(w.samples(), w.rate()).value_or(kUndefined); }, "", "", relative_error,
+       "difference of the speed, a straight line through a position, relative", true},
+      compared("event_times", "s", event_times_error,
+               "root mean square of the differences of the times at which a signal falls through 0, by the "
+               "mean interval between them"),
   };
 }
 

@@ -54,13 +54,9 @@ std::vector<double> swings(std::span<const double> samples, double level) {
   return times.size() > 1 ? times : rises;
 }
 
-struct Line {
-  double slope;
-  bool known;
-};
-
-/// Least squares.
-Line line_through(const std::vector<double>& x, const std::vector<double>& y) {
+/// Of the line of least squares; nothing of fewer than two points.
+std::optional<double> slope_through(const std::vector<double>& x, std::span<const double> y) {
+  if (x.size() < 2) return std::nullopt;
   double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
   const auto count = static_cast<double>(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) mean_x += x[i] / count, mean_y += y[i] / count;
@@ -68,7 +64,7 @@ Line line_through(const std::vector<double>& x, const std::vector<double>& y) {
     xx += (x[i] - mean_x) * (x[i] - mean_x);
     xy += (x[i] - mean_x) * (y[i] - mean_y);
   }
-  return {xy / xx, x.size() > 1};
+  return xy / xx;
 }
 
 }  // namespace
@@ -91,15 +87,14 @@ std::optional<double> decay_of(std::span<const double> samples, Hertz rate) {
     times.push_back((static_cast<double>(n) - slope / bend) / rate.value);
     logarithms.push_back(std::log(here - 0.5 * slope * slope / bend));
   }
-  const auto line = line_through(times, logarithms);
-  return line.known ? std::optional{-line.slope} : std::nullopt;
+  const auto slope = slope_through(times, logarithms);
+  return slope ? std::optional{-*slope} : std::nullopt;
 }
 
 std::optional<double> slope_of(std::span<const double> samples, Hertz rate) {
   std::vector<double> times;
   for (std::size_t n = 0; n < samples.size(); ++n) times.push_back(static_cast<double>(n) / rate.value);
-  const auto line = line_through(times, {samples.begin(), samples.end()});
-  return line.known ? std::optional{line.slope} : std::nullopt;
+  return slope_through(times, samples);
 }
 
 std::vector<double> falls_through_zero(std::span<const double> samples, Hertz rate) {

@@ -8,7 +8,7 @@
 
 namespace tactus {
 
-/// What samples of a motion say, read between the samples. [control]
+/// [control] Quantities of a sampled motion, interpolated between the samples.
 
 /// From the first to the last swing, by its rises and its fall through the middle between the highest and the
 /// lowest sample, each on the polynomial through eight samples. Its own error is below (w T)^9 / 1000 of a

@@ -1,5 +1,3 @@
-#include "engine/scene/measures/tone.h"
-
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -8,17 +6,17 @@
 #include "engine/core/median.h"
 #include "engine/scene/measures/notes/pitch_track.h"
 #include "engine/scene/measures/notes/steady_tone.h"
-#include "engine/scene/measures/roll.h"
+#include "engine/scene/measures/playability_result.h"
 
 namespace tactus {
 namespace {
 
 constexpr double kRightShare = 0.9;      // of a right note
-constexpr double kShortestTone_s = 0.2;  // of a note that can be judged
+constexpr double kShortestTone_s = 0.2;  // of a note that is evaluated
 
-/// An expected note.
-struct Expected {
-  double from_s, to_s;                  ///< begins, ends
+/// An expected note, from where it begins to where it ends.
+struct ToneNote {
+  double from_s, to_s;
   double steady_s;                      ///< from here on it should be steady
   double until_s;                       ///< and up to here no window reaches into the next
   double hertz;                         ///< median
@@ -31,15 +29,8 @@ struct Expected {
   }
 };
 
-std::span<const double> between(const RecordedSignal& signal, Hertz rate, double from, double to) {
-  const auto frame = [&](double time) {
-    return std::min(signal.samples.size(), static_cast<std::size_t>(time * rate.value));
-  };
-  return std::span{signal.samples}.subspan(frame(from), frame(to) - frame(from));
-}
-
 /// The moments of the part that should be steady.
-struct Moments {
+struct SteadyMoments {
   double frames = 0;  ///< that there are, with a pitch or without
   double right = 0, partials = 0;
   std::vector<double> hertz, off_cents, level;
@@ -48,8 +39,8 @@ struct Moments {
   double strays() const { return frames - right - partials; }
 };
 
-Moments moments_of(const std::vector<PitchPoint>& track, const Expected& note) {
-  Moments moments;
+SteadyMoments steady_moments_of(const std::vector<PitchPoint>& track, const ToneNote& note) {
+  SteadyMoments moments;
   moments.frames = std::max(1.0, std::floor((note.until_s - note.steady_s) / kPitchHop_s));
   for (const auto& point : track) {
     if (point.time_s < note.steady_s || point.time_s >= note.until_s) continue;
@@ -86,26 +77,24 @@ double spread_of(const std::vector<double>& values) {
 }
 
 /// The first moment of the note from which on it is steady; its end if there is none.
-double steady_in(const std::vector<PitchPoint>& track, const Moments& moments, const Expected& note) {
+double steady_in(const std::vector<PitchPoint>& track, const SteadyMoments& moments, const ToneNote& note) {
   if (moments.hertz.empty()) return note.to_s;
-  std::vector<ToneMoment> all;
-  for (const auto& point : track)
-    if (point.time_s >= note.from_s && point.time_s < note.to_s)
-      all.push_back({point.time_s, cents(point.hertz, note.hertz_at(point.time_s)), point.rms});
+  const auto all =
+      moments_between(track, note.from_s, note.to_s, [&](double time_s) { return note.hertz_at(time_s); });
   return steady_from(all, median(moments.off_cents), median(moments.level)).value_or(note.to_s);
 }
 
-const char* kind_of(double level, double quiet, const Moments& moments) {
+const char* kind_of(double level, double quiet, const SteadyMoments& moments) {
   if (level < quiet) return "silent";
   if (moments.right_share() >= kRightShare) return "right note";
   return moments.partials > moments.strays() ? "wrong partial" : "howl";
 }
 
-JudgedTone judge_note(std::span<const double> steady, const std::vector<PitchPoint>& track,
-                      const Expected& note, double quiet) {
-  JudgedTone judged;
-  auto& [run, values] = judged;
-  const auto moments = moments_of(track, note);
+ToneResult evaluate_note(std::span<const double> steady, const std::vector<PitchPoint>& track,
+                         const ToneNote& note, double quiet) {
+  ToneResult tone;
+  auto& [run, values] = tone;
+  const auto moments = steady_moments_of(track, note);
   const double pitch = median(moments.hertz);
   values.start_s = steady_in(track, moments, note) - note.from_s;
   values.partial = pitch > 0 ? partial_of(pitch, note.hertz) : 0;
@@ -119,30 +108,30 @@ JudgedTone judge_note(std::span<const double> steady, const std::vector<PitchPoi
     run.score = values.right * kPrompt_s / std::max(values.start_s, kPrompt_s) * kSteadySpread /
                 std::max(values.level_spread, kSteadySpread);
   run.playable = run.kind == "right note" && run.score >= kLeastScore;
-  return judged;
+  return tone;
 }
 
-/// Half of what the tracker looks at around a moment: three periods of the lowest pitch.
+/// Half of the window of the tracker: three periods of the lowest pitch.
 double reach_s(double lowest_hz) { return 1.5 / lowest_tracked(Hertz{lowest_hz}).value; }
 
-Expected held_note(const SceneRecording& recording, const Playability& judged) {
-  const double end = judged.to_s.value_or(recording.seconds());
-  return {judged.begin_s, end, judged.from_s, std::min(end, recording.seconds() - 10 / judged.pitch_hz),
-          judged.pitch_hz};
+ToneNote held_note(const SceneRecording& recording, const Playability& playability) {
+  const double end = playability.to_s.value_or(recording.seconds());
+  return {playability.begin_s, end, playability.from_s,
+          std::min(end, recording.seconds() - 10 / playability.pitch_hz), playability.pitch_hz};
 }
 
 /// Those that sound between `begin` and `to`. Each has as long to settle as the first, at most half its time.
-std::vector<Expected> notes_of(const SceneRecording& recording, const Playability& judged) {
-  if (judged.pitch.name.empty()) return {held_note(recording, judged)};
-  const auto* expected = recording.find(judged.pitch.name);
+std::vector<ToneNote> notes_of(const SceneRecording& recording, const Playability& playability) {
+  if (playability.pitch.name.empty()) return {held_note(recording, playability)};
+  const auto* expected = recording.find(playability.pitch.name);
   if (expected == nullptr) return {};
-  const double end = judged.to_s.value_or(recording.seconds());
-  std::vector<Expected> notes;
+  const double end = playability.to_s.value_or(recording.seconds());
+  std::vector<ToneNote> notes;
   double lowest = kUnlimited;
   for (const auto& note : expected_notes(expected->samples, recording.sample_rate)) {
-    const double from = std::max(judged.begin_s, note.from_s), to = std::min(end, note.to_s);
+    const double from = std::max(playability.begin_s, note.from_s), to = std::min(end, note.to_s);
     if (to - from < kShortestTone_s) continue;
-    const double settles = std::min(judged.from_s - judged.begin_s, 0.5 * (to - from));
+    const double settles = std::min(playability.from_s - playability.begin_s, 0.5 * (to - from));
     notes.push_back(
         {from, to, from + settles, to, note.hertz, expected->samples, recording.sample_rate.value});
     lowest = std::min(lowest, note.hertz);
@@ -157,8 +146,8 @@ std::vector<Expected> notes_of(const SceneRecording& recording, const Playabilit
 }
 
 /// All notes as one run.
-JudgedTone together(const std::vector<JudgedTone>& notes) {
-  const auto worse = [](const JudgedTone& a, const JudgedTone& b) {
+ToneResult together(const std::vector<ToneResult>& notes) {
+  const auto worse = [](const ToneResult& a, const ToneResult& b) {
     return a.run.playable != b.run.playable ? !a.run.playable : a.run.score < b.run.score;
   };
   auto all = *std::min_element(notes.begin(), notes.end(), worse);
@@ -174,36 +163,27 @@ JudgedTone together(const std::vector<JudgedTone>& notes) {
 
 }  // namespace
 
-const std::vector<RunKind>& tone_kinds() {
-  static const std::vector<RunKind> kinds = {
-      {"right note", 'N', "in tune within 25 cents in 9 of 10 moments"},
-      {"wrong partial", 'p', "mostly another partial of the note"},
-      {"howl", 'h', "another pitch, or none"},
-      {"silent", '.', "softer than 'quiet'"},
-  };
-  return kinds;
-}
-
-JudgedTone tone_of(const SceneRecording& recording, const Playability& judged) {
-  const auto* sound = recording.find(judged.sound.name);
-  const auto notes = notes_of(recording, judged);
-  Window window{recording, judged.from_s, judged.to_s};
-  JudgedTone tone{{"silent", 0, false, {}}, {}};
+ToneResult tone_of(const SceneRecording& recording, const Playability& playability) {
+  const auto* sound = recording.find(playability.sound.name);
+  const auto notes = notes_of(recording, playability);
+  Window window{recording, playability.from_s, playability.to_s};
+  window.playability = &playability;
+  ToneResult tone{{"silent", 0, false, {}}, {}};
   if (sound != nullptr && !notes.empty()) {
-    const auto [low, high] = std::minmax_element(
-        notes.begin(), notes.end(), [](const Expected& a, const Expected& b) { return a.hertz < b.hertz; });
-    const auto rate = recording.sample_rate;
+    const auto [low, high] = std::ranges::minmax_element(notes, {}, &ToneNote::hertz);
     // The tracker leaves out both ends of what it is given.
-    auto track = track_notes(between(*sound, rate, judged.begin_s, recording.seconds()), rate,
-                             Hertz{low->hertz}, Hertz{high->hertz});
-    for (auto& point : track) point.time_s += judged.begin_s;
-    std::vector<JudgedTone> tones;
-    for (const auto& note : notes)
-      tones.push_back(judge_note(between(*sound, rate, note.steady_s, note.to_s), track, note, judged.quiet));
+    auto track = track_notes(Window{recording, playability.begin_s, {}}.samples(*sound),
+                             recording.sample_rate, Hertz{low->hertz}, Hertz{high->hertz});
+    for (auto& point : track) point.time_s += playability.begin_s;
+    std::vector<ToneResult> tones;
+    for (const auto& note : notes) {
+      const auto steady = Window{recording, note.steady_s, note.to_s}.samples(*sound);
+      tones.push_back(evaluate_note(steady, track, note, playability.quiet));
+    }
     tone = together(tones);
   }
   window.tone = &tone.values;
-  tone.run.readings = column_values(Playability::Kind::Tone, window);
+  tone.run.readings = readings_of(window);
   return tone;
 }
 

@@ -8,7 +8,7 @@
 #include "engine/core/median.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/scene/file/roles.h"
+#include "engine/scene/file/scene_spec.h"
 #include "engine/scene/play_scene.h"
 #include "engine/study/orbits/bouncing_ball.h"
 #include "engine/study/sweep/evaluate_runs.h"

@@ -5,7 +5,7 @@
 namespace tactus {
 namespace {
 
-std::size_t kind_index(const JudgedRun& run, Playability::Kind kind) {
+std::size_t kind_index(const PlayabilityResult& run, Playability::Kind kind) {
   const auto& kinds = run_kinds(kind);
   const auto found =
       std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == run.kind; });
@@ -13,22 +13,22 @@ std::size_t kind_index(const JudgedRun& run, Playability::Kind kind) {
 }
 
 /// A run as numbers: the index of its kind, score, playable, readings.
-RunResult to_numbers(const JudgedRun& run, Playability::Kind kind) {
+RunResult to_numbers(const PlayabilityResult& run, Playability::Kind kind) {
   RunResult numbers{static_cast<double>(kind_index(run, kind)), run.score, run.playable ? 1.0 : 0.0};
   numbers.insert(numbers.end(), run.readings.begin(), run.readings.end());
   return numbers;
 }
 
 /// nullopt if the numbers are not those of a run: a cache may be edited by hand.
-std::optional<JudgedRun> from_numbers(const RunResult& numbers, Playability::Kind kind) {
+std::optional<PlayabilityResult> from_numbers(const RunResult& numbers, Playability::Kind kind) {
   const auto& kinds = run_kinds(kind);
   if (numbers.size() != 3 + measure_columns(kind).size() ||
       !(numbers[0] >= 0 && numbers[0] < static_cast<double>(kinds.size())))
     return std::nullopt;
-  return JudgedRun{kinds[static_cast<std::size_t>(numbers[0])].name,
-                   numbers[1],
-                   numbers[2] != 0,
-                   {numbers.begin() + 3, numbers.end()}};
+  return PlayabilityResult{kinds[static_cast<std::size_t>(numbers[0])].name,
+                           numbers[1],
+                           numbers[2] != 0,
+                           {numbers.begin() + 3, numbers.end()}};
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ Checked<PlayabilityStudy> study_playability(const SceneSpec& scene, const NodeTa
   const auto score_run = [&](const Sweep::Run& run) -> Checked<RunResult> {
     const auto recording = play_run(run, table);
     if (!recording) return tl::unexpected(recording.error());
-    return to_numbers(judge(*recording, rules), rules.kind);
+    return to_numbers(evaluate(*recording, rules), rules.kind);
   };
   const auto points = sweep.evaluate(score_run, "playability");
   if (!points) return tl::unexpected(points.error());

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
-#include "engine/scene/measures/judged_run.h"
+#include "engine/scene/measures/playability_result.h"
 #include "engine/study/sweep/sweep.h"
 
 namespace tactus {
@@ -20,7 +20,7 @@ struct PlayedRun {
   double delay_s = 0;
   std::vector<double> at;  ///< one for each that is swept, SI
   std::string variant;     ///< "as written", "actuator x 2", "draw 17"
-  std::optional<JudgedRun> result;
+  std::optional<PlayabilityResult> result;
 
   bool as_written() const { return variant == kAsWritten; }
 };

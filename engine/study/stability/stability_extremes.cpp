@@ -117,7 +117,7 @@ ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan,
   const int frames = static_cast<int>(plan.seconds * run.rate.value);
   Quarters energy;
   for (int done = 0; done < frames; done += kExtremesBlock) {
-    loop.run(std::min(kExtremesBlock, frames - done), [&](const ClosedLoop::Piece& piece) {
+    loop.run(std::min(kExtremesBlock, frames - done), [&](const ClosedLoop::Block& piece) {
       for (const auto* drive : piece.drives)
         for (int n = 0; n < piece.frames; ++n) {
           run.finite = run.finite && std::isfinite(drive[n]);
@@ -147,7 +147,7 @@ std::vector<double> sensors_after(double push, const StabilitySubject& subject, 
   ClosedLoop loop{
       disturbed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
   if (!loop.prepare(run.rate, kExtremesBlock)) return samples;
-  loop.run(static_cast<int>(plan.seconds * run.rate.value), [&](const ClosedLoop::Piece& piece) {
+  loop.run(static_cast<int>(plan.seconds * run.rate.value), [&](const ClosedLoop::Block& piece) {
     for (const auto* sensor : piece.sensors) samples.insert(samples.end(), sensor, sensor + piece.frames);
   });
   run.finite = run.finite && disturbed.finite();

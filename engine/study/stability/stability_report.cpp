@@ -206,7 +206,8 @@ class Report {
       if (!on_loop || place.hold_s.has_value() != limited) continue;
       add("the loop through {} '{}' is event-driven: no small-signal gain exists", place.type, place.path);
       if (limited && *place.hold_s > 0)
-        lines_.back() += fmt::format("; its hold limits it to {:.4g} events per second", 1 / *place.hold_s);
+        lines_.back() +=
+            fmt::format("; its 'hold' time limits it to {:.4g} events per second", 1 / *place.hold_s);
     }
   }
 

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "engine/core/find_root.h"
+#include "engine/core/named.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/plan/fingerprint.h"
-#include "engine/scene/file/scene_checks.h"
 
 namespace tactus {
 namespace {
@@ -121,7 +121,7 @@ struct DeviceControl {
 
 /// The value of a control; nullopt if the plant has none of that name.
 Result<std::optional<double>> setting_of(const ScenePart& plant, const DeviceControl& expected) {
-  const auto* control = find_entry(plant.graph->controls, expected.name);
+  const auto* control = find_named(plant.graph->controls, expected.name);
   if (control == nullptr) return std::nullopt;
   const auto* wire = find(plant.wires, expected.name);
   if (wire == nullptr) {

@@ -36,8 +36,8 @@ PlayabilityStudy rolls(const std::vector<double>& scores) {
     study.runs.push_back({study.delays_s.back(),
                           {},
                           "as written",
-                          JudgedRun{good ? "regular" : "irregular", scores[i], good,
-                                    std::vector<double>(measure_columns(study.kind).size(), 1.0)}});
+                          PlayabilityResult{good ? "regular" : "irregular", scores[i], good,
+                                            std::vector<double>(measure_columns(study.kind).size(), 1.0)}});
   }
   return study;
 }

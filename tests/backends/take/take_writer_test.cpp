@@ -136,13 +136,13 @@ TEST_CASE("take: a full disk ends the take and keeps what is there", "[take]") {
       for (int n = 0; n < 90; ++n) stream.block();
       (void)writer->work();
     }
-    CHECK(writer->error() == "the disk takes no more (File too large)");
+    CHECK(writer->error() == "writing to the disk failed (File too large)");
     CHECK_FALSE(writer->work());
     writer->finish();
   }
   const auto take = read_take(path);
   REQUIRE(take.has_value());
-  CHECK(take->ended == "the disk takes no more (File too large)");
+  CHECK(take->ended == "writing to the disk failed (File too large)");
   const auto samples = read_wav(path);
   REQUIRE(samples.has_value());
   CHECK(samples->frames() == (200'003 - 94) / 8);

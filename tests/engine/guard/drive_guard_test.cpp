@@ -151,7 +151,7 @@ TEST_CASE("drive_guard: how frames are cut into blocks changes no bit", "[core]"
 TEST_CASE("drive_guard: limits that make no sense are refused in words", "[core]") {
   CHECK(check({}).has_value());
   CHECK(to_string(check({.ceiling = 1.5}).error()) ==
-        "the ceiling of a drive lies outside (0, 1] full scale; give it as a fraction of what the converter "
+        "the ceiling of a drive is outside (0, 1] full scale; give it as a fraction of what the converter "
         "can "
         "put out");
   CHECK_FALSE(check({.ceiling = 0.0}));

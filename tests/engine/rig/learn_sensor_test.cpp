@@ -35,7 +35,7 @@ Samples hits(const std::vector<double>& peaks_db, double noise_rms_db = -90, dou
 Result<LearntSensor> learn(const Samples& samples, std::size_t block = 64) {
   SensorLearner learner{Hertz{kRate}};
   for (std::size_t n = 0; n < samples.size(); n += block)
-    learner.hear({samples.data() + n, std::min(block, samples.size() - n)});
+    learner.process({samples.data() + n, std::min(block, samples.size() - n)});
   return learner.result();
 }
 

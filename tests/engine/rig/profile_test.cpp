@@ -89,16 +89,18 @@ TEST_CASE("profile: volts, newtons and grams become limits at full scale", "[sce
 TEST_CASE("profile: mistakes are told with their place", "[scene]") {
   CHECK(mistakes(kActuator, "\"5 ohm\"", "\"5 V\"") ==
         "shaker.toml:4:14: '5 V' is in V, but 'resistance' is in ohm; give \"6 ohm\"");
-  CHECK(mistakes(kActuator, "peak = \"8 V\"\n", "") == "shaker.toml:3:1: [drive] lacks 'peak'; give it in V");
+  CHECK(mistakes(kActuator, "peak = \"8 V\"\n", "") ==
+        "shaker.toml:3:1: [drive] lacks 'peak'; give 'peak': largest voltage, in V");
   CHECK(mistakes(kActuator, "peak", "peek") ==
-        "shaker.toml:3:1: [drive] lacks 'peak'; give it in V\nshaker.toml:5:1: unknown key 'peek'; did you "
+        "shaker.toml:3:1: [drive] lacks 'peak'; give 'peak': largest voltage, in V\nshaker.toml:5:1: unknown "
+        "key 'peek'; did you "
         "mean 'peak'?");
   CHECK(mistakes(kActuator, "0.6", "1.5") ==
         "shaker.toml:13:14: 'coil_share' cannot be 1.5; it runs from 0.01 to 0.99");
   CHECK(mistakes(kActuator, "[heat]", "[hat]").find("unknown key 'hat'; did you mean 'heat'?") !=
         std::string::npos);
   CHECK(mistakes("format = 1\nname = \"x\"\n", "x", "y") ==
-        "shaker.toml:1:1: [drive] is missing; give at least resistance and peak of the terminals");
+        "shaker.toml:1:1: the profile lacks [drive]; give [drive]: the terminals");
 }
 
 TEST_CASE("profile: every shipped one can be read, says where its figures are from, and makes sense",
@@ -112,7 +114,7 @@ TEST_CASE("profile: every shipped one can be read, says where its figures are fr
     REQUIRE(profile);
     CHECK_FALSE(profile->source.empty());
     CHECK_FALSE(profile->about.empty());
-    for (const double volts : {1.0, 5.0, profile->peak_volts, 40.0})
+    for (const double volts : {1.0, 5.0, (*profile)["drive.peak"], 40.0})
       CHECK(check(limits_for(*profile, volts)));
     CHECK(find_profile(file.path().stem().string(), kInstruments, "test"));
   }
@@ -130,7 +132,7 @@ TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]
   CHECK(to_string(raise_limit(limits, "ceiling", "0.7", "--raise-limit").error()) ==
         "--raise-limit: 'ceiling' is 0.8 as it is; a limit can only be raised here");
   CHECK(to_string(raise_limit(limits, "ceiling", "1.2", "--raise-limit").error()) ==
-        "--raise-limit: the ceiling of a drive lies outside (0, 1] full scale; give it as a fraction of what "
+        "--raise-limit: the ceiling of a drive is outside (0, 1] full scale; give it as a fraction of what "
         "the "
         "converter can put out");
   CHECK(to_string(raise_limit(limits, "travel", "8 mm", "--raise-limit").error()) ==
@@ -144,13 +146,13 @@ TEST_CASE("profile: a scene says what its drives move, may ask for less, and not
         "");
   CHECK(drives_mistakes("woofer = { ceiling = 0.3 }") == "");
   CHECK(drives_mistakes("woofer = { ceiling = 0.8 }") ==
-        "test.toml:4:22: a file cannot raise a limit: the ceiling of 'woofer' is 0.5; lower it, or say "
-        "--raise-limit ceiling=0.8 on the command line, if you must");
+        "test.toml:4:22: a file cannot raise a limit: the ceiling of 'woofer' is 0.5; lower it, or use "
+        "--raise-limit ceiling=0.8 on the command line");
   CHECK(drives_mistakes(R"(woofer = { profile = "wofer", volts_per_full_scale = "10 V" })") ==
         "test.toml:4:22: there is no profile 'wofer'; did you mean 'woofer'?");
   CHECK(drives_mistakes(R"(woofer = { profile = "woofer" })") ==
-        "test.toml:4:1: drive 'woofer' lacks 'volts_per_full_scale'; write profile = \"woofer\", "
-        "volts_per_full_scale = \"10 V\"");
+        "test.toml:4:1: drive 'woofer' lacks 'volts_per_full_scale'; give both 'profile' and "
+        "'volts_per_full_scale', or neither");
   CHECK(drives_mistakes("wofer = { ceiling = 0.3 }") ==
         "test.toml:4:1: the instrument has no drive 'wofer'; did you mean 'woofer'?");
   CHECK(drives_mistakes("sound = { ceiling = 0.3 }") ==

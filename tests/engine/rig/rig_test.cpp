@@ -130,7 +130,8 @@ TEST_CASE("rig: sensitivities of every dimension read back the same", "[rig]") {
 }
 
 TEST_CASE("rig: all mistakes of a rig come in one go", "[rig]") {
-  CHECK(mistakes(R"([inputs]
+  CHECK(
+      mistakes(R"([inputs]
 microphone = { chanel = 1 }
 piezo = { channel = 0, volts_per_full_scale = "1 V" }
 [outputs]
@@ -139,18 +140,18 @@ woofer = { channel = 1.5, profile = "wofer", volts_per_full_scale = "10 V" }
 strength = { channel = 17, control = 7, note = 36 }
 [delay]
 measured = "12 mm"
-)") == R"(rig.toml:5:1: 'microphone' has no channel; write channel = 1, or channel = "none" to leave it out
+)") ==
+      R"(rig.toml:5:1: input 'microphone' lacks 'channel'; give 'channel': of the card, from 1; one for each lane; "none" leaves the port out
 rig.toml:5:16: unknown key 'chanel'; did you mean 'channel'?
-rig.toml:6:1: input 'piezo' lacks 'sensitivity'; give both, or neither where a sample of 1 means 1
+rig.toml:6:1: input 'piezo' lacks 'sensitivity'; give both 'sensitivity' and 'volts_per_full_scale', or neither
 rig.toml:6:21: there is no channel 0; channels count from 1, as on the card; "none" leaves the port out
-rig.toml:8:22: a channel is a whole number, not a number; channels count from 1, as on the card; "none" leaves the port out
+rig.toml:8:22: a channel must be a whole number, not a number; channels count from 1, as on the card; "none" leaves the port out
 rig.toml:8:37: there is no profile 'wofer'; did you mean 'woofer'?
-rig.toml:10:1: 'strength' is moved by two things; give one of control = 7, note = 36 and pitch_bend = true
+rig.toml:10:1: control 'strength' needs exactly one MIDI source; give one of control = 7, note = 36 and pitch_bend = true
 rig.toml:10:24: 'channel' cannot be 17; give one from 1 to 16
 rig.toml:12:12: '12 mm' is in m, but 'measured' is in s; give "15 ms")");
   CHECK(to_string(parse_rig("format = 1\n", "rig.toml", kRoot).error()) ==
-        "rig.toml:1:1: the rig names no device; under [device], write output = \"…\" with an id that `tactus "
-        "devices` shows");
+        "rig.toml:1:1: the rig lacks [device]; give [device]: as `tactus devices` prints it");
 }
 
 TEST_CASE("rig: two outputs never share a channel, nor has a channel two actuators", "[rig]") {
@@ -160,15 +161,15 @@ TEST_CASE("rig: two outputs never share a channel, nor has a channel two actuato
 a = { channel = 2, profile = "woofer", volts_per_full_scale = "10 V" }
 [actuators]
 cone = { channel = 2 }
-)") == "rig.toml:5:1: the actuator of 'a' is also 'cone' in [actuators]; say it once");
+)") == "rig.toml:5:1: the actuator of 'a' is also 'cone' in [actuators]; declare it once");
   CHECK(mistakes("[actuators]\ncone = { channel = \"none\" }\n") ==
         "rig.toml:5:1: actuator 'cone' has no channel; give its channel, or remove it");
 }
 
 TEST_CASE("rig: a file may lower the ceiling of an actuator and never raise it", "[rig]") {
   CHECK(mistakes("[outputs]\na = { channel = 2, ceiling = 0.9 }\n") ==
-        "rig.toml:5:30: a file cannot raise a limit: the ceiling of 'a' is 0.5; lower it, or say "
-        "--raise-limit ceiling=0.9 on the command line, if you must");
+        "rig.toml:5:30: a file cannot raise a limit: the ceiling of 'a' is 0.5; lower it, or use "
+        "--raise-limit ceiling=0.9 on the command line");
 }
 
 TEST_CASE("rig: what fits the drum is found good, lacking ports and wrong names are told", "[rig]") {
@@ -192,13 +193,13 @@ rig.toml:10:8: 'hold' is set in m, but it is in s; give for instance 15 ms
 rig.toml:12:1: the instrument has no control 'strenght'; did you mean 'strength'?)");
 }
 
-TEST_CASE("rig: sound never goes where an actuator hangs, whoever says so", "[rig]") {
+TEST_CASE("rig: sound never goes to a channel with an actuator", "[rig]") {
   const std::string inputs = "[inputs]\nmicrophone = { channel = 1 }\n[outputs]\nwoofer = { channel = 1 }\n";
   CHECK(misfits(inputs + "sound = { channel = 2 }\n[actuators]\nshaker = { channel = 2 }\n") ==
-        "rig.toml:8:1: 'sound' is sound, and on channel 2 hangs an actuator; sound is guarded less than "
+        "rig.toml:8:1: 'sound' is sound, but channel 2 drives an actuator; sound is limited less than "
         "drives; give it another channel, or make it a drive in the instrument");
   CHECK(misfits(inputs + "sound = { channel = 2, profile = \"woofer\", volts_per_full_scale = \"1 V\" }\n") ==
-        "rig.toml:8:1: 'sound' is sound, and on channel 2 hangs an actuator (woofer); sound is guarded less "
+        "rig.toml:8:1: 'sound' is sound, but channel 2 drives an actuator (woofer); sound is limited less "
         "than drives; give it another channel, or make it a drive in the instrument");
 }
 

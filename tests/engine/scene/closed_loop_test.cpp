@@ -37,7 +37,7 @@ Played play(int delay, int block, Converters converters, const std::string& plan
   ClosedLoop loop{*instrument, *plant, 1, delay, converters};
   REQUIRE(loop.prepare(48_kHz, block));
   Played played;
-  loop.run(kFrames, [&](const ClosedLoop::Piece& piece) {
+  loop.run(kFrames, [&](const ClosedLoop::Block& piece) {
     for (int n = 0; n < piece.frames; ++n) {
       played.sensor.push_back(piece.sensors[0][n]);
       played.drive.push_back(piece.drives[0][n]);
@@ -127,7 +127,7 @@ sensor = { from = "grown * 10" }
   REQUIRE(loop.prepare(48_kHz, 64));
   bool finite = true;
   loop.run(1000,
-           [&](const ClosedLoop::Piece& piece) { finite = finite && std::isfinite(piece.sensors[0][0]); });
+           [&](const ClosedLoop::Block& piece) { finite = finite && std::isfinite(piece.sensors[0][0]); });
   CHECK(finite);
   CHECK_FALSE(plant->faults().empty());
   CHECK(plant->frame() == 1000);
@@ -153,7 +153,7 @@ TEST_CASE("ClosedLoop: what is not finite in the answer is counted and read as z
     ClosedLoop loop{instrument, *plant, 1, delay, {.on = false, .bits = 24}};
     REQUIRE(loop.prepare(48_kHz, 1));
     bool zero = true;
-    loop.run(100, [&](const ClosedLoop::Piece&) { zero = zero && plant->tap(0)[0] == 0; });
+    loop.run(100, [&](const ClosedLoop::Block&) { zero = zero && plant->tap(0)[0] == 0; });
     CHECK(zero);
     CHECK(plant->bad_input_samples() == 100 - delay);
     CHECK(plant->faults().empty());

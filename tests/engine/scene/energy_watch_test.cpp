@@ -206,19 +206,18 @@ TEST_CASE("energy_watch: what is wrong with a port is told before anything plays
   };
   CHECK(mistakes(kArm) == "");
   CHECK(mistakes(R"(a = { force = "plant.forse", position = "plant.arm", active_up_to = "1 mJ" })") ==
-        "scene.toml:12:15: no part around the instrument has an output 'plant.forse'; did you mean "
+        "scene.toml:12:15: no part other than the instrument has an output 'plant.forse'; did you mean "
         "'plant.force'?");
-  CHECK(
-      mistakes(R"(a = { force = "plant.force", position = "plant.speed", active_up_to = "1 mJ" })") ==
-      "scene.toml:12:1: 'plant.force' times a change of 'plant.speed' is no energy; name a force in N and a "
-      "position in m, or a torque in N m and an angle");
-  CHECK(
-      mistakes(R"(a = { force = "plant.force", position = "plant.arm" })") ==
-      "scene.toml:12:1: port 'a' does not say what is allowed; write active_up_to = \"10 mJ\" with what its "
-      "springs can store");
+  CHECK(mistakes(R"(a = { force = "plant.force", position = "plant.speed", active_up_to = "1 mJ" })") ==
+        "scene.toml:12:1: 'plant.force' times a change of 'plant.speed' is not an energy; name a force in N "
+        "and a "
+        "position in m, or a torque in N m and an angle");
+  CHECK(mistakes(R"(a = { force = "plant.force", position = "plant.arm" })") ==
+        "scene.toml:12:1: port 'a' lacks 'active_up_to'; give 'active_up_to': energy that the instrument may "
+        "give, in J");
   CHECK(mistakes(R"(a = { force = "plant.force", active_up_to = "1 N" })") ==
-        "scene.toml:12:1: port 'a' has no 'position'; name an output of the plant, as in position = "
-        "\"plant.position\"\nscene.toml:12:45: '1 N' is in N, but 'active_up_to' is in J; give a quantity in "
+        "scene.toml:12:1: port 'a' lacks 'position'; give 'position': output of a part, in m: "
+        "\"plant.arm\"\nscene.toml:12:45: '1 N' is in N, but 'active_up_to' is in J; give a quantity in "
         "J");
   CHECK(mistakes(kArm, R"(e = { measure = "energy_given", of = "arn", max = 1 })") ==
         "scene.toml:14:38: there is no port 'arn'; did you mean 'arm'?");

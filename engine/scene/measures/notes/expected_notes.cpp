@@ -1,11 +1,10 @@
-#include "engine/scene/measures/notes/expected_notes.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 
 namespace tactus {
 namespace {
@@ -78,7 +77,7 @@ ExpectedNote note_of(std::span<const double> expected, Hertz rate, std::size_t f
   return note;
 }
 
-/// A stretch without a jump: its notes and the glides between them.
+/// Frames without a jump: their notes and the glides between them.
 void add_notes(std::vector<ExpectedNote>& notes, std::span<const double> expected, Hertz rate,
                std::size_t from, std::size_t to) {
   const auto hop = static_cast<std::size_t>(std::lround(kPitchHop_s * rate.value));

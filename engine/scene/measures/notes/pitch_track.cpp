@@ -8,7 +8,7 @@
 #include "engine/core/dimension.h"
 #include "engine/core/median.h"
 #include "engine/graph/node_type.h"
-#include "engine/scene/file/roles.h"
+#include "engine/scene/file/scene_spec.h"
 #include "engine/scene/measures/notes/steady_tone.h"
 
 namespace tactus {
@@ -17,85 +17,62 @@ namespace {
 constexpr double kElsewhere = 0.25;                  // of its time, in a right note
 constexpr double kSlowest_hz = 3, kFastest_hz = 10;  // of a vibrato
 
-/// Detected and expected pitch at one moment of a note.
-struct Moment {
-  PitchPoint detected;
-  double expected_hz;
-};
+using Moments = std::vector<ToneMoment>;
 
-std::vector<Moment> moments_of(const ExpectedNote& note, const std::vector<PitchPoint>& track,
-                               std::span<const double> expected, Hertz rate) {
-  std::vector<Moment> moments;
-  for (const auto& point : track)
-    if (point.time_s >= note.from_s && point.time_s < note.to_s)
-      moments.push_back({point, expected[static_cast<std::size_t>(point.time_s * rate.value)]});
-  return moments;
-}
-
-std::vector<Moment> from_time(const std::vector<Moment>& moments, double time_s) {
-  std::vector<Moment> late;
-  std::copy_if(moments.begin(), moments.end(), std::back_inserter(late),
-               [&](const Moment& moment) { return moment.detected.time_s >= time_s; });
-  return late;
-}
-
-double off_of(const Moment& moment) { return cents(moment.detected.hertz, moment.expected_hz); }
-double detected_of(const Moment& moment) { return moment.detected.hertz; }
-double expected_of(const Moment& moment) { return moment.expected_hz; }
-double level_of(const Moment& moment) { return moment.detected.rms; }
-
-std::vector<double> each(const std::vector<Moment>& moments, double (*of)(const Moment&)) {
+template <class Of>
+std::vector<double> each(const Moments& moments, Of of) {
   std::vector<double> values;
-  std::transform(moments.begin(), moments.end(), std::back_inserter(values), of);
+  std::ranges::transform(moments, std::back_inserter(values), of);
   return values;
+}
+
+Moments from_time(Moments moments, double time_s) {
+  std::erase_if(moments, [=](const ToneMoment& moment) { return moment.time_s < time_s; });
+  return moments;
 }
 
 /// How often a pitch goes around its median: from the times at which it rises a quarter of its swing above
 /// it after having been as far below. nullopt: fewer than three times, or not as often as a vibrato.
-std::optional<double> vibrato_of(const std::vector<Moment>& moments) {
-  const auto hertz = each(moments, detected_of);
+std::optional<double> vibrato_of(const Moments& moments) {
+  const auto hertz = each(moments, &ToneMoment::hertz);
   const double middle = median(hertz), far = 0.25 * swing_of(hertz);
   std::vector<double> rises;
   bool low = false;
   for (const auto& moment : moments) {
-    const double off = cents(moment.detected.hertz, middle);
+    const double off = cents(moment.hertz, middle);
     if (off < -far) low = true;
     if (!low || off < far) continue;
     low = false;
-    rises.push_back(moment.detected.time_s);
+    rises.push_back(moment.time_s);
   }
   if (rises.size() < 3) return std::nullopt;
   const double often = static_cast<double>(rises.size() - 1) / (rises.back() - rises.front());
   return often >= kSlowest_hz && often <= kFastest_hz ? std::optional{often} : std::nullopt;
 }
 
-std::optional<double> speaks_after(const ExpectedNote& note, const std::vector<Moment>& moments, double off,
-                                   double rms) {
-  std::vector<ToneMoment> tone;
-  for (const auto& moment : moments)
-    tone.push_back({moment.detected.time_s, off_of(moment), moment.detected.rms});
-  const auto steady_from_s = steady_from(tone, off, rms, std::min(kSteady_s, 0.5 * note.seconds()));
+std::optional<double> speaks_after(const ExpectedNote& note, const Moments& moments, double off, double rms) {
+  const auto steady_from_s = steady_from(moments, off, rms, std::min(kSteady_s, 0.5 * note.seconds()));
   return steady_from_s ? std::optional{*steady_from_s - note.from_s} : std::nullopt;
 }
 
 /// Since it is steady, or in its second half.
-void measure_steady(DetectedNote& note, const std::vector<Moment>& moments) {
+void measure_steady(DetectedNote& note, const Moments& moments) {
   const double steady_from_s =
       note.expected.from_s + note.speaks_after_s.value_or(0.5 * note.expected.seconds());
   const auto steady = from_time(moments, steady_from_s);
-  note.swing_cents = swing_of(each(steady, detected_of));
-  note.expected_swing_cents = swing_of(each(steady, expected_of));
+  note.swing_cents = swing_of(each(steady, &ToneMoment::hertz));
+  note.expected_swing_cents = swing_of(each(steady, &ToneMoment::expected_hz));
   if (!note.expected.glides) note.vibrato_hz = vibrato_of(steady);
   note.silent_s =
       std::max(0.0, note.expected.to_s - steady_from_s - static_cast<double>(steady.size()) * kPitchHop_s);
 }
 
-/// Where it was when it was not where it should be.
-void measure_strays(DetectedNote& note, const std::vector<Moment>& moments) {
+/// Time on other partials and on stray pitches.
+void measure_strays(DetectedNote& note, const Moments& moments) {
   std::map<int, int> partials;
   int strays = 0;
   for (const auto& moment : moments) {
-    const int partial = partial_of(moment.detected.hertz, moment.expected_hz);
+    const int partial = partial_of(moment.hertz, moment.expected_hz);
     if (partial > 1) ++partials[partial];
     if (partial == 0) ++strays;
   }
@@ -108,18 +85,20 @@ void measure_strays(DetectedNote& note, const std::vector<Moment>& moments) {
   }
 }
 
-DetectedNote hear(const ExpectedNote& expected_note, const std::vector<PitchPoint>& track,
-                  std::span<const double> expected, Hertz rate) {
+DetectedNote detect(const ExpectedNote& expected_note, const std::vector<PitchPoint>& track,
+                    std::span<const double> expected, Hertz rate) {
   DetectedNote note;
   note.expected = expected_note;
-  const auto moments = moments_of(expected_note, track, expected, rate);
+  const auto moments = moments_between(track, expected_note.from_s, expected_note.to_s, [&](double time_s) {
+    return expected[static_cast<std::size_t>(time_s * rate.value)];
+  });
   const auto late = from_time(moments, 0.5 * (expected_note.from_s + expected_note.to_s));
   if (late.empty()) return note;
-  const double off = median(each(late, off_of));
-  note.detected_hz = median(each(late, detected_of));
+  const double off = median(each(late, &ToneMoment::off_cents));
+  note.detected_hz = median(each(late, &ToneMoment::hertz));
   note.partial = static_cast<int>(std::lround(std::exp2(off / 1200)));
   note.cents = off - cents(std::max(1, note.partial), 1);
-  note.speaks_after_s = speaks_after(expected_note, moments, off, median(each(late, level_of)));
+  note.speaks_after_s = speaks_after(expected_note, moments, off, median(each(late, &ToneMoment::rms)));
   measure_steady(note, moments);
   measure_strays(note, moments);
   return note;
@@ -136,7 +115,7 @@ std::vector<DetectedNote> detect_notes(const std::vector<PitchPoint>& track,
                                        std::span<const double> expected_hz, Hertz rate) {
   std::vector<DetectedNote> notes;
   for (const auto& expected : expected_notes(expected_hz, rate))
-    notes.push_back(hear(expected, track, expected_hz, rate));
+    notes.push_back(detect(expected, track, expected_hz, rate));
   return notes;
 }
 

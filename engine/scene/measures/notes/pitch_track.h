@@ -6,10 +6,25 @@
 #include <vector>
 
 #include "engine/dsp/pitch/pitch_detector.h"
-#include "engine/scene/measures/notes/expected_notes.h"
 #include "engine/scene/play_scene.h"
 
 namespace tactus {
+
+/// A note that is to be played, or a glide from one to another.
+struct ExpectedNote {
+  double from_s = 0, to_s = 0;
+  double begins_hz = 0, ends_hz = 0;
+  double hertz = 0;  ///< median
+  bool glides = false;
+
+  double seconds() const { return to_s - from_s; }
+};
+
+/// [any] The notes in a pitch that is expected in each frame (0: none). It steps to the next one where it
+/// jumps by more than 5 cents from one frame to the next. In between it glides where it rises or falls by
+/// more than half a semitone and does not swing back at once, as a vibrato does: a swing moves by at most 300
+/// cents, in a quarter of a second. What is shorter than 50 ms is no note, nor 0.1 s a glide.
+std::vector<ExpectedNote> expected_notes(std::span<const double> expected_hz, Hertz rate);
 
 /// A detected note beside the expected one. Each moment is compared with the pitch expected at that time.
 struct DetectedNote {
@@ -48,7 +63,7 @@ struct Melody {
   std::vector<PitchPoint> detected;
   std::vector<DetectedNote> notes;
 };
-/// [control] nullopt: the scene wants no pitch. Points into `recording`.
+/// [control] nullopt: the scene expects no pitch. Points into `recording`.
 std::optional<Melody> melody_of(const SceneRecording& recording);
 
 }  // namespace tactus

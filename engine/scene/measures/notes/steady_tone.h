@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -21,9 +22,15 @@ int partial_of(double hertz, double expected_hz);
 /// A tone at one moment of the tracker, beside the pitch expected at that time.
 struct ToneMoment {
   double time_s = 0;
-  double off_cents = 0;
+  double hertz = 0, expected_hz = 0;
   double rms = 0;
+
+  double off_cents() const { return cents(hertz, expected_hz); }
 };
+
+/// [any] The moments of `track` from `from_s` to before `to_s`; `expected`: the pitch [Hz] at a time [s].
+std::vector<ToneMoment> moments_between(const std::vector<PitchPoint>& track, double from_s, double to_s,
+                                        const std::function<double(double)>& expected);
 
 /// [any] The first moment from which on a tone is steady: for `hold_s` each moment has a pitch, within
 /// kNearPartial_cents of how far off it ends, and a level within 15 dB of `rms`, what it ends as. `off_cents`

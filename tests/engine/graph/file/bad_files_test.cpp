@@ -327,7 +327,7 @@ a = { type = "clip", in = "x", low = 1, high = -1 }
 [outputs]
 y = { from = "a" }
 )",
-     R"(test.toml:5:1: clip 'a': its 'low' lies above its 'high', so that it gives 'low' for ever; exchange them)"},
+     R"(test.toml:5:1: clip 'a': its 'low' is above its 'high', so that its output is always 'low'; exchange them)"},
     {"a step of nothing",
      R"(format = 1
 [inputs]

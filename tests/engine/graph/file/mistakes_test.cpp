@@ -251,8 +251,8 @@ c = { type = "align", in = "tone", period = "9 ms", delay = "9 ms", compensate =
 y = { from = "a + b + c + string" }
 )") ==
         R"(test.toml:7:82: 'tone' is compensated twice; name it once
-test.toml:8:82: 'string' cannot be compensated: it is no filter; leave it out; name what only turns the phase
-test.toml:9:82: 'c' cannot be compensated: it is no filter; leave it out; name what only turns the phase)");
+test.toml:8:82: 'string' cannot be compensated: it is not a filter; leave it out; name what only turns the phase
+test.toml:9:82: 'c' cannot be compensated: it is not a filter; leave it out; name what only turns the phase)");
   CHECK(told(R"([inputs]
 x = {}
 [nodes]

@@ -113,5 +113,5 @@ TEST_CASE("parts: a chain of files has an end", "[graph]") {
   for (int i = 0; i < 40; ++i)
     folder.write("p" + std::to_string(i) + ".toml", use("p" + std::to_string(i + 1) + ".toml"));
   CHECK(mistakes(folder, folder.path() / "p0.toml") ==
-        "p31.toml:3:13: parts lie more than 32 files deep; use fewer levels");
+        "p31.toml:3:13: parts are nested more than 32 files deep; use fewer levels");
 }

@@ -23,7 +23,7 @@ const BadFile kBadFiles[] = {
 instrument = { use = "instrument.toml", mic = "plant.mic", pedal = 0 }
 plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 )",
-     R"(scene.toml:1:1: 'duration' is missing; say how long the scene lasts, as in duration = "6 s")"},
+     R"(scene.toml:1:1: 'duration' is missing; give the length of the scene, as in duration = "6 s")"},
     {"a duration of nothing",
      R"(format = 1
 duration = "0 s"
@@ -193,7 +193,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 hand = { curve = "step" }
 )",
-     R"(scene.toml:7:1: gesture 'hand' has no points; write points = [["0 s", 0], ["1 s", 1]])"},
+     R"(scene.toml:7:1: gesture 'hand' lacks 'points'; give 'points': [[time, value], …], times increase)"},
     {"a gesture that is a list",
      R"(format = 1
 duration = "1 s"
@@ -233,7 +233,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 hand = { points = [["-5 ms", 0]] }
 )",
-     R"(scene.toml:7:21: a gesture cannot be at -5 ms; times run from 0 s to a day)"},
+     R"(scene.toml:7:21: the time of a point cannot be -5 ms; times run from 0 s to a day)"},
     {"a gesture in two units",
      R"(format = 1
 duration = "1 s"
@@ -273,7 +273,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 3]] }
 )",
-     R"(scene.toml:4:82: gesture 'rise' moves control 'strength' to 3, which is outside its range; it goes from 0 to 1)"},
+     R"(scene.toml:4:82: gesture 'rise' moves control 'strength' to 3, which is outside its range; it runs from 0 to 1)"},
     {"a control beyond its range",
      R"(format = 1
 duration = "1 s"
@@ -322,7 +322,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "rate", of = "instrument.hit" }
 )",
-     R"(scene.toml:7:1: 'roll' expects nothing; give 'min', 'max' or both)"},
+     R"(scene.toml:7:1: expectation 'roll' lacks 'min' and 'max'; give at least one of them)"},
     {"an expectation without a measure",
      R"(format = 1
 duration = "1 s"
@@ -332,7 +332,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { of = "instrument.hit", min = 1 }
 )",
-     R"(scene.toml:7:1: 'roll' says nothing to measure; write measure = "…" with what is meant)"},
+     R"(scene.toml:7:1: expectation 'roll' lacks 'measure'; give 'measure': what is measured)"},
     {"an unknown measure",
      R"(format = 1
 duration = "1 s"
@@ -342,7 +342,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "rat", of = "instrument.hit", min = 1 }
 )",
-     R"(scene.toml:7:20: there is no measure 'rat'; did you mean 'rate'?)"},
+     R"(scene.toml:7:20: 'measure' cannot be 'rat'; did you mean 'rate'?)"},
     {"a measure of nothing recorded",
      R"(format = 1
 duration = "1 s"
@@ -352,7 +352,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "rate", of = "instrument.hti", min = 1 }
 )",
-     R"(scene.toml:7:33: nothing called 'instrument.hti' is recorded; did you mean 'instrument.hit'?)"},
+     R"(scene.toml:7:33: no signal 'instrument.hti' is recorded; did you mean 'instrument.hit'?)"},
     {"limits upside down",
      R"(format = 1
 duration = "1 s"
@@ -362,7 +362,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "rate", of = "instrument.hit", min = "16 Hz", max = "14 Hz" }
 )",
-     R"(scene.toml:7:72: 'max' lies below 'min'; swap them)"},
+     R"(scene.toml:7:72: 'max' is below 'min'; swap them)"},
     {"limits in two units",
      R"(format = 1
 duration = "1 s"

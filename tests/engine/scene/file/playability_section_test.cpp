@@ -31,13 +31,13 @@ TEST_CASE("playability section: what is left out has its usual value", "[scene]"
   const auto loaded = folder.load("kind = \"roll\"\ncontact = \"plant.stick\"\n");
   REQUIRE(loaded.scene);
   REQUIRE(loaded.scene->playability);
-  const auto& judged = *loaded.scene->playability;
-  CHECK(judged.kind == Playability::Kind::Roll);
-  CHECK(judged.hits.name == "instrument.hit");
-  CHECK(judged.contact.name == "plant.stick");
-  CHECK(judged.fewest == 10);
-  CHECK(judged.from_s == 1);
-  CHECK_FALSE(judged.to_s);
+  const auto& playability = *loaded.scene->playability;
+  CHECK(playability.kind == Playability::Kind::Roll);
+  CHECK(playability.hits.name == "instrument.hit");
+  CHECK(playability.contact.name == "plant.stick");
+  CHECK(playability.fewest == 10);
+  CHECK(playability.from_s == 1);
+  CHECK_FALSE(playability.to_s);
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\n") == "");
 }
 
@@ -46,7 +46,7 @@ TEST_CASE("playability section: a tone has a pitch, a beginning and an end", "[s
   const auto loaded = folder.load(
       "kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"110 Hz\"\nbegin = \"50 ms\"\nto = \"3 s\"\nquiet = "
       "\"-40 dB\"\n");
-  CHECK(loaded.mistakes.empty());
+  CHECK(loaded.errors.empty());
   REQUIRE(loaded.scene->playability);
   CHECK(loaded.scene->playability->pitch_hz == 110);
   CHECK(loaded.scene->playability->begin_s == Approx(0.05));
@@ -71,7 +71,8 @@ note = { from = "110 Hz", unit = "Hz" }
   CHECK(loaded.scene->playability->pitch.name == "plant.note");
   CHECK(folder.mistakes(tone + "pitch = \"plant.note\"\n") == "");
   CHECK(folder.mistakes(tone + "pitch = \"plant.not\"\n") ==
-        "scene.toml:10:9: nothing called 'plant.not' is recorded; did you mean 'plant.note'?");
+        "scene.toml:10:9: '[playability]' needs 'plant.not', and no such signal is recorded; did you mean "
+        "'plant.note'?");
   CHECK(folder.mistakes(tone + "pitch = \"plant.stick\"\n") ==
         "scene.toml:10:9: 'plant.stick' is in m, but 'pitch' is in Hz; name an output in Hz, or give it a "
         "unit in "
@@ -83,7 +84,7 @@ note = { from = "110 Hz", unit = "Hz" }
 TEST_CASE("playability section: its mistakes come with line and column", "[scene]") {
   const Folder folder;
   CHECK(folder.mistakes("from = \"1 s\"\n") ==
-        "scene.toml:7:1: [playability] lacks 'kind'; there are 'roll' and 'tone'");
+        "scene.toml:7:1: [playability] lacks 'kind'; give 'kind': what is played, one of 'roll' and 'tone'");
   CHECK(folder.mistakes("kind = \"rol\"\n") ==
         "scene.toml:8:8: 'kind' cannot be 'rol'; did you mean 'roll'?");
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\npitch = \"110 Hz\"\n")
@@ -91,15 +92,16 @@ TEST_CASE("playability section: its mistakes come with line and column", "[scene
   CHECK(folder.mistakes("kind = \"roll\"\n")
             .starts_with("scene.toml:7:1: '[playability]' needs a signal with the role 'contact'"));
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stik\"\n") ==
-        "scene.toml:9:11: nothing called 'plant.stik' is recorded; did you mean 'plant.stick'?");
+        "scene.toml:9:11: '[playability]' needs 'plant.stik', and no such signal is recorded; did you mean "
+        "'plant.stick'?");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\n") ==
-        "scene.toml:7:1: a tone needs the 'pitch' that is expected; give it as in pitch = \"110 Hz\", or as "
-        "what a part gives out: \"wanted.pitch\"");
+        "scene.toml:7:1: a tone needs the expected 'pitch'; give it as in pitch = \"110 Hz\", or as "
+        "an output of a part: \"wanted.pitch\"");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"1 s\"\n")
             .starts_with("scene.toml:10:9: '1 s' is in s, but 'pitch' is in Hz"));
-  CHECK(
-      folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\nfrom = \"3.5 s\"\n") ==
-      "scene.toml:10:8: less than a second is left to be judged; lower 'from', or give more time behind it");
+  CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\nfrom = \"3.5 s\"\n") ==
+        "scene.toml:10:8: the window to evaluate is shorter than a second; lower 'from', or raise 'to' or "
+        "'duration'");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"110 Hz\"\nbegin = \"2 s\"\n")
             .starts_with("scene.toml:11:9: the tone begins after 'from'"));
 }

@@ -1,5 +1,3 @@
-#include "engine/scene/file/roles.h"
-
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +6,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
+#include "engine/scene/file/scene_spec.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;

@@ -63,11 +63,11 @@ scene.toml:4:60: the instrument has no input or control 'strenght'; did you mean
 scene.toml:4:85: control 'strength' is like 0.5, but gesture 'hand' is like 10 mm; give the points of the gesture the unit of the control
 scene.toml:5:40: 'drive' is a plain number, but this is in m; divide by a quantity in m
 scene.toml:5:55: there is no 'heigth'; did you mean 'height'?
-scene.toml:10:20: there is no measure 'peek'; did you mean 'peak'?
-scene.toml:11:35: nothing called 'instrument.hti' is recorded; did you mean 'instrument.hit'?
+scene.toml:10:20: 'measure' cannot be 'peek'; did you mean 'peak'?
+scene.toml:11:35: no signal 'instrument.hti' is recorded; did you mean 'instrument.hit'?
 scene.toml:12:1: 'missed' needs a signal with the role 'contact'; name one under [roles], as in contact = "plant.contact"
-scene.toml:13:1: 'rms' needs an 'of'; say of what, as in of = "plant.stick"
-scene.toml:14:1: 'rate' is in Hz, but it is to be compared with 15 ms; give its limits in Hz
+scene.toml:13:1: 'rms' needs an 'of'; name a signal, as in of = "plant.stick"
+scene.toml:14:1: 'rate' is in Hz, but it is to be compared with 15 ms; give it in Hz
 scene.toml:17:1: part 'instrument' has no control 'strengt'; did you mean 'strength'?
 scene.toml:18:6: there is no part 'drum'; see [parts])");
 }
@@ -83,7 +83,7 @@ plant = { use = "plant.toml", drive = 0, lift = "1 s" }
 [gestures]
 rise = { points = [["0 s", 0], ["1 s", 2]] }
 )") ==
-      R"(scene.toml:4:72: gesture 'rise' moves control 'strength' to 2, which is outside its range; it goes from 0 to 1
+      R"(scene.toml:4:72: gesture 'rise' moves control 'strength' to 2, which is outside its range; it runs from 0 to 1
 scene.toml:5:50: 'lift' is in m, but this is in s; give a quantity in m)");
   CHECK(
       folder.mistakes(R"(format = 1

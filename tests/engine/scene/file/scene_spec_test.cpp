@@ -146,15 +146,15 @@ scene.toml:12:41: '1 N' is in N, but 'a' is in m; give "12 mm"
 scene.toml:12:50: '1 mm' is in m, but 'time' is in s; give "15 ms"
 scene.toml:12:62: a point is a time and a value; write it as in ["0.1 s", "2 m/s"]
 scene.toml:12:76: 'curve' cannot be 'stpe'; did you mean 'step'?
-scene.toml:13:1: gesture 'b' has no points; write points = [["0 s", 0], ["1 s", 1]]
+scene.toml:13:1: gesture 'b' lacks 'points'; give 'points': [[time, value], …], times increase
 scene.toml:15:8: 'bits' cannot be 64; give one from 1 to 32
 scene.toml:16:7: 'off' must be true or false, not a number; write off = true
 scene.toml:17:2: 'nodes' belongs in a graph, and this is a scene; move it to the file of a part
-scene.toml:19:1: 'p' says nothing to measure; write measure = "…" with what is meant
+scene.toml:19:1: expectation 'p' lacks 'measure'; give 'measure': what is measured
 scene.toml:19:46: 'to' does not come after 'from'; swap them
-scene.toml:19:68: 'max' lies below 'min'; swap them
+scene.toml:19:68: 'max' is below 'min'; swap them
 scene.toml:20:44: 'min' and 'max' are in different units; give both in the same
-scene.toml:21:1: 'r' expects nothing; give 'min', 'max' or both
+scene.toml:21:1: expectation 'r' lacks 'min' and 'max'; give at least one of them
 scene.toml:21:25: unknown key 'mx'; did you mean 'max'?
 plant.toml:2:1: unknown key 'nods'; did you mean 'nodes'?)");
 }
@@ -162,7 +162,7 @@ plant.toml:2:1: unknown key 'nods'; did you mean 'nodes'?)");
 TEST_CASE("scene: a plant is required, and so is a duration", "[scene]") {
   const Folder folder;
   CHECK(folder.mistakes("format = 1\n") ==
-        "scene.toml:1:1: 'duration' is missing; say how long the scene lasts, as in duration = \"6 s\"\n"
+        "scene.toml:1:1: 'duration' is missing; give the length of the scene, as in duration = \"6 s\"\n"
         "scene.toml:1:1: the part 'plant' is missing; under [parts], write plant = { use = \"plant.toml\", … "
         "}");
 }

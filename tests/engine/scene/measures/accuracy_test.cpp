@@ -2,7 +2,6 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
-#include "engine/scene/file/scene_sections.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -30,17 +29,17 @@ TEST_CASE("accuracy: a scene of a plant alone says what must come out right", "[
 
 TEST_CASE("accuracy: mistakes are told by their place", "[scene]") {
   CHECK(mistakes("a = { of = \"plant.stick\" }\n") ==
-        "scene.toml:6:1: 'a' says nothing to measure; write measure = \"position\" or another one");
+        "scene.toml:6:1: accuracy 'a' lacks 'measure'; give 'measure': what is compared");
   CHECK(mistakes("a = { measure = \"positon\", of = \"plant.stick\" }\n") ==
-        "scene.toml:6:17: nothing called 'positon' can be compared; did you mean 'position'?");
+        "scene.toml:6:17: 'measure' cannot be 'positon'; did you mean 'position'?");
   CHECK(mistakes("a = { measure = \"position\" }\n") ==
-        "scene.toml:6:1: 'a' lacks 'of'; name a signal, as in of = \"plant.stick\"");
+        "scene.toml:6:1: accuracy 'a' lacks 'of'; give 'of': a signal, as in \"plant.tip\"");
   CHECK(mistakes("a = { measure = \"position\", of = \"plant.stik\" }\n") ==
-        "scene.toml:6:34: nothing called 'plant.stik' is recorded; did you mean 'plant.stick'?");
+        "scene.toml:6:34: no signal 'plant.stik' is recorded; did you mean 'plant.stick'?");
   CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", exact = 1 }\n") ==
-        "scene.toml:6:57: 'position' is no single number that could be exact; leave 'exact' out");
+        "scene.toml:6:57: 'position' is not a single number that could be exact; remove 'exact'");
   CHECK(mistakes("a = { measure = \"frequency\", of = \"plant.stick\", exact = \"1 m\" }\n") ==
-        "scene.toml:6:1: 'frequency' is in Hz, not 1 m; give it in Hz");
+        "scene.toml:6:1: 'frequency' is in Hz, but it is to be compared with 1 m; give it in Hz");
   CHECK(mistakes("a = { measure = \"position\", of = \"plant.stick\", scale = 0 }\n") ==
-        "scene.toml:6:57: 'scale' must be above 0; give what an error of 1 is");
+        "scene.toml:6:57: 'scale' must be above 0; give the value of an error of 1");
 }

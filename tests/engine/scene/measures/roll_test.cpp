@@ -1,9 +1,9 @@
-#include "engine/scene/measures/roll.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
+
+#include "engine/scene/measures/playability_result.h"
 
 using namespace tactus;
 
@@ -38,17 +38,16 @@ SceneRecording recorded(const std::vector<double>& strikes, const std::vector<do
   return recording;
 }
 
-JudgedRun judged(const std::vector<double>& strikes, const std::vector<double>& heard) {
+PlayabilityResult result_of(const std::vector<double>& strikes, const std::vector<double>& heard) {
   Playability playability;
   playability.hits.name = "instrument.hit";
   playability.contact.name = "plant.contact";
-  return judge(recorded(strikes, heard), playability);
+  return evaluate(recorded(strikes, heard), playability);
 }
 
 }  // namespace
 
-TEST_CASE("judged roll: even intervals have no spread, a gallop repeats after two, three or four",
-          "[analysis]") {
+TEST_CASE("roll: even intervals have no spread, a gallop repeats after two, three or four", "[analysis]") {
   CHECK(evenness_of(strokes(0, {0.05})).spread == Approx(0).margin(1e-9));
   CHECK(evenness_of(strokes(0, {0.05})).beats == 1);
   // Mean 40 ms, each 20 ms off it.
@@ -61,7 +60,7 @@ TEST_CASE("judged roll: even intervals have no spread, a gallop repeats after tw
 }
 
 // For independent intervals the mean of (I[n+p] - I[n])^2 is twice their variance, whatever p.
-TEST_CASE("judged roll: chance has the same spread for every pattern", "[analysis]") {
+TEST_CASE("roll: chance has the same spread for every pattern", "[analysis]") {
   std::mt19937 random{1};
   std::uniform_real_distribution<double> interval{0.02, 0.06};
   std::vector<double> times{0};
@@ -72,9 +71,9 @@ TEST_CASE("judged roll: chance has the same spread for every pattern", "[analysi
   CHECK(even.pattern_spread == Approx(theory).epsilon(0.03));
 }
 
-TEST_CASE("judged roll: a roll that is even and all heard has the score 1", "[analysis]") {
+TEST_CASE("roll: a roll that is even and all heard has the score 1", "[analysis]") {
   const auto times = strokes(0.1, {0.05});
-  const auto run = judged(times, times);
+  const auto run = result_of(times, times);
   CHECK(run.kind == "regular");
   CHECK(run.score == Approx(1));
   CHECK(run.playable);
@@ -82,20 +81,20 @@ TEST_CASE("judged roll: a roll that is even and all heard has the score 1", "[an
   CHECK(run.reading(Playability::Kind::Roll, "long_short") == Approx(1).epsilon(0.01));
 }
 
-TEST_CASE("judged roll: long and short is a gallop, and as good", "[analysis]") {
+TEST_CASE("roll: long and short is a gallop, and as good", "[analysis]") {
   const auto times = strokes(0.1, {0.02, 0.06});
-  const auto run = judged(times, times);
+  const auto run = result_of(times, times);
   CHECK(run.kind == "gallop");
   CHECK(run.score == Approx(1));
   CHECK(run.reading(Playability::Kind::Roll, "long_short") == Approx(3).epsilon(0.03));
 }
 
-TEST_CASE("judged roll: an irregular roll loses by its spread", "[analysis]") {
+TEST_CASE("roll: an irregular roll loses by its spread", "[analysis]") {
   std::mt19937 random{1};
   std::uniform_real_distribution<double> interval{0.01, 0.09};
   std::vector<double> times{0.1};
   while (times.back() < kDuration_s) times.push_back(times.back() + interval(random));
-  const auto run = judged(times, times);
+  const auto run = result_of(times, times);
   const double spread = run.reading(Playability::Kind::Roll, "pattern_spread");
   CHECK(run.kind == "irregular");
   CHECK(spread > 0.3);
@@ -105,29 +104,29 @@ TEST_CASE("judged roll: an irregular roll loses by its spread", "[analysis]") {
 
 // Windows of 1 s begin at 1.0, 1.1 … 4.0 s: 31. With 20 strikes a second until 3 s, those that begin up to
 // 2.5 s have ten: 16.
-TEST_CASE("judged roll: a roll that ends is dead, and keeps the share that it lasted", "[analysis]") {
+TEST_CASE("roll: a roll that ends is dead, and keeps the share that it lasted", "[analysis]") {
   const auto times = strokes(0.1001, {0.05}, 3.0);
-  const auto run = judged(times, times);
+  const auto run = result_of(times, times);
   CHECK(run.kind == "dead");
   CHECK(run.score == Approx(16.0 / 31).epsilon(1e-6));
   CHECK_FALSE(run.playable);
 }
 
-TEST_CASE("judged roll: what is missed or doubled takes its share", "[analysis]") {
+TEST_CASE("roll: what is missed or doubled takes its share", "[analysis]") {
   const auto times = strokes(0.1, {0.05});
   std::vector<double> some, more = times;
   for (std::size_t i = 0; i < times.size(); ++i)
     if (i % 4 != 3) some.push_back(times[i]);
-  CHECK(judged(times, some).score < 0.76);
+  CHECK(result_of(times, some).score < 0.76);
   for (const double time : times) more.push_back(time + 0.025);
   std::sort(more.begin(), more.end());
-  const auto doubled = judged(times, more);
+  const auto doubled = result_of(times, more);
   CHECK(doubled.reading(Playability::Kind::Roll, "doubled") == Approx(80).margin(1));
   CHECK(doubled.score == Approx(0.5).epsilon(0.01));
 }
 
-TEST_CASE("judged roll: a drum that hears itself is dead", "[analysis]") {
-  const auto run = judged({}, strokes(0.1, {0.05}));
+TEST_CASE("roll: a drum that hears itself is dead", "[analysis]") {
+  const auto run = result_of({}, strokes(0.1, {0.05}));
   CHECK(run.kind == "dead");
   CHECK(run.score == 0);
 }

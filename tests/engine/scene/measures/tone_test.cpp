@@ -1,9 +1,9 @@
-#include "engine/scene/measures/tone.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 #include <numbers>
+
+#include "engine/scene/measures/playability_result.h"
 
 using namespace tactus;
 
@@ -13,7 +13,7 @@ constexpr double kRate = 48000, kPitch_hz = 110;
 constexpr auto kTone = Playability::Kind::Tone;
 
 /// Three partials of a pitch; `level` over time.
-JudgedRun judged(double hertz, const std::function<double(double)>& level) {
+PlayabilityResult result_of(double hertz, const std::function<double(double)>& level) {
   SceneRecording recording;
   recording.sample_rate = Hertz{kRate};
   recording.signals = {{"instrument.sound", Dimension{}, {}}};
@@ -27,17 +27,17 @@ JudgedRun judged(double hertz, const std::function<double(double)>& level) {
   playability.pitch_hz = kPitch_hz;
   playability.to_s = 2.5;
   playability.sound.name = "instrument.sound";
-  return judge(recording, playability);
+  return evaluate(recording, playability);
 }
-JudgedRun judged(double hertz, double level = 0.1) {
-  return judged(hertz, [=](double) { return level; });
+PlayabilityResult result_of(double hertz, double level = 0.1) {
+  return result_of(hertz, [=](double) { return level; });
 }
 
 /// Notes of a second each from 0 s on; what sounds of each is `factor` times as high and begins `late`.
 struct Note {
   double expected_hz, factor = 1, late_s = 0;
 };
-JudgedRun judged_notes(const std::vector<Note>& notes, double rocking_cents = 0) {
+PlayabilityResult result_of_notes(const std::vector<Note>& notes, double rocking_cents = 0) {
   SceneRecording recording;
   recording.sample_rate = Hertz{kRate};
   recording.signals = {{"instrument.sound", Dimension{}, {}}, {"wanted.pitch", Dimension{.second = -1}, {}}};
@@ -55,13 +55,13 @@ JudgedRun judged_notes(const std::vector<Note>& notes, double rocking_cents = 0)
   playability.pitch.name = "wanted.pitch";
   playability.from_s = 0.4;
   playability.sound.name = "instrument.sound";
-  return judge(recording, playability);
+  return evaluate(recording, playability);
 }
 
 }  // namespace
 
-TEST_CASE("judged tone: the note wanted, steady from the start, has the score 1", "[analysis]") {
-  const auto run = judged(kPitch_hz);
+TEST_CASE("tone: the note wanted, steady from the start, has the score 1", "[analysis]") {
+  const auto run = result_of(kPitch_hz);
   CHECK(run.kind == "right note");
   CHECK(run.score == Approx(1));
   CHECK(run.playable);
@@ -71,48 +71,47 @@ TEST_CASE("judged tone: the note wanted, steady from the start, has the score 1"
   CHECK(run.reading(kTone, "rms") == Approx(0.1 * std::sqrt(1.3125 / 2)).epsilon(0.01));
 }
 
-TEST_CASE("judged tone: another partial, a stray pitch, silence", "[analysis]") {
-  CHECK(judged(3 * kPitch_hz).kind == "wrong partial");
-  CHECK(judged(3 * kPitch_hz).reading(kTone, "partial") == 3);
-  CHECK(judged(1.4 * kPitch_hz).kind == "howl");
-  CHECK(judged(kPitch_hz, 1e-5).kind == "silent");
-  for (const auto& run : {judged(3 * kPitch_hz), judged(1.4 * kPitch_hz), judged(kPitch_hz, 1e-5)}) {
+TEST_CASE("tone: another partial, a stray pitch, silence", "[analysis]") {
+  CHECK(result_of(3 * kPitch_hz).kind == "wrong partial");
+  CHECK(result_of(3 * kPitch_hz).reading(kTone, "partial") == 3);
+  CHECK(result_of(1.4 * kPitch_hz).kind == "howl");
+  CHECK(result_of(kPitch_hz, 1e-5).kind == "silent");
+  for (const auto& run : {result_of(3 * kPitch_hz), result_of(1.4 * kPitch_hz), result_of(kPitch_hz, 1e-5)}) {
     CHECK_FALSE(run.playable);
     CHECK(run.score == 0);
   }
 }
 
-TEST_CASE("judged tone: in tune means within 25 cents", "[analysis]") {
-  const auto off = [](double cents) { return judged(kPitch_hz * std::exp2(cents / 1200)); };
+TEST_CASE("tone: in tune means within 25 cents", "[analysis]") {
+  const auto off = [](double cents) { return result_of(kPitch_hz * std::exp2(cents / 1200)); };
   CHECK(off(23).playable);
   CHECK_FALSE(off(27).playable);
   CHECK(off(23).reading(kTone, "cents") == Approx(23).margin(0.2));
 }
 
 // It stands from 0.5 s on: a quarter of a second too late by half.
-TEST_CASE("judged tone: a tone that speaks late has half the score after half a second", "[analysis]") {
-  const auto run = judged(kPitch_hz, [](double time) { return time < 0.5 ? 0.0 : 0.1; });
+TEST_CASE("tone: a tone that speaks late has half the score after half a second", "[analysis]") {
+  const auto run = result_of(kPitch_hz, [](double time) { return time < 0.5 ? 0.0 : 0.1; });
   CHECK(run.kind == "right note");
   CHECK(run.reading(kTone, "start_s") == Approx(0.5).margin(0.04));
   CHECK(run.score == Approx(kPrompt_s / run.reading(kTone, "start_s")).epsilon(1e-9));
 }
 
-TEST_CASE("judged tone: of several notes the score is the mean, and the weakest says what it was",
-          "[analysis]") {
-  const auto all = judged_notes({{110}, {165}, {220}, {110}});
+TEST_CASE("tone: of several notes the score is the mean, and the weakest says what it was", "[analysis]") {
+  const auto all = result_of_notes({{110}, {165}, {220}, {110}});
   CHECK(all.playable);
   CHECK(all.score == Approx(1));
   CHECK(all.reading(kTone, "notes") == 4);
   CHECK(all.reading(kTone, "good") == 4);
   // One note an octave too high counts for nothing, and spoils the phrase.
-  const auto octave = judged_notes({{110}, {165, 2}, {220}, {110}});
+  const auto octave = result_of_notes({{110}, {165, 2}, {220}, {110}});
   CHECK(octave.kind == "wrong partial");
   CHECK(octave.score == Approx(0.75));
   CHECK_FALSE(octave.playable);
   CHECK(octave.reading(kTone, "partial") == 2);
   CHECK(octave.reading(kTone, "good") == 3);
   // One that speaks after 0.4 s scores 0.25 / 0.4.
-  const auto late = judged_notes({{110}, {165, 1, 0.4}, {220}, {110}});
+  const auto late = result_of_notes({{110}, {165, 1, 0.4}, {220}, {110}});
   CHECK(late.kind == "right note");
   CHECK(late.playable);
   CHECK(late.reading(kTone, "start_s") == Approx(0.4).margin(0.04));
@@ -121,24 +120,24 @@ TEST_CASE("judged tone: of several notes the score is the mean, and the weakest 
             .margin(0.02));
 }
 
-// 40 cents: a note that is judged by its mean would be wrong for half of the time.
-TEST_CASE("judged tone: a pitch that rocks as it is wanted is right", "[analysis]") {
-  const auto run = judged_notes({{220}, {220}}, 40);
+// 40 cents: a note that is result_of by its mean would be wrong for half of the time.
+TEST_CASE("tone: a pitch that rocks as it is wanted is right", "[analysis]") {
+  const auto run = result_of_notes({{220}, {220}}, 40);
   CHECK(run.reading(kTone, "notes") == 1);  // no step in between
   CHECK(run.kind == "right note");
   CHECK(run.reading(kTone, "swing_cents") > 60);
 }
 
-TEST_CASE("judged tone: a level that grows evenly is steady", "[analysis]") {
-  const auto run = judged(kPitch_hz, [](double time) { return 0.05 * (1 + time); });
+TEST_CASE("tone: a level that grows evenly is steady", "[analysis]") {
+  const auto run = result_of(kPitch_hz, [](double time) { return 0.05 * (1 + time); });
   CHECK(run.reading(kTone, "level_spread") < 0.01);
   CHECK(run.score == Approx(1));
 }
 
 // A swing of the level by m has a standard deviation of m / sqrt(2) of its mean. Of the three swings that are
-// judged the straight line through them takes 12 / (2 pi 3)^2 off the square.
-TEST_CASE("judged tone: a level that swings loses by its spread", "[analysis]") {
-  const auto run = judged(
+// result_of the straight line through them takes 12 / (2 pi 3)^2 off the square.
+TEST_CASE("tone: a level that swings loses by its spread", "[analysis]") {
+  const auto run = result_of(
       kPitch_hz, [](double time) { return 0.1 * (1 + 0.7 * std::sin(2 * std::numbers::pi * 2 * time)); });
   CHECK(run.reading(kTone, "level_spread") ==
         Approx(0.7 * std::sqrt(0.5 - 12 / std::pow(6 * std::numbers::pi, 2))).epsilon(0.05));

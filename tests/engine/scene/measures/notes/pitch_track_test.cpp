@@ -6,7 +6,7 @@
 
 #include "engine/scene/measures/notes/format_note.h"
 #include "engine/scene/measures/notes/steady_tone.h"
-#include "engine/scene/measures/tone.h"
+#include "engine/scene/measures/playability_result.h"
 
 using namespace tactus;
 
@@ -105,12 +105,12 @@ TEST_CASE("notes_heard: a note speaks when the study of playability says that it
   recording.sample_rate = kRate;
   recording.signals = {{"instrument.sound", {}, samples}};
   recording.roles = {{"monitor", "instrument.sound", {}}};
-  Playability judged;
-  judged.kind = Playability::Kind::Tone;
-  judged.sound.name = "instrument.sound";
-  judged.pitch_hz = 110;
-  judged.to_s = 2.5;
-  CHECK(judge(recording, judged).reading(judged.kind, "start_s") == *notes[0].speaks_after_s);
+  Playability playability;
+  playability.kind = Playability::Kind::Tone;
+  playability.sound.name = "instrument.sound";
+  playability.pitch_hz = 110;
+  playability.to_s = 2.5;
+  CHECK(evaluate(recording, playability).reading(playability.kind, "start_s") == *notes[0].speaks_after_s);
 }
 
 TEST_CASE("notes_heard: a vibrato is one note, and told as one", "[analysis]") {
@@ -149,7 +149,7 @@ TEST_CASE("notes_heard: a slide is a glide between two notes", "[analysis]") {
   CHECK(in_words(lazy[2]).starts_with("E3, 164.8 Hz: not right: 110.0 Hz sounds, A2, -700.0 cents"));
 }
 
-TEST_CASE("notes_heard: steps off the scale are notes of their own, and judged by what was wanted",
+TEST_CASE("notes_heard: steps off the scale are notes of their own, and compared with what is expected",
           "[analysis]") {
   const double off = 220 * std::exp2(40.0 / 1200);
   const auto expected = steps({220, off, 220}, 0.3);

@@ -11,7 +11,7 @@ namespace {
 std::vector<ToneMoment> moments(const std::vector<std::pair<double, double>>& off_and_rms) {
   std::vector<ToneMoment> all;
   for (const auto& [off, rms] : off_and_rms)
-    all.push_back({1 + kPitchHop_s * static_cast<double>(all.size()), off, rms});
+    all.push_back({1 + kPitchHop_s * static_cast<double>(all.size()), 110 * std::exp2(off / 1200), 110, rms});
   return all;
 }
 

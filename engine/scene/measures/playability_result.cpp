@@ -1,0 +1,148 @@
+#include "engine/scene/measures/playability_result.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/named.h"
+#include "engine/scene/measures/events.h"
+
+namespace tactus {
+namespace {
+
+constexpr int kMaxBeats = 4;
+constexpr double kRepeats = 0.02;  // a pattern that close needs no longer one
+constexpr std::size_t kMinHits = 6;
+constexpr double kWindow_s = 1.0, kStep_s = 0.1;
+
+double pattern_spread(const std::vector<double>& intervals, std::size_t beats, double mean) {
+  if (intervals.size() <= beats) return 1;
+  double squares = 0;
+  for (std::size_t i = beats; i < intervals.size(); ++i)
+    squares += (intervals[i] - intervals[i - beats]) * (intervals[i] - intervals[i - beats]);
+  return std::sqrt(squares / (2 * static_cast<double>(intervals.size() - beats))) / mean;
+}
+
+double detected_share(const Detection& detection) {
+  const int all = detection.found + detection.missed + detection.doubled;
+  return all == 0 ? 0 : static_cast<double>(detection.found) / all;
+}
+
+const char* kind_of(bool lives, const Evenness& even) {
+  if (!lives) return "dead";
+  if (even.spread <= kEvenSpread) return "regular";
+  return even.pattern_spread <= kEvenSpread ? "gallop" : "irregular";
+}
+
+PlayabilityResult evaluate_roll(const SceneRecording& recording, const Playability& playability) {
+  Window window{recording, playability.from_s, playability.to_s};
+  window.playability = &playability;
+  const auto* contact = recording.find(playability.contact.name);
+  const auto detection = contact == nullptr ? Detection{}
+                                            : detection_of(*contact, recording.sample_rate,
+                                                           triggers_of(recording, playability.hits.name),
+                                                           window.from_s, window.to_s);
+  const auto& hits = detection.found_s;
+  const auto even = evenness_of(hits);
+  const double lasts = sustained(hits, window.from_s, window.to_s, playability.fewest);
+  const bool lives = lasts == 1.0;
+  PlayabilityResult run;
+  run.kind = kind_of(lives, even);
+  run.score = lasts * detected_share(detection) *
+              std::min(1.0, kEvenSpread / std::max(even.pattern_spread, kEvenSpread));
+  run.playable = lives && run.score >= kLeastScore;
+  window.events = hits;
+  window.detection = &detection;
+  run.readings = readings_of(window);
+  return run;
+}
+
+}  // namespace
+
+double PlayabilityResult::reading(Playability::Kind evaluated_as, const std::string& name) const {
+  const auto& columns = measure_columns(evaluated_as);
+  return readings.at(static_cast<std::size_t>(find_named(columns, name) - columns.data()));
+}
+
+const std::vector<MeasureColumn>& measure_columns(Playability::Kind kind) {
+  static const std::vector<MeasureColumn> roll = {
+      {"rate_hz", "hits/s", 1, "rate", true},
+      {"fewest", "worst s", 0, "fewest_per_second", true},
+      {"sustained", "lasts", 2, "sustained"},
+      {"last_s", "last s", 2, "last"},
+      {"spread", "spread", 2, "even_spread", true},
+      {"beats", "beats", 0, "beats"},
+      {"pattern_spread", "pattern", 2, "pattern_spread"},
+      {"long_short", "long/short", 2, "long_short", true},
+      {"strikes", "strikes", 0, "detected"},
+      {"missed", "missed", 0, "missed"},
+      {"doubled", "doubled", 0, "doubled"},
+  };
+  static const std::vector<MeasureColumn> tone = {
+      {"start_s", "onset s", 2, "onset_time", true},
+      {"partial", "partial", 0, "partial"},
+      {"cents", "cents", 1, "cents", true},
+      {"right", "right", 2, "right_share", true},
+      {"level_spread", "unsteady", 2, "level_spread", true},
+      {"swing_cents", "swing", 1, "swing"},
+      {"rms", "rms", 3, "tone_level"},
+      {"notes", "notes", 0, "notes"},
+      {"good", "good", 0, "good_notes"},
+  };
+  return kind == Playability::Kind::Roll ? roll : tone;
+}
+
+std::vector<double> readings_of(const Window& window) {
+  std::vector<double> values;
+  for (const auto& column : measure_columns(window.playability->kind))
+    values.push_back(find_measure(column.measure)->value(window));
+  return values;
+}
+
+const std::vector<RunKind>& run_kinds(Playability::Kind kind) {
+  static const std::vector<RunKind> roll = {
+      {"regular", 'R', "intervals spread by at most 15 %"},
+      {"gallop", 'G', "a pattern of two to four strikes that repeats within 15 %: short and long"},
+      {"irregular", 'i', "strikes go on, and no pattern repeats"},
+      {"dead", '.', "some second has fewer strikes than [playability] asks for"},
+  };
+  static const std::vector<RunKind> tone = {
+      {"right note", 'N', "in tune within 25 cents in 9 of 10 moments"},
+      {"wrong partial", 'p', "mostly another partial of the note"},
+      {"howl", 'h', "another pitch, or none"},
+      {"silent", '.', "softer than 'quiet'"},
+  };
+  return kind == Playability::Kind::Roll ? roll : tone;
+}
+
+double sustained(const std::vector<double>& times, double from, double to, double fewest) {
+  int windows = 0, alive = 0;
+  for (int i = 0; from + i * kStep_s + kWindow_s <= to + 1e-9; ++i, ++windows) {
+    const auto begin = from + i * kStep_s;
+    const auto first = std::lower_bound(times.begin(), times.end(), begin);
+    const auto last = std::lower_bound(first, times.end(), begin + kWindow_s);
+    alive += static_cast<double>(last - first) >= fewest ? 1 : 0;
+  }
+  return windows == 0 ? 0 : static_cast<double>(alive) / windows;
+}
+
+Evenness evenness_of(const std::vector<double>& times_s) {
+  if (times_s.size() < kMinHits) return {1, 1, 1};
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < times_s.size(); ++i) intervals.push_back(times_s[i] - times_s[i - 1]);
+  const double mean = (times_s.back() - times_s.front()) / static_cast<double>(intervals.size());
+  Evenness even{rhythm_of(times_s, times_s.front(), times_s.back()).spread, 1,
+                pattern_spread(intervals, 1, mean)};
+  for (int beats = 2; beats <= kMaxBeats; ++beats) {
+    const double spread = pattern_spread(intervals, static_cast<std::size_t>(beats), mean);
+    if (even.pattern_spread > kRepeats && spread < 0.9 * even.pattern_spread)
+      even.beats = beats, even.pattern_spread = spread;
+  }
+  return even;
+}
+
+PlayabilityResult evaluate(const SceneRecording& recording, const Playability& playability) {
+  return playability.kind == Playability::Kind::Roll ? evaluate_roll(recording, playability)
+                                                     : tone_of(recording, playability).run;
+}
+
+}  // namespace tactus
