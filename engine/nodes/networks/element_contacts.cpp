@@ -91,7 +91,7 @@ ElementType friction() {
           "- "
           "kinetic) exp(-v / speed);  rosin: mu(v) = 0.35 + 0.4 exp(-v / 0.01 m/s) + 0.45 exp(-v / 0.1 m/s)",
       .ends = Ends::Between,
-      .settings = {choice("law", "rosin has its own coefficients", {"falling", "rosin"})},
+      .settings = {choice("law", "rosin has its own coefficients", {"falling", "rosin"}, "falling")},
       .fields = {signal("normal", "N", "presses them together; below 0 it counts as 0"),
                  with_default("kinetic", "", "coefficient of fast sliding", 0.3, 0.0),
                  if_named("holding", "", "coefficient of holding; none: as `kinetic` (Coulomb)", 0.0),

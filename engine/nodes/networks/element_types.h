@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/nodes/declare.h"
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/network_elements.h"
 
@@ -35,20 +36,7 @@ inline ElementField signal(std::string name, std::string unit, std::string doc,
 
 /// A whole number; without a fallback it is required.
 inline Setting whole(std::string name, std::string doc, double low, double high, std::string fallback = {}) {
-  return {.name = name,
-          .kind = Setting::Kind::Integer,
-          .doc = doc,
-          .fallback = fallback,
-          .low = low,
-          .high = high};
-}
-/// The first choice is the default.
-inline Setting choice(std::string name, std::string doc, std::vector<std::string> choices) {
-  return {.name = name,
-          .kind = Setting::Kind::Choice,
-          .doc = doc,
-          .choices = choices,
-          .fallback = choices.front()};
+  return within(low, high, {name, Setting::Kind::Integer, doc, {}, fallback});
 }
 
 /// [realtime] A quantity of one part, as `Network` reads it.
