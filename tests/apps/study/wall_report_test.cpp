@@ -28,7 +28,8 @@ bool contains(const std::string& text, const std::string& part) {
 TEST_CASE("wall report: people, machines and pictures get the same map", "[apps]") {
   const auto map = small_map();
   const auto text = text_of(map);
-  CHECK(contains(text, "ATMEL 20 kHz 0.05 ms       1333 N/m"));
+  const auto row = text.substr(text.find("ATMEL 20 kHz 0.05 ms"));
+  CHECK(contains(row.substr(0, row.find('\n')), " 1333 N/m"));
   CHECK(contains(text, "ATMEL computes in 16 bits: force in steps of 0.194 mN"));
   CHECK(contains(text, "Without dry friction"));
   CHECK(contains(text, "30 of 30 borders confirmed"));
