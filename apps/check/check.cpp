@@ -277,7 +277,7 @@ std::string load(const CheckOptions& options, CheckJob& job) {
   const auto table = or_exit(load_toml(file), kBadFile);
   if (find(table, "parts") != nullptr) {
     job.scene = load_scene_leniently(file, root_of(file));
-    if (!job.scene->scene) throw CommandError{job.scene->mistakes, kBadFile};
+    if (!job.scene->scene) throw CommandError{job.scene->errors, kBadFile};
     return job.scene->scene->name;
   }
   job.instrument = load_graph_leniently(file, root_of(file));

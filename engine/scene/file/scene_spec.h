@@ -41,9 +41,9 @@ struct Gesture {
   std::string name;
   Source at;
   Curve curve = Curve::Linear;
-  Unit unit;                  ///< of the values, as the first one with a unit is written
-  bool bare = false;          ///< no value has a unit: they count in the SI unit of the port
-  std::vector<Point> points;  ///< at least one; times increase
+  Unit unit{};                  ///< of the values, as the first one with a unit is written
+  bool bare = false;            ///< no value has a unit: they count in the SI unit of the port
+  std::vector<Point> points{};  ///< at least one; times increase
 };
 
 /// The converters of the simulated sound card: they quantise to `bits` and clip at full scale.
@@ -82,11 +82,11 @@ std::string signal_of(const std::vector<Role>& roles, std::string_view role);
 struct MeasureEntry {
   std::string name;
   Source at;
-  std::string measure;  ///< empty after an error
-  Source measure_at;
-  std::string of;  ///< "part.port", or empty
-  Source of_at;
-  std::optional<double> from_s, to_s;
+  std::string measure{};  ///< empty after an error
+  Source measure_at{};
+  std::string of{};  ///< "part.port", or empty
+  Source of_at{};
+  std::optional<double> from_s{}, to_s{};
 };
 
 /// Limits of a measure that must be met when the scene was played.
