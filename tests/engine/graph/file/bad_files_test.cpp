@@ -306,7 +306,7 @@ x = {}
 [nodes]
 a = { type = "clip", in = "x", voices = 1000000000 }
 )",
-     R"(test.toml:5:41: 'voices' cannot be 1e+09; give one from 1 to 1024)"},
+     R"(test.toml:5:41: 'voices' of clip 'a' cannot be 1e+09; give one from 1 to 1024)"},
     {"voices that keep much",
      R"(format = 1
 [inputs]

@@ -92,7 +92,7 @@ test.toml:7:13: this is in s, but it is compared with what is in m; multiply one
 test.toml:8:34: this is in N, but it is a lane beside what is in m; give both the same unit
 test.toml:9:32: 'in' of spring 'd' is in m, but this is in m/s; give a quantity in m
 test.toml:9:53: 'stiffness' of spring 'd' is in N/m, but this is in N; give a quantity in N/m
-test.toml:12:1: output 'y' is in N, but it is given what is in m; mend 'from' or 'unit'
+test.toml:12:1: output 'y' is in N, but it is given what is in m; fix 'from' or 'unit'
 test.toml:13:26: 'parsec' is not a unit; write units as "m/s", "N/m", "ms", "dB" or "full scale")");
 }
 
@@ -144,7 +144,7 @@ y = { from = "a" }
         R"(test.toml:4:18: 'lanes' of input 'many' cannot be 0; give one from 1 to 1024
 test.toml:6:6: 2 lanes meet 3; give both the same number of lanes, or put a 'mix' between them
 test.toml:8:28: a lane cannot be a list; a list holds one number, quantity or expression for each lane
-test.toml:9:51: 'curve' of a spread over lanes cannot be 'round'; there are 'linear' and 'exponential'
+test.toml:9:59: 'curve' of a spread over lanes cannot be 'round'; there are 'linear' and 'exponential'
 test.toml:10:48: this is in s, but it ends a spread from what is in m; give both the same unit
 test.toml:11:27: an exponential spread cannot begin, end or pass at 0; give both ends the same sign, or take the linear curve)");
 }
