@@ -200,21 +200,19 @@ LivePlan make_plan(const LiveOptions& options) { return Planner{options}.run(); 
 std::string granted_text(const LivePlan& plan, const StreamGranted& granted) {
   const auto& asked = plan.request;
   const double rate = granted.format.sample_rate.value, ms = 1e3 / rate;
-  const auto unless_asked = [](const auto& wanted, auto is, const char* unit) {
-    return wanted && *wanted != is
-               ? fmt::format(" ({:g}{} were asked for)", static_cast<double>(*wanted), unit)
-               : "";
+  const auto unless_asked = [](double wanted, double is, const char* unit) {
+    return wanted != is ? fmt::format(" ({:g}{} were asked for)", wanted, unit) : "";
   };
-  const auto asked_rate = asked.sample_rate ? std::optional{asked.sample_rate->value} : std::nullopt;
   auto text = "device    " + granted.device;
   if (!granted.input_device.empty()) text += ", inputs from " + granted.input_device;
-  text += fmt::format("\nrate      {:g} Hz{}\nblock     ", rate, unless_asked(asked_rate, rate, ""));
+  text += fmt::format("\nrate      {:g} Hz{}\nblock     ", rate,
+                      unless_asked(asked.sample_rate.value_or(Hertz{rate}).value, rate, ""));
   text += granted.block_frames > 0
               ? fmt::format("{} frames, {:.2f} ms", granted.block_frames, granted.block_frames * ms)
               : "changes from block to block";
-  text += unless_asked(asked.block_frames, granted.block_frames, "");
+  text += unless_asked(asked.block_frames.value_or(granted.block_frames), granted.block_frames, "");
   if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
-  text += unless_asked(asked.periods, granted.periods, " periods");
+  text += unless_asked(asked.periods.value_or(granted.periods), granted.periods, " periods");
   if (granted.input_latency_frames && granted.output_latency_frames)
     text += fmt::format("\ndriver    reports {:.2f} ms in and {:.2f} ms out (not measured)",
                         *granted.input_latency_frames * ms, *granted.output_latency_frames * ms);
