@@ -248,7 +248,7 @@ Result<int> padding_frames(std::optional<Seconds> measured, Seconds target, Hert
   const double frames = frames_in(target - *measured, sample_rate);
   if (frames < -0.5)
     return fail(Errc::OutOfRange, where,
-                "the device alone has " + short_quantity(measured->value, parse_unit("s")->dimension) +
+                "the device's own delay is " + short_quantity(measured->value, parse_unit("s")->dimension) +
                     ", longer than " + short_quantity(target.value, parse_unit("s")->dimension),
                 "ask for a longer delay, or use shorter blocks");
   return static_cast<int>(std::lround(std::max(frames, 0.0)));

@@ -180,7 +180,7 @@ TEST_CASE("latency report: the picture is well-formed and has its axes with unit
     const auto svg = to_svg(picture_of(report));
     CHECK(test::well_formed(svg));
     for (const char* words :
-         {"delay [ms]", "frequency", "gain of the path [dB]", "delay of each sweep [frames]"})
+         {"delay [ms]", "frequency", "gain of the path [dB]", "delay of each probe [frames]"})
       contains(svg, words);
     CHECK(svg.find("nan") == std::string::npos);
   }

@@ -10,7 +10,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "apps/render/resample.h"
+#include "apps/render/render.h"
 #include "engine/dsp/generators/counter_noise.h"
 #include "engine/rig/rig.h"
 #include "tests/support/child_process.h"
@@ -176,7 +176,7 @@ TEST_CASE("latency analyze: files that cannot be are told one by one, with exit 
   says(analyze("capture.wav --probe empty.wav"), 3, "empty.wav: it contains no samples");
   says(analyze("short.wav --probe probe.wav"), 1, "NO_SIGNAL");
   says(analyze("slow.wav --probe probe.wav"), 3, "its header has 10 Hz");
-  says(analyze("nan.wav --probe probe.wav"), 3, "some of its samples are no numbers");
+  says(analyze("nan.wav --probe probe.wav"), 3, "some of its samples are non-finite");
   says(analyze("text.wav --probe probe.wav"), 3, "cannot be read as a WAV file");
   says(analyze("capture.wav"), 3, "it has one channel, and the probe is not given");
   CHECK(analyze("capture.wav --probe noise.wav").exit == 3);

@@ -130,7 +130,7 @@ TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]
   CHECK(raise_limit(limits, "direct_time", "20 s", "--raise-limit"));
   CHECK(limits.dc.time == 20_s);
   CHECK(to_string(raise_limit(limits, "ceiling", "0.7", "--raise-limit").error()) ==
-        "--raise-limit: 'ceiling' is 0.8 as it is; a limit can only be raised here");
+        "--raise-limit: 'ceiling' is already 0.8; a limit can only be raised here");
   CHECK(to_string(raise_limit(limits, "ceiling", "1.2", "--raise-limit").error()) ==
         "--raise-limit: the ceiling of a drive is outside (0, 1] full scale; give it as a fraction of what "
         "the "

@@ -306,8 +306,8 @@ TEST_CASE("rig: the delay is padded from what was measured to what is asked for"
   CHECK(to_string(padding_frames(std::nullopt, 20_ms, 48_kHz, "--pad-delay").error()) ==
         "--pad-delay: the delay of this device was never measured, so nothing can be added to it; measure "
         "it with tactus latency measure, or write it into the rig: [delay] measured = \"12.4 ms\"");
-  CHECK(
-      to_string(padding_frames(25_ms, 20_ms, 48_kHz, "--pad-delay").error()) ==
-      "--pad-delay: the device alone takes 25 ms, longer than 20 ms; ask for a longer delay, or use shorter "
-      "blocks");
+  CHECK(to_string(padding_frames(25_ms, 20_ms, 48_kHz, "--pad-delay").error()) ==
+        "--pad-delay: the device's own delay is 25 ms, longer than 20 ms; ask for a longer delay, or use "
+        "shorter "
+        "blocks");
 }

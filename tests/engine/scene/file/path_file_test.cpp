@@ -136,13 +136,13 @@ TEST_CASE("path file: what is no measured path is told with its place", "[scene]
   CHECK(mistakes("type = \"fir\"\nin = \"drive\"\nrate = \"48 kHz\"\ntaps = [1, 0.5]",
                  "type = \"clip\"\nin = \"drive\"") ==
         "path.toml:1:1: there is no fir node called 'path'" + form +
-            "\npath.toml:6:8: 'path' is more than a path" + form);
+            "\npath.toml:6:8: 'path' is not part of a measured path" + form);
   CHECK(mistakes("drive = {}", "drive = {}\nother = {}") ==
         "path.toml:1:1: there are 2 inputs and 1 outputs" + form);
   CHECK(mistakes("\"path\"", "\"0.5 * path\"") == "path.toml:5:19: 'from' is not \"path\" alone" + form);
   CHECK(mistakes("in = \"drive\"", "in = \"-drive\"") == "path.toml:8:6: 'in' is not \"drive\" alone" + form);
   CHECK(mistakes("[nodes.path]", "[nodes]\nmore = \"2 * path\"\n[nodes.path]") ==
-        "path.toml:7:1: 'more' is more than a path" + form);
+        "path.toml:7:1: 'more' is not part of a measured path" + form);
   CHECK(mistakes("rate = \"48 kHz\"\n", "") ==
         "path.toml:6:8: fir 'path' lacks 'rate'; write the sample rate that its taps were measured at, as in "
         "rate = "

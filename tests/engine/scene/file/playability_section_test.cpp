@@ -71,8 +71,7 @@ note = { from = "110 Hz", unit = "Hz" }
   CHECK(loaded.scene->playability->pitch.name == "plant.note");
   CHECK(folder.mistakes(tone + "pitch = \"plant.note\"\n") == "");
   CHECK(folder.mistakes(tone + "pitch = \"plant.not\"\n") ==
-        "scene.toml:10:9: '[playability]' needs 'plant.not', and no such signal is recorded; did you mean "
-        "'plant.note'?");
+        "scene.toml:10:9: no signal 'plant.not' is recorded; did you mean 'plant.note'?");
   CHECK(folder.mistakes(tone + "pitch = \"plant.stick\"\n") ==
         "scene.toml:10:9: 'plant.stick' is in m, but 'pitch' is in Hz; name an output in Hz, or give it a "
         "unit in "
