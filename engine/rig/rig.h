@@ -1,5 +1,7 @@
 #pragma once
 
+// Thread: [control]
+
 #include <filesystem>
 #include <optional>
 #include <string>
