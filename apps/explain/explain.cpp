@@ -210,13 +210,13 @@ int run_explain(const ExplainOptions& options) {
 }  // namespace
 
 void add_explain(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("explain", "What of a graph runs, in which order, and what it costs");
+  auto* command = app.add_subcommand("explain", "Print what a graph runs, in which order and at what cost");
   auto options = std::make_shared<ExplainOptions>();
   command
       ->add_option("FILE", options->target, "instrument, plant or scene; a folder means its instrument.toml")
       ->required();
   command->add_option("--rate", options->rate, "sample rate")->capture_default_str();
-  command->add_option("--block", options->block, "frames a block while measuring")
+  command->add_option("--block", options->block, "block size in frames while measuring")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   command->add_flag("--json", options->json, "for machines");

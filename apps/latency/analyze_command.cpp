@@ -67,7 +67,7 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
                       "WAV file of what was played; left out: it is the first channel of FILE");
   command
       ->add_option("--channel", options->files.channel,
-                   "channel of FILE with what came back, from 1; [the first, or behind what was played]")
+                   "channel of FILE with what came back, from 1; [the first, or after the played one]")
       ->check(CLI::Range(1, 1024));
   command->add_option("--rate", options->rate, "the true sample rate, where the files are wrong about it");
   command->add_option("--profile", options->profile,

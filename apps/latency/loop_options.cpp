@@ -145,7 +145,7 @@ void add_repetition_options(CLI::App& command, LoopOptions& options) {
   command.add_option("--openings", options.openings, "how often the stream is opened")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command.add_option("--sweeps", options.probes, "probes each time")
+  command.add_option("--sweeps", options.probes, "probes per opening")
       ->check(CLI::Range(2, 100))
       ->capture_default_str();
 }

@@ -98,7 +98,7 @@ void add_latency_measure(CLI::App& latency, int& exit_code) {
   add_report_options(*command, options->report);
   command->add_option("--wav", options->report.sound, "save the recording (played and captured), for analyze")
       ->check(writable_file());
-  command->add_flag("--no-keep", options->no_keep, "save the delay nowhere");
+  command->add_flag("--no-keep", options->no_keep, "do not save the delay");
   command->footer(
       "Examples:\n  tactus latency measure --device jack:system\n"
       "  tactus latency measure --device USB --in 2 --out 2 --rate \"96 kHz\" --block 64\n"

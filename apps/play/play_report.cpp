@@ -88,7 +88,7 @@ void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_option("--set", options.set,
                      "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene also "
                      "plant.NAME=VALUE");
-  command.add_option("--block", options.block, "frames a block (the result does not depend on it)")
+  command.add_option("--block", options.block, "block size in frames (the result does not depend on it)")
       ->check(CLI::Range(1, 8192));
   add_guard_options(command, options.guard);
   command.add_flag("--json", options.json, "for machines");
