@@ -27,7 +27,6 @@ struct CommandError {
   std::vector<Error> errors;
   int exit = 0;  ///< 0: of a bad file, or of wrong usage if all come from the command line
 };
-using Refusal = CommandError;
 
 /// Ends the command.
 [[noreturn]] inline void exit_with(Error error, int exit = 0) {

@@ -16,8 +16,8 @@ namespace tactus::app {
 namespace {
 
 namespace fs = std::filesystem;
-tl::unexpected<Refusal> refuse(Error error, int exit = kUsage) {
-  return tl::unexpected(Refusal{{std::move(error)}, exit});
+tl::unexpected<CommandError> refuse(Error error, int exit = kUsage) {
+  return tl::unexpected(CommandError{{std::move(error)}, exit});
 }
 
 /// Options that the rig sets and the command line may not override.
@@ -150,14 +150,14 @@ void add_repetition_options(CLI::App& command, LoopOptions& options) {
       ->capture_default_str();
 }
 
-tl::expected<Loop, Refusal> make_loop(const LoopOptions& options) {
+tl::expected<Loop, CommandError> make_loop(const LoopOptions& options) {
   Loop loop;
   loop.settings.openings = options.openings;
   loop.settings.probes = options.probes;
   if (!options.rig.empty()) {
     if (auto status = check_against_rig(options); !status) return refuse(status.error());
     auto rig = load_rig(options.rig, profiles_near(options.rig));
-    if (!rig) return tl::unexpected(Refusal{std::move(rig.error()), kBadFile});
+    if (!rig) return tl::unexpected(CommandError{std::move(rig.error()), kBadFile});
     loop.rig = std::move(*rig);
   }
   auto devices = choose_devices(options.backend, loop.rig ? loop.rig->device.output : options.device,

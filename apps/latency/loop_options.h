@@ -38,7 +38,7 @@ struct Loop {
 };
 
 /// Chooses the devices and looks up what is connected to the output. Opens nothing.
-tl::expected<Loop, Refusal> make_loop(const LoopOptions& options);
+tl::expected<Loop, CommandError> make_loop(const LoopOptions& options);
 
 /// Measures with a bar on stderr. Errors: of `measure`. Nothing: the user ended it (after
 /// install_signal_handlers); the stream is closed.

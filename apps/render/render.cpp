@@ -47,7 +47,7 @@ void check_overwriting(const RenderOptions& options) {
           {Errc::BadArgument, option + *written, "would overwrite the input file", "choose another name"});
 }
 
-/// What came out of a run.
+/// The results of a run.
 struct Rendered {
   Samples output;                            ///< a channel for each of `outputs`
   std::vector<std::string> outputs, sounds;  ///< names; of the monitor output

@@ -10,7 +10,7 @@ using namespace tactus;
 
 namespace {
 
-/// y = half of x plus half of what came out before: has a state, so that a lost or doubled frame shows.
+/// y = half of x plus half of the output before: it has a state, so that a lost or doubled frame shows.
 class Smooth final : public BlockProcessor {
  public:
   Status prepare(const StreamFormat& format) override {

@@ -38,7 +38,7 @@ Place place_of(std::string_view where) {
   return {where, before, last};
 }
 
-// Nobody means a name of this length by error, and the comparison costs the product of the lengths.
+// A longer name is not a misspelling, and a comparison costs the product of the lengths.
 constexpr std::size_t kLongest = 64;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }

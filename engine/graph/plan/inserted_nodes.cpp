@@ -210,7 +210,7 @@ void Pack::process(const NodeBlock& block) noexcept {
 
 void LaneSum::process(const NodeBlock& block) noexcept {
   const int whole = lanes_ / kVectorWidth, rest = lanes_ % kVectorWidth, all = block.frames * kVectorWidth;
-  // Adding -0 changes no number, not even its sign.
+  // A sum begins at -0: x + -0 = x for every x, also for -0.
   if (whole == 0) std::fill_n(sums_.begin(), all, -0.0);
   if (whole > 0) std::copy_n(block.in[0].data, all, sums_.begin());
   for (int i = 1; i < whole; ++i) {

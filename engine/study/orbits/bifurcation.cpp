@@ -35,7 +35,7 @@ const EntrySpec* control_of(const ScenePart& part, std::string_view name) {
   return found == controls.end() ? nullptr : &*found;
 }
 
-/// What the scene sets a control to, or else its file; nothing if that is no number.
+/// The value of a control in the scene, or else in its graph file; none if it is not a number.
 std::optional<double> set_value(const ScenePart& part, const EntrySpec& control) {
   const auto* value = find(part.wires, control.name);
   if (value == nullptr) value = find(control.fields, "value");

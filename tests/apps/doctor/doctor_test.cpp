@@ -71,7 +71,7 @@ std::string quantum(int usual, int forced) {
 
 }  // namespace
 
-TEST_CASE("doctor: who gets no priority is told what fixes it, step by step", "[doctor]") {
+TEST_CASE("doctor: missing real-time priority is reported with each step that fixes it", "[doctor]") {
   const FakeSystem system;
   const auto command = [&](const char* item) { return check_right(system, kRefused, item).command; };
   CHECK(check_right(system, kGranted, "rtprio").state == State::Ok);

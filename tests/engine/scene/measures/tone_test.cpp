@@ -120,8 +120,8 @@ TEST_CASE("tone: of several notes the score is the mean, and the weakest says wh
             .margin(0.02));
 }
 
-// 40 cents: a note that is result_of by its mean would be wrong for half of the time.
-TEST_CASE("tone: a pitch that rocks as it is wanted is right", "[analysis]") {
+// 40 cents: a note that is scored by its mean would be wrong for half of the time.
+TEST_CASE("tone: a vibrato that the scene asks for is right", "[analysis]") {
   const auto run = result_of_notes({{220}, {220}}, 40);
   CHECK(run.reading(kTone, "notes") == 1);  // no step in between
   CHECK(run.kind == "right note");
