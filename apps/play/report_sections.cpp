@@ -10,7 +10,7 @@
 #include "engine/scene/file/scene_spec.h"
 #include "engine/scene/measures/landings.h"
 #include "engine/scene/measures/measure.h"
-#include "engine/scene/measures/notes/format_note.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 
 namespace tactus::app {
 namespace {

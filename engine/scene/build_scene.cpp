@@ -8,7 +8,6 @@
 #include "engine/core/named.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/plan/compile.h"
-#include "engine/scene/file/scene_checks.h"
 #include "engine/scene/guard_report.h"
 #include "engine/scene/scene_wiring.h"
 

@@ -7,7 +7,7 @@
 
 #include "engine/core/named.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 namespace {

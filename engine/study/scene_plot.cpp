@@ -8,8 +8,7 @@
 #include <map>
 
 #include "engine/scene/measures/events.h"
-#include "engine/scene/measures/notes/format_note.h"
-#include "engine/scene/measures/notes/steady_tone.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 
 namespace tactus {
 namespace {

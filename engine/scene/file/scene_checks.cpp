@@ -1,4 +1,3 @@
-#include "engine/scene/file/scene_checks.h"
 
 #include <algorithm>
 #include <optional>

@@ -10,7 +10,6 @@
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/scope.h"
-#include "engine/scene/file/scene_fields.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {

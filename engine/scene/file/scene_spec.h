@@ -11,11 +11,15 @@
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
+#include "engine/graph/file/field.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/spec.h"
 #include "engine/rig/profile.h"
 
 namespace tactus {
+
+/// [any] All keys of a scene.
+const SectionType& scene_fields();
 
 /// A part of a scene and what its inputs are wired to: numbers, quantities and expressions of "part.port" and
 /// gestures, whose grammar was checked but whose names were not looked up.

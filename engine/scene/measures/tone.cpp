@@ -5,7 +5,6 @@
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
 #include "engine/scene/measures/notes/pitch_track.h"
-#include "engine/scene/measures/notes/steady_tone.h"
 #include "engine/scene/measures/playability_result.h"
 
 namespace tactus {

@@ -91,17 +91,16 @@ std::string device_text(const Plan& instrument, const std::vector<Dimension>& se
   return text;
 }
 
-Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOptions& options,
-                                bool vectorise) {
+Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOptions& options) {
   CompileOptions with;
   with.sample_rate = options.rate.value_or(48_kHz);
-  with.system_delay = options.delay;
+  with.system_delay = options.delay.value_or(0_s);
   with.controls = options.set;
-  with.vectorise = vectorise;
+  with.vectorise = options.vectorise;
   auto instrument = compile(*subject.instrument, *subject.table, with);
   if (!instrument) return tl::unexpected(instrument.error());
   CompiledScene scene;
-  scene.delay_frames = static_cast<int>(std::lround(frames_in(options.delay, with.sample_rate)));
+  scene.delay_frames = static_cast<int>(std::lround(frames_in(with.system_delay, with.sample_rate)));
   with.controls.clear();
   with.closed_outside = scene.delay_frames == 0;
   const auto text = device_text(**instrument, dimensions_of(*subject.instrument->spec), options.device);
@@ -132,20 +131,16 @@ LoadedScene without_friction(LoadedScene loaded) {
 
 }  // namespace
 
-Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options,
-                                bool vectorise) {
-  if (subject.instrument != nullptr) return build_alone(subject, options, vectorise);
-  SceneOptions with;
-  with.delay = options.delay;
-  with.rate = options.rate;
-  with.set = options.set;
-  with.vectorise = vectorise;
+Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options) {
+  if (subject.instrument != nullptr) return build_alone(subject, options);
   return build_scene(options.friction ? *subject.scene : without_friction(*subject.scene), *subject.table,
-                     with);
+                     options);
 }
 
 Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const WorldOptions& options) {
-  auto built = build_world(subject, options, false);
+  auto resting = options;
+  resting.vectorise = false;
+  auto built = build_world(subject, resting);
   if (!built) return tl::unexpected(built.error());
   RestingWorld world{std::move(*built)};
   world.alone_ = subject.instrument != nullptr;

@@ -195,9 +195,9 @@ std::vector<std::string> Sweep::variants() const {
 
 Sweep::Run Sweep::run_of(std::size_t number) const {
   const auto& variant = variants_[number % variants_.size()];
-  Run run{number, scene_};
+  Run run{points_[number].at, scene_};
   run.options.set = plan_.set;
-  for (std::size_t i = 0; i < plan_.over.size(); ++i) apply(run, plan_.over[i], points_[number].at[i]);
+  for (std::size_t i = 0; i < plan_.over.size(); ++i) apply(run, plan_.over[i], run.at[i]);
   if (variant.gain != 1) run.scene = with_actuator_gain(std::move(run.scene), variant.gain);
   if (variant.draw > 0)
     run.scene = with_plant_drawn(std::move(run.scene), plan_.within,

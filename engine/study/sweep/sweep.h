@@ -77,12 +77,11 @@ class Sweep {
 
   /// A point as a scene.
   struct Run {
-    std::size_t number = 0;
+    std::vector<double> at;  ///< as of its point
     SceneSpec scene;
     SceneOptions options = {};
   };
   Run run_of(std::size_t number) const;
-  const std::vector<SweepPoint>& points() const { return points_; }
   /// "as written", and the other actuators and plants.
   std::vector<std::string> variants() const;
 

@@ -54,7 +54,6 @@ void set_limit(WallLimit& limit, const WallDevice& device, const std::vector<dou
 /// Smallest stiffness at which an oscillation of some counts no longer decays in the simulation.
 double border_with_steps(const WallDevice& device, const WallLimit& limit, int bits) {
   WallRun run{.device = device, .loop = limit.loop, .bits = bits};
-  run.device.friction = 0;
   return root_between(
       0.5 * limit.stiffest, 2 * limit.stiffest,
       [&](double stiffness) {

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/scene/measures/notes/format_note.h"
-#include "engine/scene/measures/notes/steady_tone.h"
 #include "engine/scene/measures/playability_result.h"
 
 using namespace tactus;
