@@ -44,8 +44,8 @@ class MidiInputs {
   virtual std::vector<std::string> news() = 0;
 };
 
-/// [any] The message of these bytes, with `time` left open; nothing if it is of no use to us. Source: MIDI 1.0
-/// Detailed Specification, table 1.
+/// [any] The message of these bytes, with `time` left open; nothing if it is of no use to us. Source:
+/// MIDI 1.0 Detailed Specification, table 1.
 inline std::optional<MidiMessage> parse_midi(std::span<const std::uint8_t> bytes) noexcept {
   using Kind = MidiMessage::Kind;
   if (bytes.size() != 3 || bytes[1] > 127 || bytes[2] > 127) return std::nullopt;

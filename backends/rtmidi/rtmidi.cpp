@@ -49,8 +49,8 @@ void note_error(RtMidiError::Type type, const std::string&, void* failed) {
   if (failed != nullptr && grave) *static_cast<bool*>(failed) = true;
 }
 
-/// Looks for ports and keeps them open, on its own thread; the control thread asks it for what came. Whoever of
-/// the two lives longer keeps it.
+/// Looks for ports and keeps them open, on its own thread; the control thread asks it for what came. Whoever
+/// of the two lives longer keeps it.
 class Worker {
  public:
   explicit Worker(RtMidiSettings settings) : settings_(std::move(settings)) {}
