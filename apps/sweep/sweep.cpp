@@ -46,7 +46,7 @@ std::string text_of(const SweepTable& table) {
   const auto note =
       table.variants.size() == 1
           ? std::string{}
-          : fmt::format("\nin brackets: lowest and highest of {} variants\n", table.variants.size());
+          : fmt::format("\nin brackets: lowest and highest value of {} variants\n", table.variants.size());
   return table.scene + "\n\n" + text.text() + note;
 }
 
@@ -108,17 +108,17 @@ int run(const Options& options) {
 
 void add_sweep(CLI::App& app, int& exit_code) {
   auto* command =
-      app.add_subcommand("sweep", "Run a scene over ranges of its quantities and measure each run");
+      app.add_subcommand("sweep", "Run a scene over ranges of its parameters and measure each run");
   auto options = std::make_shared<Options>();
-  add_study_options(*command, *options, "a folder means its scene.toml")->required();
+  add_study_options(*command, *options, "scene file; for a folder, its scene.toml")->required();
   add_sweep_options(*command, *options);
   command
       ->add_option("--measure", options->measures,
-                   "a line of [expect] of the scene, or MEASURE:SIGNAL such as rms:instrument.sound")
+                   "name of an entry in the scene's [expect], or MEASURE:SIGNAL such as rms:instrument.sound")
       ->required()
       ->take_all();
-  command->add_option("--from", options->from, "start of the measured time, such as \"1 s\"");
-  command->add_option("--to", options->to, "end of the measured time");
+  command->add_option("--from", options->from, "start of the evaluated time, such as \"1 s\"");
+  command->add_option("--to", options->to, "end of the evaluated time, such as \"4 s\"");
   command->footer(
       "Examples:\n"
       "  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure rate:instrument.hit --svg "
@@ -130,7 +130,7 @@ void add_sweep(CLI::App& app, int& exit_code) {
       "  parallel tactus sweep SCENE --over strength=0:1:100 --measure peak:plant.cone --keep runs --part "
       "{}/8 "
       "::: 1 2 3 4 5 6 7 8\n"
-      "One swept quantity is drawn as a line, two as a map, draws as points.\n"
+      "One swept parameter is plotted as a line, two as a map, random variations as points.\n"
       "Exit code 5: interrupted; with --keep the same command resumes the sweep.");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
