@@ -41,7 +41,7 @@ double faults(const Window& w) {
 double energy_given(const Window& w) {
   const auto force = w.samples(*w.recording.find(w.port->force));
   const auto position = w.samples(*w.recording.find(w.port->position));
-  EnergyWatch watch{w.port->allowed};
+  EnergyWatch watch{*w.port};
   watch.take(force.data(), position.data(), static_cast<int>(force.size()));
   return watch.energy(w.rate()).given;
 }

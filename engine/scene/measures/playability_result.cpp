@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/named.h"
 #include "engine/scene/measures/events.h"
 
 namespace tactus {
@@ -57,11 +56,6 @@ PlayabilityResult evaluate_roll(const SceneRecording& recording, const Playabili
 }
 
 }  // namespace
-
-double PlayabilityResult::reading(Playability::Kind evaluated_as, const std::string& name) const {
-  const auto& columns = measure_columns(evaluated_as);
-  return readings.at(static_cast<std::size_t>(find_named(columns, name) - columns.data()));
-}
 
 const std::vector<MeasureColumn>& measure_columns(Playability::Kind kind) {
   static const std::vector<MeasureColumn> roll = {

@@ -105,11 +105,7 @@ Status find_control(SceneSweep& sweep, const std::string& control) {
   sweep.of_the_table = name == "gamma";
   std::erase_if(part->wires, [&](const Field& field) { return field.key == name; });
   part->wires.push_back({name, part->at, Value{std::string{kGesture}, part->at}});
-  Gesture gesture;
-  gesture.name = kGesture;
-  gesture.at = part->at;
-  gesture.bare = true;
-  scene.gestures.push_back(std::move(gesture));
+  scene.gestures.push_back({.name = kGesture, .at = part->at, .bare = true});
   scene.expect.clear();
   scene.ports.clear();
   scene.compare.reset();
