@@ -415,11 +415,6 @@ class SceneReader {
   ErrorList errors_;
 };
 
-Checked<SceneSpec> without_errors(LoadedScene loaded) {
-  if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
-  return std::move(*loaded.scene);
-}
-
 }  // namespace
 
 const std::vector<RoleType>& role_types() {
@@ -455,12 +450,9 @@ LoadedScene parse_scene_leniently(std::string_view text, const std::string& file
 }
 
 Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root) {
-  return without_errors(load_scene_leniently(path, root));
-}
-
-Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
-                               const std::filesystem::path& root) {
-  return without_errors(parse_scene_leniently(text, file_name, root));
+  auto loaded = load_scene_leniently(path, root);
+  if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
+  return std::move(*loaded.scene);
 }
 
 }  // namespace tactus

@@ -186,7 +186,5 @@ LoadedScene parse_scene_leniently(std::string_view text, const std::string& file
 
 /// [control] The same; a scene with errors in its text is an error.
 Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
-Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
-                               const std::filesystem::path& root = {});
 
 }  // namespace tactus

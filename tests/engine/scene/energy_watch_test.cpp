@@ -12,7 +12,7 @@
 #include "engine/scene/play_scene.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scene_folder.h"
 #include "tests/support/wall_theory.h"
 
 using namespace tactus;
@@ -65,7 +65,7 @@ force = { from = "p.motor", unit = "N" }
                        standard_nodes());
   }
   SceneRecording play(const std::string& scene, int block = 64) const {
-    auto spec = parse_scene(scene, (path() / "scene.toml").string(), path());
+    auto spec = test::parse_scene(scene, (path() / "scene.toml").string(), path());
     if (!spec) throw std::runtime_error(to_string(spec.error()));
     auto built = build(scene);
     if (!built) throw std::runtime_error(to_string(built.error()));
@@ -194,8 +194,8 @@ TEST_CASE("energy_watch: a scene may expect it, of the whole or of a part", "[sc
   const auto text = scene.text("20 ms", kArm, R"(all = { measure = "energy_given", of = "arm", max = "1 mJ" }
 start = { measure = "energy_given", of = "arm", to = "0.05 s", max = "1 mJ" })");
   const auto recording = scene.play(text);
-  const auto outcomes =
-      check_expectations(*parse_scene(text, (scene.path() / "scene.toml").string(), scene.path()), recording);
+  const auto outcomes = check_expectations(
+      *test::parse_scene(text, (scene.path() / "scene.toml").string(), scene.path()), recording);
   REQUIRE(outcomes);
   CHECK((*outcomes)[0].value == recording.ports[0].given);
   CHECK((*outcomes)[0].unit == "J");
