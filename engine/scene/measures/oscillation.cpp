@@ -71,7 +71,7 @@ std::optional<double> slope_through(const std::vector<double>& x, std::span<cons
 
 std::optional<double> frequency_of(std::span<const double> samples, Hertz rate) {
   if (samples.empty()) return std::nullopt;
-  const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
+  const auto [low, high] = std::ranges::minmax_element(samples);
   const auto times = swings(samples, 0.5 * (*low + *high));
   if (times.size() < 2) return std::nullopt;
   return rate.value * static_cast<double>(times.size() - 1) / (times.back() - times.front());

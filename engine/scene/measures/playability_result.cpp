@@ -112,7 +112,7 @@ double sustained(const std::vector<double>& times, double from, double to, doubl
   int windows = 0, alive = 0;
   for (int i = 0; from + i * kStep_s + kWindow_s <= to + 1e-9; ++i, ++windows) {
     const auto begin = from + i * kStep_s;
-    const auto first = std::lower_bound(times.begin(), times.end(), begin);
+    const auto first = std::ranges::lower_bound(times, begin);
     const auto last = std::lower_bound(first, times.end(), begin + kWindow_s);
     alive += static_cast<double>(last - first) >= fewest ? 1 : 0;
   }

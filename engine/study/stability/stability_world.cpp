@@ -34,9 +34,8 @@ class Disconnected final : public BlockProcessor {
 };
 
 std::size_t count_channels(const Plan& plan) {
-  return static_cast<std::size_t>(
-      std::count_if(plan.channels.begin(), plan.channels.end(),
-                    [](const auto& channel) { return channel.use != OutputUse::Tap; }));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      plan.channels, [](const auto& channel) { return channel.use != OutputUse::Tap; }));
 }
 
 const Dimension kMetre{.metre = 1};
@@ -71,7 +70,7 @@ std::string device_text(const Plan& instrument, const std::vector<Dimension>& se
     if (channel.dimension == kNewton) push += fmt::format("{}d{}", push.empty() ? "" : " + ", drives);
     ++drives;
   }
-  const bool joined = !push.empty() && std::any_of(sensors.begin(), sensors.end(), from_device);
+  const bool joined = !push.empty() && std::ranges::any_of(sensors, from_device);
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     const bool place = joined && sensors[s] == kMetre, speed = joined && sensors[s] == kMetrePerSecond;
     outputs += fmt::format("s{} = {{ from = \"{}\", unit = \"{}\" }}\n", s,
@@ -190,8 +189,7 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
 
 bool RestingWorld::outside_known() const {
   const auto& wires = built_.plant->plan().channels;
-  return !alone_ ||
-         std::any_of(wires.begin(), wires.end(), [](const auto& wire) { return !wire.signal.constant(); });
+  return !alone_ || std::ranges::any_of(wires, [](const auto& wire) { return !wire.signal.constant(); });
 }
 
 std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime& regime) const {

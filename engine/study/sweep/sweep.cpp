@@ -135,7 +135,7 @@ Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
   SweptValue swept{name, std::move(values)};
   const auto controls = control_names(scene), constants = constant_names(scene);
   const auto is_in = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::ranges::find(names, name) != names.end();
   };
   const auto* quantity = std::find_if(std::begin(kSceneQuantities), std::end(kSceneQuantities),
                                       [&](const SceneQuantity& known) { return name == known.name; });
@@ -162,7 +162,7 @@ Result<SweptValue> swept_solvers(const std::vector<std::string>& names, const ch
   SweptValue swept{"solver", {}, What::Solver, names};
   for (std::size_t i = 0; i < names.size(); ++i) {
     swept.values.emplace_back(static_cast<double>(i));
-    if (std::find(known.begin(), known.end(), names[i]) == known.end())
+    if (std::ranges::find(known, names[i]) == known.end())
       return fail(Errc::UnknownName, option, "there is no solver '" + names[i] + "'",
                   "the solvers are " + listed(known));
   }
@@ -232,8 +232,7 @@ Checked<std::vector<SweepPoint>> Sweep::evaluate(const Evaluate& evaluate, const
 }
 
 std::ptrdiff_t finished(const std::vector<SweepPoint>& points) {
-  return std::count_if(points.begin(), points.end(),
-                       [](const auto& point) { return point.result.has_value(); });
+  return std::ranges::count_if(points, [](const auto& point) { return point.result.has_value(); });
 }
 
 Checked<SceneRecording> play_run(const Sweep::Run& run, const NodeTable& table) {

@@ -136,7 +136,7 @@ std::optional<double> steady_from(const std::vector<ToneMoment>& moments, double
 
 double swing_of(std::vector<double> hertz) {
   if (hertz.empty()) return 0;
-  std::sort(hertz.begin(), hertz.end());
+  std::ranges::sort(hertz);
   const auto edge = hertz.size() / 20;
   return cents(hertz[hertz.size() - 1 - edge], hertz[edge]);
 }
@@ -164,10 +164,9 @@ std::vector<PitchPoint> track_notes(std::span<const double> sound, Hertz rate, H
 std::optional<Melody> melody_of(const SceneRecording& recording) {
   static const auto kHertz = parse_unit("Hz")->dimension;
   const auto* sound = recording.find(signal_of(recording.roles, "monitor"));
-  const auto expected =
-      std::find_if(recording.signals.begin(), recording.signals.end(), [](const RecordedSignal& signal) {
-        return signal.dimension == kHertz && !signal.name.starts_with("instrument.");
-      });
+  const auto expected = std::ranges::find_if(recording.signals, [](const RecordedSignal& signal) {
+    return signal.dimension == kHertz && !signal.name.starts_with("instrument.");
+  });
   if (sound == nullptr || expected == recording.signals.end()) return std::nullopt;
   double lowest = kUnlimited, highest = 0;
   for (const double hertz : expected->samples) {

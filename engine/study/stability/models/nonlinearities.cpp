@@ -38,14 +38,13 @@ struct Group {
 
   /// Whether every law is as steep at the displacement `there` as at `here`.
   bool serves(double there, double here) const {
-    return std::all_of(laws.begin(), laws.end(), [&](const Nonlinearity* law) {
-      return law->answer(there) >= law->answer(here) * (1 - 1e-9);
-    });
+    return std::ranges::all_of(
+        laws, [&](const Nonlinearity* law) { return law->answer(there) >= law->answer(here) * (1 - 1e-9); });
   }
 
   void offer(Choice choice) {
     const auto replaces = [&](const Choice& other) { return serves(other.to, choice.to); };
-    if (std::any_of(choices.begin(), choices.end(), replaces)) return;
+    if (std::ranges::any_of(choices, replaces)) return;
     std::erase_if(choices, [&](const Choice& other) { return serves(choice.to, other.to); });
     choices.push_back(std::move(choice));
   }
@@ -72,8 +71,7 @@ struct Group {
 std::vector<Group> groups_of(const std::vector<Nonlinearity>& laws) {
   std::vector<Group> groups;
   for (const auto& law : laws) {
-    auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.source == law.source; });
+    auto group = std::ranges::find_if(groups, [&](const auto& g) { return g.source == law.source; });
     if (group == groups.end()) group = groups.insert(group, Group{.source = law.source});
     group->laws.push_back(&law);
   }
