@@ -77,7 +77,7 @@ class ScenePlotter {
     for (const auto& signal : recording_.signals) {
       if (signal.name.starts_with("instrument.") || signal.dimension.plain() || is_pitch(signal)) continue;
       const auto unit = to_string(signal.dimension);
-      auto subplot = std::ranges::find_if(subplots, [&](const auto& p) { return p.first == unit; });
+      auto subplot = std::ranges::find(subplots, unit, &std::pair<std::string, Subplot>::first);
       if (subplot == subplots.end()) {
         subplots.emplace_back(unit, Subplot{.y = {.label = quantity_name(unit), .unit = unit},
                                             .height = unit == "m" ? 2.0 : 0.8});

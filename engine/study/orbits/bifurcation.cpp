@@ -158,7 +158,7 @@ Checked<std::vector<std::vector<Landing>>> play_sweep(const SceneSweep& sweep, c
 }
 
 std::optional<double> doubling_in(const std::vector<BifurcationColumn>& columns, int bounces) {
-  const auto behind = std::ranges::find_if(columns, [&](const auto& c) { return c.period == 2 * bounces; });
+  const auto behind = std::ranges::find(columns, 2 * bounces, &BifurcationColumn::period);
   if (behind == columns.begin() || behind == columns.end() || behind[-1].period != bounces)
     return std::nullopt;
   // The straight line nearest to the first columns behind it.

@@ -7,8 +7,7 @@ namespace {
 
 std::size_t kind_index(const PlayabilityResult& run, Playability::Kind kind) {
   const auto& kinds = run_kinds(kind);
-  const auto found = std::ranges::find_if(kinds, [&](const auto& k) { return k.name == run.kind; });
-  return static_cast<std::size_t>(found - kinds.begin());
+  return static_cast<std::size_t>(std::ranges::find(kinds, run.kind, &RunKind::name) - kinds.begin());
 }
 
 /// A run as numbers: the index of its kind, score, playable, readings.

@@ -210,7 +210,7 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
   // A measurable motion leaves the range where the linear model is right.
   if (verdict.nonlinear) return plans;
   // A loop that an event opens and closes has no border.
-  if (std::ranges::any_of(verdict.events, [](const auto& e) { return e.on_loop; })) return plans;
+  if (std::ranges::any_of(verdict.events, &EventVerdict::on_loop)) return plans;
   const LoopVerdict* loop = nullptr;
   for (const auto& other : verdict.regimes.front().loops) {
     if (!other.drive) continue;

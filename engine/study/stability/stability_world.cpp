@@ -8,6 +8,7 @@
 #include "engine/core/dimension.h"
 #include "engine/graph/file/load.h"
 #include "engine/nodes/networks/network_elements.h"
+#include "engine/scene/guard_report.h"
 #include "engine/study/sweep/scene_variants.h"
 
 namespace tactus {
@@ -32,11 +33,6 @@ class Disconnected final : public BlockProcessor {
   BlockProcessor& inner_;
   int outputs_ = 0;
 };
-
-std::size_t count_channels(const Plan& plan) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      plan.channels, [](const auto& channel) { return channel.use != OutputUse::Tap; }));
-}
 
 const Dimension kMetre{.metre = 1};
 const Dimension kMetrePerSecond{.metre = 1, .second = -1};
@@ -176,7 +172,7 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
   const auto plant = add_plan(graph, built_.plant->plan(), regime, "");
   for (std::size_t d = 0; d < closed.drives.size() && d < plant.inputs.size(); ++d)
     if (plant.inputs[d] >= 0) graph.delay(closed.drives[d], plant.inputs[d], built_.delay_frames);
-  const auto wires = count_channels(built_.plant->plan());
+  const auto wires = output_names(built_.plant->plan()).size();
   for (std::size_t s = 0; s < wires && s < instrument.inputs.size(); ++s)
     if (plant.channels[s] >= 0 && instrument.inputs[s] >= 0)
       graph.join(plant.channels[s], instrument.inputs[s]);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/nodes/networks/network_elements.h"
@@ -56,9 +57,8 @@ struct Draw {
 };
 
 bool is_material(const ElementType& type, const std::string& field) {
-  const auto found =
-      std::ranges::find_if(type.fields, [&](const ElementField& known) { return known.name == field; });
-  return found != type.fields.end() && !found->late && std::ranges::find(kPlaces, field) == kPlaces.end();
+  const auto* found = find_named(type.fields, field);
+  return found != nullptr && !found->late && std::ranges::find(kPlaces, field) == kPlaces.end();
 }
 
 void redraw(NodeSpec& element, const std::string& path, const Draw& rule) {
@@ -143,15 +143,12 @@ SceneSpec with_plant_drawn(SceneSpec scene, double within, std::uint64_t seed) {
 }
 
 SceneSpec with_gesture_scaled(SceneSpec scene, const std::string& gesture, double factor) {
-  for (auto& candidate : scene.gestures)
-    if (candidate.name == gesture)
-      for (auto& point : candidate.points) point.value *= factor;
+  for (auto& point : find_named(scene.gestures, gesture)->points) point.value *= factor;
   return scene;
 }
 
 SceneSpec with_gesture_held(SceneSpec scene, const std::string& gesture, double value) {
-  for (auto& candidate : scene.gestures)
-    if (candidate.name == gesture) candidate.points = {{0, value}};
+  find_named(scene.gestures, gesture)->points = {{0, value}};
   return scene;
 }
 

@@ -12,18 +12,10 @@ namespace {
 const char* const kAllSteepest = "laws where they are steepest";
 
 bool is_linear(Expression::Op op, const Operands& operands) {
-  switch (op) {
-    case Expression::Op::Negate:
-    case Expression::Op::Add:
-    case Expression::Op::Subtract:
-      return true;
-    case Expression::Op::Multiply:
-      return !operands.moves[0] || !operands.moves[1];
-    case Expression::Op::Divide:
-      return !operands.moves[1];
-    default:
-      return false;
-  }
+  using enum Expression::Op;
+  if (op == Multiply) return !operands.moves[0] || !operands.moves[1];
+  if (op == Divide) return !operands.moves[1];
+  return op == Negate || op == Add || op == Subtract;
 }
 
 /// The nonlinearities of one signal, and the operating points to analyse.
@@ -103,17 +95,8 @@ double chosen(const Operands& operands, int which, bool first, bool touched) {
 }  // namespace
 
 int operands_of(Expression::Op op) {
-  switch (op) {
-    case Expression::Op::Add:
-    case Expression::Op::Subtract:
-    case Expression::Op::Multiply:
-    case Expression::Op::Divide:
-    case Expression::Op::Min:
-    case Expression::Op::Max:
-      return 2;
-    default:
-      return 1;
-  }
+  using enum Expression::Op;
+  return op == Add || op == Subtract || op == Multiply || op == Divide || op == Min || op == Max ? 2 : 1;
 }
 
 double slope_of(Expression::Op op, const Operands& operands, int which, bool touched) {

@@ -31,7 +31,7 @@ Complex returned_to(Eigen::MatrixXcd returned, int drive, int cut, double factor
 }  // namespace
 
 void sort_by_growth(std::vector<LoopRoot>& roots, std::size_t most) {
-  std::ranges::sort(roots, [](const auto& a, const auto& b) { return a.growth_per_s > b.growth_per_s; });
+  std::ranges::sort(roots, std::greater{}, &LoopRoot::growth_per_s);
   if (roots.size() > most) roots.resize(most);
 }
 
@@ -143,7 +143,7 @@ std::vector<LoopScan::Crossing> LoopScan::crossings(int cut) const {
       found.push_back(*at);
   }
   std::erase_if(found, [](const auto& x) { return x.factor < kLeastFactor || x.factor > kMostFactor; });
-  std::ranges::sort(found, [](const auto& a, const auto& b) { return a.factor < b.factor; });
+  std::ranges::sort(found, {}, &Crossing::factor);
   return found;
 }
 
@@ -234,7 +234,7 @@ std::vector<Complex> LoopScan::first_guesses(std::size_t most) const {
   std::vector<std::size_t> valleys;
   for (std::size_t i = 1; i + 1 < samples_.size(); ++i)
     if (depth(i) <= depth(i - 1) && depth(i) <= depth(i + 1)) valleys.push_back(i);
-  std::ranges::sort(valleys, [&](auto a, auto b) { return depth(a) < depth(b); });
+  std::ranges::sort(valleys, {}, depth);
   if (valleys.size() > most) valleys.resize(most);
   valleys.insert(valleys.end(), {0, samples_.size() - 1});
   std::vector<Complex> guesses;
