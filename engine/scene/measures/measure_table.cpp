@@ -5,9 +5,8 @@
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
-#include "engine/scene/measures/landings.h"
 #include "engine/scene/measures/measure.h"
-#include "engine/scene/measures/oscillation.h"
+#include "engine/scene/measures/motion.h"
 #include "engine/scene/measures/playability_result.h"
 
 // The table of measures: a new one is a line of `measures()`, a function where it needs one, and its test.

@@ -1,9 +1,8 @@
-#include "engine/study/stability/models/stability_network.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "engine/core/index.h"
+#include "engine/study/stability/models/stability_graph.h"
 
 namespace tactus {
 namespace {
