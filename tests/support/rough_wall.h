@@ -3,7 +3,6 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/study/walls/held_mass.h"
 #include "engine/study/walls/virtual_wall.h"
 
 namespace tactus::test {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "engine/core/find_root.h"
-#include "engine/study/walls/held_mass.h"
 #include "engine/study/walls/virtual_wall.h"
 
 // What theory says of virtual walls: numbers to test the engine against.
@@ -29,7 +28,7 @@ inline double stiffest_behind_delay(const WallDevice& device, Seconds lag) {
 /// K = b (1 - p) / ((1 - p) m / b - p T), p = e^(-b T / m): sampled and held without any other delay, B = 0;
 /// exact. Near 2 b / T for b T / m << 1. From the product of the two roots, which is 1 at the border.
 inline double stiffest_undelayed(const WallDevice& device, Hertz rate) {
-  // The formula's differences, without their cancellation: see held_mass.h.
+  // The formula's differences, without their cancellation: see HeldMass.
   const auto held = HeldMass::over(device.mass, device.damping, 1 / rate.value);
   const double lost = -std::expm1(-device.damping / (device.mass * rate.value));
   return lost / (held.reach * held.gain - held.keep * held.rise);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/core/error.h"
@@ -170,6 +171,10 @@ struct SceneSpec {
 struct LoadedScene {
   std::optional<SceneSpec> scene;  ///< nothing if the file cannot be read or is no TOML
   std::vector<Error> errors;       ///< by file, line and column
+
+  LoadedScene(SceneSpec read) : scene(std::move(read)) {}
+  LoadedScene(std::optional<SceneSpec> read, std::vector<Error> found)
+      : scene(std::move(read)), errors(std::move(found)) {}
 };
 
 /// [control] Reads a scene and the files of its parts; a folder means its scene.toml. `root` is the folder
@@ -181,7 +186,5 @@ LoadedScene parse_scene_leniently(std::string_view text, const std::string& file
 
 /// [control] The same; a scene with errors in its text is an error.
 Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
-Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
-                               const std::filesystem::path& root = {});
 
 }  // namespace tactus

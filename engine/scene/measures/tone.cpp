@@ -149,7 +149,7 @@ ToneResult together(const std::vector<ToneResult>& notes) {
   const auto worse = [](const ToneResult& a, const ToneResult& b) {
     return a.run.playable != b.run.playable ? !a.run.playable : a.run.score < b.run.score;
   };
-  auto all = *std::min_element(notes.begin(), notes.end(), worse);
+  auto all = *std::ranges::min_element(notes, worse);
   double score = 0;
   for (const auto& note : notes) {
     score += note.run.score;

@@ -105,11 +105,7 @@ Status find_control(SceneSweep& sweep, const std::string& control) {
   sweep.of_the_table = name == "gamma";
   std::erase_if(part->wires, [&](const Field& field) { return field.key == name; });
   part->wires.push_back({name, part->at, Value{std::string{kGesture}, part->at}});
-  Gesture gesture;
-  gesture.name = kGesture;
-  gesture.at = part->at;
-  gesture.bare = true;
-  scene.gestures.push_back(std::move(gesture));
+  scene.gestures.push_back({.name = kGesture, .at = part->at, .bare = true});
   scene.expect.clear();
   scene.ports.clear();
   scene.compare.reset();
@@ -162,8 +158,7 @@ Checked<std::vector<std::vector<Landing>>> play_sweep(const SceneSweep& sweep, c
 }
 
 std::optional<double> doubling_in(const std::vector<BifurcationColumn>& columns, int bounces) {
-  const auto behind =
-      std::find_if(columns.begin(), columns.end(), [&](const auto& c) { return c.period == 2 * bounces; });
+  const auto behind = std::ranges::find(columns, 2 * bounces, &BifurcationColumn::period);
   if (behind == columns.begin() || behind == columns.end() || behind[-1].period != bounces)
     return std::nullopt;
   // The straight line nearest to the first columns behind it.

@@ -8,7 +8,7 @@
 #include "engine/core/error.h"
 #include "engine/graph/node_type.h"
 #include "engine/scene/file/scene_spec.h"
-#include "engine/scene/measures/landings.h"
+#include "engine/scene/measures/motion.h"
 
 namespace tactus {
 

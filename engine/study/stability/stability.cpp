@@ -77,7 +77,7 @@ bool event_loop_through(const LinearGraph& graph, const std::string& path) {
   std::vector<bool> looping(graph.signals.size(), false);
   for (const auto& part : loops_of(graph, true))
     for (const int s : part) looping[index(s)] = true;
-  return std::any_of(graph.edges.begin(), graph.edges.end(), [&](const auto& e) {
+  return std::ranges::any_of(graph.edges, [&](const auto& e) {
     return e.kind == LinearEdge::Kind::Event && e.path == path && looping[index(e.from)] &&
            looping[index(e.to)];
   });
@@ -187,7 +187,7 @@ class Analysis {
 
   /// Of all regimes the largest gain counts.
   void add_open_gain(OpenVerdict found) {
-    const auto known = std::find_if(verdict_.open.begin(), verdict_.open.end(), [&](const auto& other) {
+    const auto known = std::ranges::find_if(verdict_.open, [&](const auto& other) {
       return other.input == found.input && other.output == found.output;
     });
     if (known == verdict_.open.end())
@@ -239,10 +239,10 @@ bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options
   const auto world = RestingWorld::make(subject, options);
   if (!world) return false;
   const auto regimes = world->regimes(push);
-  return std::all_of(regimes.begin(), regimes.end(), [&](const auto& regime) {
+  return std::ranges::all_of(regimes, [&](const auto& regime) {
     const auto closed = world->closed(regime);
     const auto& networks = closed.graph.networks;
-    if (std::any_of(networks.begin(), networks.end(), [](const auto& n) { return n->grows(); })) return false;
+    if (std::ranges::any_of(networks, [](const auto& n) { return n->grows(); })) return false;
     int growing = 0;
     for (auto& signals : loops_of(closed.graph, false)) {
       const LoopGroup group(closed.graph, std::move(signals), {});

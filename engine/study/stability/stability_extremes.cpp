@@ -210,8 +210,7 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
   // A measurable motion leaves the range where the linear model is right.
   if (verdict.nonlinear) return plans;
   // A loop that an event opens and closes has no border.
-  if (std::any_of(verdict.events.begin(), verdict.events.end(), [](const auto& e) { return e.on_loop; }))
-    return plans;
+  if (std::ranges::any_of(verdict.events, &EventVerdict::on_loop)) return plans;
   const LoopVerdict* loop = nullptr;
   for (const auto& other : verdict.regimes.front().loops) {
     if (!other.drive) continue;
@@ -246,8 +245,8 @@ Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePl
 }
 
 void exclude_player_energy(std::vector<ExtremeRun>& runs) {
-  const auto silence = std::find_if(
-      runs.begin(), runs.end(), [](const auto& run) { return run.what == name_of(Disturbance::Silence); });
+  const auto silence =
+      std::ranges::find_if(runs, [](const auto& run) { return run.what == name_of(Disturbance::Silence); });
   if (silence == runs.end() || silence->grew) return;
   const double supplied = silence->energy_after;
   for (auto& run : runs)

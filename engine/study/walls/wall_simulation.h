@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/study/walls/held_mass.h"
 #include "engine/study/walls/virtual_wall.h"
 
 namespace tactus {
@@ -19,7 +18,7 @@ struct WallRun {
 };
 
 /// Device, sensor, controller, delay and hold, frame by frame. Between the instants at which the force
-/// changes, the device moves by its exact solution (held_mass.h), without its friction. It is independent of
+/// changes, the device moves by its exact solution (HeldMass), without its friction. It is independent of
 /// the formulas that it confirms.
 class WallSimulation {
  public:

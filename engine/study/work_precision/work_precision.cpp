@@ -104,7 +104,7 @@ bool exploded(const Accuracy& accuracy, const SceneRecording& run, const SceneRe
   constexpr double kExplosion = 10.0;
   if (!run.faults.empty()) return true;
   const auto& samples = run.find(accuracy.of)->samples;
-  if (!std::all_of(samples.begin(), samples.end(), [](double x) { return std::isfinite(x); })) return true;
+  if (!std::ranges::all_of(samples, [](double x) { return std::isfinite(x); })) return true;
   const double most =
       std::max(peak_of(reference.find(accuracy.of)->samples), accuracy.scale ? accuracy.scale->si : 0);
   return peak_of(samples) > kExplosion * most && most > 0;
@@ -224,8 +224,7 @@ class Study {
         return other.known() && other.load() <= point.load() && other.errors[a] <= point.errors[a] &&
                (other.load() < point.load() || other.errors[a] < point.errors[a]);
       };
-      if (point.known())
-        point.front.push_back(std::none_of(result_.points.begin(), result_.points.end(), beats));
+      if (point.known()) point.front.push_back(std::ranges::none_of(result_.points, beats));
     }
   }
 
@@ -262,7 +261,7 @@ const WorkPoint* WorkPrecision::cheapest(double error) const {
   const WorkPoint* best = nullptr;
   for (const auto& point : points) {
     if (!point.known() || point.load() >= 1) continue;
-    if (*std::max_element(point.errors.begin(), point.errors.end()) > error) continue;
+    if (*std::ranges::max_element(point.errors) > error) continue;
     if (best == nullptr || point.load() < best->load()) best = &point;
   }
   return best;
