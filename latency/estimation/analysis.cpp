@@ -131,8 +131,9 @@ void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Re
   analysis.response_at = loop.at + first;
   const auto probe = measuring_probe(estimator.rate);
   if (repeats(loop.bursts.waveform, probe.samples(estimator.rate)))
-    analysis.harmonics_db = harmonics(loud_mean(loop, estimator.windows), loop.fit.model, probe,
-                                      estimator.rate, estimator.windows.fourier());
+    analysis.harmonics_db = Response{loud_mean(loop, estimator.windows), loop.fit.model, estimator.rate,
+                                     estimator.windows.fourier()}
+                                .harmonics(probe);
   const auto within = [&](const ResponsePoint& point) { return point.gain_db > analysis.gain_db - 3.0; };
   const auto& points = analysis.spectrum;
   if (const auto low = std::find_if(points.begin(), points.end(), within); low != points.end())
@@ -140,7 +141,7 @@ void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Re
   if (const auto high = std::find_if(points.rbegin(), points.rend(), within); high != points.rend())
     analysis.high_hz = high->frequency_hz;
   analysis.high_pass_hz = std::max(
-      0.0, -loop.fit.model.high_pass[0] * PathModel::kScale * estimator.rate.value / (2 * std::numbers::pi));
+      0.0, -loop.fit.model.shape[0] * PathModel::kScale * estimator.rate.value / (2 * std::numbers::pi));
 }
 
 constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousandth of a frame
