@@ -63,9 +63,9 @@ struct Player {
     stream->tick();
     while (auto event = stream->take_event()) events += *event + "\n";
   }
-  /// False: not within ten seconds.
+  /// False: not within 30 seconds.
   bool run_until(const std::function<bool()>& holds) {
-    const auto deadline = Clock::now() + 10s;
+    const auto deadline = Clock::now() + 30s;
     for (tick(); !holds(); tick()) {
       if (Clock::now() > deadline) return false;
       std::this_thread::sleep_for(50ms);
