@@ -64,12 +64,7 @@ class DelayTaps {
   }
 
  private:
-  /// Times that were meant as whole frames ("20 ms") come out a rounding beside them.
-  double frames_of(double seconds) const noexcept {
-    const double frames = seconds * sample_rate_.value;
-    const double whole = std::rint(frames);
-    return std::abs(frames - whole) < 1e-9 ? whole : frames;
-  }
+  double frames_of(double seconds) const noexcept { return tactus_delay_frames(seconds, sample_rate_.value); }
 
   TimeRange range_{};
   Hertz sample_rate_{};
