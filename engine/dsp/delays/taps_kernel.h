@@ -34,6 +34,13 @@ static inline tactus_real tactus_delay_frames(tactus_real seconds, tactus_real r
   return fabs(frames - whole) < 1e-9 ? whole : frames;
 }
 
+/// Frames back of the newest of order + 1 taps, which is `least` or more: the delay lies in their middle
+/// interval where it can. Order 0 is the nearest whole frame.
+static inline int tactus_delay_newest(tactus_real frames, int order, int least) {
+  const int newest = order == 0 ? (int)(frames + 0.5) : (int)frames - (order - 1) / 2;
+  return newest < least ? least : newest;
+}
+
 /// The last samples of a signal in a ring of `capacity`, a power of two, zeros at first.
 typedef struct tactus_line {
   tactus_real* samples;

@@ -3,6 +3,7 @@
 // Thread: [realtime]; constructors [control].
 
 #include "engine/dsp/strings/string_loop.h"
+#include "engine/dsp/strings/waveguide_kernel.h"
 
 namespace tactus {
 
@@ -10,25 +11,13 @@ namespace tactus {
 /// end upside down.
 enum class FarEnd { Fixed, Free };
 
-/// A string or a rod seen from one end: waves of force go in, travel to the far end and come back.
-///
-///   out[n] = +-(h * in)[n - (N - 1)]      + fixed, - free
-///
-/// h is the gain and the loss of StringDesign and N its delay, read between samples. kPortFrames
-/// are left to what the line hangs on, so that both together, N frames around, are in tune: with a rigid near
-/// end the line sounds at the pitch (fixed), or at odd multiples of half the pitch (free). It reflects at
-/// most `gain`: |out / in| = gain |H_LP| |interpolator| <= 1 at every frequency, as long as pitch and loss
-/// rest. At least `least_delay` frames lie between in and out for all parameters. Source: J. O. Smith,
-/// Physical Audio Signal Processing, W3K, 2010.
+/// `tactus_waveguide_step` for many frames.
 class WaveLine : public DesignedLine {
  public:
-  /// The range of its pitch; others are clamped to these and to [10 Hz, 0.2 fs].
+  /// The range of its pitch.
   struct Pitches {
     double lowest, highest;
   };
-  static constexpr double kMostGain = 1;
-  /// What a network's port takes to answer.
-  static constexpr double kPortFrames = 1.0;
   using DesignedLine::kMostFrames;
 
   /// [control] Allocates for the lowest pitch.
@@ -41,18 +30,16 @@ class WaveLine : public DesignedLine {
   /// [realtime] What comes back, beginning `written` frames before the last that was written. `position` is
   /// the group_position of the first frame. Not before the line's delay: frames - written <= least_delay().
   void read(double* out, int frames, int written, int position) noexcept;
-  int least_delay() const noexcept { return least_; }
-  int most_delay() const noexcept { return most_; }
+  int least_delay() const noexcept { return guide_.least; }
+  int most_delay() const noexcept { return guide_.most; }
   /// [any] out / in at any z^-1.
   std::complex<double> response(const StringParameters& parameters, std::complex<double> delay) const;
 
  private:
+  WaveLine(LossFilter filter, const tactus_waveguide& guide);
   StringDesign designed(const StringParameters& parameters) const;
 
-  double sign_;
-  Hertz sample_rate_;
-  Pitches pitches_;
-  int least_, most_;
+  tactus_waveguide guide_;
 };
 
 }  // namespace tactus

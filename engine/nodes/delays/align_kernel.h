@@ -58,7 +58,7 @@ static inline void tactus_align_aim(tactus_align* s, tactus_real pad) {
   if (inside != s->pad) {
     const tactus_real frames = tactus_delay_frames(inside, s->rate);
     s->pad = inside;
-    s->now.newest = frames < 1 ? 0 : (int)frames - 1;
+    s->now.newest = tactus_delay_newest(frames, TACTUS_ALIGN_TAPS - 1, 0);
     tactus_lagrange(s->now.weights, TACTUS_ALIGN_TAPS, frames - s->now.newest);
   }
 }

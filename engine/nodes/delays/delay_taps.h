@@ -48,12 +48,11 @@ class DelayTaps {
 
   DelayAim<Order> at(double seconds) const noexcept {
     const double frames = frames_of(seconds);
-    if constexpr (Order == 0) {
-      return {.newest = static_cast<int>(frames + 0.5)};
-    } else {
-      const int newest = std::max(static_cast<int>(frames) - (Order - 1) / 2, newest_possible_);
+    const int newest = tactus_delay_newest(frames, Order, Order == 0 ? 0 : newest_possible_);
+    if constexpr (Order == 0)
+      return {.newest = newest};
+    else
       return {.newest = newest, .weights = lagrange_weights<Order>(frames - newest)};
-    }
   }
 
   std::complex<double> response(double seconds, std::complex<double> z) const {

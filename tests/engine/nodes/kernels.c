@@ -4,7 +4,9 @@
 #include <complex.h>
 #include <string.h>
 
-#define TACTUS_TEST_MODES 11
+#define MODES 11
+#define LOWEST_PITCH 10.0
+#define NO_FILTER {{1, {1, 0, 0}, {0, 0}}, {0}, {0}, {0, 0}, {0, 0}}
 
 #include "kernels_c99.h" /* every *_kernel.h, made by CMake */
 
@@ -18,7 +20,7 @@
 /* A filter, the cutoff of which is input 1. */
 #define EACH_FILTERED(shape)                                                       \
   do {                                                                             \
-    tactus_filter state = {{1, {1, 0, 0}, {0, 0}}, {0}, {0}, {0, 0}, {0, 0}};      \
+    tactus_filter state = NO_FILTER;                                               \
     for (int n = 0; n < frames; ++n) {                                             \
       const double radians = tactus_filter_radians(in[1][n], rate);                \
       if (n % 8 == 0) tactus_filter_set(&state, (shape));                          \
@@ -45,7 +47,7 @@ static int run_modal(const double* const* in, int frames, double rate, double* o
   memset(groups, 0, sizeof groups);
   for (int k = 0; k < 16; ++k) tactus_modes_set(&groups[k / 8], k % 8, tactus_mode_design(0, 1, 0, 1));
   for (int n = 0; n < frames; ++n) {
-    for (int k = 0; n % 8 == 0 && k < TACTUS_TEST_MODES; ++k) {
+    for (int k = 0; n % 8 == 0 && k < MODES; ++k) {
       const double frequency = clamped(in[1][n], 1, 1e6) * (k + 1);
       const double decay = clamped(in[2][n], 1e-4, 1e4) * (pow(1.0 / (k + 1), 0.5) / 1.0);
       tactus_modes_set(&groups[k / 8], k % 8, tactus_mode_design(frequency, decay, 1, rate));
@@ -62,7 +64,7 @@ static int run_modal_body(const double* in, int frames, double rate, double* out
   tactus_modal_body body = {0};
   double give = 0;
   memset(groups, 0, sizeof groups);
-  for (int k = 0; k < TACTUS_TEST_MODES; ++k) {
+  for (int k = 0; k < MODES; ++k) {
     const double sigma = 3 * 2.302585092994046 / (0.1 * (pow(1.0 / (k + 1), 0.5) / 1.0));
     const double complex pole = cexp(-sigma / rate + 2 * pi * (220.0 * (k + 1)) / rate * I);
     const double complex p = 2 * rate * (pole - 1.0) / (pole + 1.0);
@@ -90,6 +92,47 @@ static int run_align(const double* const* in, int frames, double rate, double* o
   memset(&state, 0, sizeof state);
   tactus_align_start(&state, rate, TACTUS_ALIGN_LONGEST);
   EACH_FRAME(tactus_align_step(&state, &line, in[0][n], in[1][n], in[2][n], in[3][n], in[4][n], in[5][n]));
+}
+
+/* Cubic, of times up to 10 ms. */
+static int run_delay(const double* const* in, int frames, double rate, double* out) {
+  static double samples[1024];
+  const tactus_delay delay = {3, 0, 0.01, rate};
+  tactus_line line = {samples, 1024, 0};
+  memset(samples, 0, sizeof samples);
+  EACH_FRAME(tactus_delay_step(&delay, &line, in[0][n], in[1][n]));
+}
+
+/* With losses by a zero. */
+static int run_string(const double* const* in, int frames, double rate, double* out) {
+  static double samples[8192];
+  const tactus_string_kind kind = {0, 0.9999, 0};
+  tactus_line line = {samples, 8192, 0};
+  tactus_string_design design = {0, {0}, 0};
+  memset(samples, 0, sizeof samples);
+  for (int n = 0; n < frames; ++n) {
+    if (n % 8 == 0) design = tactus_string(kind, tactus_max(LOWEST_PITCH, in[1][n]), in[2][n], in[3][n], rate);
+    out[n] = tactus_string_step(&design, 0, &line, 0, in[0][n], n % 8);
+  }
+  return 1;
+}
+
+/* Free at its end, with losses by a pole. */
+static int run_waveguide(const double* const* in, int frames, double rate, double* out) {
+  static double samples[8192];
+  const tactus_waveguide guide = tactus_waveguide_between(LOWEST_PITCH, 5000, 1, 0, rate);
+  tactus_line line = {samples, 8192, 0};
+  tactus_string_design design = {0, {0}, 0};
+  tactus_filter pole = NO_FILTER;
+  memset(samples, 0, sizeof samples);
+  for (int n = 0; n < frames; ++n) {
+    if (n % 8 == 0) {
+      design = tactus_waveguide_design(&guide, in[1][n], in[2][n], in[3][n]);
+      tactus_string_set_pole(&pole, &design);
+    }
+    out[n] = tactus_waveguide_step(&design, 1, &line, &pole, in[0][n], n % 8);
+  }
+  return 1;
 }
 
 static int run_onset(const double* const* in, int frames, double rate, double* out) {
@@ -128,6 +171,9 @@ int tactus_run_kernel(const char* node, const double* const* in, int frames, dou
   if (strcmp(node, "modal") == 0) return run_modal(in, frames, rate, out);
   if (strcmp(node, "modal_body") == 0) return run_modal_body(in[0], frames, rate, out);
   if (strcmp(node, "align") == 0) return run_align(in, frames, rate, out);
+  if (strcmp(node, "delay") == 0) return run_delay(in, frames, rate, out);
+  if (strcmp(node, "string") == 0) return run_string(in, frames, rate, out);
+  if (strcmp(node, "waveguide") == 0) return run_waveguide(in, frames, rate, out);
   if (strcmp(node, "onset") == 0) return run_onset(in, frames, rate, out);
   if (strcmp(node, "curve") == 0) return run_curve(in[0], frames, out);
   if (strcmp(node, "sample") == 0) return run_sample(in, frames, out);

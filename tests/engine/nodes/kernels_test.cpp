@@ -57,6 +57,11 @@ Given given_to(const std::string& node) {
   if (node == "curve") return {.settings = {{"points", "[[0 s, 0.25], [2 ms, 1], [10 ms, -1]]"}}};
   if (node == "sample") return {.settings = {{"file", sound_file()}}, .constants = {{"speed", 0.75}}};
   if (node == "align") return {.constants = {{"on", 1}}};
+  if (node == "delay") return {.settings = {{"min", "0 s"}, {"max", "10 ms"}}};
+  if (node == "string") return {.constants = {{"gain", 0.99}, {"loss", 0.4}}};
+  if (node == "waveguide")
+    return {.settings = {{"end", "free"}, {"loss_filter", "one_pole"}},
+            .constants = {{"gain", 0.9}, {"loss", 0.3}}};
   if (node == "onset") return {.constants = {{"threshold", 0.02}, {"margin", 1.41}, {"noise_margin", 7}}};
   return {};
 }
