@@ -84,7 +84,6 @@ void Network::reset(NetworkState& state) const noexcept {
   std::fill(state.low_pass.begin(), state.low_pass.end(), CriticalLowPass::State{});
   state.active.clear();
   state.settled = false;
-  state.supplied = state.dissipated = 0.0;
   network_solver_->start(state);
 }
 
