@@ -76,6 +76,15 @@ static inline tactus_real tactus_within(tactus_real x, tactus_real low, tactus_r
   return x > low ? tactus_min(x, high) : low;
 }
 
+/// The interpolator `wanted` frames behind the newest tap, without its own phase error at the pitch.
+static inline void tactus_string_weights(tactus_real* weights, tactus_complex delay, tactus_real radians,
+                                         tactus_real wanted) {
+  tactus_complex error;
+  tactus_lagrange(weights, 6, wanted);
+  error = tactus_times(tactus_polynomial(weights, 6, delay), tactus_turned(radians * wanted));
+  tactus_lagrange(weights, 6, wanted + atan2(error.im, error.re) / radians);
+}
+
 /// Out of range is clamped: pitch to [10 Hz, 0.3 fs], gain to [0, most_gain], loss to [0, 1] (one zero) or
 /// [0, 0.99] (one pole).
 static inline tactus_string_design tactus_string(tactus_string_kind kind, tactus_real pitch, tactus_real gain,
@@ -84,7 +93,7 @@ static inline tactus_string_design tactus_string(tactus_string_kind kind, tactus
   const tactus_real radians = 6.283185307179586 * frequency / rate;
   const tactus_complex delay = tactus_turned(-radians);
   tactus_string_design design = {0, {0, 0, 0, 0, 0, 0, 0}, 0};
-  tactus_real zeros[2] = {0, 0}, weights[6], frames, wanted;
+  tactus_real zeros[2] = {0, 0}, weights[6], frames;
   tactus_complex losses, poles;
   gain = tactus_within(gain, 0, kind.most_gain);
   loss = tactus_within(loss, 0, kind.one_pole ? 0.99 : 1.0);
@@ -98,11 +107,7 @@ static inline tactus_string_design tactus_string(tactus_string_kind kind, tactus
   // The middle interval of six taps starts two frames behind the newest, which itself must be in the past.
   frames = tactus_max(3.0, rate / frequency + atan2(losses.im, losses.re) / radians - kind.frames_outside);
   design.newest = (int)frames - 2;
-  wanted = frames - design.newest;
-  tactus_lagrange(weights, 6, wanted);
-  losses = tactus_times(tactus_polynomial(weights, 6, delay), tactus_turned(radians * wanted));
-  tactus_lagrange(weights, 6, wanted + atan2(losses.im, losses.re) / radians);
-
+  tactus_string_weights(weights, delay, radians, frames - design.newest);
   for (int k = 0; k < 6; ++k) {
     design.taps[k] += gain * zeros[0] * weights[k];
     design.taps[k + 1] += gain * zeros[1] * weights[k];

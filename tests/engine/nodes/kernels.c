@@ -4,7 +4,8 @@
 #include <complex.h>
 #include <string.h>
 
-#define MODES 11
+#define MODES 51
+#define GROUPS ((MODES + 7) / 8) /* 7: four, two and one are stepped together */
 #define LOWEST_PITCH 10.0
 #define NO_FILTER {{1, {1, 0, 0}, {0, 0}}, {0}, {0}, {0, 0}, {0, 0}}
 
@@ -41,25 +42,25 @@ static int run_fir(const double* in, int frames, double* out) {
   return 1;
 }
 
-/* Harmonic modes; those of the second group that are not used stay silent. */
+/* Harmonic modes; those of the last group that are not used stay silent. */
 static int run_modal(const double* const* in, int frames, double rate, double* out) {
-  static tactus_modes groups[2];
+  static tactus_modes groups[GROUPS];
   memset(groups, 0, sizeof groups);
-  for (int k = 0; k < 16; ++k) tactus_modes_set(&groups[k / 8], k % 8, tactus_mode_design(0, 1, 0, 1));
+  for (int k = 0; k < 8 * GROUPS; ++k) tactus_modes_set(&groups[k / 8], k % 8, tactus_mode_design(0, 1, 0, 1));
   for (int n = 0; n < frames; ++n) {
     for (int k = 0; n % 8 == 0 && k < MODES; ++k) {
       const double frequency = clamped(in[1][n], 1, 1e6) * (k + 1);
       const double decay = clamped(in[2][n], 1e-4, 1e4) * (pow(1.0 / (k + 1), 0.5) / 1.0);
       tactus_modes_set(&groups[k / 8], k % 8, tactus_mode_design(frequency, decay, 1, rate));
     }
-    out[n] = tactus_modal_step(groups, 2, n == 0 ? 0.0 : in[0][n - 1]);
+    out[n] = tactus_modal_step(groups, GROUPS, n == 0 ? 0.0 : in[0][n - 1]);
   }
   return 1;
 }
 
 /* Harmonic modes of 220 Hz, 0.1 s and 1 kg at a port of 2 N s/m. */
 static int run_modal_body(const double* in, int frames, double rate, double* out) {
-  static tactus_body_modes groups[2];
+  static tactus_body_modes groups[GROUPS];
   const double pi = 3.141592653589793;
   tactus_modal_body body = {0};
   double give = 0;
@@ -80,7 +81,7 @@ static int run_modal_body(const double* in, int frames, double rate, double* out
   body.impedance = 2;
   body.by_state = 1 / (1 + 2 * give);
   body.by_wave = 2 * give * body.by_state;
-  for (int n = 0; n < frames; ++n) out[n] = tactus_modal_body_step(&body, groups, 2, in[n]).wave;
+  for (int n = 0; n < frames; ++n) out[n] = tactus_modal_body_step(&body, groups, GROUPS, in[n]).wave;
   return 1;
 }
 

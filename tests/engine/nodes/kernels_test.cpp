@@ -50,8 +50,8 @@ std::string sound_file() {
 
 Given given_to(const std::string& node) {
   if (node == "fir") return {.settings = {{"taps", "[1, -0.25, 0.5]"}}};
-  if (node == "modal") return {.settings = {{"modes", "11"}}};
-  if (node == "modal_body") return {.settings = {{"modes", "11"}}, .constants = {{"impedance", 2}}};
+  if (node == "modal") return {.settings = {{"modes", "51"}}};
+  if (node == "modal_body") return {.settings = {{"modes", "51"}}, .constants = {{"impedance", 2}}};
   if (node == "wavetable") return {.settings = {{"table", "[0, 1, 0.5, -0.5, -1]"}}};
   if (node == "map") return {.settings = {{"points", "[[-1, 3], [0.25, -1], [1, 2]]"}}};
   if (node == "curve") return {.settings = {{"points", "[[0 s, 0.25], [2 ms, 1], [10 ms, -1]]"}}};
