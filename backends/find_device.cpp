@@ -127,23 +127,17 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   return choice;
 }
 
-std::vector<Device> devices_of(const std::vector<LibraryDevice>& found) {
-  std::vector<Device> devices;
-  for (const auto& one : found) devices.push_back(one.device);
-  return devices;
-}
-
 void number_same_ids(std::vector<LibraryDevice>& devices) {
   for (auto one = devices.end(); one != devices.begin();) {
     --one;
-    const auto before = std::count_if(
-        devices.begin(), one, [&](const LibraryDevice& other) { return other.device.id == one->device.id; });
-    if (before > 0) one->device.id += " #" + std::to_string(before + 1);
+    const auto before =
+        std::count_if(devices.begin(), one, [&](const LibraryDevice& other) { return other.id == one->id; });
+    if (before > 0) one->id += " #" + std::to_string(before + 1);
   }
 }
 
 Result<DeviceChoice> choose(const std::vector<LibraryDevice>& found, const StreamRequest& request) {
-  auto choice = choose(devices_of(found), request);
+  auto choice = choose(std::vector<Device>(found.begin(), found.end()), request);
   if (!choice || found[choice->input].api == found[choice->output].api) return choice;
   return fail(
       Errc::BadArgument, "",
