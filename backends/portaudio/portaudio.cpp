@@ -13,7 +13,7 @@
 #include <pa_linux_alsa.h>
 #endif
 
-#include "backends/card_stream.h"
+#include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
