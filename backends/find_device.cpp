@@ -116,11 +116,10 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   auto asked = request;
   asked.sample_rate = request.sample_rate.value_or(output->default_rate);
   if (auto status = fits(asked, *input, *output); !status) return tl::unexpected(status.error());
-  const auto place = [&](const std::string& id) {
-    return index(std::find_if(devices.begin(), devices.end(), [&](const Device& d) { return d.id == id; }) -
-                 devices.begin());
+  const auto place = [&](const Device& chosen) {
+    return index(std::ranges::find(devices, chosen.id, &Device::id) - devices.begin());
   };
-  DeviceChoice choice{place(input->id), place(output->id), {}};
+  DeviceChoice choice{place(*input), place(*output), {}};
   choice.granted.device = output->id;
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};

@@ -195,19 +195,15 @@ struct Line {
   double reported_at = -1.0;  ///< [s]
 };
 
-/// A driver's buffer may be cut into several blocks, which all carry its flags and its time.
-void count_gaps(Line& line, double time, PaStreamCallbackFlags flags) noexcept {
-  const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
-  const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
-  if ((!input && !output) || time == std::exchange(line.reported_at, time)) return;
-  line.card->gaps(line.jack, input, output);
-}
-
 int bring_block(const void* in, void* out, unsigned long frames, const PaStreamCallbackTimeInfo* time,
                 PaStreamCallbackFlags flags, void* user) {
   auto& line = *static_cast<Line*>(user);
   if (line.own_thread && !std::exchange(line.begun, true)) static_cast<void>(become_realtime(kPriority));
-  count_gaps(line, time->currentTime, flags);
+  const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
+  const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
+  // A driver's buffer may be cut into several blocks, which all carry its flags and its time.
+  if ((input || output) && time->currentTime != std::exchange(line.reported_at, time->currentTime))
+    line.card->gaps(line.jack, input, output);
   line.card->block(static_cast<const float* const*>(in), static_cast<float* const*>(out), line.out_planes,
                    static_cast<int>(frames));
   return paContinue;
