@@ -116,8 +116,6 @@ class CardCallback {
   void process(const float* const* in, float* const* out, int offset, int frames, Stage stage) noexcept;
   void convert_input(const float* const* in, int offset, int frames) noexcept;
   void watch(int frames, Clock::time_point now) noexcept;
-  std::chrono::nanoseconds silence_at(Clock::time_point now) const noexcept;
-  double seconds_at(Clock::time_point now) noexcept;
 
   Guarded& processor_;
   const StreamFormat format_;
@@ -126,9 +124,9 @@ class CardCallback {
   ChannelBuffers in_, out_;
   std::atomic<Stage> stage_{Stage::Silent};
   std::atomic<bool> busy_{false};
-  std::atomic<std::int64_t> last_block_ns_{0};  ///< of the steady clock; when `play` began, until the first
-  std::atomic<std::int64_t> last_gap_ns_{0};
-  std::int64_t first_block_ns_ = 0;
+  std::atomic<Clock::time_point> last_block_;  ///< when `play` began, until the first
+  std::atomic<Clock::time_point> last_gap_;
+  Clock::time_point first_block_;
   std::int64_t frames_ = 0;  ///< since `play`, with those that the library reported lost
   FrameWatch clock_;
   bool first_ = true;
