@@ -306,9 +306,10 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
   if (!options.rig.empty()) {
     const auto rig = or_exit(load_rig(options.rig, root_of(options.rig)), kBadFile);
     if (!rig.measured_delay)
-      exit_with({Errc::Missing, options.rig, "this rig has no measured delay",
-                 "measure it with 'tactus latency measure --rig " + options.rig + "', or give --delay"},
-                kBadFile);
+      exit_with(
+          {Errc::Missing, options.rig, "this rig has no measured delay",
+           "measure the delay with 'tactus latency measure --rig " + options.rig + "', or give --delay"},
+          kBadFile);
     world.delay = *rig.measured_delay;
     for (const auto& control : rig.controls)
       world.set.try_emplace(control.name, ControlValue{control.value.si});

@@ -13,7 +13,7 @@ namespace {
 std::string why(jack_status_t status) {
   if ((status & JackServerFailed) != 0) return "no JACK server is running";
   if ((status & JackVersionError) != 0) return "the JACK server has another version";
-  return "the JACK server refuses another client";
+  return "the JACK server refused another client";
 }
 
 Status cannot(const std::string& what, const std::string& remedy) {
@@ -80,7 +80,7 @@ Status Client::add_ports(int inputs, int outputs) {
   for (int c = 0; c < outputs && all; ++c) all = add(outputs_, "out_", JackPortIsOutput);
   in_.assign(inputs_.size(), nullptr);
   out_.assign(outputs_.size(), nullptr);
-  return all ? Status{} : cannot("register so many ports", "start the server with a larger --port-max");
+  return all ? Status{} : cannot("register that many ports", "start the server with a larger --port-max");
 }
 
 std::string Client::input_port(int channel) const { return jack_port_name(inputs_[index(channel)]); }
@@ -93,12 +93,13 @@ void Client::play_through(std::unique_ptr<CardCallback> callback, std::vector<Wi
 
 Status Client::activate() {
   first_ = true;
-  if (jack_activate(handle_) != 0) return cannot("start the client", "is the server still there?");
+  if (jack_activate(handle_) != 0)
+    return cannot("start the client", "check that the server is still running");
   for (const auto& wire : wires_)
     if (const int result = jack_connect(handle_, wire.from.c_str(), wire.to.c_str());
         result != 0 && result != EEXIST)
       return cannot("connect '" + wire.from + "' to '" + wire.to + "'",
-                    "jack_lsp shows whether both are there");
+                    "check with jack_lsp that both exist");
   return {};
 }
 
@@ -146,7 +147,7 @@ void Client::note_lost_frames(int frames) noexcept {
 }
 
 tl::unexpected<Error> no_answer() {
-  return fail(Errc::Device, "", "the JACK server does not answer", "stop it and start it again");
+  return fail(Errc::Device, "", "the JACK server does not respond", "restart it");
 }
 
 }  // namespace tactus::jack

@@ -98,7 +98,7 @@ class JackStream final : public CardStream {
 
   std::string take_note() override {
     if (const int block = client_->block_frames(); block != reported_block_)
-      return fmt::format("JACK's blocks have {} frames now and had {}: the delay has changed", block,
+      return fmt::format("the JACK block size is now {} frames instead of {}: the delay has changed", block,
                          std::exchange(reported_block_, block));
     if (!running() || client_->lost()) return {};
     const int rewirings = client_->rewirings();
@@ -108,8 +108,8 @@ class JackStream final : public CardStream {
     for (std::size_t w = 0; w < wires.size(); ++w)
       if (now[w] != connected_[w]) {
         connected_[w] = now[w];
-        return fmt::format("somebody {} '{}' and '{}'", now[w] ? "connected" : "disconnected", wires[w].from,
-                           wires[w].to);
+        return fmt::format("another program {} '{}' and '{}'", now[w] ? "connected" : "disconnected",
+                           wires[w].from, wires[w].to);
       }
     reported_rewirings_ = rewirings;
     return {};
@@ -128,7 +128,7 @@ class JackStream final : public CardStream {
   Status stop_library(bool finished) override {
     if (lost())
       return fail(Errc::Device, "", "the JACK server or the device was disconnected",
-                  "destroy the stream and open it again when they are back");
+                  "reopen the stream when they are available again");
     if (auto status = deactivate(); !status) return status;
     return finished ? Status{} : jack::no_answer();
   }

@@ -115,8 +115,7 @@ Status open_line(const std::shared_ptr<Line>& line, const LibraryDevice& input, 
   granted.xruns_move_delay = line->own_thread;
   granted.comes_back = !line->session->has_jack();
   if (std::abs(info->sampleRate - rate) < 0.5) return {};
-  return fail(Errc::BadArgument, "", "'" + granted.device + "' does not run at this rate",
-              "leave the rate out");
+  return fail(Errc::BadArgument, "", "'" + granted.device + "' does not run at this rate", "omit the rate");
 }
 
 /// A stream of a JACK server that died is left as it is.

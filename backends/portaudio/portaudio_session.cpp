@@ -24,9 +24,7 @@ Program& program() {
   return one;
 }
 
-tl::unexpected<Error> over() {
-  return fail(Errc::Device, "", program().over, "end the program and start it again");
-}
+tl::unexpected<Error> over() { return fail(Errc::Device, "", program().over, "restart the program"); }
 
 Status checked(PaError code) {
   if (code >= paNoError) return {};
@@ -34,7 +32,7 @@ Status checked(PaError code) {
   if (const auto* host = Pa_GetLastHostErrorInfo(); code == paUnanticipatedHostError && host->errorText)
     message += std::string{": "} + host->errorText;
   if (code == paInvalidSampleRate)
-    return fail(Errc::BadArgument, "", "the device does not run at this rate", "leave the rate out");
+    return fail(Errc::BadArgument, "", "the device does not support this rate", "omit the rate");
   return fail(Errc::Device, "", "PortAudio: " + message, "see tactus doctor");
 }
 
@@ -81,13 +79,13 @@ bool portaudio_is_over() { return !program().over.empty(); }
 
 void portaudio_lost_jack() {
   if (!portaudio_is_over())
-    program().over = "the JACK server ended, and PortAudio's JACK client cannot come back";
+    program().over = "the JACK server ended, and PortAudio's JACK client cannot reconnect";
 }
 
 Status in_portaudio(std::function<int()> call) {
   if (portaudio_is_over()) return over();
   if (const auto code = result_with_timeout(std::move(call))) return checked(*code);
-  program().over = "PortAudio does not answer any more";
+  program().over = "PortAudio does not respond any more";
   return over();
 }
 

@@ -15,7 +15,7 @@
 namespace tactus {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "samples are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "samples are written in the byte order of memory");
 
 constexpr std::uint64_t kMost32 = std::numeric_limits<std::uint32_t>::max();
 constexpr int kMaxChannels = 1024;
@@ -36,7 +36,7 @@ class Bytes {
 std::uint64_t frame_bytes(int channels) { return sizeof(float) * static_cast<std::uint64_t>(channels); }
 
 tl::unexpected<Error> cannot_write(const std::filesystem::path& path) {
-  return fail(Errc::BadFile, path.string(), why_not_written(), "check the space on the disk");
+  return fail(Errc::BadFile, path.string(), why_not_written(), "check the free disk space");
 }
 
 }  // namespace
@@ -79,12 +79,12 @@ Result<GrowingWav> GrowingWav::create(const std::filesystem::path& path, Hertz s
                 fmt::format("record 1 to {}", kMaxChannels));
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored))
-    return fail(Errc::BadFile, path.string(), "this take is there already",
-                "choose another name, or move it away");
+    return fail(Errc::BadFile, path.string(), "this take already exists",
+                "choose another name, or move the file");
   GrowingWav wav{path, sample_rate, channels};
   if (wav.settle()) return wav;
   return fail(Errc::BadFile, path.string(), "it cannot be written",
-              "check that the folder exists and may be written to");
+              "check that the folder exists and is writable");
 }
 
 Status GrowingWav::append(const float* samples, std::int64_t frames) {
