@@ -62,8 +62,8 @@ class Loader {
     if (first == open_.end()) return false;
     std::string chain;
     for (auto file = first; file != open_.end(); ++file) chain += file->name + " -> ";
-    errors_.add(Errc::Cycle, node.type_at, "a file uses itself: " + chain + first->name,
-                "take one of these parts out of its file");
+    errors_.add(Errc::Cycle, node.type_at, "a file includes itself: " + chain + first->name,
+                "remove one of these parts from its file");
     return true;
   }
 

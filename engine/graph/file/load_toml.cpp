@@ -70,8 +70,8 @@ tl::unexpected<Error> explain(const toml::parse_error& error, std::string_view t
   if (what.find("redefine") != what.npos)
     return fail(Errc::Duplicate, at.text(), what.substr(what.find("cannot")),
                 what.find("existing table") != what.npos
-                    ? "put all that belongs to it under one heading, or rename one of them"
-                    : "rename or remove one of them");
+                    ? "put all its entries under one heading, or rename one of the two"
+                    : "rename or remove one of the two");
   if (const auto unquoted = find_unquoted(line_of(text, at.line), at.column)) {
     at.column = unquoted->column;
     const std::string value{unquoted->value};
@@ -80,7 +80,7 @@ tl::unexpected<Error> explain(const toml::parse_error& error, std::string_view t
   // "Error while parsing array: expected …" becomes "in this array: expected …".
   constexpr std::string_view kBoilerplate = "Error while parsing ";
   if (what.starts_with(kBoilerplate)) what = "in this " + what.substr(kBoilerplate.size());
-  return fail(Errc::Syntax, at.text(), what, "fix it to see further errors");
+  return fail(Errc::Syntax, at.text(), what, "fix this to see further errors");
 }
 
 // ---- the parser's tree as plain data ----
@@ -123,10 +123,10 @@ Result<Value> convert(const toml::node& node, const FileName& file) {
   if (const auto* array = node.as_array()) return convert_list(*array, file).map(with_place);
   if (const auto* real = node.as_floating_point()) {
     if (std::isfinite(real->get())) return Value{real->get(), at};
-    return fail(Errc::OutOfRange, at.text(), "inf and nan are not numbers here", "give a finite number");
+    return fail(Errc::OutOfRange, at.text(), "inf and nan are not allowed", "give a finite number");
   }
-  return fail(Errc::WrongType, at.text(), "dates and times of day mean nothing here",
-              "put it in quotes if it is a text");
+  return fail(Errc::WrongType, at.text(), "dates and times are not allowed here",
+              "put it in quotes if it is a string");
 }
 
 Result<Value::Table> parse(std::string_view text, const FileName& file) {
@@ -136,8 +136,8 @@ Result<Value::Table> parse(std::string_view text, const FileName& file) {
   } catch (const toml::parse_error& error) {
     return explain(error, text, file);
   } catch (const ParserAssertion&) {
-    return fail(Errc::Syntax, *file, "this is not TOML, in a way that confuses the parser",
-                "look for brackets, quotes and commas that are missing");
+    return fail(Errc::Syntax, *file, "this is not valid TOML; the parser cannot locate the error",
+                "look for missing brackets, quotes and commas");
   }
 }
 
@@ -147,11 +147,11 @@ Result<std::string> read_graph_text(const std::filesystem::path& file) {
   const auto name = file.string();
   std::error_code error;
   if (std::filesystem::is_directory(file, error))
-    return fail(Errc::BadFile, name, "this is a folder", "name a file in it");
+    return fail(Errc::BadFile, name, "this is a folder", "give a file in it");
   if (!std::filesystem::exists(file, error))
     return fail(Errc::BadFile, name, "there is no such file", "check the path");
   if (!std::filesystem::is_regular_file(file, error))
-    return fail(Errc::BadFile, name, "this is no ordinary file", "name one that is");
+    return fail(Errc::BadFile, name, "this is not a regular file", "give a regular file");
   std::ifstream stream(file, std::ios::binary);
   // One byte more than allowed shows that a file is too large, even one without an end.
   std::string text(kMaxFileBytes + 1, '\0');

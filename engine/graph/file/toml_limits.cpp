@@ -94,11 +94,11 @@ class BracketScan {
         if (i > 0 || !text_.starts_with(kByteOrderMark)) return stray(i);
         i = kByteOrderMark.size();
       } else {
-        if (!fits(c)) return Violation{i, "brackets or dots more than 64 deep", "close some of them before"};
+        if (!fits(c)) return Violation{i, "brackets or dots more than 64 deep", "reduce the nesting"};
         if (auto violation = close(c, i)) return violation;
         values_ += c == '=' || c == ',' || c == '[' ? 1 : 0;
         if (values_ > kMaxTomlValues)
-          return Violation{i, "more than 250000 values", "keep tables of numbers in a sound file"};
+          return Violation{i, "more than 250000 values", "store tables of numbers in a sound file"};
         ++i;
       }
     }
@@ -111,8 +111,8 @@ class BracketScan {
     const auto character = text_.substr(offset, character_length(text_.substr(offset, 4)));
     unsigned code = static_cast<unsigned char>(character[0]) & (0x7fu >> character.size());
     for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned char>(c) & 0x3fu);
-    return {offset, fmt::format("'{}' (U+{:04X}) is outside of quotes", character, code),
-            "put the text that it belongs to in quotes, or remove it"};
+    return {offset, fmt::format("'{}' (U+{:04X}) is not allowed outside quotes", character, code),
+            "put the text around it in quotes, or remove it"};
   }
 
   bool fits(char c) {
@@ -141,7 +141,7 @@ class BracketScan {
 Status check_toml_limits(std::string_view text, const Source& file) {
   if (text.size() > kMaxFileBytes)
     return fail(Errc::Syntax, file.text(), "the file is larger than 16 MB",
-                "graph files are text of a few pages");
+                "split the file, or keep data in sound files");
   if (const auto bad = first_bad_utf8(text); bad != text.npos)
     return fail(Errc::Syntax, place_of(text, bad, file).text(), "this is not UTF-8 text",
                 "save the file as UTF-8");

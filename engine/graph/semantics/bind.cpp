@@ -34,9 +34,9 @@ Expression missing_with_error(ErrorList& errors, Errc code, const Source& at, co
 const SectionType& spread_fields() {
   static const SectionType section{
       "a spread over lanes",
-      {required(field("from", FieldType::Kind::Any, "of the first lane")),
-       required(field("to", FieldType::Kind::Any, "of the last lane")),
-       choice_field("curve", {"linear", "exponential"}, "from one end to the other", "linear")}};
+      {required(field("from", FieldType::Kind::Any, "value of the first lane")),
+       required(field("to", FieldType::Kind::Any, "value of the last lane")),
+       choice_field("curve", {"linear", "exponential"}, "spacing of the values", "linear")}};
   return section;
 }
 
@@ -56,8 +56,8 @@ Expression bind_spread(const Value& value, ErrorList& errors) {
   }
   if (expression.exponential && !(expression.arguments[0].number * expression.arguments[1].number > 0))
     return missing_with_error(errors, Errc::OutOfRange, value.at,
-                              "an exponential spread cannot begin, end or pass at 0",
-                              "give both ends the same sign, or take the linear curve");
+                              "an exponential spread cannot start at, end at or cross 0",
+                              "give both ends the same sign, or use the linear curve");
   return expression;
 }
 
@@ -82,7 +82,7 @@ Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors
     for (const auto& lane : *list) {
       if (lane.list() != nullptr || lane.table() != nullptr)
         return missing_with_error(errors, Errc::WrongType, lane.at, "a lane cannot be " + lane.kind(),
-                                  "a list holds one number, quantity or expression for each lane");
+                                  "a list must have one number, quantity or expression for each lane");
       expression.arguments.push_back(bind_signal(lane, scope, errors));
     }
     if (!expression.arguments.empty()) return expression;

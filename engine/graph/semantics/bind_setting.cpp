@@ -68,7 +68,7 @@ class SettingReader {
     result_.text = reader_.text(setting_.name);
     if (value.text() == nullptr) return;
     if (setting_.unit && !parse_unit(result_.text))
-      report(Errc::UnknownName, value.at, "is no unit: \"" + result_.text + "\"",
+      report(Errc::UnknownName, value.at, "is not a unit: \"" + result_.text + "\"",
              "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"");
     if (setting_.kind != Setting::Kind::File) return;
     const auto found = find_part(result_.text, folder_, folder_, value.at);
@@ -94,7 +94,7 @@ class SettingReader {
   void read_list(const Value& value) {
     const auto* list = value.list();
     if (list == nullptr || list->empty())
-      return report(Errc::WrongType, value.at, "must be a list that is not empty", "as in " + setting_.doc);
+      return report(Errc::WrongType, value.at, "must be a non-empty list", "as in " + setting_.doc);
     for (const auto& item : *list) {
       if (setting_.kind == Setting::Kind::Names)
         read_name(item);
@@ -107,7 +107,7 @@ class SettingReader {
 
   void read_name(const Value& item) {
     if (item.text() != nullptr) return result_.names.push_back(*item.text());
-    report(Errc::WrongType, item.at, "must hold names of nodes", "write [\"node\", \"node\"]");
+    report(Errc::WrongType, item.at, "must be a list of node names", "write [\"node\", \"node\"]");
   }
 
   void read_point(const Value& item) {

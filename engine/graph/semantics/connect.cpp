@@ -69,18 +69,18 @@ void Instance::connect_compensation(const EntrySpec& entry, const std::string& f
   std::set<std::string> named;
   for (const auto& name : node.settings.back().names) {
     if (!named.insert(name).second) {
-      errors_.add(Errc::BadArgument, value->at, "'" + name + "' is compensated twice", "name it once");
+      errors_.add(Errc::BadArgument, value->at, "'" + name + "' is compensated twice", "list it once");
       continue;
     }
     const auto known = nodes_by_name_.find(name);
     if (known != nodes_by_name_.end()) {
       if (name == entry.name || flat_.nodes[index(known->second)].type->resonant)
         errors_.add(Errc::BadArgument, value->at, "'" + name + "' cannot be compensated: it is not a filter",
-                    "leave it out; name what only turns the phase");
+                    "omit it; list only nodes that change the phase");
       node.compensate.push_back(known->second);
     } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {
       errors_.add(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
-                  "name nodes of this file that have a type");
+                  "list nodes of this file that have a type");
     }
   }
 }
@@ -124,7 +124,7 @@ void Instance::bind_output(const EntrySpec& entry, Expression& expression,
   const auto* from = find(entry.fields, "from");
   if (from == nullptr)
     errors_.add(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",
-                "name its source, as in from = \"node\"");
+                "give its source, as in from = \"node\"");
   expression = from != nullptr ? bind_signal(*from, scope_, errors_) : missing_signal(entry.at);
   const auto unit = read_unit(entry, errors_);
   if (unit && find(entry.fields, "unit") != nullptr) declared = unit->dimension;

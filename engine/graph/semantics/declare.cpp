@@ -139,7 +139,7 @@ void Instance::declare_network(const NetworkSpec& network) {
         entry.fields.push_back({std::move(port), field.at, field.value});
   network_entries_.push_back(std::make_unique<EntrySpec>(std::move(entry)));
   const auto& outputs = (*type)->outputs;
-  scope_.explain(network.name, "name an element of the network, such as '" + network.name + "." +
+  scope_.explain(network.name, "write an element of the network, such as '" + network.name + "." +
                                    (outputs.empty() ? "mass.position" : outputs.front().name) + "'");
   declare_outputs(*network_entries_.back(), *type, false);
 }
@@ -184,8 +184,8 @@ bool Instance::too_large(const NodeSpec& node) {
   if (flat_.signals.size() < resolving_.most_signals) return false;
   if (!std::exchange(flat_.too_large, true))
     errors_.add(Errc::OutOfRange, node.type_at,
-                "the parts come to more than " + std::to_string(resolving_.most_signals) + " signals",
-                "use fewer parts inside parts");
+                "the parts contain more than " + std::to_string(resolving_.most_signals) + " signals",
+                "use fewer nested parts");
   return true;
 }
 
@@ -199,7 +199,7 @@ void Instance::declare_part_outputs(const NodeSpec& node, const GraphSpec& part,
   if (part.outputs.size() == 1)
     scope_.add(node.name, static_cast<int>(flat_.signals.size()) - 1);
   else
-    scope_.explain(node.name, "name one of its outputs, such as '" + node.name + "." +
+    scope_.explain(node.name, "write one of its outputs, such as '" + node.name + "." +
                                   (part.outputs.empty() ? "output" : part.outputs.front().name) + "'");
   if (part.incomplete) scope_.tolerate(node.name);
 }

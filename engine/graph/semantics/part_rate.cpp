@@ -51,8 +51,9 @@ std::optional<double> read_ratio(const NodeSpec& node, const Value& value, Hertz
     return std::nullopt;
   }
   if (!(quantity->si > 0) || quantity->si > around.value) {
-    errors.add(Errc::OutOfRange, value.at, of_part(node, "rate") + " cannot be " + in_hertz(quantity->si),
-               "a part runs at most at the " + in_hertz(around.value) + " around it");
+    errors.add(
+        Errc::OutOfRange, value.at, of_part(node, "rate") + " cannot be " + in_hertz(quantity->si),
+        "the rate of a part must not exceed the " + in_hertz(around.value) + " of the enclosing graph");
     return std::nullopt;
   }
   return around.value / quantity->si;
@@ -66,7 +67,7 @@ int whole_ratio(const NodeSpec& node, const Value& value, Hertz around, ErrorLis
   if (std::abs(*ratio - whole) > 1e-9 * *ratio || whole < 1) {
     errors.add(Errc::OutOfRange, value.at,
                of_part(node, "rate") + " is not the " + in_hertz(around.value) +
-                   " around it, divided by a whole number",
+                   " of the enclosing graph divided by a whole number",
                nearest_rates(around.value, *ratio));
     return 1;
   }
@@ -88,7 +89,7 @@ PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz aroun
     const auto choice = fields.choice(key);
     if (choice && !fields.has("rate"))
       errors.add(Errc::Missing, fields.value(key)->at, of_part(node, key) + " has no effect without a 'rate'",
-                 "give the part a rate of its own, or remove '" + std::string{key} + "'");
+                 "give the part its own rate, or remove '" + std::string{key} + "'");
     return choice == 1;
   };
   PartRate rate;

@@ -45,7 +45,7 @@ std::optional<double> set_value(const ScenePart& part, const EntrySpec& control)
 
 tl::unexpected<Error> no_control(const std::string& name, const std::string& what) {
   return fail(Errc::UnknownName, name, what,
-              "name one as in --control gamma, or plant.gamma of another part");
+              "give --control gamma, or --control plant.gamma for a control of the plant");
 }
 
 double value_at(const BifurcationPlan& plan, int i, int values) {
@@ -119,8 +119,8 @@ Status SceneSweep::find_control() {
   const auto* frequency = control_of(*part, "frequency");
   const auto hertz = frequency != nullptr ? set_value(*part, *frequency) : std::nullopt;
   if (!hertz || !(*hertz > 0))
-    return fail(Errc::Missing, part->at.text(), "nothing says how often the table goes up and down",
-                "give the part a control 'frequency', at a number");
+    return fail(Errc::Missing, part->at.text(), "the frequency of the table is not known",
+                "give the part a control 'frequency' with a constant value");
   frequency_ = *hertz;
   of_the_table_ = name == "gamma";
   std::erase_if(part->wires, [&](const Field& field) { return field.key == name; });
@@ -158,7 +158,7 @@ Result<std::vector<std::vector<Landing>>> SceneSweep::run(const std::vector<doub
   if (ball == nullptr || floor == nullptr)
     return fail(Errc::Missing, scene.file.text(),
                 "the scene has no signals with the roles 'ball' and 'table'",
-                "name two positions under [roles]");
+                "give two positions under [roles]");
   const auto landings = landings_of(ball->samples, floor->samples, recording->sample_rate);
   std::vector<std::vector<Landing>> held;
   for (const double start : starts) {

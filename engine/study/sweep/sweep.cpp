@@ -35,12 +35,12 @@ Error unknown_name(const SceneSpec& scene, const std::string& name) {
     all.insert(all.end(), names->begin(), names->end());
   const auto near = nearest_name(name, all);
   auto remedy = near.empty() ? std::string{} : "did you mean '" + near + "'? ";
-  remedy += "quantities of the scene: delay, rate, solver, oversample";
+  remedy += "parameters of the scene: delay, rate, solver, oversample";
   for (const auto& [kind, names] :
        {std::pair{"controls", &controls}, std::pair{"gestures", &std::as_const(gestures)},
         std::pair{"constants", &constants}})
     if (!names->empty()) remedy += fmt::format("; {}: {}", kind, listed(*names));
-  return {Errc::UnknownName, "--over", "the scene has no quantity '" + name + "'", remedy};
+  return {Errc::UnknownName, "--over", "the scene has no parameter '" + name + "'", remedy};
 }
 
 /// Quantities that every scene has, with their limits.
@@ -123,10 +123,9 @@ Status check_swept(const SceneSpec& scene, const SweptValue& swept) {
   const auto* wire = instrument != nullptr ? find(instrument->wires, swept.name) : nullptr;
   const auto* text = wire != nullptr ? wire->text() : nullptr;
   if (gesture == nullptr && text != nullptr && scene.gesture(*text) != nullptr)
-    return fail(Errc::BadArgument, "--over",
-                "control '" + swept.name + "' is moved by gesture '" + *text + "'",
+    return fail(Errc::BadArgument, "--over", "control '" + swept.name + "' is set by gesture '" + *text + "'",
                 "sweep the gesture: --over " + *text +
-                    "=0.5:2:4 scales it; values with a unit hold it at each of them");
+                    "=0.5:2:4 scales it; values with a unit replace it by a constant");
   return {};
 }
 
