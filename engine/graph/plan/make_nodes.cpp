@@ -211,10 +211,10 @@ class Maker {
   }
 
   void report_phase(const Vertex& phase_delay) {
-    errors_.add(Errc::BadArgument, phase_delay.at,
-                "the phase delay of '" + compensated(phase_delay).path +
-                    "' cannot be compensated: its phase delay is not known",
-                "list filters in the same loop");
+    errors_.add(
+        Errc::BadArgument, phase_delay.at,
+        "the phase delay of '" + compensated(phase_delay).path + "' cannot be compensated: it is not known",
+        "list filters in the same loop");
   }
 
   VertexGraph& graph_;

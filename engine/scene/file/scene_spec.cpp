@@ -88,7 +88,7 @@ class PointReader {
                   "use times between 0 s and one day");
     } else if (*time <= last_s_) {
       errors_.add(Errc::OutOfRange, value.at,
-                  seconds_text(*time) + " is not later than " + seconds_text(last_s_) + " before it",
+                  seconds_text(*time) + " is not later than the " + seconds_text(last_s_) + " before it",
                   "the times of a gesture must be ascending");
     }
     last_s_ = std::max(last_s_, *time);
