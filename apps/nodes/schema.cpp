@@ -36,7 +36,7 @@ std::string described(const std::string& doc, const std::string& unit, std::opti
     text += " [unit as " + unit.substr(1) + "]";
   else if (!unit.empty() && unit != "any")
     text += " [" + unit + "]";
-  if (fallback) text += "; " + short_number(*fallback) + " if left out";
+  if (fallback) text += "; default: " + short_number(*fallback);
   return text;
 }
 
@@ -118,7 +118,7 @@ Json section_schema(const SectionType& section);
 
 Json of_field(const FieldType& field) {
   using Kind = FieldType::Kind;
-  const auto doc = field.doc + (field.fallback.empty() ? "" : "; " + field.fallback + " if left out");
+  const auto doc = field.doc + (field.fallback.empty() ? "" : "; default: " + field.fallback);
   switch (field.kind) {
     case Kind::Text:
       break;

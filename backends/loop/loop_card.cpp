@@ -130,7 +130,7 @@ const std::vector<NamedLoopCard>& loop_cards() {
       {"20ms", "a cable, 20 ms; any other time can be given", ""},
       {"inverted", "a cable with inverted polarity", "gain=-1"},
       {"ac_coupled", "coupling capacitors of 20 Hz", "high_pass=20"},
-      {"no_cable", "nothing comes back", "cable=2"},
+      {"no_cable", "no signal returns", "cable=2"},
       {"wrong_channel", "the cable is connected to the next input", "cable=1"},
       {"howl", "the card plays back what it captures, with gain", "monitor=1.1"},
       {"clipping", "an input with far too much gain", "gain=50dB"},

@@ -178,7 +178,7 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
   double* const limit = type->of(limits);
   if (limit == nullptr || !std::isfinite(*limit))
     return fail(Errc::OutOfRange, where, "this drive has no limit on '" + name + "' to raise",
-                "leave it out");
+                "remove it");
   if (!(*value > *limit))
     return fail(Errc::OutOfRange, where, "'" + name + "' is already " + short_number(*limit),
                 "a limit can only be raised here");
