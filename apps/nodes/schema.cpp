@@ -9,7 +9,7 @@
 #include "engine/nodes/networks/solver_names.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"
-#include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 namespace {
@@ -200,7 +200,7 @@ Json node(const NodeType& type) {
              !port.fallback);
   for (const auto& setting : type.settings)
     keys.add(setting.name, of_setting(setting), setting.fallback.empty() && !setting.optional);
-  keys.add("voices", whole_number("how many lanes", 1, 1024));
+  keys.add("voices", whole_number("number of lanes", 1, 1024));
   keys.add("about", text("for people"));
   return keys.object(type.summary);
 }

@@ -77,7 +77,7 @@ int run_stability(const StabilityOptions& options) {
   if (const auto exit = monitor.end(map->finished, map->runs)) return *exit;
   if (const int failed = publish(options, app::text_of(*map), app::json_of(*map), app::plots_of(*map)))
     return failed;
-  return map->confirmed() == map->borders() ? kDone : kNo;
+  return map->confirmed == map->borders ? kDone : kNo;
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ std::string cell_text(const SweepTable& table, std::size_t first, std::size_t me
 std::string text_of(const SweepTable& table) {
   Table text{{{}}};
   for (const auto& swept : table.over) text.rows[0].push_back(swept.name);
-  for (const auto& measure : table.measures) text.rows[0].push_back(measure.label);
+  for (const auto& measure : table.measures) text.rows[0].push_back(measure.name);
   for (std::size_t i = 0; i < table.points.size(); i += table.variants.size()) {
     auto& row = text.rows.emplace_back();
     for (std::size_t a = 0; a < table.over.size(); ++a)
@@ -55,8 +55,7 @@ Json json_of(const SweepTable& table) {
       {"scene", table.scene}, {"over", Json::array()}, {"measures", Json::array()}, {"runs", Json::array()}};
   for (const auto& swept : table.over) json["over"].push_back(swept.name);
   for (const auto& measure : table.measures)
-    json["measures"].push_back(
-        {{"name", measure.label}, {"measure", measure.what.measure}, {"of", measure.what.of}});
+    json["measures"].push_back({{"name", measure.name}, {"measure", measure.measure}, {"of", measure.of}});
   for (const auto& point : table.points) {
     Json run{{"at", Json::object()}, {"variant", point.variant}, {"measures", Json::object()}};
     for (std::size_t a = 0; a < table.over.size(); ++a) {
@@ -64,7 +63,7 @@ Json json_of(const SweepTable& table) {
       run["at"][swept.name] = swept.names.empty() ? Json(point.at[a]) : Json(value_text(swept, point.at[a]));
     }
     for (std::size_t m = 0; m < table.measures.size(); ++m)
-      run["measures"][table.measures[m].label] = (*point.result)[m];  // null if it is not finite
+      run["measures"][table.measures[m].name] = (*point.result)[m];  // null if it is not finite
     json["runs"].push_back(std::move(run));
   }
   return json;
@@ -72,13 +71,13 @@ Json json_of(const SweepTable& table) {
 
 namespace {
 
-Result<std::vector<SweptMeasure>> read_measures(const Options& options, const SceneSpec& scene) {
-  std::vector<SweptMeasure> measures;
+Result<std::vector<Expectation>> read_measures(const Options& options, const SceneSpec& scene) {
+  std::vector<Expectation> measures;
   for (const auto& text : options.measures) {
     auto measure = find_swept_measure(scene, text);
     if (!measure) return tl::unexpected(measure.error());
-    for (const auto& [time, limit, name] : {std::tuple{&options.from, &measure->what.from_s, "from"},
-                                            std::tuple{&options.to, &measure->what.to_s, "to"}}) {
+    for (const auto& [time, limit, name] : {std::tuple{&options.from, &measure->from_s, "from"},
+                                            std::tuple{&options.to, &measure->to_s, "to"}}) {
       if (time->empty()) continue;
       const auto seconds = parse_option(*time, "s", name);
       if (!seconds) return tl::unexpected(seconds.error());

@@ -177,8 +177,7 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
   if (!value) return fail(value.error().code, where, value.error().what, value.error().remedy);
   double* const limit = type->of(limits);
   if (limit == nullptr || !std::isfinite(*limit))
-    return fail(Errc::OutOfRange, where, "this drive has no limit on '" + name + "' to raise",
-                "remove it");
+    return fail(Errc::OutOfRange, where, "this drive has no limit on '" + name + "' to raise", "remove it");
   if (!(*value > *limit))
     return fail(Errc::OutOfRange, where, "'" + name + "' is already " + short_number(*limit),
                 "a limit can only be raised here");

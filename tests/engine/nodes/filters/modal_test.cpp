@@ -117,7 +117,6 @@ TEST_CASE("modal: it says what does not fit", "[nodes]") {
   CHECK(said({{"frequencies", "[100]"}, {"series", "bar"}}) ==
         "'frequencies' and 'series' both determine the mode frequencies; leave one of them out");
   CHECK(said({{"frequencies", "[100, 0]"}}) == "one of 'frequencies' is below 1 Hz; remove it");
-  CHECK(
-      said({{"frequencies", "[]"}}) ==
-      "'frequencies' has 0 numbers, but the number of modes is 1 to 4096 modes; list one frequency per mode");
+  CHECK(said({{"frequencies", "[]"}}) ==
+        "'frequencies' has 0 numbers; allowed are 1 to 4096 modes; list one frequency per mode");
 }
