@@ -72,7 +72,7 @@ TEST_CASE("learn: hits that do not stand out, clip or differ are refused in word
   CHECK(refusal(hits({-30, -30, 1, -30, -30})) ==
         "the hits clip at the card's input; lower the sensor's gain, and hit again");
   CHECK(refusal(hits({-30, -30, -44, -30, -30})) ==
-        "the hits differ by 14 dB, more than 1 dB dB; hit five times with equal force");
+        "the hits differ by 14 dB, more than 12 dB; hit five times with equal force");
   CHECK(refusal(hits({-30, -30, -30})) ==
         "3 of 5 hits were detected; hit again, a little harder, or raise the sensor's gain");
   CHECK(refusal(hits({})) ==

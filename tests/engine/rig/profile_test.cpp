@@ -101,8 +101,7 @@ TEST_CASE("profile: mistakes are told with their place", "[scene]") {
   CHECK(mistakes(kActuator, "[heat]", "[hat]").find("unknown key 'hat'; did you mean 'heat'?") !=
         std::string::npos);
   CHECK(mistakes("format = 1\nname = \"x\"\n", "x", "y") ==
-        "shaker.toml:1:1: the profile lacks [drive]; give [drive]: limits at limits at the "
-        "terminals");
+        "shaker.toml:1:1: the profile lacks [drive]; give [drive]: limits at the terminals");
 }
 
 TEST_CASE("profile: every shipped one can be read, says where its figures are from, and makes sense",

@@ -114,10 +114,10 @@ y = { form = "a", kind = "sound" }
 test.toml:4:62: 'interpolation' of delay 'b' cannot be 'cubik'; there are 'none', 'linear', 'lagrange3' and 'lagrange5'
 test.toml:5:1: delay 'c' lacks 'in'; write in = … (signal to delay)
 test.toml:5:23: delay 'c' has no 'inn'; did you mean 'in'?
-test.toml:5:39: a signal cannot be true or false; give a number, a quantity such as "15 ms", or source, an expression such as "0.5 * x"
+test.toml:5:39: a signal cannot be true or false; give a number, a quantity such as "15 ms", or an expression such as "0.5 * x"
 test.toml:6:62: 'interpolation' of delay 'd' must be a string, not a number; put it in quotes
 test.toml:7:28: 'b' has no output 'left'; `tactus nodes` lists the outputs of every type
-test.toml:8:27: a signal cannot be an empty list; give a number, a quantity such as "15 ms", or source, an expression such as "0.5 * x"
+test.toml:8:27: a signal cannot be an empty list; give a number, a quantity such as "15 ms", or an expression such as "0.5 * x"
 test.toml:8:37: a spread over lanes lacks 'to'; write { from = …, to = …, curve = "linear" or "exponential" }
 test.toml:8:60: 'voices' of clip 'f' cannot be 0; give one from 1 to 1024
 test.toml:9:46: '1 m' is in m, but 'points' is in s; give "15 ms"
@@ -219,7 +219,7 @@ r = { type = "clip", in = "r + x" }
 y = { from = "a + b + p + r" }
 )") ==
         R"(test.toml:7:1: delay 'a': the maximum delay cannot be determined; give max = "..." a time
-test.toml:8:65: 'high_pass' of onset 'b' must not change during playback; give a number, a quantity, or source, an expression of controls
+test.toml:8:65: 'high_pass' of onset 'b' must not change during playback; give a number, a quantity, or an expression of controls
 test.toml:9:1: p -> q -> p contains no delay; insert a 'delay' node in one of these connections
 test.toml:11:1: r -> r contains no delay; insert a 'delay' node in one of these connections)");
 }

@@ -373,7 +373,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { measure = "peak", of = "plant.stick", min = "1 mm", max = "1 s" }
 )",
-     R"(scene.toml:7:68: 'min' and 'max' are in different units; give both in the same unit unit)"},
+     R"(scene.toml:7:68: 'min' and 'max' are in different units; give both in the same unit)"},
     {"limits in the wrong unit",
      R"(format = 1
 duration = "1 s"
