@@ -20,7 +20,7 @@ std::string listed(const std::vector<Device>& devices) {
   return text;
 }
 
-Status fits(int channels, const std::vector<int>& map, int there, const char* what,
+Status fits(int channels, const std::vector<int>& map, int available, const char* what,
             const std::string& device) {
   const auto at = "'" + device + "'";
   if (channels < 0)
@@ -29,10 +29,11 @@ Status fits(int channels, const std::vector<int>& map, int there, const char* wh
     return fail(Errc::BadArgument, "",
                 fmt::format("{} {} are mapped, but {} are requested", map.size(), what, channels), "");
   const int last = channels_to_open(channels, map);
-  if (last > there || (!map.empty() && *std::min_element(map.begin(), map.end()) < 0))
-    return fail(Errc::OutOfRange, "",
-                fmt::format("{} has {} {}, but number {} is requested", at, there, what, last),
-                there == 0 ? "choose another device" : fmt::format("choose channels from 1 to {}", there));
+  if (last > available || (!map.empty() && *std::min_element(map.begin(), map.end()) < 0))
+    return fail(
+        Errc::OutOfRange, "",
+        fmt::format("{} has {} {}, but number {} is requested", at, available, what, last),
+        available == 0 ? "choose another device" : fmt::format("choose channels from 1 to {}", available));
   return {};
 }
 
@@ -45,7 +46,8 @@ Status fits(const StreamRequest& request, const Device& device) {
   const auto& rates = device.sample_rates;
   if (rates.empty() || std::count(rates.begin(), rates.end(), *request.sample_rate) > 0) return {};
   std::string text;
-  for (const auto& there : rates) text += fmt::format("{}{:g}", text.empty() ? "" : ", ", there.value);
+  for (const auto& supported : rates)
+    text += fmt::format("{}{:g}", text.empty() ? "" : ", ", supported.value);
   return fail(Errc::BadArgument, "", fmt::format("'{}' does not run at {:g} Hz", device.id, rate),
               "it runs at " + text + " Hz; omit the rate, or set the device to another rate");
 }
@@ -63,7 +65,7 @@ int channels_to_open(int channels, const std::vector<int>& map) {
 }
 
 Result<Device> device_with_id(const std::vector<Device>& devices, const std::string& id) {
-  const auto there =
+  const auto remedy =
       devices.empty()
           ? std::
                 string{"no device was found; check that it is connected and that the sound server is running"}
@@ -72,7 +74,7 @@ Result<Device> device_with_id(const std::vector<Device>& devices, const std::str
   if (const auto found = std::find_if(devices.begin(), devices.end(), chosen); found != devices.end())
     return *found;
   return fail(Errc::UnknownName, "",
-              id.empty() ? "there is no default device" : "there is no device '" + id + "'", there);
+              id.empty() ? "there is no default device" : "there is no device '" + id + "'", remedy);
 }
 
 Result<Device> find_device(const std::vector<Device>& devices, const std::string& text) {

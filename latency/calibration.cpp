@@ -68,9 +68,9 @@ double unexplained(const CapturedWindow& window, const Spectrum& path) {
 std::optional<double> half_power(const std::vector<double>& power, std::size_t peak, int step) {
   for (auto b = static_cast<std::ptrdiff_t>(peak); b > 0 && b + 1 < static_cast<std::ptrdiff_t>(power.size());
        b += step) {
-    const double here = power[index(b)], next = power[index(b + step)];
+    const double current = power[index(b)], next = power[index(b + step)];
     if (next > 0.5 * power[peak]) continue;
-    return static_cast<double>(b) + step * (here - 0.5 * power[peak]) / (here - next);
+    return static_cast<double>(b) + step * (current - 0.5 * power[peak]) / (current - next);
   }
   return std::nullopt;
 }

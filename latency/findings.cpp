@@ -95,44 +95,46 @@ double deviation(const std::vector<double>& values) {
 
 /// The gains of probes that were played at full level, and of those that were softer by a quarter and more.
 struct Gains {
-  std::vector<double> loud, soft;
+  std::vector<double> loud_db, soft_db;
 
   explicit Gains(const std::vector<ProbeDelay>& probes) {
     double highest = 0.0;
     for (const auto& probe : probes) highest = std::max(highest, probe.level);
-    for (const auto& probe : probes) (probe.level > 0.75 * highest ? loud : soft).push_back(probe.gain_db);
+    for (const auto& probe : probes)
+      (probe.level > 0.75 * highest ? loud_db : soft_db).push_back(probe.gain_db);
   }
   /// How much more the soft ones are amplified, when that is certain.
   double by_level() const {
-    if (loud.empty() || soft.empty()) return 0.0;
-    const double difference = mean(soft) - mean(loud);
-    const double error = std::hypot(deviation(loud) / std::sqrt(static_cast<double>(loud.size())),
-                                    deviation(soft) / std::sqrt(static_cast<double>(soft.size())));
+    if (loud_db.empty() || soft_db.empty()) return 0.0;
+    const double difference = mean(soft_db) - mean(loud_db);
+    const double error = std::hypot(deviation(loud_db) / std::sqrt(static_cast<double>(loud_db.size())),
+                                    deviation(soft_db) / std::sqrt(static_cast<double>(soft_db.size())));
     return std::abs(difference) > kFindingsCertain * error ? difference : 0.0;
   }
   /// By how much it rises from the first loud probe to the last, along a straight line, when that is certain.
   double rise() const {
-    const auto count = static_cast<double>(loud.size());
+    const auto count = static_cast<double>(loud_db.size());
     if (count < 4) return 0.0;
-    const double middle = 0.5 * (count - 1.0), level = mean(loud);
+    const double middle = 0.5 * (count - 1.0), level = mean(loud_db);
     double times = 0.0, common = 0.0, squares = 0.0;
-    for (std::size_t n = 0; n < loud.size(); ++n) {
+    for (std::size_t n = 0; n < loud_db.size(); ++n) {
       const double time = static_cast<double>(n) - middle;
       times += time * time;
-      common += time * (loud[n] - level);
-      squares += (loud[n] - level) * (loud[n] - level);
+      common += time * (loud_db[n] - level);
+      squares += (loud_db[n] - level) * (loud_db[n] - level);
     }
     const double slope = common / times;
     const double error = std::sqrt(std::max(0.0, squares - slope * common) / (count - 2.0) / times);
     return slope > kFindingsCertain * error ? slope * (count - 1.0) : 0.0;
   }
-  double fall() const { return loud.empty() ? 0.0 : loud.front() - loud.back(); }
+  double fall() const { return loud_db.empty() ? 0.0 : loud_db.front() - loud_db.back(); }
 };
 
 Finding moving_gain(const Analysis& analysis, const Evidence& evidence) {
   const Gains gains{analysis.probes};
   const double by_level = gains.by_level();
-  const double before = evidence.level_probe_gain_db ? *evidence.level_probe_gain_db - mean(gains.loud) : 0.0;
+  const double before =
+      evidence.level_probe_gain_db ? *evidence.level_probe_gain_db - mean(gains.loud_db) : 0.0;
   const double fall = std::max(gains.fall(), before);
   const bool falls = fall > kCancelled;
   if (!falls && gains.rise() > kGainRises)

@@ -43,7 +43,7 @@ Status raise(DriveBook& drives, const std::string& text, bool silent) {
   const auto name = text.substr(0, equals), value = text.substr(equals + 1);
   for (auto& [drive, limits] : drives.named)
     if (auto status = raise_limit(limits, name, value, "--raise-limit"); !status) return status;
-  // Where every drive has limits of its own, the cautious ones need not have what is raised.
+  // Where every drive has limits of its own, the conservative ones need not have what is raised.
   auto others = raise_limit(drives.others, name, value, "--raise-limit");
   if (!others && drives.named.empty()) return others;
   if (!silent)

@@ -125,7 +125,7 @@ class Interview {
         "What does '" + port.name +
             "' drive? woofer, bass_shaker, tactor_lra, …, or a file; unknown: conservative limits",
         "unknown", [&](const std::string& text) { return take_profile(text, output); });
-    // There is no cautious guess: too few volts would allow too much.
+    // There is no conservative guess: too few volts would allow too much.
     if (output.has_actuator())
       ask(dialog_,
           "Which voltage at the actuator, after the amplifier, does a sample value of 1 give? Such as 10 V",

@@ -173,17 +173,18 @@ std::string error_text(const WorkPrecision& result) {
   text += fmt::format("  {:.1f} ns per frame, {:.2g} % of real time at {:g} kHz\n", point.ns_per_frame,
                       100 * point.load(), point.variant.rate.value / 1e3);
   for (std::size_t a = 0; a < point.errors.size(); ++a) {
-    const auto& used = result.references[a];
-    text += fmt::format(
-        "  {:.2e}  relative error of {}: {} of {}, against {}{}\n", point.errors[a], used.accuracy,
-        used.measure, used.of, used.what,
-        used.own_error > 0 ? fmt::format(", whose own error is at most {:.1e}", used.own_error) : "");
+    const auto& reference = result.references[a];
+    text += fmt::format("  {:.2e}  relative error of {}: {} of {}, against {}{}\n", point.errors[a],
+                        reference.accuracy, reference.measure, reference.of, reference.what,
+                        reference.own_error > 0
+                            ? fmt::format(", whose own error is at most {:.1e}", reference.own_error)
+                            : "");
   }
   return text;
 }
 
 /// Errors of one run and its time a frame.
-int render_error(const RenderOptions& options, const std::filesystem::path& file) {
+int report_accuracy(const RenderOptions& options, const std::filesystem::path& file) {
   auto scene = or_exit(load_scene(file, root_of(file)));
   if (!options.rate.empty()) scene.rate = or_exit(parse_rate(options.rate));
   if (!options.delay.empty()) scene.delay = or_exit(parse_delay(options.delay));
@@ -203,7 +204,7 @@ int run_render(const RenderOptions& options) {
   const auto scene_file = resolve_target(options.target, "scene.toml");
   const auto table = load_toml(scene_file);
   const bool scene = table && find(*table, "parts") != nullptr;
-  if (options.error) return render_error(options, scene_file);
+  if (options.error) return report_accuracy(options, scene_file);
   if (options.in.empty() && scene) return render_scene(options, scene_file);
   if (scene && !std::filesystem::is_directory(options.target))
     exit_with({Errc::BadArgument, "--in", options.target + " is a scene, which makes its own sensor signals",

@@ -132,9 +132,9 @@ class Worker {
   }
 
   void update_ports() {
-    const auto there = names_by_id(*scout_);
-    close_missing(there);
-    for (const auto& [id, name] : there) {
+    const auto available = names_by_id(*scout_);
+    close_missing(available);
+    for (const auto& [id, name] : available) {
       const bool wanted = lower_case(id).find(lower_case(settings_.only)) != std::string::npos;
       if (wanted && !is_open(id)) open(id, name);
     }
@@ -176,11 +176,11 @@ class Worker {
     reported_error_.clear();
   }
 
-  void close_missing(const std::map<std::string, std::string>& there) {
+  void close_missing(const std::map<std::string, std::string>& available) {
     std::vector<std::shared_ptr<OpenPort>> closing;  // outside of the lock
     const std::lock_guard lock{mutex_};
     std::erase_if(ports_, [&](const auto& port) {
-      if (there.contains(port.first)) return false;
+      if (available.contains(port.first)) return false;
       news_.push_back("'" + port.first + "' is disconnected; it is reopened when it reconnects");
       closing.push_back(port.second);
       return true;

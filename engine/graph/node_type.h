@@ -149,7 +149,7 @@ struct NodeType {
   /// its signal moves far enough. nullopt: such an input is event-driven and has no small-signal gain.
   std::optional<double> small_signal_gain = {};
   /// Unread outputs may be given as nullptr (networks: hundreds of outputs, few of them read).
-  bool skips_unread = false;
+  bool skips_unused_outputs = false;
   /// Distinguishes declarations of one name (networks).
   std::uint64_t fingerprint = 0;
   /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.

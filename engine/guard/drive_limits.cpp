@@ -54,7 +54,7 @@ Status check(const ExcursionLimits& excursion) {
 
 }  // namespace
 
-DriveLimits cautious_limits() {
+DriveLimits conservative_limits() {
   DriveLimits limits;
   limits.ceiling = 0.5;
   limits.slew_per_second = 1000.0;

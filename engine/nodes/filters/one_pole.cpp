@@ -25,7 +25,7 @@ NodeType one_pole_type() {
         return FilterNode<1, 1>::maker(matched ? of_cutoff<tactus_matched_one_pole>
                                                : of_cutoff<tactus_one_pole>)(setup);
       },
-      .skips_unread = true};
+      .skips_unused_outputs = true};
 }
 
 }  // namespace tactus

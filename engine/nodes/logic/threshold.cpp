@@ -82,7 +82,7 @@ NodeType threshold_type() {
                    .range = {0, 1}},
                   bounded(0, 1, {"gate", "", "1 while the signal is high"})},
       .make = make_node<ThresholdNode>,
-      .skips_unread = true,
+      .skips_unused_outputs = true,
   };
 }
 

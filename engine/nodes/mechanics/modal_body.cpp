@@ -144,7 +144,7 @@ NodeType modal_body_type() {
            "effective masses of the modes at the point of contact: one number for all, or one per mode",
            {"kg"}})}),
       .make = make_modal_body,
-      .skips_unread = true};
+      .skips_unused_outputs = true};
 }
 
 }  // namespace tactus

@@ -192,7 +192,7 @@ Checked<std::shared_ptr<const NodeType>> network_type(const NetworkSpec& spec) {
   type->group = "networks";
   type->summary = "Masses on a line, connected by springs, contacts, friction and coils.";
   type->source = source_of(layout->solver);
-  type->skips_unread = true;
+  type->skips_unused_outputs = true;
   for (std::size_t i = 0; i < spec.elements.size(); ++i) {
     declare_inputs(*type, spec.elements[i], layout->elements[i]);
     declare_outputs(*type, layout->elements[i]);

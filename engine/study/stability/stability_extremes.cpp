@@ -249,9 +249,9 @@ void exclude_player_energy(std::vector<ExtremeRun>& runs) {
   const auto silence =
       std::ranges::find_if(runs, [](const auto& run) { return run.what == name_of(Disturbance::Silence); });
   if (silence == runs.end() || silence->grew) return;
-  const double supplied = silence->energy_after;
+  const double initial_energy = silence->energy_after;
   for (auto& run : runs)
-    if (!run.linear) run.grew = run.grew && !(run.energy_after <= kGrows * supplied + kNothing_J);
+    if (!run.linear) run.grew = run.grew && !(run.energy_after <= kGrows * initial_energy + kNothing_J);
 }
 
 }  // namespace tactus

@@ -41,7 +41,7 @@ Talk talk(const std::string& answers, bool defaults = false, int outputs = 4) {
 
 }  // namespace
 
-TEST_CASE("save_rig: all defaults give a rig that fits, with cautious limits", "[rig]") {
+TEST_CASE("save_rig: all defaults give a rig that fits, with conservative limits", "[rig]") {
   const auto asked = talk("", true);
   CHECK(asked.shown.empty());
   const auto rig = parse_rig(to_text(asked.rig), "rig.toml", kRoot);
@@ -50,7 +50,7 @@ TEST_CASE("save_rig: all defaults give a rig that fits, with cautious limits", "
   CHECK(rig->inputs[0].channels == std::vector{1});
   CHECK(rig->outputs[0].channels == std::vector{1});
   CHECK(rig->outputs[1].channels == std::vector{2});
-  CHECK(rig->outputs[0].drive.limits.ceiling == cautious_limits().ceiling);
+  CHECK(rig->outputs[0].drive.limits.ceiling == conservative_limits().ceiling);
   CHECK(rig->device.block == 64);
 }
 

@@ -95,7 +95,7 @@ TEST_CASE("takes: sensors that fall out, stops and guards that heat are in it", 
       folder.write("test.toml", kBusyGraph + kOutputs),
       wav,
       seed,
-      {{DriveGuard::Kind::Drive, woofer()}, {DriveGuard::Kind::Drive, cautious_limits()}}};
+      {{DriveGuard::Kind::Drive, woofer()}, {DriveGuard::Kind::Drive, conservative_limits()}}};
   performance.play(60000, edited_busy_graph);
   CHECK(performance.finish().empty());
   bool railed = false;

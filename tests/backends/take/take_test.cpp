@@ -27,7 +27,7 @@ TakeHeader full_header() {
   header.left_out = {"sound"};
   header.input_scales = {1.0 / 3.0};
   header.padding_frames = 7;
-  DriveLimits limits = cautious_limits();
+  DriveLimits limits = conservative_limits();
   limits.heat = HeatLimits{1.5, 2.5, Seconds{3.5}, Seconds{4.5}, 0.25, 80};
   limits.excursion = ExcursionLimits{0.001, 0.002, 50_Hz, 0.7};
   header.guard = {{DriveGuard::Kind::Drive, limits}, {DriveGuard::Kind::Audio, {}}};

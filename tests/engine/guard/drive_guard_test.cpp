@@ -174,5 +174,5 @@ TEST_CASE("drive_guard: limits that make no sense are refused in words", "[core]
   CHECK_FALSE(check({.excursion = ExcursionLimits{.metres = 1e-3, .metres_at_full_scale = kNan}}));
   CHECK_FALSE(check({.dc = {.level = 0.0}}));
   CHECK_FALSE(check({.dc = {.level = 0.1, .time = Seconds{-1.0}}}));
-  CHECK(check(cautious_limits()).has_value());
+  CHECK(check(conservative_limits()).has_value());
 }

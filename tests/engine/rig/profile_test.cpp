@@ -125,7 +125,7 @@ TEST_CASE("profile: every shipped one can be read, says where its figures are fr
 }
 
 TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]") {
-  auto limits = cautious_limits();
+  auto limits = conservative_limits();
   CHECK(raise_limit(limits, "ceiling", "0.8", "--raise-limit"));
   CHECK(limits.ceiling == 0.8);
   CHECK(raise_limit(limits, "direct_time", "20 s", "--raise-limit"));

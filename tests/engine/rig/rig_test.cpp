@@ -76,7 +76,7 @@ TEST_CASE("rig: every line of a rig means what it says", "[rig]") {
   REQUIRE(rig.outputs.size() == 2);
   CHECK(rig.outputs[0].drive.limits.ceiling == 0.8);
   CHECK(rig.outputs[0].drive.limits.heat->watts_at_full_scale == Approx(100 / 6.5));  // V^2 / R
-  CHECK(rig.outputs[1].drive.limits.ceiling == cautious_limits().ceiling);
+  CHECK(rig.outputs[1].drive.limits.ceiling == conservative_limits().ceiling);
   REQUIRE(rig.actuator_on(3) != nullptr);
   CHECK(rig.actuator_on(3)->name == "shaker");
   CHECK(rig.actuator_on(2)->name == "woofer");
