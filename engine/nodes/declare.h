@@ -66,6 +66,14 @@ Result<std::unique_ptr<Node>> make_node(const NodeSetup& setup) {
   return std::make_unique<SomeNode>(setup);
 }
 
+/// Range of the values of the setting `points`; unbounded where there are none.
+inline Interval range_of_points(int, const NodeSetup& setup) {
+  Interval range{kUnlimited, -kUnlimited};
+  for (const auto& point : setup.setting("points").points)
+    range = range.joined(Interval::exactly(point.second));
+  return range.low <= range.high ? range : Interval{};
+}
+
 /// Range of an output that starts at 0 and goes no further than an input.
 inline auto from_zero_to(const char* input) {
   return

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/core/transpose.h"
+#include "engine/dsp/kernel.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/semantics/expression.h"
 
@@ -220,8 +221,7 @@ void LaneSum::process(const NodeBlock& block) noexcept {
   double* sum = sums_.data();
   for (int n = 0; n < block.frames; ++n, sum += kVectorWidth) {
     for (int lane = 0; lane < rest; ++lane) sum[lane] += block.in[whole].data[n * kVectorWidth + lane];
-    const auto half = [sum](int lane) { return sum[lane] + sum[lane + kVectorWidth / 2]; };
-    block.out[0][n] = (half(0) + half(2)) + (half(1) + half(3));
+    block.out[0][n] = tactus_sum_of_eight(sum);
   }
 }
 

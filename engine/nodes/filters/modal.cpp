@@ -48,16 +48,14 @@ class ModalNode final : public Node {
     const auto delay = 1.0 / z;
     std::complex<double> sum = 0;
     for (std::size_t k = 0; k < table_.size(); ++k)
-      sum += designed(k, at[kFrequency], at[kDecay]).response(delay);
+      sum += mode_response(designed(k, at[kFrequency], at[kDecay]), delay);
     return sum;
   }
 
  private:
-  ModeDesign designed(std::size_t mode, double frequency, double decay) const noexcept {
-    return {{.frequency_hz = table_.frequency_hz(mode, frequency),
-             .decay_s = table_.decay_s(mode, decay),
-             .gain = gains_[mode]},
-            sample_rate_};
+  tactus_mode designed(std::size_t mode, double frequency, double decay) const noexcept {
+    return tactus_mode_design(table_.frequency_hz(mode, frequency), table_.decay_s(mode, decay), gains_[mode],
+                              sample_rate_.value);
   }
 
   void tune(double frequency, double decay) noexcept {

@@ -10,9 +10,7 @@ namespace {
 
 Breakpoints::Shape curve_shape(const NodeSetup& setup) {
   const auto& name = setup.setting("curve").text;
-  return name == "step"     ? Breakpoints::Shape::Step
-         : name == "smooth" ? Breakpoints::Shape::Smooth
-                            : Breakpoints::Shape::Linear;
+  return name == "step" ? TACTUS_CURVE_STEP : name == "smooth" ? TACTUS_CURVE_CUBIC : TACTUS_CURVE_LINEAR;
 }
 
 /// Times become frames; those within a millionth of a frame of a whole one become whole, so that "3 ms" at 48
@@ -64,13 +62,6 @@ Result<std::unique_ptr<Node>> make_curve(const NodeSetup& setup) {
   return std::make_unique<CurveNode>(setup, points);
 }
 
-Interval curve_range(int, const NodeSetup& setup) {
-  Interval range{kUnlimited, -kUnlimited};
-  for (const auto& [time, value] : setup.setting("points").points)
-    range = range.joined(Interval::exactly(value));
-  return range.low <= range.high ? range : Interval{};
-}
-
 }  // namespace
 
 NodeType curve_type() {
@@ -95,7 +86,7 @@ NodeType curve_type() {
                           "linear"),
                    unit_setting("values")},
       .make = make_curve,
-      .range = curve_range,
+      .range = range_of_points,
   };
 }
 

@@ -18,10 +18,6 @@ struct Recording {
   Hertz sample_rate;
 };
 
-struct CloseFile {
-  void operator()(SNDFILE* file) const { sf_close(file); }
-};
-
 // 512 MB, which is what a whole graph may keep.
 constexpr std::size_t kSoundFileMostFrames = 64 << 20;
 
@@ -46,7 +42,7 @@ Result<Recording> read_recording(const std::string& path, int channel) {
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
     return fail(Errc::BadFile, {}, "'" + path + "' is not a regular file", "name a WAV, AIFF or FLAC file");
   SF_INFO info{};
-  const std::unique_ptr<SNDFILE, CloseFile> file{sf_open(path.c_str(), SFM_READ, &info)};
+  const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> file{sf_open(path.c_str(), SFM_READ, &info), sf_close};
   if (!file)
     return fail(Errc::BadFile, {}, "cannot read '" + path + "': " + sf_strerror(nullptr),
                 "name a WAV, AIFF or FLAC file, relative to the graph file");

@@ -20,7 +20,7 @@ class TerrainNode final : public Node {
     for (int i = 0; i < block.frames; ++i) {
       const auto shape = at(in[kPosition][i], in[kHeight][i], in[kLength][i]);
       block.out[kForce][i] = tactus_terrain_force(in[kWeight][i], shape.slope);
-      block.out[kZ][i] = shape.height;
+      block.out[kZ][i] = shape.value;
     }
   }
   void reset() noexcept override {}
@@ -35,7 +35,7 @@ class TerrainNode final : public Node {
   }
 
  private:
-  tactus_terrain_shape at(double x, double height, double length) const {
+  tactus_cubic_point at(double x, double height, double length) const {
     const auto curve = curve_.view();
     return tactus_terrain_at(profile_, &curve, x, height, length);
   }

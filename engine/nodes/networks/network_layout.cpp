@@ -1,11 +1,10 @@
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <optional>
 #include <unordered_map>
 
 #include "engine/core/index.h"
-#include "engine/graph/file/error_list.h"
+#include "engine/graph/file/field.h"
 #include "engine/graph/semantics/scope.h"
 #include "engine/nodes/networks/network_builder.h"
 #include "engine/nodes/networks/solver_names.h"
@@ -39,6 +38,19 @@ std::vector<std::string> keys_of(const ElementType& type) {
   return keys;
 }
 
+/// Of a network, beside its elements.
+const SectionType& options() {
+  static const SectionType section = [] {
+    std::vector<std::string> solvers;
+    for (const auto solver : kSolvers) solvers.emplace_back(name_of(solver));
+    return SectionType{
+        "A network",
+        {choice_field("solver", std::move(solvers), "How it is stepped", name_of(Solver::Passive)),
+         whole_field("oversample", 1, kMostOversample, "Steps in a frame")}};
+  }();
+  return section;
+}
+
 class LayoutReader {
  public:
   explicit LayoutReader(const NetworkSpec& spec) : spec_(spec) {}
@@ -59,24 +71,9 @@ class LayoutReader {
 
  private:
   void read_options() {
-    errors_.unknown_keys(spec_.options, std::vector<std::string>{"solver", "oversample"});
-    const auto solver = errors_.text(spec_.options, "solver");
-    std::vector<std::string> known;
-    for (const auto candidate : kSolvers) known.emplace_back(name_of(candidate));
-    const auto found = std::find(known.begin(), known.end(), solver);
-    if (found != known.end())
-      layout_.solver = kSolvers[index(found - known.begin())];
-    else if (!solver.empty())
-      errors_.add(Errc::UnknownName, find(spec_.options, "solver")->at, "unknown solver '" + solver + "'",
-                  suggest(solver, known));
-    const auto* oversample = find(spec_.options, "oversample");
-    if (oversample == nullptr) return;
-    const double* number = oversample->number();
-    if (number == nullptr || *number != std::round(*number) || *number < 1 || *number > kMostOversample)
-      errors_.add(Errc::OutOfRange, oversample->at, "'oversample' is not a whole number from 1 to 64",
-                  "give the number of solver steps per frame");
-    else
-      layout_.oversample = static_cast<int>(*number);
+    FieldReader reader(spec_.options, options(), errors_);
+    if (const auto solver = reader.choice("solver")) layout_.solver = kSolvers[index(*solver)];
+    layout_.oversample = static_cast<int>(reader.number("oversample").value_or(0));
   }
 
   void read_type(const NodeSpec& element) {

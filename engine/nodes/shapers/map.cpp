@@ -12,8 +12,7 @@ struct MapFunction {
 };
 
 Breakpoints::Shape map_shape(const NodeSetup& setup) {
-  return setup.setting("curve").text == "exponential" ? Breakpoints::Shape::Exponential
-                                                      : Breakpoints::Shape::Linear;
+  return setup.setting("curve").text == "exponential" ? TACTUS_CURVE_EXPONENTIAL : TACTUS_CURVE_LINEAR;
 }
 
 Result<std::unique_ptr<Node>> make_map(const NodeSetup& setup) {
@@ -22,13 +21,6 @@ Result<std::unique_ptr<Node>> make_map(const NodeSetup& setup) {
     return fail(Errc::BadArgument, {}, std::string{"'points' is not a curve: "} + error,
                 "write [[x, y], ...] with ascending x");
   return std::make_unique<ElementwiseNode<MapFunction>>(MapFunction{Breakpoints{points, map_shape(setup)}});
-}
-
-Interval map_range(int, const NodeSetup& setup) {
-  const auto& points = setup.setting("points").points;
-  if (Breakpoints::error_in(points, map_shape(setup)) != nullptr) return {};
-  const Breakpoints curve{points, map_shape(setup)};
-  return {curve.least(), curve.most()};
 }
 
 }  // namespace
@@ -57,7 +49,7 @@ NodeType map_type() {
                    unit_setting("output")},
       .make = make_map,
       .stateless = true,
-      .range = map_range,
+      .range = range_of_points,
   };
 }
 

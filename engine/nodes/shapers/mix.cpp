@@ -1,11 +1,15 @@
 #include "engine/nodes/kernel_node.h"
+#include "engine/nodes/shapers/mix_kernel.h"
 
 namespace tactus {
 namespace {
 
 struct MixFunction {
   static constexpr int kInputs = 1;
-  double value(const double* in) const { return in[0]; }
+  double value(const double* in) const {
+    double lane = in[0];
+    return tactus_mix(&lane, 1);
+  }
   double slope(int, const double*) const { return 1; }
 };
 

@@ -197,7 +197,6 @@ void Couplings::finish(NetworkState& state) const noexcept {
     const double n = indentation(state, contacts + b);
     if (state.slipped[b] != 0.0 || std::abs(bond.law->root_slope(n) * psi) <= bond.limit) continue;
     state.slipped[b] = n < 0.0 ? -1.0 : 1.0;
-    if (state.audit) state.dissipated += 0.5 * psi * psi;
     psi = 0.0;
   }
   for (std::size_t f = 0; f < frictions(); ++f)

@@ -511,7 +511,7 @@ s = { type = "spring", between = ["a", "a"], stiffness = "1 N/m" }
 oversample = 1000000
 a = { type = "mass", mass = "1 kg" }
 )",
-     R"(test.toml:3:14: 'oversample' is not a whole number from 1 to 64; give the number of solver steps per frame)"},
+     R"(test.toml:3:14: 'oversample' cannot be 1e+06; give one from 1 to 64)"},
     {"a stiffness in the wrong unit",
      R"(format = 1
 [networks.n]

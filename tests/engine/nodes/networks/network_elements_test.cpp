@@ -221,7 +221,7 @@ TEST_CASE("network elements: what is wrong with them is told with its place and 
       mistakes_of("c = { type = \"chain\", masses = 3, ends = \"loose\", mass = \"1 g\", stiffness = 1 }") ==
       "test.toml:4:42: 'ends' of chain 'c' cannot be 'loose'; there are 'fixed' and 'free'");
   CHECK(mistakes_of("solver = \"exat\"\nm = { type = \"mass\", mass = \"1 g\" }") ==
-        "test.toml:4:10: unknown solver 'exat'; did you mean 'exact'?");
+        "test.toml:4:10: 'solver' cannot be 'exat'; did you mean 'exact'?");
 }
 
 TEST_CASE("network elements: the solver that auto takes, and why, is told", "[physics]") {
