@@ -314,7 +314,7 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
       world.set.try_emplace(control.name, ControlValue{control.value.si});
     return "delay as measured on the rig";
   }
-  const auto tested = tested_delays(*job.instrument->spec);
+  const auto& tested = job.instrument->spec->tested;
   if (!tested) return "no delay is known";
   world.delay = Seconds{tested->high};
   return "longest delay that it was tested with";

@@ -52,7 +52,7 @@ void Progress::operator()(double share, const std::string& what) {
 }
 
 void announce_delay(const GraphSpec& instrument, double delay_s) {
-  const auto tested = tested_delays(instrument);
+  const auto& tested = instrument.tested;
   if (!tested || tested->contains(delay_s)) return;
   const auto text = [](double si) { return short_quantity(si, Dimension{.second = 1}); };
   fmt::print(stderr, "warning: {} was tested with delays from {} to {}; with {} it may not be playable\n",

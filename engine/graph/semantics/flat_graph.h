@@ -70,16 +70,14 @@ struct FlatNode {
 struct FlatInput {
   std::string name;
   int lanes = 1;
-  Dimension dimension;
 };
 
 struct FlatControl {
   std::string name;
   double value = 0;  ///< SI
-  Unit unit;         ///< how people read it
-  Interval range;
+  Unit unit = {};    ///< how people read it; in decibels it also ramps
+  Interval range = {};
   double smooth_s = 0.010;
-  bool decibel = false;  ///< it ramps in decibels
 };
 
 enum class OutputUse { Drive, Audio, Tap };
@@ -87,10 +85,10 @@ enum class OutputUse { Drive, Audio, Tap };
 struct FlatOutput {
   std::string name;
   OutputUse use = OutputUse::Drive;
-  Expression expression;
-  Source at;
-  std::optional<Dimension> declared;
-  Dimension dimension;  ///< inferred
+  Expression expression = {};
+  Source at = {};
+  std::optional<Dimension> declared = {};
+  Dimension dimension = {};  ///< inferred
   int lanes = 1;
 };
 

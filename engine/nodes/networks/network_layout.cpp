@@ -59,17 +59,17 @@ class LayoutReader {
 
  private:
   void read_options() {
-    errors_.unknown_keys(spec_.options, std::vector<std::string>{"solver", "oversample"});
-    const auto solver = errors_.text(spec_.options, "solver");
+    errors_.unknown_keys(spec_.fields, std::vector<std::string>{"solver", "oversample"});
+    const auto solver = errors_.text(spec_.fields, "solver");
     std::vector<std::string> known;
     for (const auto candidate : kSolvers) known.emplace_back(name_of(candidate));
     const auto found = std::find(known.begin(), known.end(), solver);
     if (found != known.end())
       layout_.solver = kSolvers[index(found - known.begin())];
     else if (!solver.empty())
-      errors_.add(Errc::UnknownName, find(spec_.options, "solver")->at, "unknown solver '" + solver + "'",
+      errors_.add(Errc::UnknownName, find(spec_.fields, "solver")->at, "unknown solver '" + solver + "'",
                   suggest(solver, known));
-    const auto* oversample = find(spec_.options, "oversample");
+    const auto* oversample = find(spec_.fields, "oversample");
     if (oversample == nullptr) return;
     const double* number = oversample->number();
     if (number == nullptr || *number != std::round(*number) || *number < 1 || *number > kMostOversample)

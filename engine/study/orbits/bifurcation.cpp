@@ -6,6 +6,7 @@
 
 #include "engine/core/index.h"
 #include "engine/core/median.h"
+#include "engine/core/named.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/scene/file/scene_spec.h"
@@ -27,20 +28,12 @@ constexpr int kExactRead = 64;
 constexpr const char* kGesture = "swept_by_the_study";
 constexpr double kGlide_s = 3.0, kBifurcationSweepStep_s = 0.1;
 
-/// The control of a part, as its file has it; nullptr if there is none.
-const EntrySpec* control_of(const ScenePart& part, std::string_view name) {
-  const auto& controls = part.graph->controls;
-  const auto found =
-      std::find_if(controls.begin(), controls.end(), [&](const auto& c) { return c.name == name; });
-  return found == controls.end() ? nullptr : &*found;
-}
-
 /// The value of a control in the scene, or else in its graph file; none if it is not a number.
-std::optional<double> set_value(const ScenePart& part, const EntrySpec& control) {
+std::optional<double> set_value(const ScenePart& part, const ControlSpec& control) {
   const auto* value = find(part.wires, control.name);
-  if (value == nullptr) value = find(control.fields, "value");
-  const auto quantity = value != nullptr ? read_quantity(*value) : Result<QuantityValue>{};
-  return value != nullptr && quantity ? std::optional{quantity->si} : std::nullopt;
+  if (value == nullptr) return control.control.value;
+  const auto quantity = read_quantity(*value);
+  return quantity ? std::optional{quantity->si} : std::nullopt;
 }
 
 tl::unexpected<Error> no_control(const std::string& name, const std::string& what) {
@@ -114,9 +107,9 @@ Status SceneSweep::find_control() {
                                  [&](const auto& p) { return p.name == part_name; });
   if (part == scene_.parts.end() || part->graph == nullptr)
     return no_control(plan_.control, "the scene has no part '" + part_name + "'");
-  if (control_of(*part, name) == nullptr)
+  if (find_named(part->graph->controls, name) == nullptr)
     return no_control(plan_.control, "there is no control '" + name + "' in the part '" + part_name + "'");
-  const auto* frequency = control_of(*part, "frequency");
+  const auto* frequency = find_named(part->graph->controls, "frequency");
   const auto hertz = frequency != nullptr ? set_value(*part, *frequency) : std::nullopt;
   if (!hertz || !(*hertz > 0))
     return fail(Errc::Missing, part->at.text(), "nothing says how often the table goes up and down",

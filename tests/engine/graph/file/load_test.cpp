@@ -85,8 +85,8 @@ between = ["stick", "ground"]
   REQUIRE(read);
   const auto& drum = (*read)->networks.at(0);
   CHECK(drum.name == "drum");
-  REQUIRE(drum.options.size() == 1);
-  CHECK(drum.options[0].key == "oversample");
+  REQUIRE(drum.fields.size() == 1);
+  CHECK(drum.fields[0].key == "oversample");
   CHECK(names(drum.elements) == "stick head ");
   CHECK(drum.elements[1].type == "contact");
   CHECK(drum.elements[1].fields.size() == 1);
