@@ -14,10 +14,8 @@
 namespace tactus::app {
 int report(const std::vector<Error>& errors) {
   fmt::print(stderr, "{}\n", to_string(errors));
-  const bool usage = std::all_of(errors.begin(), errors.end(), [](const Error& error) {
-    return error.where.empty() || error.where.starts_with("--");
-  });
-  return usage ? kUsage : kBadFile;
+  const bool in_a_file = std::ranges::count(errors, Error::Place::File, &Error::place) > 0;
+  return in_a_file ? kBadFile : kUsage;
 }
 
 int report(const Error& error) { return report(std::vector{error}); }
@@ -89,9 +87,7 @@ Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std
 Result<double> parse_option(const std::string& text, const char* unit, const char* option) {
   const auto value = read_quantity(Value{text, {}}, *parse_unit(unit), option);
   if (value) return *value;
-  auto error = value.error();
-  error.where = std::string{"--"} + option;
-  return tl::unexpected(error);
+  return tl::unexpected(value.error().at(std::string{"--"} + option));
 }
 
 Result<Hertz> parse_rate(const std::string& text) {

@@ -259,7 +259,8 @@ x = {}
 pad = { type = "align", in = "x", period = "0 s", delay = "9 ms" }
 [outputs]
 y = { from = "pad" }
-)") == "test.toml:5:1: align 'pad': its period is never as long as two frames; give the period of the note, "
+)") == "test.toml:5:1: align 'pad': its period is never as long as two frames, 41.6667 us; give the period "
+       "of the note, "
        "as in "
        "period = \"1 / pitch\"");
 }
