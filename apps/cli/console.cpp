@@ -77,9 +77,8 @@ Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std
     if (!value || equals == 0)
       return fail(Errc::Syntax, "--set " + text, "is not NAME=VALUE",
                   "write for instance --set strength=0.5 or --set \"sensitivity=-40 dB\"");
-    const bool bare = text.find_first_not_of("+-0123456789.eE ", equals + 1) == std::string::npos;
     settings[text.substr(0, equals)] =
-        bare ? ControlValue{value->si} : ControlValue{value->si, value->unit.dimension};
+        value->bare ? ControlValue{value->si} : ControlValue{value->si, value->unit.dimension};
   }
   return settings;
 }

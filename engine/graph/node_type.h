@@ -106,8 +106,7 @@ struct NodeSetup {
   const NodeType* type = nullptr;
   std::vector<InputInfo> inputs;       ///< declaration order
   std::vector<SettingValue> settings;  ///< declaration order
-  int lane = 0;                        ///< which lane of how many
-  int lanes = 1;
+  int lane = 0;
   MemoryBudget* memory = nullptr;  ///< nullptr: as much as there is
 
   /// [control] Must be called before a node allocates more numbers than its settings hold.

@@ -2,7 +2,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/parse_graph.h"
+
 using namespace tactus;
+using tactus::test::parse_graph;
 
 namespace {
 

@@ -2,9 +2,11 @@
 #include <catch2/catch.hpp>
 
 #include "engine/graph/file/load.h"
+#include "tests/support/parse_graph.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
+using tactus::test::parse_graph;
 using test::TemporaryFolder;
 
 namespace {

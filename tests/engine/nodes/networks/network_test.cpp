@@ -8,6 +8,7 @@
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/node_runner.h"
+#include "tests/support/parse_graph.h"
 
 using namespace tactus;
 using namespace tactus::test;
