@@ -154,9 +154,8 @@ struct NodeType {
   /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.
   std::function<Interval(int output, const NodeSetup&)> range = {};
 
-  /// Index in `inputs` / `outputs`, or -1.
+  /// Index in `inputs`, or -1.
   int input_index(std::string_view port) const;
-  int output_index(std::string_view port) const;
 };
 
 struct NetworkSpec;

@@ -136,11 +136,10 @@ std::vector<FieldType> heading_fields() {
 }
 
 namespace {
+
 FieldType unit_field() {
   return text_field("unit", "\"m/s\", \"N/m\", \"ms\", \"dB\", \"full scale\"", "a plain number");
 }
-}  // namespace
-
 const SectionType& input_fields() {
   static const SectionType section{
       "an input", {unit_field(), about_field(), whole_field("lanes", 1, 1024, "lanes", "1")}};
@@ -166,7 +165,6 @@ const SectionType& output_fields() {
   return section;
 }
 
-namespace {
 FieldType voices_field() { return whole_field("voices", 1, 1024, "how many lanes", "1"); }
 }  // namespace
 

@@ -16,11 +16,8 @@ GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& e
 
 /// format, name, about and source, with which every file begins.
 std::vector<FieldType> heading_fields();
-/// All keys of a graph; of an entry of [inputs], [controls] and [outputs].
+/// All keys of a graph.
 const SectionType& graph_fields();
-const SectionType& input_fields();
-const SectionType& control_fields();
-const SectionType& output_fields();
 /// Of a node of a type, beside its ports and settings; of a node that is a part, beside its inputs and
 /// controls.
 const SectionType& node_fields();
