@@ -70,95 +70,91 @@ SectionType section_of(const Setting& setting) {
 }
 
 /// Reads one setting of one node; its errors have the place and the name of the node.
-class SettingReader {
- public:
-  SettingReader(const Setting& setting, const Value::Table& fields, const std::filesystem::path& folder,
-                const std::string& owner, ErrorList& errors)
-      : setting_(setting),
-        fields_(fields),
-        folder_(folder),
-        owner_(owner),
-        errors_(errors),
-        section_(section_of(setting)),
-        reader_(fields, section_, errors, FieldReader::kKeysChecked, owner) {}
+struct SettingReader {
+  const Setting& setting;
+  const Value::Table& fields;
+  const std::filesystem::path& folder;
+  const std::string& owner;  ///< "delay 'echo'"
+  ErrorList& errors;
+  SettingValue result = {};
 
   SettingValue read(const Value& value) {
     using Kind = Setting::Kind;
-    result_.given = true;
-    if (setting_.kind == Kind::Choice) {
-      if (const auto choice = reader_.choice(setting_.name)) result_.text = setting_.choices[index(*choice)];
-    } else if (setting_.kind == Kind::Text || setting_.kind == Kind::File) {
-      read_text(value);
-    } else if (setting_.kind == Kind::Integer) {
-      result_.number = reader_.number(setting_.name).value_or(0);
-    } else if (setting_.kind == Kind::Flag) {
-      result_.number = reader_.flag(setting_.name) ? 1 : 0;
-    } else if (setting_.kind == Kind::Quantity) {
+    const auto section = section_of(setting);
+    FieldReader reader{fields, section, errors, FieldReader::kKeysChecked, owner};
+    result.given = true;
+    if (setting.kind == Kind::Choice) {
+      if (const auto choice = reader.choice(setting.name)) result.text = setting.choices[index(*choice)];
+    } else if (setting.kind == Kind::Text || setting.kind == Kind::File) {
+      result.text = reader.text(setting.name);
+      if (value.text() != nullptr) check_text(value.at);
+    } else if (setting.kind == Kind::Integer) {
+      result.number = reader.number(setting.name).value_or(0);
+    } else if (setting.kind == Kind::Flag) {
+      result.number = reader.flag(setting.name) ? 1 : 0;
+    } else if (setting.kind == Kind::Quantity) {
       read_quantity_within(value);
     } else {
       read_list(value);
     }
-    return std::move(result_);
+    return std::move(result);
   }
 
- private:
   void report(Errc code, const Source& at, const std::string& what, const std::string& remedy) {
-    errors_.add(code, at, key_of(setting_.name, owner_) + " " + what, remedy);
+    errors.add(code, at, key_of(setting.name, owner) + " " + what, remedy);
   }
 
   /// Of one axis of a table: fixed, that of another setting ("=unit"), or that of a port, which is not known
   /// here.
   std::optional<Unit> unit(std::size_t axis) const {
-    const std::string text = axis < setting_.choices.size() ? setting_.choices[axis] : "";
+    const std::string text = axis < setting.choices.size() ? setting.choices[axis] : "";
     if (text.empty() || text.front() != '=') return parse_unit(text);
-    const auto* named = find(fields_, text.substr(1));
+    const auto* named = find(fields, text.substr(1));
     if (named == nullptr) return text == "=unit" ? std::optional{Unit{}} : std::nullopt;
     return text == "=unit" && named->text() != nullptr ? parse_unit(*named->text()) : std::nullopt;
   }
 
-  void read_text(const Value& value) {
-    result_.text = reader_.text(setting_.name);
-    if (value.text() == nullptr) return;
-    if (setting_.unit && !parse_unit(result_.text))
-      report(Errc::UnknownName, value.at, "is no unit: \"" + result_.text + "\"",
+  void check_text(const Source& at) {
+    if (setting.unit && !parse_unit(result.text))
+      report(Errc::UnknownName, at, "is no unit: \"" + result.text + "\"",
              "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"");
-    if (setting_.kind != Setting::Kind::File) return;
-    const auto found = find_part(result_.text, folder_, folder_, value.at);
-    if (errors_.keep(found) != nullptr) result_.text = found->name;
+    if (setting.kind != Setting::Kind::File) return;
+    const auto found = find_part(result.text, folder, folder, at);
+    if (errors.keep(found) != nullptr) result.text = found->name;
   }
 
   void read_quantity_within(const Value& value) {
     const auto number = quantity(value, 0);
     if (!number) return;
-    result_.number = *number;
-    if (*number < setting_.low || *number > setting_.high)
+    result.number = *number;
+    if (*number < setting.low || *number > setting.high)
       report(Errc::OutOfRange, value.at, "is out of range",
-             limits_text(setting_.low, setting_.high, unit(0).value_or(Unit{})));
+             limits_text(setting.low, setting.high, unit(0).value_or(Unit{})));
   }
 
   std::optional<double> quantity(const Value& value, std::size_t axis) {
     const auto expected = unit(axis);
-    const auto si = expected ? read_quantity(value, *expected, setting_.name)
+    const auto si = expected ? read_quantity(value, *expected, setting.name)
                              : read_quantity(value).map([](const QuantityValue& q) { return q.si; });
-    return errors_.keep(si) != nullptr ? std::optional{*si} : std::nullopt;
+    return errors.keep(si) != nullptr ? std::optional{*si} : std::nullopt;
   }
 
   void read_list(const Value& value) {
     const auto* list = value.list();
     if (list == nullptr || list->empty())
-      return report(Errc::WrongType, value.at, "must be a list that is not empty", "as in " + setting_.doc);
+      return report(Errc::WrongType, value.at, "must be a list that is not empty", "as in " + setting.doc);
     for (const auto& item : *list) {
-      if (setting_.kind == Setting::Kind::Names)
+      if (setting.kind == Setting::Kind::Names)
         read_name(item);
-      else if (setting_.kind == Setting::Kind::Points)
+      else if (setting.kind == Setting::Kind::Points)
         read_point(item);
       else if (const auto number = quantity(item, 0))
-        result_.numbers.push_back(*number);
+        result.numbers.push_back(*number);
     }
   }
 
   void read_name(const Value& item) {
-    if (item.text() != nullptr) return result_.names.push_back(*item.text());
+    if (item.text() != nullptr) return result.names.push_back(*item.text());
     report(Errc::WrongType, item.at, "must hold names of nodes", "write [\"node\", \"node\"]");
   }
 
@@ -168,17 +164,8 @@ class SettingReader {
       return report(Errc::WrongType, item.at, "must hold pairs", "write [[x, y], [x, y], …]");
     const auto x = quantity((*pair)[0], 0);
     const auto y = quantity((*pair)[1], 1);
-    if (x && y) result_.points.emplace_back(*x, *y);
+    if (x && y) result.points.emplace_back(*x, *y);
   }
-
-  const Setting& setting_;
-  const Value::Table& fields_;
-  const std::filesystem::path& folder_;
-  const std::string& owner_;  ///< "delay 'echo'"
-  ErrorList& errors_;
-  SectionType section_;
-  FieldReader reader_;
-  SettingValue result_;
 };
 
 SettingValue fallback_of(const Setting& setting) {
