@@ -59,13 +59,14 @@ Status raise(DriveBook& drives, const std::string& text, bool silent) {
 
 void add_guard_options(CLI::App& command, GuardOptions& options) {
   command.add_option("--profile", options.profile,
-                     "actuator of every drive: woofer, bass_shaker, tactor_lra, voice_coil, … or a file");
+                     "actuator profile for all drives (outputs to actuators): woofer, bass_shaker, "
+                     "tactor_lra, voice_coil, … or a file");
   command.add_option("--volts-per-full-scale", options.volts,
-                     "voltage at the actuator for a sample of 1, such as 8 or \"8 V\"");
+                     "voltage at the actuator for a sample value of 1, such as 8 or \"8 V\"");
   command.add_option(
       "--raise-limit", options.raise,
-      "NAME=VALUE: a limit of the drive guard beyond the profile's, such as ceiling=0.8: ceiling, "
-      "slew, power, travel, direct_level or direct_time");
+      "NAME=VALUE: raises a limit of the drive guard above the profile's, such as ceiling=0.8; NAME: "
+      "ceiling, slew, power, travel (excursion), direct_level (DC level) or direct_time (time above it)");
 }
 
 Checked<DriveBook> apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,

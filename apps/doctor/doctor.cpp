@@ -69,9 +69,9 @@ int run_doctor(bool json) {
 }  // namespace
 
 void add_doctor(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("doctor", "Check whether this system is fit for short delays");
+  auto* command = app.add_subcommand("doctor", "Check whether this system is set up for low-latency audio");
   auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "for machines");
+  command->add_flag("--json", *json, "print the findings as JSON");
   command->footer(
       "Example:\n  tactus doctor\nIt changes nothing; each finding is followed by the command that fixes it, "
       "or "

@@ -211,16 +211,18 @@ int run_explain(const ExplainOptions& options) {
 }  // namespace
 
 void add_explain(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("explain", "Print what a graph runs, in which order and at what cost");
+  auto* command =
+      app.add_subcommand("explain", "Print the nodes that a graph runs, their order and their cost");
   auto options = std::make_shared<ExplainOptions>();
   command
-      ->add_option("FILE", options->target, "instrument, plant or scene; a folder means its instrument.toml")
+      ->add_option("FILE", options->target,
+                   "instrument, plant or scene file; for a folder, its instrument.toml")
       ->required();
   command->add_option("--rate", options->rate, "sample rate")->capture_default_str();
-  command->add_option("--block", options->block, "block size in frames while measuring")
+  command->add_option("--block", options->block, "block size in frames for the cost measurement")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  command->add_flag("--json", options->json, "for machines");
+  command->add_flag("--json", options->json, "print the report as JSON");
   command->footer(
       "Examples:\n  tactus explain instruments/haptic_drum\n  tactus explain "
       "instruments/haptic_drum/scene.toml --json");

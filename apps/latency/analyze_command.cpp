@@ -51,7 +51,7 @@ int run_latency_analyze(AnalyzeOptions options) {
   auto analysis = analyze(capture->recording, settings);
   if (!analysis) return report(analysis.error()), kBadFile;
   if (analysis->detected && analysis->delay_frames < -0.5)
-    fmt::print(stderr, "note: the recording began after the probe did, so this is no delay of a device\n");
+    fmt::print(stderr, "note: the recording started after the probe, so this is not the delay of a device\n");
   const auto source =
       fmt::format("{}, {:g} kHz", options.files.capture, capture->recording.sample_rate.value / 1e3);
   return publish(report_of(source, std::move(*capture), std::move(*analysis)), options.report);
@@ -64,21 +64,23 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
   auto options = std::make_shared<AnalyzeOptions>();
   command->add_option("FILE", options->files.capture, "WAV file of the captured signal")->required();
   command->add_option("--probe", options->files.probe,
-                      "WAV file of what was played; left out: it is the first channel of FILE");
+                      "WAV file that was played; default: the first channel of FILE");
   command
       ->add_option("--channel", options->files.channel,
-                   "channel of FILE with what came back, from 1; [the first, or after the played one]")
+                   "channel of FILE with the captured signal, counted from 1; default: 1, or 2 if channel 1 "
+                   "is the probe")
       ->check(CLI::Range(1, 1024));
-  command->add_option("--rate", options->rate, "the true sample rate, where the files are wrong about it");
-  command->add_option("--profile", options->profile,
-                      "what was in the loop instead of a cable: a file of tactus latency calibrate");
+  command->add_option("--rate", options->rate, "actual sample rate, if the headers of the files are wrong");
+  command->add_option(
+      "--profile", options->profile,
+      "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; default: a cable");
   add_report_options(*command, options->report);
   command->footer(
       "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n"
       "  tactus latency analyze capture.wav --probe probe.wav --channel 2 --report delay.svg\n"
-      "  tactus latency analyze raw.wav     # as tactus latency measure --wav raw.wav kept it\n"
-      "The delay is counted from the beginning of the probe to where it begins in FILE: it is that of the "
-      "device only\nif both were begun in the same frame.\n"
+      "  tactus latency analyze raw.wav     # saved by tactus latency measure --wav raw.wav\n"
+      "The delay is measured from the start of the probe file to the start of the probe in FILE. It equals "
+      "the delay of\nthe device only if playback and recording started in the same frame.\n"
       "Exit code 1: no reliable delay in the recording; the report gives the reason.");
   command->callback([options, &exit_code] { exit_code = run_latency_analyze(*options); });
 }

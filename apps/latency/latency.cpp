@@ -6,7 +6,8 @@
 namespace tactus::app {
 
 void add_latency(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("latency", "Measure the delay from the input to the output of a card");
+  auto* command = app.add_subcommand(
+      "latency", "Measure the round-trip latency of a card, or the response of an actuator and a sensor");
   command->require_subcommand(0, 1);
   add_latency_measure(*command, exit_code);
   add_latency_sweep(*command, exit_code);

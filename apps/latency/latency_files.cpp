@@ -122,7 +122,7 @@ Status write_profile(const std::filesystem::path& file, const Calibration& calib
 }
 
 Result<PathProfile> read_profile(const std::filesystem::path& file, Hertz sample_rate) {
-  const auto path = load_path(file);
+  const auto path = read_path(load_graph_leniently(file));
   if (!path) return tl::unexpected(path.error().front());
   PathProfile profile;
   profile.sample_rate = sample_rate;

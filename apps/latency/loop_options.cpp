@@ -121,31 +121,33 @@ struct Interrupted {};
 }  // namespace
 
 void add_loop_options(CLI::App& command, LoopOptions& options) {
-  command.add_option("--backend", options.backend, "jack, rtaudio, …; see tactus devices");
-  command.add_option("--device", options.device, "id of a device, or a part of its name");
-  command.add_option("--input-device", options.input_device, "where the input is on another device");
-  command.add_option(
-      "--rig", options.rig,
-      "rig file: device, setting, and what is connected to the output; the measured delay is saved there");
-  command.add_option("--in,--input", options.input, "input channel of the loop, from 1")
+  command.add_option("--backend", options.backend, "audio backend: jack, rtaudio, …; see tactus devices");
+  command.add_option("--device", options.device, "id of a device, or part of its name");
+  command.add_option("--input-device", options.input_device, "input device, if different from --device");
+  command.add_option("--rig", options.rig,
+                     "rig file: device, sample rate, block size and what is connected to the output; the "
+                     "measured delay is saved there");
+  command.add_option("--in,--input", options.input, "input channel of the loop, counted from 1")
       ->check(CLI::Range(1, 1024));
-  command.add_option("--out,--output", options.output, "output channel of the loop, from 1")
+  command.add_option("--out,--output", options.output, "output channel of the loop, counted from 1")
       ->check(CLI::Range(1, 1024));
-  command.add_option("--level", options.level, "the highest level to play, such as \"-20 dBFS\"; [-6 dBFS]");
+  command.add_option("--level", options.level,
+                     "highest peak level to play, such as \"-20 dBFS\"; default: -6 dBFS");
 }
 
 void add_setting_options(CLI::App& command, LoopOptions& options) {
-  command.add_option("--rate", options.rate, "sample rate; [the device's]");
-  command.add_option("--block", options.block, "block size in frames; [the device's]")
+  command.add_option("--rate", options.rate, "sample rate; default: the device's");
+  command.add_option("--block", options.block, "block size in frames; default: the device's")
       ->check(CLI::Range(1, 8192));
   command.add_option("--periods", options.periods, "blocks in the driver's buffer")->check(CLI::Range(1, 64));
 }
 
 void add_repetition_options(CLI::App& command, LoopOptions& options) {
-  command.add_option("--openings", options.openings, "how often the stream is opened")
+  command.add_option("--openings", options.openings, "number of times the stream is opened")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command.add_option("--sweeps", options.probes, "probes per opening")
+  command
+      .add_option("--sweeps", options.probes, "number of probe signals played each time the stream is opened")
       ->check(CLI::Range(2, 100))
       ->capture_default_str();
 }

@@ -38,25 +38,24 @@ int run_latency_probe(const ProbeOptions& options) {
                                               {"duration_s", seconds}}
                            .dump(2));
   else
-    fmt::print("{}: {:.2f} s at {:g} Hz, {:g} dBFS at its loudest\n", options.out, seconds, rate->value,
-               *level);
+    fmt::print("{}: {:.2f} s at {:g} Hz, peak level {:g} dBFS\n", options.out, seconds, rate->value, *level);
   return kDone;
 }
 
 }  // namespace
 
 void add_latency_probe(CLI::App& latency, int& exit_code) {
-  auto* command =
-      latency.add_subcommand("probe", "Write what is to be played, for another program or device");
+  auto* command = latency.add_subcommand(
+      "probe", "Write the test signal to a WAV file, to play with another program or on another device");
   auto options = std::make_shared<ProbeOptions>();
-  command->add_option("--out", options->out, "WAV file, 24 bit")->required();
+  command->add_option("--out", options->out, "WAV file to write (24 bit)")->required();
   command->add_option("--rate", options->rate, "sample rate")->capture_default_str();
-  command->add_option("--level", options->level, "its loudest sample")->capture_default_str();
-  command->add_flag("--json", options->json, "for machines");
+  command->add_option("--level", options->level, "peak level")->capture_default_str();
+  command->add_flag("--json", options->json, "print the parameters of the file as JSON");
   command->footer(
       "Example:\n  tactus latency probe --out probe.wav\n"
-      "Play it and record it at the same time, in one program, from before it begins until after it has "
-      "ended; then:\n"
+      "Play it and record at the same time in one program; start the recording before the probe and end it "
+      "after; then:\n"
       "  tactus latency analyze capture.wav --probe probe.wav");
   command->callback([options, &exit_code] { exit_code = run_latency_probe(*options); });
 }

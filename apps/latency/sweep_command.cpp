@@ -154,29 +154,31 @@ int run_latency_sweep(const SweepOptions& options) {
 }  // namespace
 
 void add_latency_sweep(CLI::App& latency, int& exit_code) {
-  auto* command = latency.add_subcommand("sweep", "Measure with many block sizes, and recommend one");
+  auto* command =
+      latency.add_subcommand("sweep", "Measure the latency at several block sizes, and recommend one");
   auto options = std::make_shared<SweepOptions>();
   auto& loop = options->loop;
   loop.openings = 2;
   loop.probes = 4;
   add_loop_options(*command, loop);
-  command->add_option("--blocks", options->blocks, "block sizes [frames]")
+  command->add_option("--blocks", options->blocks, "block sizes in frames")
       ->delimiter(',')
       ->check(CLI::Range(1, 8192))
       ->capture_default_str();
   command->add_option("--periods", options->periods, "numbers of blocks in the driver's buffer, such as 2,3")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
-  command->add_option("--rates", options->rates, "sample rates, such as 48kHz,96kHz; [the device's]")
+  command->add_option("--rates", options->rates, "sample rates, such as 48kHz,96kHz; default: the device's")
       ->delimiter(',');
   add_repetition_options(*command, loop);
-  command->add_option("--report", options->picture, "picture of the delay against the block, an SVG file")
+  command
+      ->add_option("--report", options->picture, "write a plot of delay against block size to this SVG file")
       ->check(writable_file());
-  command->add_flag("--json", options->json, "for machines");
+  command->add_flag("--json", options->json, "print the report as JSON");
   command->footer(
       "Examples:\n  tactus latency sweep --device jack:system\n"
       "  tactus latency sweep --device USB --blocks 32,64,128 --periods 2,3 --report blocks.svg\n"
-      "Nothing is kept: measure the setting that you choose with tactus latency measure.\n"
+      "No delay is saved: run tactus latency measure with the chosen setting.\n"
       "Exit code 1: no setting gave a reliable result.");
   command->callback([options, &exit_code] { exit_code = run_latency_sweep(*options); });
 }

@@ -6,7 +6,7 @@
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"
-#include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_spec.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {

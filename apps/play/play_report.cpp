@@ -41,8 +41,8 @@ Result<std::pair<double, double>> shown_times(const std::vector<std::string>& sh
   if (!from) return tl::unexpected(from.error());
   if (!to) return tl::unexpected(to.error());
   if (*from >= *to || *from >= recording.seconds())
-    return fail(Errc::OutOfRange, "--show", "shows nothing of this scene",
-                "give two rising times within its duration");
+    return fail(Errc::OutOfRange, "--show", "does not overlap the scene",
+                "give a start time before the end of the scene, and a later end time");
   return std::pair{*from, *to};
 }
 
@@ -80,18 +80,19 @@ Status write_sound(const std::string& path, const Signals& signals, Hertz rate,
 }  // namespace
 
 void add_player_options(CLI::App& command, PlayerOptions& options) {
-  command.add_option("--delay", options.delay, "system delay instead of the scene's, such as \"10 ms\"");
+  command.add_option("--delay", options.delay, "system delay, such as \"10 ms\"; default: the scene's");
   command.add_option("--rate", options.rate,
-                     "sample rate instead of the scene's or the input file's, which is then resampled");
+                     "sample rate, such as \"96 kHz\"; default: the scene's, or that of the input file "
+                     "(resampled if they differ)");
   command.add_option("--duration", options.duration,
-                     "instead of the scene's or the input file's, such as \"10 s\"");
+                     "duration, such as \"10 s\"; default: the scene's, or that of the input file");
   command.add_option("--set", options.set,
-                     "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene also "
-                     "plant.NAME=VALUE");
+                     "NAME=VALUE: sets a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene "
+                     "also plant.NAME=VALUE");
   command.add_option("--block", options.block, "block size in frames (the result does not depend on it)")
       ->check(CLI::Range(1, 8192));
   add_guard_options(command, options.guard);
-  command.add_flag("--json", options.json, "for machines");
+  command.add_flag("--json", options.json, "print the report as JSON");
 }
 
 PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,

@@ -22,7 +22,7 @@ Result<std::vector<double>> delays_of(const std::string& text) {
   std::vector<double> delays;
   for (const auto& value : *values) {
     if (!value.dimension || !(*value.dimension == Dimension{.second = 1}))
-      return fail(Errc::UnitMismatch, "--delay", "'" + text + "' is not a range of times",
+      return fail(Errc::UnitMismatch, "--delay", "'" + text + "' is not a time or a range of times",
                   "write for instance \"0:40:1 ms\"");
     if (value.si < 0 || value.si > 1)
       return fail(Errc::OutOfRange, "--delay", "a delay of " + fmt::format("{:g} s", value.si),
@@ -34,13 +34,13 @@ Result<std::vector<double>> delays_of(const std::string& text) {
 
 Result<PlayabilityOptions> study_options(const PlayabilityArguments& options, SceneSpec& scene) {
   if (options.over.size() > 2)
-    return fail(Errc::BadArgument, "--over", "at most two quantities can be swept besides the delay",
+    return fail(Errc::BadArgument, "--over", "at most two parameters can be swept in addition to the delay",
                 "use tactus sweep for more");
   auto plan = read_plan(options, scene);
   if (!plan) return tl::unexpected(plan.error());
   const double least_s = scene.playability ? scene.playability->from_s + 1 : 1;
   if (!options.duration.empty() && scene.duration.value < least_s)
-    return fail(Errc::OutOfRange, "--duration", "leaves less than a second to be scored",
+    return fail(Errc::OutOfRange, "--duration", "leaves less than one second to evaluate",
                 fmt::format("choose at least {:g} s", least_s));
   for (const auto& swept : plan->over)
     if (swept.what == SweptValue::What::Delay)
@@ -71,11 +71,11 @@ int run_playability(const PlayabilityArguments& options) {
 }  // namespace
 
 void add_study_playability(CLI::App& study, int& exit_code) {
-  auto* command = study.add_subcommand("playability", "Playability of a scene over the delay");
+  auto* command = study.add_subcommand("playability", "Playability of a scene as a function of the delay");
   auto options = std::make_shared<PlayabilityArguments>();
-  add_study_options(*command, *options, "scene with [playability]; a folder means its scene.toml")
-      ->required();
-  command->add_option("--delay", options->delay, "FROM:TO:STEP, or one")->capture_default_str();
+  add_study_options(*command, *options, "scene with [playability]; for a folder, its scene.toml")->required();
+  command->add_option("--delay", options->delay, "delays to simulate: FROM:TO:STEP, or a single value")
+      ->capture_default_str();
   add_sweep_options(*command, *options);
   command->footer(
       "Examples:\n  tactus study playability instruments/haptic_drum\n"
@@ -84,7 +84,7 @@ void add_study_playability(CLI::App& study, int& exit_code) {
       "  tactus study playability instruments/cellomobo/open_string.toml --delay \"0:40:5 ms\" --over "
       "\"tuned=55:880:5:log Hz\"\n"
       "The criteria are in [playability] of the scene; see docs/playability.md.\n"
-      "Exit code 1: not playable at some delay. 5: interrupted.");
+      "Exit code 1: not playable at one or more delays. 5: interrupted.");
   command->callback([options, &exit_code] { exit_code = run_playability(*options); });
 }
 

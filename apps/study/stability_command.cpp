@@ -16,11 +16,11 @@ struct DeviceOption {
   const char* help;
 };
 constexpr std::array<DeviceOption, 5> kDeviceOptions = {
-    {{"mass", "kg", 1e-6, &WallDevice::mass, "of the device, such as \"9 g\""},
-     {"damping", "N s/m", 0, &WallDevice::damping, "of the device, such as \"0.05 N s/m\""},
-     {"friction", "N", 0, &WallDevice::friction, "dry, such as \"0.2 N\""},
-     {"step", "m", 0, &WallDevice::quantum, "of the encoder, such as \"0.157 mm\""},
-     {"force-limit", "N", 1e-3, &WallDevice::force_limit, "of the motor, such as \"6.37 N\""}}};
+    {{"mass", "kg", 1e-6, &WallDevice::mass, "moving mass of the device, such as \"9 g\""},
+     {"damping", "N s/m", 0, &WallDevice::damping, "viscous damping of the device, such as \"0.05 N s/m\""},
+     {"friction", "N", 0, &WallDevice::friction, "dry friction of the device, such as \"0.2 N\""},
+     {"step", "m", 0, &WallDevice::quantum, "step of the position encoder, such as \"0.157 mm\""},
+     {"force-limit", "N", 1e-3, &WallDevice::force_limit, "largest force of the motor, such as \"6.37 N\""}}};
 
 struct StabilityOptions : RunOptions {
   std::array<std::string, kDeviceOptions.size()> device;
@@ -77,33 +77,37 @@ int run_stability(const StabilityOptions& options) {
   if (const auto exit = monitor.end(map->finished, map->runs)) return *exit;
   if (const int failed = publish(options, app::text_of(*map), app::json_of(*map), app::plots_of(*map)))
     return failed;
-  return map->confirmed() == map->borders() ? kDone : kNo;
+  return map->confirmed == map->borders ? kDone : kNo;
 }
 
 }  // namespace
 
 void add_study_stability(CLI::App& study, int& exit_code) {
-  auto* command =
-      study.add_subcommand("stability", "The stiffest virtual wall over delay and rate, bare and held");
+  auto* command = study.add_subcommand(
+      "stability",
+      "Stiffest stable virtual wall against delay and sample rate, with and without a finger on the device");
   auto options = std::make_shared<StabilityOptions>();
-  add_study_options(*command, *options,
-                    "its plant's controls mass, damping, friction, step and force_limit describe the device; "
-                    "[50 g, 0.1 N s/m, 6.37 N, steps of 0.157 mm]");
+  add_study_options(
+      *command, *options,
+      "scene whose plant describes the device by its controls mass, damping, friction, step and force_limit; "
+      "default: 50 g, 0.1 N s/m, no friction, encoder steps of 0.157 mm, 6.37 N");
   for (std::size_t i = 0; i < kDeviceOptions.size(); ++i)
     command->add_option(std::string{"--"} + kDeviceOptions[i].name, options->device[i],
                         kDeviceOptions[i].help);
-  command->add_option("--wall-damping", options->wall_damping,
-                      "of the walls, by differences of the position, such as \"0.1 N s/m\"");
-  command->add_option("--rate", options->rate, "of the walls over the delay; [the scene's, or 20 kHz]");
-  command->add_option("--points", options->points, "per decade")
+  command->add_option(
+      "--wall-damping", options->wall_damping,
+      "damping of the walls (velocity as the difference of positions), such as \"0.1 N s/m\"");
+  command->add_option("--rate", options->rate,
+                      "sample rate of the curves against delay; default: the scene's, or 20 kHz");
+  command->add_option("--points", options->points, "points of each curve per decade")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   add_run_options(*command, *options);
   command->footer(
       "Examples:\n  tactus study stability instruments/wall --report walls.svg\n"
       "  tactus study stability --mass \"20 g\" --damping \"0.3 N s/m\" --rate \"8 kHz\"\n"
-      "docs/walls.md explains the map. Exit code 1: a border was not confirmed by simulation. 5: "
-      "interrupted.");
+      "docs/walls.md explains the stability map. Exit code 1: a stability limit was not confirmed by "
+      "simulation. 5: interrupted.");
   command->callback([options, &exit_code] { exit_code = run_stability(*options); });
 }
 

@@ -174,7 +174,7 @@ std::string text_of(const WallMap& map) {
   return text + friction_text(map.friction_limit) +
          fmt::format(
              "\n{} of {} borders confirmed: at 0.98 of each the simulation decays, at 1.02 it grows.\n",
-             map.confirmed(), map.borders());
+             map.confirmed, map.borders);
 }
 
 Json json_of(const WallMap& map) {
@@ -196,8 +196,8 @@ Json json_of(const WallMap& map) {
   for (const auto& controller : map.controllers)
     json["controllers"].push_back(part_json(controller, map.devices));
   json["friction_limit_n_per_m"] = map.friction_limit;
-  json["borders"] = map.borders();
-  json["confirmed"] = map.confirmed();
+  json["borders"] = map.borders;
+  json["confirmed"] = map.confirmed;
   return json;
 }
 
@@ -209,7 +209,7 @@ std::vector<Plot> plots_of(const WallMap& map) {
       "Over the delay: curves at {}; over the rate: curves with one frame of delay. Diamonds: controllers, "
       "each with its own rate and delay, for the device '{}'. {} of {} borders confirmed by simulation on "
       "both sides.",
-      hz(map.rate), map.devices.front().name, map.confirmed(), map.borders());
+      hz(map.rate), map.devices.front().name, map.confirmed, map.borders);
   return {by_delay, plot_of(map, map.by_rate, [](const WallLimit& limit) { return limit.loop.rate.value; },
                             {.label = "sample rate", .unit = "Hz"})};
 }

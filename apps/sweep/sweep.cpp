@@ -36,7 +36,7 @@ std::string cell_text(const SweepTable& table, std::size_t first, std::size_t me
 std::string text_of(const SweepTable& table) {
   Table text{{{}}};
   for (const auto& swept : table.over) text.rows[0].push_back(swept.name);
-  for (const auto& measure : table.measures) text.rows[0].push_back(measure.label);
+  for (const auto& measure : table.measures) text.rows[0].push_back(measure.name);
   for (std::size_t i = 0; i < table.points.size(); i += table.variants.size()) {
     auto& row = text.rows.emplace_back();
     for (std::size_t a = 0; a < table.over.size(); ++a)
@@ -46,7 +46,7 @@ std::string text_of(const SweepTable& table) {
   const auto note =
       table.variants.size() == 1
           ? std::string{}
-          : fmt::format("\nin brackets: lowest and highest of {} variants\n", table.variants.size());
+          : fmt::format("\nin brackets: lowest and highest value of {} variants\n", table.variants.size());
   return table.scene + "\n\n" + text.text() + note;
 }
 
@@ -55,8 +55,7 @@ Json json_of(const SweepTable& table) {
       {"scene", table.scene}, {"over", Json::array()}, {"measures", Json::array()}, {"runs", Json::array()}};
   for (const auto& swept : table.over) json["over"].push_back(swept.name);
   for (const auto& measure : table.measures)
-    json["measures"].push_back(
-        {{"name", measure.label}, {"measure", measure.what.measure}, {"of", measure.what.of}});
+    json["measures"].push_back({{"name", measure.name}, {"measure", measure.measure}, {"of", measure.of}});
   for (const auto& point : table.points) {
     Json run{{"at", Json::object()}, {"variant", point.variant}, {"measures", Json::object()}};
     for (std::size_t a = 0; a < table.over.size(); ++a) {
@@ -64,7 +63,7 @@ Json json_of(const SweepTable& table) {
       run["at"][swept.name] = swept.names.empty() ? Json(point.at[a]) : Json(value_text(swept, point.at[a]));
     }
     for (std::size_t m = 0; m < table.measures.size(); ++m)
-      run["measures"][table.measures[m].label] = (*point.result)[m];  // null if it is not finite
+      run["measures"][table.measures[m].name] = (*point.result)[m];  // null if it is not finite
     json["runs"].push_back(std::move(run));
   }
   return json;
@@ -72,13 +71,13 @@ Json json_of(const SweepTable& table) {
 
 namespace {
 
-Result<std::vector<SweptMeasure>> read_measures(const Options& options, const SceneSpec& scene) {
-  std::vector<SweptMeasure> measures;
+Result<std::vector<Expectation>> read_measures(const Options& options, const SceneSpec& scene) {
+  std::vector<Expectation> measures;
   for (const auto& text : options.measures) {
     auto measure = find_swept_measure(scene, text);
     if (!measure) return tl::unexpected(measure.error());
-    for (const auto& [time, limit, name] : {std::tuple{&options.from, &measure->what.from_s, "from"},
-                                            std::tuple{&options.to, &measure->what.to_s, "to"}}) {
+    for (const auto& [time, limit, name] : {std::tuple{&options.from, &measure->from_s, "from"},
+                                            std::tuple{&options.to, &measure->to_s, "to"}}) {
       if (time->empty()) continue;
       const auto seconds = parse_option(*time, "s", name);
       if (!seconds) return tl::unexpected(seconds.error());
@@ -108,17 +107,17 @@ int run(const Options& options) {
 
 void add_sweep(CLI::App& app, int& exit_code) {
   auto* command =
-      app.add_subcommand("sweep", "Run a scene over ranges of its quantities and measure each run");
+      app.add_subcommand("sweep", "Run a scene over ranges of its parameters and measure each run");
   auto options = std::make_shared<Options>();
-  add_study_options(*command, *options, "a folder means its scene.toml")->required();
+  add_study_options(*command, *options, "scene file; for a folder, its scene.toml")->required();
   add_sweep_options(*command, *options);
   command
       ->add_option("--measure", options->measures,
-                   "a line of [expect] of the scene, or MEASURE:SIGNAL such as rms:instrument.sound")
+                   "name of an entry in the scene's [expect], or MEASURE:SIGNAL such as rms:instrument.sound")
       ->required()
       ->take_all();
-  command->add_option("--from", options->from, "start of the measured time, such as \"1 s\"");
-  command->add_option("--to", options->to, "end of the measured time");
+  command->add_option("--from", options->from, "start of the evaluated time, such as \"1 s\"");
+  command->add_option("--to", options->to, "end of the evaluated time, such as \"4 s\"");
   command->footer(
       "Examples:\n"
       "  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure rate:instrument.hit --svg "
@@ -130,7 +129,7 @@ void add_sweep(CLI::App& app, int& exit_code) {
       "  parallel tactus sweep SCENE --over strength=0:1:100 --measure peak:plant.cone --keep runs --part "
       "{}/8 "
       "::: 1 2 3 4 5 6 7 8\n"
-      "One swept quantity is drawn as a line, two as a map, draws as points.\n"
+      "One swept parameter is plotted as a line, two as a map, random variations as points.\n"
       "Exit code 5: interrupted; with --keep the same command resumes the sweep.");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
