@@ -306,9 +306,10 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
   if (!options.rig.empty()) {
     const auto rig = or_exit(load_rig(options.rig, root_of(options.rig)), kBadFile);
     if (!rig.measured_delay)
-      exit_with({Errc::Missing, options.rig, "this rig has no measured delay",
-                 "measure it with 'tactus latency measure --rig " + options.rig + "', or give --delay"},
-                kBadFile);
+      exit_with(
+          {Errc::Missing, options.rig, "this rig has no measured delay",
+           "measure the delay with 'tactus latency measure --rig " + options.rig + "', or give --delay"},
+          kBadFile);
     world.delay = *rig.measured_delay;
     for (const auto& control : rig.controls)
       world.set.try_emplace(control.name, ControlValue{control.value.si});
@@ -394,9 +395,9 @@ void add_check(CLI::App& app, int& exit_code) {
         {"--hand-mass", &options->hand_mass, "added to the device by a fingertip"},
         {"--push", &options->push, "contact force assumed when a contact is analysed in its closed state"},
         {"--device-mass", &options->device_mass,
-         "mass of the device assumed for an instrument without a scene"},
+         "mass of the haptic device assumed for an instrument without a scene"},
         {"--device-damping", &options->device_damping,
-         "damping of the device assumed for an instrument without a scene"}})
+         "damping of the haptic device assumed for an instrument without a scene"}})
     command->add_option(name, *value, help)->capture_default_str();
   command->add_flag("--quick", options->quick, "analyse the graph only; do not simulate");
   command->add_flag("--verbose", options->verbose,

@@ -53,7 +53,8 @@ void announce_delay(const GraphSpec& instrument, double delay_s) {
   const auto& tested = instrument.tested;
   if (!tested || tested->contains(delay_s)) return;
   const auto text = [](double si) { return short_quantity(si, Dimension{.second = 1}); };
-  fmt::print(stderr, "warning: {} was tested with delays from {} to {}; with {} it may not be playable\n",
+  fmt::print(stderr,
+             "warning: {} was tested with system delays from {} to {}; with {} it may not be playable\n",
              instrument.name, text(tested->low), text(tested->high), text(delay_s));
 }
 

@@ -175,7 +175,7 @@ Status write_json(const std::string& path, const Json& json) {
   std::ofstream file{path};
   file << json.dump(2) << "\n";
   if (file) return {};
-  return fail(Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written");
+  return fail(Errc::BadFile, path, "cannot be written", "choose an existing, writable folder");
 }
 
 Json events_of(const SceneRecording& recording) {

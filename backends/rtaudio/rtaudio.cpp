@@ -64,7 +64,8 @@ class Line {
         if (const auto there = now_at(input.name); there != unsigned(input.index)) {
           library_.closeStream();
           open_once(there, unsigned(output.index), block, options);
-          if (now_at(input.name) != there) throw RtAudioError{"JACK's clients come and go; try again"};
+          if (now_at(input.name) != there)
+            throw RtAudioError{"JACK clients changed in the meantime; try again"};
         }
       }
       granted.block_frames = granted.format.max_frames = static_cast<int>(block);
@@ -194,7 +195,7 @@ template <class Call>
 Status in_time(const std::shared_ptr<Line>& line, Call call) {
   if (auto status = result_with_timeout([line, call] { return call(*line); })) return *status;
   line->abandoned = true;
-  return fail(Errc::Device, "", "RtAudio does not answer", "restart the sound server");
+  return fail(Errc::Device, "", "RtAudio does not respond", "restart the sound server");
 }
 
 /// Devices close with the last who holds the line, on a thread that may hang.

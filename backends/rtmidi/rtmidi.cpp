@@ -109,7 +109,7 @@ class Worker {
     const auto api =
         settings_.api.empty() ? RtMidi::UNSPECIFIED : RtMidi::getCompiledApiByName(settings_.api);
     if (api == RtMidi::UNSPECIFIED && !settings_.api.empty())
-      throw RtMidiError("this build has no MIDI by '" + settings_.api + "'");
+      throw RtMidiError("this program was built without the MIDI backend '" + settings_.api + "'");
     auto client = std::make_unique<RtMidiIn>(api, settings_.client_name);
     client->setErrorCallback(note_error);
     return client;
@@ -120,7 +120,7 @@ class Worker {
     if (scout_->getCurrentApi() != RtMidi::UNIX_JACK) return false;
     bool failed = false;
     scout_->setErrorCallback(note_error, &failed);
-    scout_->openVirtualPort("is the server there?");
+    scout_->openVirtualPort("check that the server is running");
     scout_->closePort();
     scout_->setErrorCallback(note_error);
     return failed;
@@ -181,7 +181,7 @@ class Worker {
     const std::lock_guard lock{mutex_};
     std::erase_if(ports_, [&](const auto& port) {
       if (there.contains(port.first)) return false;
-      news_.push_back("'" + port.first + "' is disconnected; it is opened again when it comes back");
+      news_.push_back("'" + port.first + "' is disconnected; it is reopened when it reconnects");
       closing.push_back(port.second);
       return true;
     });

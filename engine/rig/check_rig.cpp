@@ -27,8 +27,8 @@ void report_lanes(const RigPort& port, int lanes, ErrorList& errors) {
   errors.add(Errc::OutOfRange, port.at,
              fmt::format("'{}' has {} lane{}, but {} channel{}", port.name, lanes, lanes == 1 ? "" : "s",
                          port.channels.size(), port.channels.size() == 1 ? "" : "s"),
-             lanes == 1 ? "give one, as in channel = 1"
-                        : fmt::format("give each lane one, as in channel = [{}{}]",
+             lanes == 1 ? "give one channel, as in channel = 1"
+                        : fmt::format("give one channel per lane, as in channel = [{}{}]",
                                       lanes > 3 ? example : example.substr(0, example.size() - 2),
                                       lanes > 3 ? "…" : ""));
 }
@@ -74,7 +74,7 @@ class RigCheck {
         errors_.add(Errc::Missing, {rig_.file.file, 1, 1},
                     what + " '" + port.name + "' of the instrument has no channel",
                     "under [" + what + "s], write " + port.name +
-                        " = { channel = 1 }, or { channel = \"none\" } to leave it out");
+                        " = { channel = 1 }, or { channel = \"none\" } to leave it unconnected");
   }
 
   void check_input(const PortSpec& port) {
@@ -86,10 +86,10 @@ class RigCheck {
     const auto per = to_string(volt / wanted.dimension);
     const auto unit = per.empty() ? "V" : volts_per(wanted.dimension);
     const auto example =
-        per.empty() ? "\"50 mV\"" : "the volts for 1 " + per + ", such as \"2 " + unit + "\"";
+        per.empty() ? "\"50 mV\"" : "the voltage for 1 " + per + ", such as \"2 " + unit + "\"";
     if (!input->sensitivity && !(wanted.dimension == volt))
       errors_.add(Errc::Missing, input->at,
-                  "'" + port.name + "' is in " + per + ", and nothing says how many volts that is",
+                  "'" + port.name + "' is in " + per + ", but its voltage is not given",
                   "give volts_per_full_scale, and as sensitivity " + example);
     if (!input->sensitivity || input->sensitivity->bare) return;
     if (!(input->sensitivity->unit.dimension == wanted.dimension))
@@ -103,10 +103,10 @@ class RigCheck {
       if (const auto* actuator = rig_.actuator_on(channel)) {
         const auto& profile = actuator->drive.profile;
         return errors_.add(Errc::BadArgument, output->at,
-                           fmt::format("'{}' is sound, but channel {} drives an actuator{}", name, channel,
-                                       profile.empty() ? "" : " (" + profile + ")"),
-                           "sound is limited less than drives; give it another channel, or make it a "
-                           "drive in the instrument");
+                           fmt::format("'{}' is an audio output, but channel {} drives an actuator{}", name,
+                                       channel, profile.empty() ? "" : " (" + profile + ")"),
+                           "audio outputs have weaker limits than drives; use another channel, or make this "
+                           "output a drive in the instrument");
       }
   }
 
@@ -131,8 +131,8 @@ class RigCheck {
     if (entry == nullptr)
       return report_unknown("control", midi.control, midi.at, names_of(instrument_.controls));
     if (find(entry->fields, "range") == nullptr)
-      errors_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range for a MIDI control to cover",
-                  "give it one in the instrument, as in range = [0, 1]");
+      errors_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range, which a MIDI control needs",
+                  "give it a range in the instrument, as in range = [0, 1]");
   }
 
   static std::string named(const Dimension& dimension) {
@@ -230,14 +230,15 @@ Result<int> padding_frames(std::optional<Seconds> measured, Seconds target, Hert
                            const std::string& where) {
   if (!measured)
     return fail(
-        Errc::Missing, where, "the delay of this device was never measured, so nothing can be added to it",
+        Errc::Missing, where, "the delay of this device has not been measured, so it cannot be extended",
         "measure it with tactus latency measure, or write it into the rig: [delay] measured = \"12.4 ms\"");
   const double frames = frames_in(target - *measured, sample_rate);
   if (frames < -0.5)
     return fail(Errc::OutOfRange, where,
-                "the device's own delay is " + short_quantity(measured->value, parse_unit("s")->dimension) +
-                    ", longer than " + short_quantity(target.value, parse_unit("s")->dimension),
-                "ask for a longer delay, or use shorter blocks");
+                "the delay of the device itself is " +
+                    short_quantity(measured->value, parse_unit("s")->dimension) + ", longer than " +
+                    short_quantity(target.value, parse_unit("s")->dimension),
+                "request a longer delay, or use smaller blocks");
   return static_cast<int>(std::lround(std::max(frames, 0.0)));
 }
 

@@ -19,8 +19,8 @@ struct LearntSensor {
 
 /// "Hit softly five times": finds the hits in what a sensor gives and how sensitive it is.
 ///
-/// The first 0.2 s are taken for noise. A hit begins where the onset detector finds one (onset_kernel.h) 6 dB or
-/// more above the noise so far, at least 0.2 s after the last, so that neither ringing nor a second bounce
+/// The first 0.2 s are taken for noise. A hit begins where the onset detector finds one (onset_kernel.h) 6 dB
+/// or more above the noise so far, at least 0.2 s after the last, so that neither ringing nor a second bounce
 /// counts. Its peak is the highest envelope, above 30 Hz, of the next 30 ms. The median of five peaks does
 /// not mind that one was different.
 class SensorLearner {

@@ -23,8 +23,8 @@ Status same_border(const Plan& before, const Plan& after) {
                        after.channels.end(), same_channel))
     what = "the outputs";
   if (what == nullptr) return {};
-  return fail(Errc::BadArgument, "", std::string(what) + " of a graph cannot change while it plays",
-              "stop it and play it again");
+  return fail(Errc::BadArgument, "", std::string(what) + " of a graph cannot change during playback",
+              "stop and restart it");
 }
 
 /// What a vertex continues from one plan to the next: kind, name, and which of several with that name it is.

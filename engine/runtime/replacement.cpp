@@ -25,7 +25,7 @@ Running& Replacement::restart() {
 Status Replacement::offer(std::unique_ptr<Plan> plan, std::int64_t frame, int max_frames) {
   collect();
   if (before_ != nullptr)
-    return fail(Errc::BadArgument, "", "the last edit has not taken over yet", "try again after a block");
+    return fail(Errc::BadArgument, "", "the previous edit is not in effect yet", "try again after a block");
   auto next = std::make_unique<Running>(std::move(plan), max_frames);
   if (auto status = plan_handover(*newest_, *next); !status) return status;
   next->frame = frame;

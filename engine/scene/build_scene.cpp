@@ -106,8 +106,8 @@ class SceneBuilder {
       const auto* wire = find(instrument_->wires, input.name);
       if (wire == nullptr) {
         errors_.add(Errc::Missing, instrument_->at,
-                    "input '" + input.name + "' of the instrument is not wired",
-                    "say where it comes from, as in " + input.name + " = \"plant." + input.name + "\"");
+                    "input '" + input.name + "' of the instrument is not connected",
+                    "give its source, as in " + input.name + " = \"plant." + input.name + "\"");
         continue;
       }
       PortSpec output{{"instrument." + input.name, wire->at, {{"from", wire->at, *wire}}}};
@@ -198,10 +198,10 @@ class SceneBuilder {
       const auto lanes = output_names(from).size(), wired = to.input_names.size();
       if (lanes != wired)
         errors_.add(Errc::OutOfRange, instrument_ != nullptr ? instrument_->at : scene_.file,
-                    fmt::format("{} have {} lanes, but {} are wired", what, lanes, wired),
-                    "in a scene, give each lane an input or output of its own, or 'mix' them");
+                    fmt::format("{} have {} lanes, but {} are connected", what, lanes, wired),
+                    "in a scene, give each lane its own input or output, or 'mix' them");
     };
-    check(*built_.plant, *built_.instrument, "the wires to the instrument");
+    check(*built_.plant, *built_.instrument, "the connections to the instrument");
     check(*built_.instrument, *built_.plant, "the instrument's outputs");
   }
 

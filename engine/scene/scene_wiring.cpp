@@ -44,7 +44,7 @@ void check_gesture(const Gesture& gesture, const FlatControl& control, const Sou
   for (const auto& point : gesture.points)
     if (!control.range.contains(point.value))
       return errors.add(Errc::OutOfRange, at,
-                        "gesture '" + gesture.name + "' moves control '" + control.name + "' to " +
+                        "gesture '" + gesture.name + "' sets control '" + control.name + "' to " +
                             in_unit(point.value, control.unit) + ", which is outside its range",
                         range_text(control));
 }
@@ -122,7 +122,7 @@ std::optional<WiredControl> wire_control(const SceneSpec& scene, const ControlSp
     if (!scene.incomplete)
       errors.add(Errc::WrongType, field.value.at,
                  "'" + *text + "' is neither a value for control '" + control.name + "' nor a gesture",
-                 "give a quantity, or name a gesture that moves it");
+                 "give a number or a quantity, or the name of a gesture");
     return std::nullopt;
   }
   if (!entry.unit_known) return std::nullopt;

@@ -292,6 +292,6 @@ TEST_CASE("portaudio is closed while its server does not answer", "[.own_process
   const auto way = way_called("portaudio:jack");
   const auto rig = start_card();
   close_during_stall(*way.backend(), way, *rig);
-  is_over(way, *rig, "PortAudio does not answer any more");
+  is_over(way, *rig, "PortAudio does not respond any more");
   rig->server->go_on();
 }

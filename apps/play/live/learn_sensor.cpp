@@ -44,7 +44,7 @@ Result<const RigInput*> find_input(const Rig& rig, const std::string& name) {
     names.push_back(input.name);
   }
   return fail(Errc::UnknownName, "--learn",
-              fmt::format("the rig joins no input {}to a channel", name == "*" ? "" : "'" + name + "' "),
+              fmt::format("no input {}of the rig has a channel", name == "*" ? "" : "'" + name + "' "),
               names.empty() ? "" : fmt::format("there is {}", fmt::join(names, ", ")));
 }
 
@@ -85,8 +85,7 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
   const auto learnt = learner.result();
   if (!learnt) return tl::unexpected(learnt.error());
   fmt::print(stderr,
-             "a soft hit reaches {:.1f} dB of the card, {:.0f} dB above the noise; it now "
-             "counts as -20 dB\n",
+             "a soft hit peaks at {:.1f} dBFS, {:.0f} dB above the noise; it now corresponds to -20 dB\n",
              amplitude_to_db(learnt->soft), amplitude_to_db(learnt->soft / std::max(learnt->noise, 1e-9)));
   return use_learnt(rig, (*input)->name, *learnt, dimension_of(instrument, (*input)->name));
 }

@@ -19,7 +19,7 @@ std::optional<double> read_whole(const Value& value, const FieldType& field, dou
   errors.add(number ? Errc::OutOfRange : Errc::WrongType, value.at,
              key_of(field.key, owner) +
                  (whole ? " cannot be " + short_number(*number) : std::string{" must be a whole number"}),
-             std::isinf(high) ? "write it without quotes and without a point"
+             std::isinf(high) ? "write it without quotes and without a decimal point"
                               : "give one from " + std::to_string(std::llround(field.low)) + " to " +
                                     std::to_string(std::llround(high)));
   return std::nullopt;
@@ -187,7 +187,7 @@ std::optional<Interval> FieldReader::range(std::string_view key, const Unit& uni
   const std::string name{key};
   const auto* list = found->list();
   if (list == nullptr || list->size() != 2) {
-    errors_.add(Errc::WrongType, found->at, key_of(key, owner_) + " must have two ends",
+    errors_.add(Errc::WrongType, found->at, key_of(key, owner_) + " must have two limits",
                 "write " + name + " = [low, high]");
     return std::nullopt;
   }
@@ -196,8 +196,8 @@ std::optional<Interval> FieldReader::range(std::string_view key, const Unit& uni
   errors_.keep(high);
   if (!low || !high) return std::nullopt;
   if (*low <= *high) return Interval{*low, *high};
-  errors_.add(Errc::OutOfRange, found->at, key_of(key, owner_) + " has its ends in the wrong order",
-              "write the lower end first");
+  errors_.add(Errc::OutOfRange, found->at, key_of(key, owner_) + " has its limits in the wrong order",
+              "write the lower limit first");
   return std::nullopt;
 }
 

@@ -78,8 +78,8 @@ class Loader {
     if (first == open_.end()) return false;
     std::string chain;
     for (auto file = first; file != open_.end(); ++file) chain += file->name + " -> ";
-    errors_.add(Errc::Cycle, node.type_at, "a file uses itself: " + chain + first->name,
-                "take one of these parts out of its file");
+    errors_.add(Errc::Cycle, node.type_at, "a file includes itself: " + chain + first->name,
+                "remove one of these parts from its file");
     return true;
   }
 
@@ -136,14 +136,14 @@ Result<PartPath> find_part(const std::string& use, const fs::path& folder, const
   const fs::path given{use};
   if (given.has_root_path())
     return fail(Errc::OutOfRange, at.text(), "'" + use + "' is an absolute path",
-                "give it relative to this file");
+                "give the path relative to this file");
   // The shortened path is the one that is checked and opened: behind a link, '..' would lead elsewhere.
   const auto path = (folder / given).lexically_normal();
   const PartPath part{path.string(), canonical_path(path)};
   const auto top = canonical_path(root);
   if (!inside(part.canonical, top))
     return fail(Errc::OutOfRange, at.text(),
-                "'" + use + "' leads out of the folder '" + top.filename().string() + "'",
+                "'" + use + "' is outside the folder '" + top.filename().string() + "'",
                 "keep the files of an instrument inside it");
   std::error_code error;
   if (fs::exists(part.canonical, error)) return part;

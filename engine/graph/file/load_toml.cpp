@@ -130,11 +130,11 @@ class BracketScan {
         if (i > 0 || !text_.starts_with(kByteOrderMark)) return stray(i);
         i = kByteOrderMark.size();
       } else {
-        if (!fits(c)) return Violation{i, "brackets or dots more than 64 deep", "close some of them before"};
+        if (!fits(c)) return Violation{i, "brackets or dots more than 64 deep", "reduce the nesting"};
         if (auto violation = close(c, i)) return violation;
         values_ += c == '=' || c == ',' || c == '[' ? 1 : 0;
         if (values_ > kMaxTomlValues)
-          return Violation{i, "more than 250000 values", "keep tables of numbers in a sound file"};
+          return Violation{i, "more than 250000 values", "store tables of numbers in a sound file"};
         ++i;
       }
     }
@@ -147,8 +147,8 @@ class BracketScan {
     const auto character = text_.substr(offset, character_length(text_.substr(offset, 4)));
     unsigned code = static_cast<unsigned char>(character[0]) & (0x7fu >> character.size());
     for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned char>(c) & 0x3fu);
-    return {offset, fmt::format("'{}' (U+{:04X}) is outside of quotes", character, code),
-            "put the text that it belongs to in quotes, or remove it"};
+    return {offset, fmt::format("'{}' (U+{:04X}) is not allowed outside quotes", character, code),
+            "put the text around it in quotes, or remove it"};
   }
 
   bool fits(char c) {
@@ -178,7 +178,7 @@ class BracketScan {
 Status check_toml_limits(std::string_view text, const Source& file) {
   if (text.size() > kMaxFileBytes)
     return fail(Errc::Syntax, file.text(), "the file is larger than 16 MB",
-                "graph files are text of a few pages");
+                "split the file, or keep data in sound files");
   if (const auto bad = first_bad_utf8(text); bad != text.npos)
     return fail(Errc::Syntax, place_of(text, bad, file).text(), "this is not UTF-8 text",
                 "save the file as UTF-8");
@@ -221,8 +221,8 @@ tl::unexpected<Error> explain(const toml::parse_error& error, std::string_view t
   if (what.find("redefine") != what.npos)
     return fail(Errc::Duplicate, at.text(), what.substr(what.find("cannot")),
                 what.find("existing table") != what.npos
-                    ? "put all that belongs to it under one heading, or rename one of them"
-                    : "rename or remove one of them");
+                    ? "put all its entries under one heading, or rename one of the two"
+                    : "rename or remove one of the two");
   if (const auto unquoted = find_unquoted(line_of(text, at.line), at.column)) {
     at.column = unquoted->column;
     const std::string value{unquoted->value};
@@ -231,7 +231,7 @@ tl::unexpected<Error> explain(const toml::parse_error& error, std::string_view t
   // "Error while parsing array: expected …" becomes "in this array: expected …".
   constexpr std::string_view kBoilerplate = "Error while parsing ";
   if (what.starts_with(kBoilerplate)) what = "in this " + what.substr(kBoilerplate.size());
-  return fail(Errc::Syntax, at.text(), what, "fix it to see further errors");
+  return fail(Errc::Syntax, at.text(), what, "fix this to see further errors");
 }
 
 // ---- the parser's tree as plain data ----
@@ -274,10 +274,10 @@ Result<Value> convert(const toml::node& node, const FileName& file) {
   if (const auto* array = node.as_array()) return convert_list(*array, file).map(with_place);
   if (const auto* real = node.as_floating_point()) {
     if (std::isfinite(real->get())) return Value{real->get(), at};
-    return fail(Errc::OutOfRange, at.text(), "inf and nan are not numbers here", "give a finite number");
+    return fail(Errc::OutOfRange, at.text(), "inf and nan are not allowed", "give a finite number");
   }
-  return fail(Errc::WrongType, at.text(), "dates and times of day mean nothing here",
-              "put it in quotes if it is a text");
+  return fail(Errc::WrongType, at.text(), "dates and times are not allowed here",
+              "put it in quotes if it is a string");
 }
 
 Result<Value::Table> parse(std::string_view text, const FileName& file) {
@@ -287,8 +287,8 @@ Result<Value::Table> parse(std::string_view text, const FileName& file) {
   } catch (const toml::parse_error& error) {
     return explain(error, text, file);
   } catch (const ParserAssertion&) {
-    return fail(Errc::Syntax, *file, "this is not TOML, in a way that confuses the parser",
-                "look for brackets, quotes and commas that are missing");
+    return fail(Errc::Syntax, *file, "this is not valid TOML; the parser cannot locate the error",
+                "look for missing brackets, quotes and commas");
   }
 }
 
@@ -298,11 +298,11 @@ Result<std::string> read_graph_text(const std::filesystem::path& file) {
   const auto name = file.string();
   std::error_code error;
   if (std::filesystem::is_directory(file, error))
-    return fail(Errc::BadFile, name, "this is a folder", "name a file in it");
+    return fail(Errc::BadFile, name, "this is a folder", "give a file in it");
   if (!std::filesystem::exists(file, error))
     return fail(Errc::BadFile, name, "there is no such file", "check the path");
   if (!std::filesystem::is_regular_file(file, error))
-    return fail(Errc::BadFile, name, "this is no ordinary file", "name one that is");
+    return fail(Errc::BadFile, name, "this is not a regular file", "give a regular file");
   std::ifstream stream(file, std::ios::binary);
   // One byte more than allowed shows that a file is too large, even one without an end.
   std::string text(kMaxFileBytes + 1, '\0');

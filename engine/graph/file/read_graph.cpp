@@ -24,7 +24,7 @@ bool check_keys(const Value::Table& table, ErrorList& errors) {
   errors.unknown_keys(unknown, keys);
   for (const auto& field : table)
     if (among(kSceneKeys, field.key))
-      errors.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a scene, and this is a graph",
+      errors.add(Errc::UnknownName, field.at, "'" + field.key + "' is a key of scenes, but this is a graph",
                  "move it to the scene's file");
   return std::all_of(unknown.begin(), unknown.end(),
                      [&](const Field& field) { return among(keys, field.key); });
@@ -47,7 +47,7 @@ std::string take_text(NodeSpec& node, std::string_view key, ErrorList& errors) {
   if (value == nullptr) return {};
   const auto text = errors.text(node.fields, key);
   if (value->text() != nullptr && text.empty())
-    errors.add(Errc::Missing, value->at, "'" + std::string{key} + "' is empty", "name something");
+    errors.add(Errc::Missing, value->at, "'" + std::string{key} + "' is empty", "give a name");
   node.type_at = value->at;
   std::erase_if(node.fields, [&](const Field& field) { return field.key == key; });
   return text;
@@ -58,8 +58,8 @@ std::string remedy_for(const Value::Table& fields) {
   static const std::vector<std::string> kKeys = {"type", "use"};
   for (const auto& field : fields)
     if (const auto nearest = nearest_name(field.key, kKeys); !nearest.empty())
-      return "is '" + field.key + "' meant as '" + nearest + "'?";
-  return "name a node type, as in type = \"low_pass\", or the file of a part, as in use = \"string.toml\"";
+      return "is '" + field.key + "' a misspelling of '" + nearest + "'?";
+  return "give a node type, as in type = \"low_pass\", or the file of a part, as in use = \"string.toml\"";
 }
 
 NodeSpec read_node(const Field& field, ErrorList& errors) {
@@ -130,9 +130,9 @@ void check_names(const GraphSpec& spec, ErrorList& errors) {
 
 std::vector<FieldType> heading_fields() {
   using Kind = FieldType::Kind;
-  return {required(field("format", Kind::Format, "of the file")), field("name", Kind::Prose, "for people"),
-          field("about", Kind::Prose, "for people: what it does"),
-          field("source", Kind::Prose, "for people: where it comes from")};
+  return {required(field("format", Kind::Format, "format of the file, 1")),
+          field("name", Kind::Prose, "name for the user"), field("about", Kind::Prose, "description"),
+          field("source", Kind::Prose, "origin")};
 }
 
 namespace {
@@ -142,45 +142,48 @@ FieldType unit_field() {
 }
 const SectionType& input_fields() {
   static const SectionType section{
-      "an input", {unit_field(), about_field(), whole_field("lanes", 1, 1024, "lanes", "1")}};
+      "an input", {unit_field(), about_field(), whole_field("lanes", 1, 1024, "number of lanes", "1")}};
   return section;
 }
 
 const SectionType& control_fields() {
   static const SectionType section{
-      "what the player sets",
-      {required(field("value", FieldType::Kind::Any, "where it starts")),
-       field("range", FieldType::Kind::Range, "lowest and highest value"), unit_field(),
-       quantity_field("smooth", "s", 0, kUnlimited, "time in which it reaches a new value", "10 ms"),
-       about_field()}};
+      "controls of the player",
+      {required(field("value", FieldType::Kind::Any, "initial value")),
+       field("range", FieldType::Kind::Range, "minimum and maximum value"), unit_field(),
+       quantity_field("smooth", "s", 0, kUnlimited, "ramp time to a new value", "10 ms"), about_field()}};
   return section;
 }
 
 const SectionType& output_fields() {
   static const SectionType section{
       "an output",
-      {required(field("from", FieldType::Kind::Signal, "an expression")),
-       choice_field("kind", {"drive", "audio"}, "for a hand or for the ears", "drive"), unit_field(),
-       about_field()}};
+      {required(field("from", FieldType::Kind::Signal, "source, an expression")),
+       choice_field("kind", {"drive", "audio"}, "drive: to an actuator; audio: for listening", "drive"),
+       unit_field(), about_field()}};
   return section;
 }
 
-FieldType voices_field() { return whole_field("voices", 1, 1024, "how many lanes", "1"); }
+FieldType voices_field() { return whole_field("voices", 1, 1024, "number of lanes", "1"); }
 }  // namespace
 
 const SectionType& node_fields() {
   static const SectionType section{
-      "a node of a type", {required(text_field("type", "of the node")), voices_field(), about_field()}};
+      "a node of a given type",
+      {required(text_field("type", "type of the node")), voices_field(), about_field()}};
   return section;
 }
 
 const SectionType& part_fields() {
   static const SectionType section{
-      "a graph file as a node; its inputs and controls are wired by name",
-      {required(text_field("use", "path of the file, from this one")), voices_field(),
-       text_field("rate", "of its own: a fraction, \"1/16\", or \"3 kHz\"", "that around it"),
-       choice_field("take", {"last", "mean"}, "what a frame at that rate is given", "last"),
-       choice_field("between", {"hold", "line"}, "what goes out between two of them", "hold"),
+      "a graph file used as a node; its inputs and controls are connected by name",
+      {required(text_field("use", "path of the file, relative to this file")), voices_field(),
+       text_field("rate", "sample rate of the part: a fraction, such as \"1/16\", or \"3 kHz\"",
+                  "that of the enclosing graph"),
+       choice_field("take", {"last", "mean"}, "input of a frame at that rate: the last value or the mean",
+                    "last"),
+       choice_field("between", {"hold", "line"}, "output between two of its frames: held or interpolated",
+                    "hold"),
        about_field()}};
   return section;
 }
@@ -189,12 +192,12 @@ const SectionType& graph_fields() {
   using Kind = FieldType::Kind;
   static const SectionType delay{
       "system delay",
-      {field("tested", Kind::Range, "shortest and longest that the instrument was tested with")}};
+      {field("tested", Kind::Range, "shortest and longest delay that the instrument was tested with")}};
   static const SectionType section{
-      "an instrument, a plant or a part",
+      "a graph file: an instrument, a plant or a part",
       joined(heading_fields(),
-             {entries_field("inputs", input_fields(), "sensors, or what a part is given"),
-              entries_field("controls", control_fields(), "what the player sets"),
+             {entries_field("inputs", input_fields(), "sensors, or the inputs of a part"),
+              entries_field("controls", control_fields(), "controls of the player"),
               {.key = "nodes",
                .kind = Kind::Reference,
                .doc = "`tactus nodes` explains each type",
@@ -203,7 +206,7 @@ const SectionType& graph_fields() {
                .kind = Kind::Reference,
                .doc = "`tactus nodes network` explains the elements",
                .unit = "network"},
-              entries_field("outputs", output_fields(), "drives and sound, or what a part gives"),
+              entries_field("outputs", output_fields(), "drives and sound, or the outputs of a part"),
               section_field("delay", delay)})};
   return section;
 }
@@ -214,7 +217,7 @@ void check_format(const Value::Table& table, const Source& file, ErrorList& erro
     return errors.add(Errc::Missing, {file.file, 1, 1}, "'format' is missing",
                       "begin the file with format = 1");
   if (format->number() == nullptr || *format->number() != 1.0)
-    errors.add(Errc::OutOfRange, format->at, "this format is not known", "write format = 1");
+    errors.add(Errc::OutOfRange, format->at, "this format is unknown", "write format = 1");
 }
 
 const Value::Table* read_section(const Value::Table& table, const std::string& section, ErrorList& errors) {
@@ -289,7 +292,7 @@ bool read_value(const ControlSpec& entry, FlatControl& control, ErrorList& error
   const auto* value = find(entry.fields, "value");
   if (value == nullptr) {
     errors.add(Errc::Missing, entry.at, "control '" + entry.name + "' lacks 'value'",
-               "give its start value, as in value = 0.5");
+               "give its initial value, as in value = 0.5");
     return false;
   }
   const bool unit_given = find(entry.fields, "unit") != nullptr;

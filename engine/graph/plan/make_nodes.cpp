@@ -147,7 +147,7 @@ class Maker {
         if (!info.constant)
           errors_.add(Errc::WrongType, node.inputs[i]->at,
                       "'" + node.type->inputs[i].name + "' of " + node.type->name + " '" + node.path +
-                          "' must not change while it runs",
+                          "' must not change during playback",
                       "give a number, a quantity, or an expression of controls");
       }
       if (info.constant) info.range = Interval::exactly(*info.constant);
@@ -213,7 +213,7 @@ class Maker {
     errors_.add(
         Errc::BadArgument, phase_delay.at,
         "the phase delay of '" + compensated(phase_delay).path + "' cannot be compensated: it is not known",
-        "name filters that lie in the same loop");
+        "list filters in the same loop");
   }
 
   VertexGraph& graph_;

@@ -26,7 +26,7 @@ class Simplifier {
     sweep(written, "reaches no output");
     zeros_ = true;
     fold();
-    sweep(written, "reaches only what is multiplied by zero");
+    sweep(written, "reaches only signals that are multiplied by zero");
     reasons_to_report(written);
     graph_.compact();
   }

@@ -30,9 +30,9 @@ Expression missing_with_error(ErrorList& errors, Errc code, const Source& at, co
 const SectionType& spread_fields() {
   static const SectionType section{
       "a spread over lanes",
-      {required(field("from", FieldType::Kind::Any, "of the first lane")),
-       required(field("to", FieldType::Kind::Any, "of the last lane")),
-       choice_field("curve", {"linear", "exponential"}, "from one end to the other", "linear")}};
+      {required(field("from", FieldType::Kind::Any, "value of the first lane")),
+       required(field("to", FieldType::Kind::Any, "value of the last lane")),
+       choice_field("curve", {"linear", "exponential"}, "spacing of the values", "linear")}};
   return section;
 }
 
@@ -52,8 +52,8 @@ Expression bind_spread(const Value& value, ErrorList& errors) {
   }
   if (expression.exponential && !(expression.arguments[0].number * expression.arguments[1].number > 0))
     return missing_with_error(errors, Errc::OutOfRange, value.at,
-                              "an exponential spread cannot begin, end or pass at 0",
-                              "give both ends the same sign, or take the linear curve");
+                              "an exponential spread cannot start at, end at or cross 0",
+                              "give both ends the same sign, or use the linear curve");
   return expression;
 }
 
@@ -116,7 +116,7 @@ struct SettingReader {
 
   void check_text(const Source& at) {
     if (setting.unit && !parse_unit(result.text))
-      report(Errc::UnknownName, at, "is no unit: \"" + result.text + "\"",
+      report(Errc::UnknownName, at, "is not a unit: \"" + result.text + "\"",
              "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"");
     if (setting.kind != Setting::Kind::File) return;
     const auto found = find_part(result.text, folder, folder, at);
@@ -142,7 +142,7 @@ struct SettingReader {
   void read_list(const Value& value) {
     const auto* list = value.list();
     if (list == nullptr || list->empty())
-      return report(Errc::WrongType, value.at, "must be a list that is not empty", "as in " + setting.doc);
+      return report(Errc::WrongType, value.at, "must be a non-empty list", "as in " + setting.doc);
     for (const auto& item : *list) {
       if (setting.kind == Setting::Kind::Names)
         read_name(item);
@@ -155,7 +155,7 @@ struct SettingReader {
 
   void read_name(const Value& item) {
     if (item.text() != nullptr) return result.names.push_back(*item.text());
-    report(Errc::WrongType, item.at, "must hold names of nodes", "write [\"node\", \"node\"]");
+    report(Errc::WrongType, item.at, "must be a list of node names", "write [\"node\", \"node\"]");
   }
 
   void read_point(const Value& item) {
@@ -201,7 +201,7 @@ Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors
     for (const auto& lane : *list) {
       if (lane.list() != nullptr || lane.table() != nullptr)
         return missing_with_error(errors, Errc::WrongType, lane.at, "a lane cannot be " + lane.kind(),
-                                  "a list holds one number, quantity or expression for each lane");
+                                  "a list must have one number, quantity or expression for each lane");
       expression.arguments.push_back(bind_signal(lane, scope, errors));
     }
     if (!expression.arguments.empty()) return expression;

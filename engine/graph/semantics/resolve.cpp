@@ -63,16 +63,18 @@ int read_ratio(const Value& value, Hertz around, const std::string& owner, Error
       return report(Errc::WrongType, " is not a rate",
                     "write a fraction such as \"1/16\", or a rate such as \"3 kHz\"");
     if (!(quantity->si > 0) || quantity->si > around.value)
-      return report(Errc::OutOfRange, " cannot be " + in_hertz(quantity->si),
-                    "a part runs at most at the " + in_hertz(around.value) + " around it");
+      return report(
+          Errc::OutOfRange, " cannot be " + in_hertz(quantity->si),
+          "the rate of a part must not exceed the " + in_hertz(around.value) + " of the enclosing graph");
     ratio = around.value / quantity->si;
   }
   const double whole = std::round(*ratio);
   // Rates come as decimal numbers: 44.1 kHz / 14.7 kHz is 3 but for rounding.
   if (std::abs(*ratio - whole) > 1e-9 * *ratio || whole < 1)
-    return report(Errc::OutOfRange,
-                  " is not the " + in_hertz(around.value) + " around it, divided by a whole number",
-                  nearest_rates(around.value, *ratio));
+    return report(
+        Errc::OutOfRange,
+        " is not the " + in_hertz(around.value) + " of the enclosing graph divided by a whole number",
+        nearest_rates(around.value, *ratio));
   if (whole <= PartRate::kSlowest) return static_cast<int>(whole);
   return report(Errc::OutOfRange, " is too low",
                 "give at least \"1/" + std::to_string(PartRate::kSlowest) + "\"");
@@ -88,7 +90,7 @@ PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz aroun
     if (choice && !fields.has("rate"))
       errors.add(Errc::Missing, fields.value(key)->at,
                  key_of(key, owner_of(node)) + " has no effect without a 'rate'",
-                 "give the part a rate of its own, or remove '" + std::string{key} + "'");
+                 "give the part its own rate, or remove '" + std::string{key} + "'");
     return choice == 1;
   };
   PartRate rate;
@@ -255,7 +257,7 @@ class Instance {
           entry.fields.push_back({std::move(port), field.at, field.value});
     network_entries_.push_back(std::make_unique<EntrySpec>(std::move(entry)));
     const auto& outputs = (*type)->outputs;
-    scope_.explain(network.name, "name an element of the network, such as '" + network.name + "." +
+    scope_.explain(network.name, "write an element of the network, such as '" + network.name + "." +
                                      (outputs.empty() ? "mass.position" : outputs.front().name) + "'");
     declare_outputs(*network_entries_.back(), *type, false);
   }
@@ -299,8 +301,8 @@ class Instance {
     if (flat_.signals.size() < resolving_.most_signals) return false;
     if (!std::exchange(flat_.too_large, true))
       errors_.add(Errc::OutOfRange, node.type_at,
-                  "the parts come to more than " + std::to_string(resolving_.most_signals) + " signals",
-                  "use fewer parts inside parts");
+                  "the parts contain more than " + std::to_string(resolving_.most_signals) + " signals",
+                  "use fewer nested parts");
     return true;
   }
 
@@ -314,7 +316,7 @@ class Instance {
     if (part.outputs.size() == 1)
       scope_.add(node.name, static_cast<int>(flat_.signals.size()) - 1);
     else
-      scope_.explain(node.name, "name one of its outputs, such as '" + node.name + "." +
+      scope_.explain(node.name, "write one of its outputs, such as '" + node.name + "." +
                                     (part.outputs.empty() ? "output" : part.outputs.front().name) + "'");
     if (part.incomplete) scope_.tolerate(node.name);
   }
@@ -391,7 +393,7 @@ class Instance {
     std::set<std::string> named;
     for (const auto& name : node.settings.back().names) {
       if (!named.insert(name).second) {
-        errors_.add(Errc::BadArgument, value->at, "'" + name + "' is compensated twice", "name it once");
+        errors_.add(Errc::BadArgument, value->at, "'" + name + "' is compensated twice", "list it once");
         continue;
       }
       const auto known = nodes_by_name_.find(name);
@@ -399,11 +401,11 @@ class Instance {
         if (name == entry.name || flat_.nodes[index(known->second)].type->resonant)
           errors_.add(Errc::BadArgument, value->at,
                       "'" + name + "' cannot be compensated: it is not a filter",
-                      "leave it out; name what only turns the phase");
+                      "omit it; list only nodes that change the phase");
         node.compensate.push_back(known->second);
       } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {
         errors_.add(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
-                    "name nodes of this file that have a type");
+                    "list nodes of this file that have a type");
       }
     }
   }
@@ -450,7 +452,7 @@ class Instance {
     const auto* from = find(output.fields, "from");
     if (from != nullptr) return bind_signal(*from, scope_, errors_);
     errors_.add(Errc::Missing, output.at, "output '" + output.name + "' lacks 'from'",
-                "name its source, as in from = \"node\"");
+                "give its source, as in from = \"node\"");
     return missing_signal(output.at);
   }
 

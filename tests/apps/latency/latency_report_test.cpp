@@ -49,7 +49,7 @@ Analysis cable() {
 
 LatencyReport five_openings() {
   LatencyReport report;
-  report.source = "loop:20ms, 48 kHz, 64 frames a block; output 1 to input 1";
+  report.source = "loop:20ms, 48 kHz, 64 frames per block; output 1 to input 1";
   report.live = true;
   report.measurement.delay_frames = kDelay;
   report.measurement.standard_error_frames = 0.0004;
@@ -226,7 +226,7 @@ TEST_CASE("latency sweep: the table says what was refused, rounded, lost and mea
   const auto text = text_of(swept());
   contains(text, "refused: blocks of 16 frames cannot be had\n");
   contains(text, "LOST_FRAMES");
-  contains(text, "200 were asked for\n");
+  contains(text, "200 requested\n");
   contains(text, "turned into one of these by the device or its server: 210 frames.");
   contains(text, "424.000 ± 0.001      8.833");
   contains(text, "x block   at 48 kHz, 2 periods; 3 settings");

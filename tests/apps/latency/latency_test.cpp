@@ -178,7 +178,7 @@ TEST_CASE("latency analyze: files that cannot be are told one by one, with exit 
   says(analyze("slow.wav --probe probe.wav"), 3, "its header has 10 Hz");
   says(analyze("nan.wav --probe probe.wav"), 3, "some of its samples are non-finite");
   says(analyze("text.wav --probe probe.wav"), 3, "cannot be read as a WAV file");
-  says(analyze("capture.wav"), 3, "it has one channel, and the probe is not given");
+  says(analyze("capture.wav"), 3, "it has one channel, and no probe file is given");
   CHECK(analyze("capture.wav --probe noise.wav").exit == 3);
 }
 
@@ -192,8 +192,8 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   says(desk.run("latency analyze capture.wav --probe probe.wav --rate '10 Hz'"), 2, "from 1 kHz to 1 MHz");
   says(desk.run("latency analyze"), 2, "FILE is required");
   says(desk.run("latency probe"), 2, "--out is required");
-  says(desk.run("latency probe --out p.wav --level loud"), 2, "'loud' is no level");
-  says(desk.run("latency probe --out p.wav --level 3"), 2, "must be from -120 to 0 dBFS");
+  says(desk.run("latency probe --out p.wav --level loud"), 2, "'loud' is not a level");
+  says(desk.run("latency probe --out p.wav --level 3"), 2, "must be between -120 and 0 dBFS");
   says(desk.run("latency probe --out p.wav --rate '44.1005 kHz'"), 2, "whole number of hertz");
   says(desk.run("latency bogus"), 2, "bogus");
   says(desk.run("latency measure --backend none"), 2, "no backend 'none'");

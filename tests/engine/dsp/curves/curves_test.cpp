@@ -68,11 +68,11 @@ TEST_CASE("breakpoints: two points at one place are a jump", "[dsp]") {
 TEST_CASE("breakpoints: says what is wrong with points", "[dsp]") {
   using Shape = Breakpoints::Shape;
   CHECK(Breakpoints::error_in({{0, 1}, {1, 2}}, Shape::Smooth) == nullptr);
-  CHECK(std::string{Breakpoints::error_in({}, Shape::Linear)} == "there is no point");
+  CHECK(std::string{Breakpoints::error_in({}, Shape::Linear)} == "there are no points");
   CHECK(std::string{Breakpoints::error_in({{1, 0}, {0, 0}}, Shape::Linear)} ==
         "the points are not in ascending order");
   CHECK(std::string{Breakpoints::error_in({{0, -1}, {1, 1}}, Shape::Exponential)} ==
         "an exponential curve cannot reach or cross zero");
   CHECK(std::string{Breakpoints::error_in({{1, 0}, {1, 2}}, Shape::Smooth)} ==
-        "two points lie at the same place, and a smooth curve cannot jump");
+        "two points have the same position, but a smooth curve cannot jump");
 }

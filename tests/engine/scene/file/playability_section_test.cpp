@@ -2,6 +2,7 @@
 
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
+#include "tests/support/messages.h"
 #include "tests/support/scene_folder.h"
 
 using namespace tactus;
@@ -18,7 +19,7 @@ struct Folder : test::SceneFolder {
         section;
     return parse_scene_leniently(text, (path() / "scene.toml").string(), path());
   }
-  std::string mistakes(const std::string& section) const {
+  test::Messages mistakes(const std::string& section) const {
     const auto built = build_scene(load(section), standard_nodes());
     return built ? "" : strip(to_string(built.error()));
   }
@@ -91,7 +92,7 @@ TEST_CASE("playability section: its mistakes come with line and column", "[scene
   CHECK(folder.mistakes("kind = \"roll\"\n")
             .starts_with("scene.toml:7:1: '[playability]' needs a signal with the role 'contact'"));
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stik\"\n") ==
-        "scene.toml:9:11: '[playability]' needs 'plant.stik', and no such signal is recorded; did you mean "
+        "scene.toml:9:11: '[playability]' needs 'plant.stik', but no such signal is recorded; did you mean "
         "'plant.stick'?");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\n") ==
         "scene.toml:7:1: a tone needs the expected 'pitch'; give it as in pitch = \"110 Hz\", or as "
@@ -99,7 +100,7 @@ TEST_CASE("playability section: its mistakes come with line and column", "[scene
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"1 s\"\n")
             .starts_with("scene.toml:10:9: '1 s' is in s, but 'pitch' is in Hz"));
   CHECK(folder.mistakes("kind = \"roll\"\ncontact = \"plant.stick\"\nfrom = \"3.5 s\"\n") ==
-        "scene.toml:10:8: the window to evaluate is shorter than a second; lower 'from', or raise 'to' or "
+        "scene.toml:10:8: the evaluated window is shorter than one second; lower 'from', or raise 'to' or "
         "'duration'");
   CHECK(folder.mistakes("kind = \"tone\"\nsound = \"plant.mic\"\npitch = \"110 Hz\"\nbegin = \"2 s\"\n")
             .starts_with("scene.toml:11:9: the tone begins after 'from'"));

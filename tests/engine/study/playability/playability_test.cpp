@@ -181,7 +181,7 @@ TEST_CASE("playability: a control that a gesture moves is swept by the gesture",
   for (auto& part : scene.parts)
     if (part.name == "instrument")
       part.wires.push_back({"strength", part.at, {std::string{"weight"}, part.at}});
-  CHECK(error_of(scene, options) == "control 'strength' is moved by gesture 'weight'");
+  CHECK(error_of(scene, options) == "control 'strength' is set by gesture 'weight'");
 }
 
 TEST_CASE("playability: a gesture can be held at values of its own unit", "[analysis]") {

@@ -116,7 +116,7 @@ TEST_CASE("work and precision: a scene that compares nothing is told so", "[anal
   scene.accuracy.clear();
   const auto study = study_work_precision(scene, standard_nodes());
   REQUIRE_FALSE(study);
-  CHECK(study.error().front().what == "the scene does not say what must come out right");
+  CHECK(study.error().front().what == "the scene does not list the measures to compare");
 }
 
 TEST_CASE("work and precision: the solver is set in parts of parts, and not in the instrument",
