@@ -67,11 +67,6 @@ struct FlatNode {
   std::vector<Interval> ranges;                   ///< inferred, of the inputs
 };
 
-struct FlatInput {
-  std::string name;
-  int lanes = 1;
-};
-
 struct FlatControl {
   std::string name;
   double value = 0;  ///< SI
@@ -97,7 +92,6 @@ struct FlatGraph {
   static constexpr int kMissing = 0;  ///< signal 0 is of kind Missing
   std::vector<FlatSignal> signals;
   std::vector<FlatNode> nodes;
-  std::vector<FlatInput> inputs;
   std::vector<FlatControl> controls;
   std::vector<FlatOutput> outputs;
   bool too_large = false;  ///< parts were left out, with an error: there are more than `most_signals`

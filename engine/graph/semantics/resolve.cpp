@@ -180,11 +180,9 @@ class Instance {
   }
 
   void declare_input(const PortSpec& input) {
-    const int id =
-        add_signal(input.name, input.at, FlatSignal::Kind::Input, static_cast<int>(flat_.inputs.size()));
+    const int id = add_signal(input.name, input.at, FlatSignal::Kind::Input, inputs_++);
     if (input.unit_known) signal(id).declared = input.dimension;
     signal(id).lanes = input.lanes;
-    flat_.inputs.push_back({input.name, input.lanes});
     if (input.broken) scope_.hide(input.name);
   }
 
@@ -483,6 +481,7 @@ class Instance {
   int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own
   PartRate rate_;
   Scope scope_;
+  int inputs_ = 0;
   std::map<std::string, int> nodes_by_name_;
   std::map<std::string, int> bindings_;  ///< a part's inputs and controls: their signals
   std::vector<std::unique_ptr<EntrySpec>> network_entries_;
