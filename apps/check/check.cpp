@@ -315,7 +315,7 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
       world.set.try_emplace(control.name, ControlValue{control.value.si});
     return "delay as measured on the rig";
   }
-  const auto tested = tested_delays(*job.instrument->spec);
+  const auto& tested = job.instrument->spec->tested;
   if (!tested) return "delay not known";
   world.delay = Seconds{tested->high};
   return "longest delay that the instrument was tested with";

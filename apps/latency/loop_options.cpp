@@ -164,7 +164,8 @@ tl::expected<Loop, CommandError> make_loop(const LoopOptions& options) {
   }
   auto devices = choose_devices(options.backend, loop.rig ? loop.rig->device.output : options.device,
                                 loop.rig ? loop.rig->device.input : options.input_device);
-  if (!devices) return refuse(devices.error(), devices.error().where == "--backend" ? kUsage : kDevice);
+  if (!devices)
+    return refuse(devices.error(), devices.error().place == Error::Place::Option ? kUsage : kDevice);
   loop.devices = std::move(*devices);
   for (const auto set : {set_request, set_channels, set_level})
     if (auto status = set(options, loop); !status) return refuse(status.error());

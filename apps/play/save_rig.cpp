@@ -97,7 +97,7 @@ class Interview {
   Interview(Rig& rig, int inputs, int outputs, const fs::path& root, const Dialog& dialog)
       : rig_(rig), device_inputs_(inputs), device_outputs_(outputs), root_(root), dialog_(dialog) {}
 
-  void ask_input(const EntrySpec& port) {
+  void ask_input(const PortSpec& port) {
     auto& input = rig_.inputs.emplace_back();
     input.name = port.name;
     const auto proposed = static_cast<int>(rig_.inputs.size());
@@ -108,11 +108,10 @@ class Interview {
     if (!input.channels.empty()) ask_sensitivity(port, input);
   }
 
-  void ask_output(const EntrySpec& port) {
+  void ask_output(const PortSpec& port) {
     auto& output = rig_.outputs.emplace_back();
     output.name = port.name;
-    const auto* kind = find(port.fields, "kind");
-    const bool audio = kind != nullptr && kind->text() != nullptr && *kind->text() == "audio";
+    const bool audio = port.use == OutputUse::Audio;
     int free = 1;
     while (used_by_output(free)) ++free;
     ask(dialog_,
@@ -146,9 +145,8 @@ class Interview {
   }
 
  private:
-  void ask_sensitivity(const EntrySpec& port, RigInput& input) {
-    ErrorList reported_elsewhere;
-    const auto dimension = read_unit(port, reported_elsewhere).value_or(Unit{}).dimension;
+  void ask_sensitivity(const PortSpec& port, RigInput& input) {
+    const auto& dimension = port.dimension;
     const auto per_volt = volt() / dimension;
     const auto unit = dimension.plain() ? std::string{"V"} : volts_per(per_volt);
     ask(dialog_,

@@ -175,9 +175,8 @@ bool add_line(const std::string& line, Take& take) {
   }
 }
 
-tl::unexpected<Error> at(const fs::path& path, Error error) {
-  error.where = path.string();
-  return tl::unexpected(std::move(error));
+tl::unexpected<Error> at(const fs::path& path, const Error& error) {
+  return tl::unexpected(error.at(path.string()));
 }
 
 }  // namespace

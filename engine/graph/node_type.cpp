@@ -42,6 +42,5 @@ const SettingValue& NodeSetup::setting(std::string_view name) const {
 }
 
 int NodeType::input_index(std::string_view port) const { return index_of(inputs, port); }
-int NodeType::output_index(std::string_view port) const { return index_of(outputs, port); }
 
 }  // namespace tactus

@@ -106,8 +106,7 @@ struct NodeSetup {
   const NodeType* type = nullptr;
   std::vector<InputInfo> inputs;       ///< declaration order
   std::vector<SettingValue> settings;  ///< declaration order
-  int lane = 0;                        ///< which lane of how many
-  int lanes = 1;
+  int lane = 0;
   MemoryBudget* memory = nullptr;  ///< nullptr: as much as there is
 
   /// [control] Must be called before a node allocates more numbers than its settings hold.
@@ -155,9 +154,8 @@ struct NodeType {
   /// Range of an output, given the ranges of the inputs; empty: OutputPort::range.
   std::function<Interval(int output, const NodeSetup&)> range = {};
 
-  /// Index in `inputs` / `outputs`, or -1.
+  /// Index in `inputs`, or -1.
   int input_index(std::string_view port) const;
-  int output_index(std::string_view port) const;
 };
 
 struct NetworkSpec;

@@ -14,16 +14,10 @@
 namespace tactus {
 namespace {
 
-bool is_audio(const EntrySpec& output) {
-  const auto* kind = find(output.fields, "kind");
-  return kind != nullptr && kind->text() != nullptr && *kind->text() == "audio";
-}
-
 /// Volts for one unit of the port.
-Unit sensitivity_unit(const EntrySpec& input) {
-  ErrorList reported_elsewhere;
+Unit sensitivity_unit(const PortSpec& input) {
   auto unit = *parse_unit("V");
-  unit.dimension = unit.dimension / read_unit(input, reported_elsewhere).value_or(Unit{}).dimension;
+  unit.dimension = unit.dimension / input.dimension;
   return unit;
 }
 
@@ -52,7 +46,7 @@ class RigCheck {
     check_complete(instrument_.outputs, rig_.outputs, "output");
     for (const auto& input : instrument_.inputs) check_input(input);
     for (const auto& output : instrument_.outputs)
-      if (is_audio(output)) check_audio(output.name);
+      if (output.use == OutputUse::Audio) check_audio(output.name);
     for (const auto& control : rig_.controls) check_control(control);
     for (const auto& midi : rig_.midi) check_midi(midi);
     return errors_.take();
@@ -60,21 +54,20 @@ class RigCheck {
 
  private:
   void report_unknown(const std::string& what, const std::string& name, const Source& at,
-                      const std::vector<EntrySpec>& known) {
+                      const std::vector<std::string>& names) {
     if (instrument_.incomplete) return;
-    const auto names = names_of(known);
     errors_.add(Errc::UnknownName, at, "the instrument has no " + what + " '" + name + "'",
                 suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
   }
 
-  template <class Items>
-  void check_names(const Items& items, const std::vector<EntrySpec>& known, const char* what) {
+  template <class Items, class Known>
+  void check_names(const Items& items, const Known& known, const char* what) {
     for (const auto& item : items)
-      if (find_named(known, item.name) == nullptr) report_unknown(what, item.name, item.at, known);
+      if (find_named(known, item.name) == nullptr) report_unknown(what, item.name, item.at, names_of(known));
   }
 
   template <class Ports>
-  void check_complete(const std::vector<EntrySpec>& needed, const Ports& ports, const std::string& what) {
+  void check_complete(const std::vector<PortSpec>& needed, const Ports& ports, const std::string& what) {
     if (rig_.incomplete) return;
     for (const auto& port : needed)
       if (find_named(ports, port.name) == nullptr)
@@ -84,12 +77,10 @@ class RigCheck {
                         " = { channel = 1 }, or { channel = \"none\" } to leave it unconnected");
   }
 
-  void check_input(const EntrySpec& port) {
+  void check_input(const PortSpec& port) {
     const auto* input = find_named(rig_.inputs, port.name);
     if (input == nullptr || input->channels.empty()) return;
-    ErrorList reported_elsewhere;
-    const int lanes = read_input(port, reported_elsewhere).lanes;
-    if (index(lanes) != input->channels.size()) report_lanes(*input, lanes, errors_);
+    if (index(port.lanes) != input->channels.size()) report_lanes(*input, port.lanes, errors_);
     const auto wanted = sensitivity_unit(port);
     const auto volt = parse_unit("V")->dimension;
     const auto per = to_string(volt / wanted.dimension);
@@ -121,11 +112,8 @@ class RigCheck {
 
   void check_control(const Rig::Control& set) {
     const auto* entry = find_named(instrument_.controls, set.name);
-    if (entry == nullptr) return;
-    ErrorList reported_elsewhere;
-    const auto read = read_control(*entry, reported_elsewhere);
-    if (!read.unit_known || reported_elsewhere.any()) return;
-    const auto& control = read.control;
+    if (entry == nullptr || !entry->unit_known) return;
+    const auto& control = entry->control;
     if (!set.value.bare && !(set.value.unit.dimension == control.unit.dimension))
       errors_.add(Errc::UnitMismatch, set.at,
                   "'" + set.name + "' is set in " + named(set.value.unit.dimension) + ", but it is in " +
@@ -140,7 +128,8 @@ class RigCheck {
 
   void check_midi(const RigMidi& midi) {
     const auto* entry = find_named(instrument_.controls, midi.control);
-    if (entry == nullptr) return report_unknown("control", midi.control, midi.at, instrument_.controls);
+    if (entry == nullptr)
+      return report_unknown("control", midi.control, midi.at, names_of(instrument_.controls));
     if (find(entry->fields, "range") == nullptr)
       errors_.add(Errc::Missing, midi.at, "'" + midi.control + "' has no range, which a MIDI control needs",
                   "give it a range in the instrument, as in range = [0, 1]");
@@ -158,15 +147,13 @@ class RigCheck {
 bool left_out(const RigPort& port) { return port.channels.empty(); }
 
 /// 0 in the unit of a port, in each of its lanes, under its name.
-NodeSpec resting(const EntrySpec& input) {
-  ErrorList reported_elsewhere;
-  const auto unit = to_string(read_unit(input, reported_elsewhere).value_or(Unit{}).dimension);
+NodeSpec resting(const PortSpec& input) {
+  const auto unit = to_string(input.dimension);
   const Value zero{unit.empty() ? std::string{"0"} : "0 " + unit, input.at};
-  const auto lanes = static_cast<std::size_t>(read_input(input, reported_elsewhere).lanes);
   NodeSpec node;
   node.name = input.name;
   node.at = node.type_at = input.at;
-  node.value = lanes == 1 ? zero : Value{Value::List(lanes, zero), input.at};
+  node.value = input.lanes == 1 ? zero : Value{Value::List(index(input.lanes), zero), input.at};
   return node;
 }
 

@@ -174,7 +174,7 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
     return fail(Errc::UnknownName, where, "there is no limit '" + name + "'",
                 "there are " + listed(names_of(kRaisable)));
   const auto value = read_quantity(Value{text, {}}, *parse_unit(type->unit), name);
-  if (!value) return fail(value.error().code, where, value.error().what, value.error().remedy);
+  if (!value) return tl::unexpected(value.error().at(where));
   double* const limit = type->of(limits);
   if (limit == nullptr || !std::isfinite(*limit))
     return fail(Errc::OutOfRange, where, "this drive has no limit on '" + name + "' to raise", "remove it");
@@ -185,8 +185,7 @@ Status raise_limit(DriveLimits& limits, const std::string& name, const std::stri
   auto status = check(limits);
   if (status) return status;
   *limit = before;
-  status.error().where = where;
-  return status;
+  return tl::unexpected(status.error().at(where));
 }
 
 std::vector<FieldType> actuator_fields() {

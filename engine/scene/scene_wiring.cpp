@@ -95,11 +95,7 @@ void strike_by_hand(const GraphSpec& part, NodeSpec& node, GraphSpec& world) {
   if (find_named(part.controls, kStrike) == nullptr) return;
   const auto& at = node.at;
   if (find_named(world.controls, kStrike) == nullptr) {
-    const Value::List ends{{0.0, at}, {1.0, at}};
-    world.controls.push_back(
-        {kStrike,
-         at,
-         {{"value", at, {0.0, at}}, {"range", at, {ends, at}}, {"smooth", at, text_value("0 ms", at)}}});
+    world.controls.push_back({{kStrike, at, {}}, {.name = kStrike, .range = {0, 1}, .smooth_s = 0}});
   }
   put(node.fields, kStrike, text_value(kStrike, at));
 }
@@ -112,15 +108,14 @@ bool check_range(const FlatControl& control, double value, const Source& at, Err
   return false;
 }
 
-std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec& control, const Field& field,
+std::optional<WiredControl> wire_control(const SceneSpec& scene, const ControlSpec& entry, const Field& field,
                                          ErrorList& errors) {
-  if (control.broken) return std::nullopt;
-  ErrorList reported_elsewhere;
-  const auto read = read_control(control, reported_elsewhere);
+  if (entry.broken) return std::nullopt;
+  const auto& control = entry.control;
   const auto* text = field.value.text();
   if (const auto* gesture = text != nullptr ? scene.gesture(*text) : nullptr) {
     if (gesture->points.empty()) return std::nullopt;
-    if (read.unit_known) check_gesture(*gesture, read.control, field.value.at, errors);
+    if (entry.unit_known) check_gesture(*gesture, control, field.value.at, errors);
     return WiredControl{gesture->points.front().value, gesture};
   }
   if (text != nullptr && !parse_quantity(*text)) {
@@ -130,10 +125,10 @@ std::optional<WiredControl> wire_control(const SceneSpec& scene, const EntrySpec
                  "give a number or a quantity, or the name of a gesture");
     return std::nullopt;
   }
-  if (!read.unit_known) return std::nullopt;
-  const auto value = read_quantity(field.value, read.control.unit, control.name);
+  if (!entry.unit_known) return std::nullopt;
+  const auto value = read_quantity(field.value, control.unit, control.name);
   if (errors.keep(value) == nullptr) return std::nullopt;
-  if (!check_range(read.control, *value, field.value.at, errors)) return std::nullopt;
+  if (!check_range(control, *value, field.value.at, errors)) return std::nullopt;
   return WiredControl{*value, nullptr};
 }
 

@@ -37,6 +37,7 @@ inline Channels run(Player& engine, const Channels& inputs, int frames, const st
     throw std::runtime_error(to_string(status.error()));
   Channels out(static_cast<std::size_t>(engine.out_channels() + engine.tap_count()),
                std::vector<double>(static_cast<std::size_t>(frames)));
+  const NoDenormals no_denormals;
   std::size_t next = 0;
   for (int done = 0; done < frames;) {
     const int block = std::min(blocks[next++ % blocks.size()], frames - done);

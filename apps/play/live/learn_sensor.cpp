@@ -9,6 +9,7 @@
 
 #include "apps/play/live/plan.h"
 #include "engine/core/decibels.h"
+#include "engine/core/named.h"
 #include "engine/core/spsc_queue.h"
 #include "engine/graph/file/read_graph.h"
 
@@ -48,10 +49,8 @@ Result<const RigInput*> find_input(const Rig& rig, const std::string& name) {
 }
 
 Dimension dimension_of(const GraphSpec& instrument, const std::string& input) {
-  ErrorList reported_elsewhere;
-  for (const auto& entry : instrument.inputs)
-    if (entry.name == input) return read_unit(entry, reported_elsewhere).value_or(Unit{}).dimension;
-  return {};
+  const auto* port = find_named(instrument.inputs, input);
+  return port != nullptr ? port->dimension : Dimension{};
 }
 
 }  // namespace

@@ -45,29 +45,18 @@ FieldType text_field(std::string key, std::string doc, std::string fallback) {
 }
 FieldType quantity_field(std::string key, std::string unit, double low, double high, std::string doc,
                          std::string fallback) {
-  return {.key = std::move(key),
-          .kind = FieldType::Kind::Quantity,
-          .doc = std::move(doc),
-          .unit = std::move(unit),
-          .low = low,
-          .high = high,
-          .fallback = std::move(fallback)};
+  return {std::move(key), FieldType::Kind::Quantity, std::move(doc), std::move(unit), low,
+          high,           std::move(fallback)};
 }
 FieldType whole_field(std::string key, double low, double high, std::string doc, std::string fallback) {
-  return {.key = std::move(key),
-          .kind = FieldType::Kind::Whole,
-          .doc = std::move(doc),
-          .low = low,
-          .high = high,
-          .fallback = std::move(fallback)};
+  return {std::move(key), FieldType::Kind::Whole, std::move(doc), {}, low, high, std::move(fallback)};
 }
 FieldType choice_field(std::string key, std::vector<std::string> choices, std::string doc,
                        std::string fallback) {
-  return {.key = std::move(key),
-          .kind = FieldType::Kind::Choice,
-          .doc = std::move(doc),
-          .fallback = std::move(fallback),
-          .choices = std::move(choices)};
+  auto made = text_field(std::move(key), std::move(doc), std::move(fallback));
+  made.kind = FieldType::Kind::Choice;
+  made.choices = std::move(choices);
+  return made;
 }
 FieldType section_field(std::string key, const SectionType& inside) {
   return {.key = std::move(key), .kind = FieldType::Kind::Section, .doc = inside.doc, .inside = &inside};
@@ -152,9 +141,16 @@ std::string FieldReader::text(std::string_view key) { return errors_.text(table_
 std::optional<double> FieldReader::number(std::string_view key, double most) {
   const auto& field = section_[key];
   const double high = std::min(field.high, most);
-  if (field.kind != FieldType::Kind::Whole)
-    return read_bounded(table_, field.key, field.unit, field.low, high, errors_, owner_);
-  return has(key) ? read_whole(*value(key), field, high, errors_, owner_) : std::nullopt;
+  const auto* found = value(key);
+  if (found == nullptr) return std::nullopt;
+  if (field.kind == FieldType::Kind::Whole) return read_whole(*found, field, high, errors_, owner_);
+  const auto unit = parse_unit(field.unit).value_or(Unit{});
+  const auto number = read_quantity(*found, unit, field.key);
+  if (errors_.keep(number) == nullptr) return std::nullopt;
+  if (*number >= field.low && *number <= high) return *number;
+  errors_.add(Errc::OutOfRange, found->at, key_of(key, owner_) + " cannot be " + in_unit(*number, unit),
+              limits_text(field.low, high, unit));
+  return std::nullopt;
 }
 
 std::optional<QuantityValue> FieldReader::any(std::string_view key) {
@@ -211,19 +207,6 @@ std::pair<std::optional<double>, std::optional<double>> FieldReader::window(Seco
   if (from && to && *from >= *to)
     errors_.add(Errc::OutOfRange, value("to")->at, "'to' does not come after 'from'", "swap them");
   return {from, to};
-}
-
-std::optional<double> read_bounded(const Value::Table& table, const std::string& key, const std::string& unit,
-                                   double low, double high, ErrorList& errors, const std::string& owner) {
-  const auto* value = find(table, key);
-  if (value == nullptr) return std::nullopt;
-  const auto of = parse_unit(unit).value_or(Unit{});
-  const auto number = read_quantity(*value, of, key);
-  if (errors.keep(number) == nullptr) return std::nullopt;
-  if (*number >= low && *number <= high) return *number;
-  errors.add(Errc::OutOfRange, value->at, key_of(key, owner) + " cannot be " + in_unit(*number, of),
-             limits_text(low, high, of));
-  return std::nullopt;
 }
 
 }  // namespace tactus

@@ -82,8 +82,7 @@ Result<QuantityValue> read_quantity(const Value& value) {
   if (!quantity)
     return fail(Errc::Syntax, value.at.text(), "'" + *text + "' is not a number with a unit",
                 "write a number and its unit, such as \"15 ms\"");
-  const bool bare = text->find_first_not_of("+-0123456789.eE ") == std::string::npos;
-  return QuantityValue{quantity->si, quantity->unit, bare};
+  return *quantity;
 }
 
 Result<double> read_quantity(const Value& value, const Unit& expected, const std::string& what) {

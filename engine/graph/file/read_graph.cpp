@@ -98,12 +98,12 @@ NodeSpec read_element(const Field& field, const std::string& network, ErrorList&
   return element;
 }
 
-NetworkSpec read_network(const EntrySpec& entry, ErrorList& errors) {
-  NetworkSpec network{entry.name, entry.at, {}, {}, entry.broken};
+NetworkSpec read_network(EntrySpec entry, ErrorList& errors) {
+  NetworkSpec network{{entry.name, entry.at, {}, entry.broken}, {}};
   NameSpace names;
-  for (const auto& field : entry.fields) {
+  for (auto& field : entry.fields) {
     if (field.value.table() == nullptr) {
-      network.options.push_back(field);
+      network.fields.push_back(std::move(field));
       continue;
     }
     names.add(field.key, "an element", field.at, errors);
@@ -136,11 +136,10 @@ std::vector<FieldType> heading_fields() {
 }
 
 namespace {
+
 FieldType unit_field() {
   return text_field("unit", "\"m/s\", \"N/m\", \"ms\", \"dB\", \"full scale\"", "a plain number");
 }
-}  // namespace
-
 const SectionType& input_fields() {
   static const SectionType section{
       "an input", {unit_field(), about_field(), whole_field("lanes", 1, 1024, "number of lanes", "1")}};
@@ -165,7 +164,6 @@ const SectionType& output_fields() {
   return section;
 }
 
-namespace {
 FieldType voices_field() { return whole_field("voices", 1, 1024, "number of lanes", "1"); }
 }  // namespace
 
@@ -247,66 +245,13 @@ std::vector<EntrySpec> read_entries(const Value::Table& table, const std::string
   return entries;
 }
 
-GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& errors) {
-  GraphSpec spec;
-  spec.file = file;
-  check_format(table, file, errors);
-  spec.incomplete = !check_keys(table, errors) || !sections_are_tables(table);
-  spec.name = errors.text(table, "name");
-  spec.about = errors.text(table, "about");
-  spec.source = errors.text(table, "source");
-  spec.inputs = read_entries(table, "inputs", "{ unit = \"full scale\" }", errors);
-  spec.controls = read_entries(table, "controls", "{ value = 0.5, range = [0, 1] }", errors);
-  spec.outputs = read_entries(table, "outputs", "{ from = \"node\" }", errors);
-  if (const auto* nodes = read_section(table, "nodes", errors))
-    for (const auto& field : *nodes) spec.nodes.push_back(read_node(field, errors));
-  for (const auto& entry : read_entries(table, "networks", "{ mass = { type = \"mass\" } }", errors))
-    spec.networks.push_back(read_network(entry, errors));
-  if (const auto* delay = read_section(table, "delay", errors))
-    spec.delay = EntrySpec{"delay", find(table, "delay")->at, *delay};
-  check_names(spec, errors);
-  return spec;
-}
-
-// ---- entries
-
 namespace {
 
 std::string owner_of(const char* kind, const EntrySpec& entry) {
   return std::string{kind} + " '" + entry.name + "'";
 }
 
-/// Where the control starts, and by its unit the control's. False after an error.
-bool read_value(const EntrySpec& entry, FlatControl& control, ErrorList& errors) {
-  const auto* value = find(entry.fields, "value");
-  if (value == nullptr) {
-    errors.add(Errc::Missing, entry.at, "control '" + entry.name + "' lacks 'value'",
-               "give its initial value, as in value = 0.5");
-    return false;
-  }
-  const bool unit_given = find(entry.fields, "unit") != nullptr;
-  if (unit_given && errors.keep(read_quantity(*value, control.unit, "value")) == nullptr) return false;
-  const auto quantity = read_quantity(*value);
-  if (!quantity) return errors.add(quantity.error()), false;
-  control.value = quantity->si;
-  if (!quantity->bare) control.unit = quantity->unit;
-  control.decibel = control.unit.decibel;
-  return true;
-}
-
-void read_range(const EntrySpec& entry, FieldReader& fields, FlatControl& control, ErrorList& errors) {
-  const auto range = fields.range("range", control.unit);
-  if (!range) return;
-  control.range = *range;
-  if (!range->contains(control.value))
-    errors.add(Errc::OutOfRange, fields.value("value")->at,
-               "control '" + entry.name + "' starts at " + in_unit(control.value, control.unit) +
-                   ", which is outside its range",
-               limits_text(range->low, range->high, control.unit));
-}
-
-}  // namespace
-
+/// The field `unit`: plain if it is left out, nothing after an error.
 std::optional<Unit> read_unit(const EntrySpec& entry, ErrorList& errors) {
   constexpr const char* kUnits = "write units as \"m/s\", \"N/m\", \"ms\", \"dB\" or \"full scale\"";
   const auto* value = find(entry.fields, "unit");
@@ -320,39 +265,100 @@ std::optional<Unit> read_unit(const EntrySpec& entry, ErrorList& errors) {
   return unit;
 }
 
-FlatInput read_input(const EntrySpec& entry, ErrorList& errors) {
-  FieldReader fields{entry.fields, input_fields(), errors, owner_of("input", entry)};
-  return {entry.name, static_cast<int>(fields.number("lanes").value_or(1)), {}};
+void set_unit(PortSpec& port, ErrorList& errors) {
+  const auto unit = read_unit(port, errors);
+  port.unit_known = unit.has_value();
+  if (unit) port.dimension = unit->dimension;
 }
 
-ReadControl read_control(const EntrySpec& entry, ErrorList& errors) {
-  FieldReader fields{entry.fields, control_fields(), errors, owner_of("control", entry)};
-  ReadControl read;
+PortSpec read_input(EntrySpec entry, ErrorList& errors) {
+  PortSpec input{std::move(entry)};
+  FieldReader fields{input.fields, input_fields(), errors, owner_of("input", input)};
+  set_unit(input, errors);
+  input.lanes = static_cast<int>(fields.number("lanes").value_or(1));
+  return input;
+}
+
+PortSpec read_output(EntrySpec entry, ErrorList& errors) {
+  PortSpec output{std::move(entry)};
+  FieldReader fields{output.fields, output_fields(), errors, owner_of("output", output)};
+  set_unit(output, errors);
+  output.use = fields.choice("kind") == 1 ? OutputUse::Audio : OutputUse::Drive;
+  return output;
+}
+
+/// Where the control starts, and by its unit the control's. False after an error.
+bool read_value(const ControlSpec& entry, FlatControl& control, ErrorList& errors) {
+  const auto* value = find(entry.fields, "value");
+  if (value == nullptr) {
+    errors.add(Errc::Missing, entry.at, "control '" + entry.name + "' lacks 'value'",
+               "give its initial value, as in value = 0.5");
+    return false;
+  }
+  const bool unit_given = find(entry.fields, "unit") != nullptr;
+  if (unit_given && errors.keep(read_quantity(*value, control.unit, "value")) == nullptr) return false;
+  const auto quantity = read_quantity(*value);
+  if (!quantity) return errors.add(quantity.error()), false;
+  control.value = quantity->si;
+  if (!quantity->bare) control.unit = quantity->unit;
+  return true;
+}
+
+void read_range(FieldReader& fields, FlatControl& control, ErrorList& errors) {
+  const auto range = fields.range("range", control.unit);
+  if (!range) return;
+  control.range = *range;
+  if (!range->contains(control.value))
+    errors.add(Errc::OutOfRange, fields.value("value")->at,
+               "control '" + control.name + "' starts at " + in_unit(control.value, control.unit) +
+                   ", which is outside its range",
+               limits_text(range->low, range->high, control.unit));
+}
+
+ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
+  ControlSpec read{std::move(entry)};
   auto& control = read.control;
-  control.name = entry.name;
-  const auto unit = read_unit(entry, errors);
+  control.name = read.name;
+  read.unit_known = !read.broken;
+  if (read.broken) return read;
+  FieldReader fields{read.fields, control_fields(), errors, owner_of("control", read)};
+  const auto unit = read_unit(read, errors);
   if (unit) control.unit = *unit;
-  read.unit_known = unit && read_value(entry, control, errors);
-  if (read.unit_known) read_range(entry, fields, control, errors);
+  read.unit_known = unit && read_value(read, control, errors);
+  if (read.unit_known) read_range(fields, control, errors);
   control.smooth_s = fields.number("smooth").value_or(control.smooth_s);
   return read;
 }
 
-OutputUse read_use(const EntrySpec& entry, ErrorList& errors) {
-  FieldReader fields{entry.fields, output_fields(), errors, FieldReader::kKeysChecked,
-                     owner_of("output", entry)};
-  return fields.choice("kind").value_or(0) == 1 ? OutputUse::Audio : OutputUse::Drive;
+/// The table called `section`, each of its entries read by `read`.
+template <class Spec>
+void read_all(const Value::Table& table, const char* section, const char* example,
+              Spec (*read)(EntrySpec, ErrorList&), std::vector<Spec>& specs, ErrorList& errors) {
+  for (auto& entry : read_entries(table, section, example, errors))
+    specs.push_back(read(std::move(entry), errors));
 }
 
-std::optional<Interval> tested_delays(const GraphSpec& graph, ErrorList& errors) {
-  if (!graph.delay) return std::nullopt;
-  FieldReader fields{graph.delay->fields, *graph_fields()["delay"].inside, errors, "[delay]"};
-  return fields.range("tested", *parse_unit("s"));
-}
+}  // namespace
 
-std::optional<Interval> tested_delays(const GraphSpec& graph) {
-  ErrorList reported_elsewhere{graph.file};
-  return tested_delays(graph, reported_elsewhere);
+GraphSpec read_graph(const Value::Table& table, const Source& file, ErrorList& errors) {
+  GraphSpec spec;
+  spec.file = file;
+  check_format(table, file, errors);
+  spec.incomplete = !check_keys(table, errors) || !sections_are_tables(table);
+  spec.name = errors.text(table, "name");
+  spec.about = errors.text(table, "about");
+  spec.source = errors.text(table, "source");
+  read_all(table, "inputs", "{ unit = \"full scale\" }", read_input, spec.inputs, errors);
+  read_all(table, "controls", "{ value = 0.5, range = [0, 1] }", read_control, spec.controls, errors);
+  read_all(table, "outputs", "{ from = \"node\" }", read_output, spec.outputs, errors);
+  if (const auto* nodes = read_section(table, "nodes", errors))
+    for (const auto& field : *nodes) spec.nodes.push_back(read_node(field, errors));
+  read_all(table, "networks", "{ mass = { type = \"mass\" } }", read_network, spec.networks, errors);
+  if (const auto* delay = read_section(table, "delay", errors))
+    spec.tested = FieldReader{*delay, *graph_fields()["delay"].inside, errors, "[delay]"}.range(
+        "tested", *parse_unit("s"));
+  check_names(spec, errors);
+  return spec;
 }
 
 }  // namespace tactus

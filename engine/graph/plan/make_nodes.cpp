@@ -100,8 +100,7 @@ class Maker {
       vertex.fingerprint = fingerprint(*setup);
       return;
     }
-    auto error = made.error();
-    if (error.where.empty()) error.where = node.at.text();
+    auto error = made.error().where.empty() ? made.error().at(node.at.text()) : made.error();
     // As the file at that place calls it, so that the error of a part used twice is reported once.
     const auto name = node.path.substr(node.path.rfind('.') + 1);
     error.what = node.type->name + " '" + name + "': " + error.what;

@@ -133,7 +133,6 @@ class Instance {
   void declare_top() {
     for (const auto& input : spec_.inputs) declare_input(input);
     for (const auto& control : spec_.controls) declare_control(control);
-    tested_delays(spec_, errors_);
     declare_inside();
   }
   void connect_top(const std::vector<std::string>& taps) {
@@ -174,40 +173,26 @@ class Instance {
     return id;
   }
 
-  /// The unit that the file gives; nothing if it gives none, or after an error.
-  std::optional<Dimension> declared_unit(const EntrySpec& entry) {
-    const auto unit = read_unit(entry, errors_);
-    return unit && find(entry.fields, "unit") != nullptr ? std::optional{unit->dimension} : std::nullopt;
-  }
-
   int add_expression(const std::string& name, const Source& at) {
     const int id = add_signal(name, at, FlatSignal::Kind::Expression, -1);
     signal(id).expression = missing_signal(at);  // until it is connected
     return id;
   }
 
-  void declare_input(const EntrySpec& entry) {
-    auto input = read_input(entry, errors_);
-    const auto unit = read_unit(entry, errors_);
-    const int id =
-        add_signal(entry.name, entry.at, FlatSignal::Kind::Input, static_cast<int>(flat_.inputs.size()));
-    if (unit) {
-      input.dimension = unit->dimension;
-      signal(id).declared = unit->dimension;
-    }
+  void declare_input(const PortSpec& input) {
+    const int id = add_signal(input.name, input.at, FlatSignal::Kind::Input, inputs_++);
+    if (input.unit_known) signal(id).declared = input.dimension;
     signal(id).lanes = input.lanes;
-    flat_.inputs.push_back(std::move(input));
-    if (entry.broken) scope_.hide(entry.name);
+    if (input.broken) scope_.hide(input.name);
   }
 
-  void declare_control(const EntrySpec& entry) {
+  void declare_control(const ControlSpec& entry) {
     if (entry.broken) return scope_.hide(entry.name);
-    auto read = read_control(entry, errors_);
     const int id =
         add_signal(entry.name, entry.at, FlatSignal::Kind::Control, static_cast<int>(flat_.controls.size()));
-    if (read.unit_known) signal(id).declared = read.control.unit.dimension;
-    signal(id).range = read.control.range;
-    flat_.controls.push_back(std::move(read.control));
+    if (entry.unit_known) signal(id).declared = entry.control.unit.dimension;
+    signal(id).range = entry.control.range;
+    flat_.controls.push_back(entry.control);
   }
 
   void declare_system() {
@@ -347,20 +332,15 @@ class Instance {
   void declare_as_part() {
     for (const auto& input : spec_.inputs) {
       const int id = declare_binding(input);
-      if (input.broken) continue;
-      read_input(input, errors_);
-      signal(id).declared = declared_unit(input);
+      signal(id).declared = input.declared();
     }
-    for (const auto& control : spec_.controls) {
-      const int id = declare_binding(control);
-      if (control.broken) continue;
-      const auto read = read_control(control, errors_);
-      if (!read.unit_known) continue;
-      signal(id).declared = read.control.unit.dimension;
-      signal(id).expression =
-          number_expression(read.control.value, read.control.unit.dimension, false, control.at);
+    for (const auto& entry : spec_.controls) {
+      const int id = declare_binding(entry);
+      if (!entry.unit_known) continue;
+      const auto& control = entry.control;
+      signal(id).declared = control.unit.dimension;
+      signal(id).expression = number_expression(control.value, control.unit.dimension, false, entry.at);
     }
-    tested_delays(spec_, errors_);
     declare_inside();
   }
 
@@ -458,29 +438,26 @@ class Instance {
     part.connect_inside();
     int id = pending.first_output;
     for (const auto& output : part.spec_.outputs) {
-      if (!output.broken) part.bind_output(output, signal(id).expression, signal(id).declared);
+      if (!output.broken) {
+        signal(id).expression = part.bind_output(output);
+        signal(id).declared = output.declared();
+      }
       ++id;
     }
   }
 
-  void bind_output(const EntrySpec& entry, Expression& expression, std::optional<Dimension>& declared) {
-    FieldReader{entry.fields, output_fields(), errors_, "output '" + entry.name + "'"};
-    const auto* from = find(entry.fields, "from");
-    if (from == nullptr)
-      errors_.add(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",
-                  "give its source, as in from = \"node\"");
-    expression = from != nullptr ? bind_signal(*from, scope_, errors_) : missing_signal(entry.at);
-    declared = declared_unit(entry);
+  Expression bind_output(const PortSpec& output) {
+    const auto* from = find(output.fields, "from");
+    if (from != nullptr) return bind_signal(*from, scope_, errors_);
+    errors_.add(Errc::Missing, output.at, "output '" + output.name + "' lacks 'from'",
+                "give its source, as in from = \"node\"");
+    return missing_signal(output.at);
   }
 
-  void connect_output(const EntrySpec& entry) {
-    FlatOutput output;
-    output.name = entry.name;
-    output.at = entry.at;
-    bind_output(entry, output.expression, output.declared);
+  void connect_output(const PortSpec& port) {
+    FlatOutput output{port.name, port.use, bind_output(port), port.at};
     // A drive is a plain number unless the file gives another unit; a wrong unit is unknown.
-    if (find(entry.fields, "unit") == nullptr) output.declared = Dimension{};
-    output.use = read_use(entry, errors_);
+    if (port.unit_known) output.declared = port.dimension;
     flat_.outputs.push_back(std::move(output));
   }
 
@@ -504,6 +481,7 @@ class Instance {
   int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own
   PartRate rate_;
   Scope scope_;
+  int inputs_ = 0;
   std::map<std::string, int> nodes_by_name_;
   std::map<std::string, int> bindings_;  ///< a part's inputs and controls: their signals
   std::vector<std::unique_ptr<EntrySpec>> network_entries_;

@@ -1,5 +1,7 @@
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/taps.h"
+#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/graph/file/quantity.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/delays/align_kernel.h"
 #include "engine/nodes/delays/delay_taps.h"
@@ -21,7 +23,9 @@ class AlignNode final : public Node {
   static Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
     const double longest = std::min(setup.input("period").range.high, TACTUS_ALIGN_LONGEST);
     if (longest * setup.sample_rate.value < 2)
-      return fail(Errc::OutOfRange, {}, "its period is always shorter than two frames",
+      return fail(Errc::OutOfRange, {},
+                  "its period is always shorter than two frames, " +
+                      short_quantity(2 / setup.sample_rate.value, parse_unit("s")->dimension),
                   "give the period of the note, as in period = \"1 / pitch\"");
     const double frames = 1.5 * longest * setup.sample_rate.value;
     if (const auto fits = setup.take_memory(static_cast<std::size_t>(frames)); !fits)

@@ -196,9 +196,8 @@ void check_drives(const SceneSpec& scene, ErrorList& errors) {
   const auto* instrument = scene.part("instrument");
   if (instrument == nullptr || instrument->graph == nullptr || instrument->graph->incomplete) return;
   std::vector<std::string> names;
-  ErrorList reported_elsewhere;
   for (const auto& output : instrument->graph->outputs)
-    if (read_use(output, reported_elsewhere) != OutputUse::Audio) names.push_back(output.name);
+    if (output.use != OutputUse::Audio) names.push_back(output.name);
   for (const auto& [name, at] : scene.drive_places)
     if (std::ranges::find(names, name) == names.end())
       errors.add(Errc::UnknownName, at, "the instrument has no drive '" + name + "'",
@@ -215,9 +214,7 @@ void check_comparison(const SceneSpec& scene, const std::string& name, double va
     errors.add(Errc::UnknownName, at, "there is no part '" + owner + "'", "see [parts]");
   if (part == nullptr || part->graph == nullptr || part->graph->incomplete) return;
   if (const auto* control = find_named(part->graph->controls, port)) {
-    ErrorList reported_elsewhere;
-    const auto read = control->broken ? ReadControl{{}, false} : read_control(*control, reported_elsewhere);
-    if (read.unit_known) check_range(read.control, value, at, errors);
+    if (control->unit_known) check_range(control->control, value, at, errors);
     return;
   }
   auto known = names_of(part->graph->controls);

@@ -27,11 +27,11 @@ constexpr const char* kGesture = "swept_by_the_study";
 constexpr double kGlide_s = 3.0, kBifurcationSweepStep_s = 0.1;
 
 /// The value of a control in the scene, or else in its graph file; none if it is not a number.
-std::optional<double> set_value(const ScenePart& part, const EntrySpec& control) {
+std::optional<double> set_value(const ScenePart& part, const ControlSpec& control) {
   const auto* value = find(part.wires, control.name);
-  if (value == nullptr) value = find(control.fields, "value");
-  const auto quantity = value != nullptr ? read_quantity(*value) : Result<QuantityValue>{};
-  return value != nullptr && quantity ? std::optional{quantity->si} : std::nullopt;
+  if (value == nullptr) return control.control.value;
+  const auto quantity = read_quantity(*value);
+  return quantity ? std::optional{quantity->si} : std::nullopt;
 }
 
 tl::unexpected<Error> no_control(const std::string& name, const std::string& what) {

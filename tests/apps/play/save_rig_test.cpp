@@ -8,9 +8,11 @@
 #include "apps/cli/console.h"
 #include "engine/graph/file/load.h"
 #include "engine/rig/check_rig.h"
+#include "tests/support/parse_graph.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
+using tactus::test::parse_graph;
 using namespace tactus::app;
 
 namespace {

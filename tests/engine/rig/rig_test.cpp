@@ -8,8 +8,10 @@
 #include "engine/rig/check_rig.h"
 #include "engine/scene/guard_report.h"
 #include "tests/support/messages.h"
+#include "tests/support/parse_graph.h"
 
 using namespace tactus;
+using tactus::test::parse_graph;
 
 namespace {
 

@@ -90,6 +90,7 @@ Measured measure(const std::string& text) {
     result.refused = schedule.error().front().what;
     return result;
   }
+  const NoDenormals no_denormals;
   Player engine{std::move(*schedule)};
   if (!engine.prepare({Hertz{kRate}, 1, 1, kBlock})) return result;
   std::vector<double> in(kBlock), out(kBlock);

@@ -3,8 +3,10 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/messages.h"
+#include "tests/support/parse_graph.h"
 
 using namespace tactus;
+using tactus::test::parse_graph;
 
 namespace {
 
@@ -61,8 +63,9 @@ tested = ["0 ms", "40 ms"]
   CHECK(pulse.fields[0].key == "trigger");
   CHECK(*spec.nodes[2].value->text() == "x + 2");
   CHECK(*spec.nodes[3].value->number() == 0.5);
-  REQUIRE(spec.delay);
-  CHECK(find(spec.delay->fields, "tested")->list()->size() == 2);
+  REQUIRE(spec.tested);
+  CHECK(spec.tested->low == 0.0);
+  CHECK(spec.tested->high == Approx(0.040));
 }
 
 TEST_CASE("graph: a table of its own and a table in a line are the same", "[graph]") {
@@ -87,8 +90,8 @@ between = ["stick", "ground"]
   REQUIRE(read);
   const auto& drum = (*read)->networks.at(0);
   CHECK(drum.name == "drum");
-  REQUIRE(drum.options.size() == 1);
-  CHECK(drum.options[0].key == "oversample");
+  REQUIRE(drum.fields.size() == 1);
+  CHECK(drum.fields[0].key == "oversample");
   CHECK(names(drum.elements) == "stick head ");
   CHECK(drum.elements[1].type == "contact");
   CHECK(drum.elements[1].fields.size() == 1);

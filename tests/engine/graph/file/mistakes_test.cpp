@@ -254,16 +254,18 @@ y = { from = "a + b + c + string" }
         R"(test.toml:7:82: 'tone' is compensated twice; list it once
 test.toml:8:82: 'string' cannot be compensated: it is not a filter; omit it; list only nodes that change the phase
 test.toml:9:82: 'c' cannot be compensated: it is not a filter; omit it; list only nodes that change the phase)");
-  CHECK(told(R"([inputs]
+  CHECK(
+      told(R"([inputs]
 x = {}
 [nodes]
 pad = { type = "align", in = "x", period = "0 s", delay = "9 ms" }
 [outputs]
 y = { from = "pad" }
-)") == "test.toml:5:1: align 'pad': its period is always shorter than two frames; give the period of the "
-       "note, "
-       "as in "
-       "period = \"1 / pitch\"");
+)") ==
+      "test.toml:5:1: align 'pad': its period is always shorter than two frames, 41.6667 us; give the period "
+      "of the note, "
+      "as in "
+      "period = \"1 / pitch\"");
 }
 
 TEST_CASE("mistakes: what is in a part that is used twice is told once, and a loop through it by its path",

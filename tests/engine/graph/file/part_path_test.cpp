@@ -3,9 +3,11 @@
 
 #include "engine/graph/file/load.h"
 #include "tests/support/messages.h"
+#include "tests/support/parse_graph.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
+using tactus::test::parse_graph;
 using test::TemporaryFolder;
 
 namespace {

@@ -4,10 +4,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/core/named.h"
 #include "engine/nodes/networks/network_elements.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
 #include "tests/support/node_runner.h"
+#include "tests/support/parse_graph.h"
 
 using namespace tactus;
 using namespace tactus::test;
@@ -141,8 +143,8 @@ TEST_CASE("network node: signals are late, answers come one frame later, numbers
   for (const auto* output : {"stick", "stick.position", "stick.velocity", "suspension",
                              "suspension.extension", "lens", "lens.force", "lens.indentation", "coil",
                              "coil.current", "coil.force", "weight", "hand", "hand.position", "energy"})
-    CHECK(type->output_index(output) >= 0);
-  CHECK(type->output_index("frame") == -1);
+    CHECK(find_named(type->outputs, output) != nullptr);
+  CHECK(find_named(type->outputs, "frame") == nullptr);
 }
 
 TEST_CASE("network node: every mistake in its structure is reported in one go", "[physics]") {

@@ -214,7 +214,7 @@ TEST_CASE("playability: the shipped instruments are playable over all the delays
   const std::string file = GENERATE("haptic_drum/scene.toml", "cellomobo/open_string.toml");
   auto scene = scene_of(file);
   scene.duration = Seconds{std::min(scene.duration.value, 4.0)};
-  const auto tested = tested_delays(*scene.part("instrument")->graph);
+  const auto tested = scene.part("instrument")->graph->tested;
   REQUIRE(tested);
   REQUIRE(tested->low <= 0.02);
   REQUIRE(tested->high >= 0.02);
@@ -232,7 +232,7 @@ TEST_CASE("playability: the drum keeps to its tested delays with other woofers a
           "[analysis][instruments]") {
   auto scene = scene_of("haptic_drum/scene.toml");
   scene.duration = Seconds{4};
-  const auto tested = tested_delays(*scene.part("instrument")->graph);
+  const auto tested = scene.part("instrument")->graph->tested;
   REQUIRE(tested);
   PlayabilityOptions options;
   // Both ends, and both sides of the delay from which it waits for the third bounce.
