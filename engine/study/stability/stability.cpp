@@ -133,11 +133,11 @@ class Analysis {
       // Unless one of its contacts is closed it is as at rest.
       if (!verdict_.regimes.empty() && !regime.contacts.contains(graph.network_paths[n])) continue;
       const auto& model = *graph.networks[n];
-      const auto& recipe = model.recipe();
+      const auto& recipe = model.recipe;
       NetworkVerdict verdict{graph.network_paths[n], regime.name};
       verdict.solver = recipe.solver;
       verdict.has_friction = !recipe.elements.frictions.empty();
-      verdict.radius = model.radius();
+      verdict.radius = model.radius;
       verdict.rate_hz = recipe.rate.value * recipe.oversample;
       if (const auto needed = model.needed_rate()) verdict.needed_hz = needed->value;
       verdict.weakest = model.weakest();

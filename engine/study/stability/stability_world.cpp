@@ -155,7 +155,6 @@ ClosedGraph RestingWorld::closed(const Regime& regime) const {
     const int drive = closed.graph.add_signal(channels[c].name);
     if (terminals.channels[c] >= 0) closed.graph.join(terminals.channels[c], drive);
     closed.drives.push_back(drive);
-    closed.drive_names.push_back(channels[c].name);
   }
   join_plant(closed, regime, terminals);
   return closed;
@@ -171,9 +170,9 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
     if (plant.channels[s] >= 0 && instrument.inputs[s] >= 0)
       graph.join(plant.channels[s], instrument.inputs[s]);
   for (const auto& network : graph.networks)
-    if (network->whole() && network->driven_row() >= 0)
+    if (network->whole() && network->driven_row >= 0)
       closed.mobility = [network](std::complex<double> z) {
-        return network->response(z)(network->driven_row(), network->test_force());
+        return network->response(z)(network->driven_row, network->test_force);
       };
 }
 
@@ -208,7 +207,7 @@ std::vector<Regime> RestingWorld::regimes(double push) const {
   Regime all{.name = "everything touched", .touched = true};
   std::size_t contacts = 0;
   for (std::size_t n = 0; n < free.networks.size(); ++n) {
-    const auto& names = free.networks[n]->recipe().contacts;
+    const auto& names = free.networks[n]->recipe.contacts;
     auto& touching = all.contacts[free.network_paths[n]];
     touching.push = push;
     for (std::size_t c = 0; c < names.size(); ++c) {
