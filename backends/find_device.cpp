@@ -122,34 +122,27 @@ Result<DeviceChoice> choose(const std::vector<Device>& devices, const StreamRequ
   auto asked = request;
   asked.sample_rate = request.sample_rate.value_or(output->default_rate);
   if (auto status = fits(asked, *input, *output); !status) return tl::unexpected(status.error());
-  const auto place = [&](const std::string& id) {
-    return index(std::find_if(devices.begin(), devices.end(), [&](const Device& d) { return d.id == id; }) -
-                 devices.begin());
+  const auto place = [&](const Device& chosen) {
+    return index(std::ranges::find(devices, chosen.id, &Device::id) - devices.begin());
   };
-  DeviceChoice choice{place(input->id), place(output->id), {}};
+  DeviceChoice choice{place(*input), place(*output), {}};
   choice.granted.device = output->id;
   if (input->id != output->id) choice.granted.input_device = input->id;
   choice.granted.format = {*asked.sample_rate, request.in_channels, request.out_channels, 0};
   return choice;
 }
 
-std::vector<Device> devices_of(const std::vector<LibraryDevice>& found) {
-  std::vector<Device> devices;
-  for (const auto& one : found) devices.push_back(one.device);
-  return devices;
-}
-
 void number_same_ids(std::vector<LibraryDevice>& devices) {
   for (auto one = devices.end(); one != devices.begin();) {
     --one;
-    const auto before = std::count_if(
-        devices.begin(), one, [&](const LibraryDevice& other) { return other.device.id == one->device.id; });
-    if (before > 0) one->device.id += " #" + std::to_string(before + 1);
+    const auto before =
+        std::count_if(devices.begin(), one, [&](const LibraryDevice& other) { return other.id == one->id; });
+    if (before > 0) one->id += " #" + std::to_string(before + 1);
   }
 }
 
 Result<DeviceChoice> choose(const std::vector<LibraryDevice>& found, const StreamRequest& request) {
-  auto choice = choose(devices_of(found), request);
+  auto choice = choose(std::vector<Device>(found.begin(), found.end()), request);
   if (!choice || found[choice->input].api == found[choice->output].api) return choice;
   return fail(
       Errc::BadArgument, "",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -130,15 +131,8 @@ Finding verdict_of(const Calibration& calibration, double electrical_frames) {
 }  // namespace
 
 bool spoils(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::Ok:
-    case Verdict::NotFlat:
-    case Verdict::LowSnr:
-    case Verdict::DirectMonitoring:
-      return false;
-    default:
-      return true;
-  }
+  constexpr std::array kHarmless{Verdict::Ok, Verdict::NotFlat, Verdict::LowSnr, Verdict::DirectMonitoring};
+  return std::count(kHarmless.begin(), kHarmless.end(), verdict) == 0;
 }
 
 Result<Calibration> calibrate(const LoopRecording& recording, const CalibrationSettings& settings) {

@@ -155,12 +155,6 @@ Finding moving_gain(const Analysis& analysis, const Evidence& evidence) {
           kAgainstAgc};
 }
 
-Finding overdriven(const Evidence& evidence) {
-  if (!evidence.overdriven) return {};
-  return {Verdict::Clipping, "loud and soft probes differ in shape: a stage of the path is overdriven",
-          kAgainstOverload};
-}
-
 Finding detected_twice(std::int64_t frames, double level_db) {
   return {
       Verdict::DirectMonitoring,
@@ -168,17 +162,6 @@ Finding detected_twice(std::int64_t frames, double level_db) {
                   std::abs(level_db), level_db > 0.0 ? "above" : "below", frames),
       "switch off direct monitoring in the card's mixer, and remove connections from its inputs to its "
       "outputs"};
-}
-
-Finding far_path(const Evidence& evidence) {
-  if (!evidence.second) return {};
-  return detected_twice(evidence.second->frames, evidence.second->level_db);
-}
-
-Finding near_path(const Evidence& evidence) {
-  const auto& echo = evidence.echo;
-  if (echo.share < kEchoShare || echo.level_db < kLeastEcho) return {};
-  return detected_twice(echo.frames, echo.level_db);
 }
 
 Finding low_snr(const Analysis& analysis, const Evidence& evidence) {
@@ -251,11 +234,17 @@ Finding first_of(const std::vector<Finding>& findings) {
 
 Finding verdict_of(const Analysis& analysis, const Evidence& evidence, std::span<const double> captured) {
   // A second path far away overlaps the probes, so that nothing else can be separated from them.
-  const auto shape = not_flat(analysis, evidence);
+  const auto& second = evidence.second;
+  const auto& echo = evidence.echo;
+  const bool near = echo.share >= kEchoShare && echo.level_db >= kLeastEcho;
+  const Finding overdriven{Verdict::Clipping,
+                           "loud and soft probes differ in shape: something on the way is overdriven",
+                           kAgainstOverload};
   for (const auto& found :
-       {clipping(analysis, captured), far_path(evidence), lost_frames(analysis),
-        moving_gain(analysis, evidence), overdriven(evidence), clocks_differ(analysis), near_path(evidence),
-        evidence.coarse.clear() ? shape : Finding{}, low_snr(analysis, evidence)})
+       {clipping(analysis, captured), second ? detected_twice(second->frames, second->level_db) : Finding{},
+        lost_frames(analysis), moving_gain(analysis, evidence), evidence.overdriven ? overdriven : Finding{},
+        clocks_differ(analysis), near ? detected_twice(echo.frames, echo.level_db) : Finding{},
+        evidence.coarse.clear() ? not_flat(analysis, evidence) : Finding{}, low_snr(analysis, evidence)})
     if (found.verdict != Verdict::Ok) return found;
   return {};
 }

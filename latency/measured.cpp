@@ -64,14 +64,6 @@ Status cannot_write(const fs::path& file) {
               "make its folder writable, or choose another by XDG_STATE_HOME");
 }
 
-/// A name that no other program takes at the same time.
-fs::path temporary_beside(const fs::path& file) {
-  std::random_device random;
-  auto name = file;
-  name += ".new" + std::to_string(random());
-  return name;
-}
-
 }  // namespace
 
 DelayKey key_of(const StreamGranted& granted) {
@@ -124,7 +116,8 @@ Status MeasuredDelays::save(MeasuredDelay delay) {
   const Json json{{"format", 1}, {"delays", JsonWriter::written(delays_)}};
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);
-  const auto temporary = temporary_beside(file_);
+  auto temporary = file_;
+  temporary += ".new" + std::to_string(std::random_device{}());  // that no other program takes
   {
     std::ofstream text{temporary};
     text << json.dump(1) << "\n";

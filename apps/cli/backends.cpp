@@ -6,9 +6,6 @@
 
 #include "backends/find_device.h"
 #include "backends/loop/loop.h"
-#if defined(TACTUS_HAS_RTMIDI)
-#include "backends/rtmidi/rtmidi.h"
-#endif
 
 namespace tactus::app {
 

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "backends/card_stream.h"
+#include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
 #include "engine/core/index.h"

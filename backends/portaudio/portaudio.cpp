@@ -13,7 +13,7 @@
 #include <pa_linux_alsa.h>
 #endif
 
-#include "backends/card_stream.h"
+#include "backends/card_callback.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
 #include "backends/realtime_thread.h"
@@ -83,21 +83,24 @@ std::string without_number(std::string name) { return name.substr(0, name.rfind(
 LibraryDevice described(int index) {
   const auto& info = *Pa_GetDeviceInfo(index);
   const auto& api = *Pa_GetHostApiInfo(info.hostApi);
-  LibraryDevice found{{}, name_of(api), info.name, index};
-  auto& device = found.device;
-  device.id = "portaudio:" + found.api + ":" + without_number(info.name);
+  LibraryDevice device;
+  device.api = name_of(api);
+  device.library_name = info.name;
+  device.index = index;
+  device.id = "portaudio:" + device.api + ":" + without_number(info.name);
   device.name = std::string{info.name} + " (" + api.name + ")";
   device.in_channels = info.maxInputChannels;
   device.out_channels = info.maxOutputChannels;
   device.default_rate = Hertz{info.defaultSampleRate};
   if (api.type == paJACK) device.sample_rates = {device.default_rate};
-  return found;
+  return device;
 }
 
 /// PortAudio takes all clients whose names end like a JACK client's for that one, and would open their ports.
 bool may_be_taken_for_another(const LibraryDevice& one, const std::vector<LibraryDevice>& all) {
   return one.api == "jack" && std::any_of(all.begin(), all.end(), [&](const LibraryDevice& other) {
-           return other.api == "jack" && other.index != one.index && other.name.ends_with(one.name);
+           return other.api == "jack" && other.index != one.index &&
+                  other.library_name.ends_with(one.library_name);
          });
 }
 
@@ -137,7 +140,7 @@ class Session {
                  [&](const LibraryDevice& one) { return !may_be_taken_for_another(one, all); });
     const auto output = Pa_GetDefaultOutputDevice();
     const auto wanted = output != paNoDevice ? output : Pa_GetDefaultInputDevice();
-    for (auto& one : devices) one.device.is_default = one.index == wanted;
+    for (auto& one : devices) one.is_default = one.index == wanted;
     return devices;
   }
 
@@ -190,19 +193,15 @@ struct Line {
   double reported_at = -1.0;  ///< [s]
 };
 
-/// A driver's buffer may be cut into several blocks, which all carry its flags and its time.
-void count_gaps(Line& line, double time, PaStreamCallbackFlags flags) noexcept {
-  const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
-  const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
-  if ((!input && !output) || time == std::exchange(line.reported_at, time)) return;
-  line.card->gaps(line.jack, input, output);
-}
-
 int bring_block(const void* in, void* out, unsigned long frames, const PaStreamCallbackTimeInfo* time,
                 PaStreamCallbackFlags flags, void* user) {
   auto& line = *static_cast<Line*>(user);
   if (line.own_thread && !std::exchange(line.begun, true)) static_cast<void>(become_realtime(kPriority));
-  count_gaps(line, time->currentTime, flags);
+  const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
+  const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
+  // A driver's buffer may be cut into several blocks, which all carry its flags and its time.
+  if ((input || output) && time->currentTime != std::exchange(line.reported_at, time->currentTime))
+    line.card->gaps(line.jack, input, output);
   line.card->block(static_cast<const float* const*>(in), static_cast<float* const*>(out), line.out_planes,
                    static_cast<int>(frames));
   return paContinue;
@@ -314,7 +313,8 @@ class PortAudioBackend final : public Backend {
   Result<std::vector<Device>> devices() override {
     const auto session = Session::enter("tactus-devices");
     if (!session) return tl::unexpected(session.error());
-    return devices_of((*session)->devices());
+    const auto found = (*session)->devices();
+    return std::vector<Device>(found.begin(), found.end());
   }
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
     const auto session = Session::enter(request.client_name);

@@ -1,5 +1,3 @@
-#include "backends/rtmidi/rtmidi.h"
-
 #include <RtMidi.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
+#include "backends/midi.h"
 #include "engine/core/spsc_queue.h"
 
 namespace tactus {

@@ -129,14 +129,14 @@ std::string line_of(const T& value) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-Result<TakeHeader> parse_header(const std::string& line) {
-  const auto no_take = [](const std::string& what) {
-    return fail(Errc::BadFile, "", what, "give the .jsonl that was recorded with the WAV file");
+Result<TakeHeader> parse_header(const std::string& line, const fs::path& path) {
+  const auto no_take = [&](const std::string& what) {
+    return fail(Errc::BadFile, path.string(), what, "give the .jsonl that was recorded with the WAV file");
   };
   try {
     const auto json = nlohmann::ordered_json::parse(line);
     if (const int version = json.at("tactus_take"); version < 1 || version > kTakeVersion)
-      return fail(Errc::BadFile, "", "a later version of the program recorded this take",
+      return fail(Errc::BadFile, path.string(), "a later version of the program recorded this take",
                   "replay it with that version");
     TakeHeader header;
     JsonReader::read(json, header);
@@ -175,10 +175,6 @@ bool add_line(const std::string& line, Take& take) {
   }
 }
 
-tl::unexpected<Error> at(const fs::path& path, const Error& error) {
-  return tl::unexpected(error.at(path.string()));
-}
-
 }  // namespace
 
 std::string header_line(const TakeHeader& header) { return line_of(header); }
@@ -202,9 +198,9 @@ Result<Take> read_take(const fs::path& wav) {
   std::ifstream file{path, std::ios::binary};
   std::string line;
   if (!std::getline(file, line))
-    return fail(Errc::BadFile, path.string(), "it is empty", "the take was cut off before its first frame");
-  auto header = parse_header(line);
-  if (!header) return at(path, header.error());
+    return fail(Errc::BadFile, path.string(), "it is empty", "the take was cut off before it began");
+  auto header = parse_header(line, path);
+  if (!header) return tl::unexpected(header.error());
   Take take;
   take.header = std::move(*header);
   for (int number = 2; std::getline(file, line); ++number) {

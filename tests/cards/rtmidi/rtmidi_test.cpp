@@ -1,5 +1,3 @@
-#include "backends/rtmidi/rtmidi.h"
-
 #include <jack/jack.h>
 #include <jack/midiport.h>
 
@@ -8,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
+#include "backends/midi.h"
 #include "engine/core/spsc_queue.h"
 #include "tests/support/sound_server.h"
 #include "tests/support/wait_until.h"
