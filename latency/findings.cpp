@@ -238,7 +238,7 @@ Finding verdict_of(const Analysis& analysis, const Evidence& evidence, std::span
   const auto& echo = evidence.echo;
   const bool near = echo.share >= kEchoShare && echo.level_db >= kLeastEcho;
   const Finding overdriven{Verdict::Clipping,
-                           "loud and soft probes differ in shape: something on the way is overdriven",
+                           "loud and soft probes differ in shape: a stage of the path is overdriven",
                            kAgainstOverload};
   for (const auto& found :
        {clipping(analysis, captured), second ? detected_twice(second->frames, second->level_db) : Finding{},

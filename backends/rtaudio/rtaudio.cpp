@@ -65,7 +65,7 @@ class Line {
           library_.closeStream();
           open_once(there, unsigned(output.index), block, options);
           if (now_at(input.library_name) != there)
-            throw RtAudioError{"JACK's clients come and go; try again"};
+            throw RtAudioError{"JACK clients changed in the meantime; try again"};
         }
       }
       granted.block_frames = granted.format.max_frames = static_cast<int>(block);

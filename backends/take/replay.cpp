@@ -46,7 +46,8 @@ class Player {
     frames = static_cast<int>(std::min<std::int64_t>(frames, next_stop() - now_));
     if (auto status = post_until(now_ + frames); !status) return tl::unexpected(status.error());
     if (wav_.read(recorded_.data(), frames) != frames)
-      return fail(Errc::BadFile, "", "the samples end before their time", "restore the file from a copy");
+      return fail(Errc::BadFile, "", "the samples end before the end of the take",
+                  "restore the file from a copy");
     host_.guarded.process({in_.data(), out.data(), frames});
     if (host_.same && !played.first_difference) compare(frames);
     now_ += frames;

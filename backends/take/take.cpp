@@ -198,7 +198,7 @@ Result<Take> read_take(const fs::path& wav) {
   std::ifstream file{path, std::ios::binary};
   std::string line;
   if (!std::getline(file, line))
-    return fail(Errc::BadFile, path.string(), "it is empty", "the take was cut off before it began");
+    return fail(Errc::BadFile, path.string(), "it is empty", "the take was cut off before its first frame");
   auto header = parse_header(line, path);
   if (!header) return tl::unexpected(header.error());
   Take take;

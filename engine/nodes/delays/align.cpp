@@ -104,9 +104,14 @@ NodeType align_type() {
           "condition of oscillation: the loop phase is a multiple of 360 degrees (Barkhausen); the loop: "
           "Berdahl, Steiner & Oldham, NIME 2008, section 7.2",
       .example = "{ type = \"align\", in = \"string\", period = \"1 / pitch\", delay = \"system.delay\" }",
-      .inputs = {{"in", "any", "signal that goes around"},
-                 {"period", "s", "of the note; at most 0.1 s", {}, 0, TACTUS_ALIGN_LONGEST},
-                 {"delay", "s", "what the loop takes already; of an instrument system.delay", {}, 0, 1000},
+      .inputs = {{"in", "any", "signal in the loop"},
+                 {"period", "s", "period of the note; at most 0.1 s", {}, 0, TACTUS_ALIGN_LONGEST},
+                 {"delay",
+                  "s",
+                  "delay already present in the loop; in an instrument, usually system.delay",
+                  {},
+                  0,
+                  1000},
                  {"phase", "rad",
                   "phase of the rest of the loop at the pitch, as measured for a shaker and a sensor; "
                   "negative: lags",

@@ -101,8 +101,8 @@ TEST_CASE("latency report: a refusal says its code, what was seen, what to do, a
   const auto text = text_of(refused());
   CHECK(
       text.starts_with("delay          not known: LOST_FRAMES\n"
-                       "seen           64 frames were lost at 1.50 s\n"
-                       "what to do     use larger blocks\n"));
+                       "cause          64 frames were lost at 1.50 s\n"
+                       "remedy         use larger blocks\n"));
   contains(text, "gaps           lost 64 frames at 1.50 s; 2 counted by the driver");
   contains(text, "openings       960.250  960.250  LOST_FRAMES  960.250  960.250 [frames]\n");
 }

@@ -196,7 +196,7 @@ b = "wall.stick.colour"
 c = "2 * wall"
 )") ==
       R"(test.toml:3:10: 'solver' cannot be 'fast'; there are 'explicit', 'exact', 'implicit', 'passive', 'auto' and 'reference'
-test.toml:5:18: no kind of element is called 'mas'; did you mean 'mass'?
+test.toml:5:18: there is no element type 'mas'; did you mean 'mass'?
 test.toml:6:48: network 'drum' has no element 'stik'; did you mean 'stick'?
 test.toml:8:34: 'stick.mass' of network 'wall' is in kg, but this is in m; give a quantity in kg
 test.toml:8:46: there is no 'nowhere'; write an input, a control or a node of this file

@@ -163,8 +163,8 @@ h = { type = "hand", on = "g" }
 c = { type = "coil", on = 3 })")) ==
         R"(test.toml:4:10: 'solver' cannot be 'pasive'; did you mean 'passive'?
 test.toml:5:14: 'oversample' cannot be 0; give one from 1 to 64
-test.toml:6:1: an element cannot be called 'energy'; 'n.energy' is the energy of the whole network
-test.toml:7:14: no kind of element is called 'mas'; did you mean 'mass'?
+test.toml:6:1: an element cannot have the name 'energy'; 'n.energy' is the energy of the whole network
+test.toml:7:14: there is no element type 'mas'; did you mean 'mass'?
 test.toml:8:22: unknown key 'mas'; did you mean 'mass'?
 test.toml:9:34: spring 's' has 1 end; give two points, the lower one first, as in between = ["cone", "stick"]
 test.toml:10:34: both ends of spring 't' are one point; give two different points
