@@ -62,7 +62,7 @@ std::string name_of(const Plan& plan, const Step& step) {
 std::string what_runs(const Plan& plan, const Step& step) {
   if (step.kind == Step::Kind::Operations)
     return fmt::format("{} operation{}", step.operations, step.operations == 1 ? "" : "s");
-  if (step.node < 0) return "the instrument answers";
+  if (step.node < 0) return "the instrument runs";
   return vertex_of(plan, step).description();
 }
 
@@ -197,7 +197,7 @@ int run_explain(const ExplainOptions& options) {
     if (!built) return report(built.error());
     return finish(options, around(*loaded.scene, *built),
                   {{"instrument of " + loaded.scene->name, built->instrument.get()},
-                   {"world of " + loaded.scene->name, built->plant.get()}});
+                   {"simulation of " + loaded.scene->name, built->plant.get()}});
   }
   const auto loaded = load_graph_leniently(file, root_of(file));
   CompileOptions compile_options;

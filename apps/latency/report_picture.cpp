@@ -160,7 +160,7 @@ std::string headline(const LatencyReport& report) {
 
 std::string describe_analysis(const LatencyReport& report, const Analysis& analysis) {
   auto text = report.source;
-  if (!report.ok()) text += ". Seen: " + report.measurement.finding.what;
+  if (!report.ok()) text += ". Cause: " + report.measurement.finding.what;
   if (!analysis.detected) return text;
   text += fmt::format(". Gain {} dB, {}; {:.0f} dB above the noise", fixed(analysis.gain_db, 1),
                       analysis.polarity > 0 ? "not inverted" : "inverted", analysis.snr_db);

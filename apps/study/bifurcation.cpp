@@ -41,7 +41,7 @@ std::string columns_text(const std::vector<BifurcationColumn>& columns) {
 }
 
 std::string doubling_text(const std::optional<double>& value, double exact) {
-  return value ? fmt::format("{:.4f} ({:+.2f} %)", *value, 100 * (*value / exact - 1)) : "not seen";
+  return value ? fmt::format("{:.4f} ({:+.2f} %)", *value, 100 * (*value / exact - 1)) : "not found";
 }
 
 std::string doublings_text(const Bifurcation& study) {

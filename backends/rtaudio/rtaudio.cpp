@@ -287,7 +287,7 @@ Result<Devices> rtaudio_devices(const std::string& text) {
     devices.insert(devices.end(), usable.begin(), usable.end());
   }
   if (devices.empty() && !silent.empty())
-    return fail(Errc::Device, "", silent + " does not answer", "restart its server");
+    return fail(Errc::Device, "", silent + " does not respond", "restart its server");
   number_same_ids(devices);
   one_default(devices);
   return devices;

@@ -37,9 +37,9 @@ std::string range_text(const FlatControl& control) {
 void check_gesture(const Gesture& gesture, const FlatControl& control, const Source& at, ErrorList& errors) {
   if (!gesture.bare && !(gesture.unit.dimension == control.unit.dimension))
     return errors.add(Errc::UnitMismatch, at,
-                      "control '" + control.name + "' is like " + in_unit(control.value, control.unit) +
-                          ", but gesture '" + gesture.name + "' is like " +
-                          in_unit(gesture.points.front().value, gesture.unit),
+                      "control '" + control.name + "' has the unit of " +
+                          in_unit(control.value, control.unit) + ", but gesture '" + gesture.name +
+                          "' has the unit of " + in_unit(gesture.points.front().value, gesture.unit),
                       "give the points of the gesture the unit of the control");
   for (const auto& point : gesture.points)
     if (!control.range.contains(point.value))

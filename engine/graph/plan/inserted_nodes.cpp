@@ -186,7 +186,7 @@ std::string RateConverter::about() const {
   if (into_) {
     const auto rate = short_quantity(fast_rate_.value / ratio_, parse_unit("Hz")->dimension);
     if (how_ == How::Last) return "is sampled once per " + frames + ", at " + rate;
-    if (how_ == How::Trigger) return "fires once in " + frames + " at most, at " + rate;
+    if (how_ == How::Trigger) return "triggers once in " + frames + " at most, at " + rate;
     return "is the mean over " + frames + ", at " + rate + ": " + late(half);
   }
   if (how_ == How::Last) return "is held for " + frames + ": on average " + late(half);

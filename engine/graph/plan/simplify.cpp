@@ -235,7 +235,8 @@ class Simplifier {
           continue;
       }
       if (vertex.path.find("system.") != std::string::npos) continue;
-      graph_.left_out.push_back({vertex.path, vertex.kind == Kind::Control ? "nothing reads it" : reason});
+      graph_.left_out.push_back(
+          {vertex.path, vertex.kind == Kind::Control ? "its output is not used" : reason});
     }
   }
 

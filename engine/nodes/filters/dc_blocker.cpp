@@ -9,7 +9,7 @@ NodeType dc_blocker_type() {
       .source = "RC high-pass by backward Euler",
       .example = "{ type = \"dc_blocker\", in = \"piezo\" }",
       .inputs = {filtered_input(), cutoff_input("cutoff frequency (-3 dB if far below the sample rate)", 10)},
-      .outputs = {filtered_output("out", "without its mean")},
+      .outputs = {filtered_output("out", "signal without DC")},
       .make = FilterNode<1, 1>::maker(of_cutoff<tactus_dc_blocker>)};
 }
 

@@ -49,7 +49,8 @@ NodeType wavetable_type() {
                  {"level", "any", "amplitude, multiplies the table", 1}},
       .outputs = {{"out", "=level", "the waveform"}},
       .settings = {{"table", Setting::Kind::Numbers, "one period at equal intervals; at least one number"},
-                   choice("interpolation", "between two numbers", {"linear", "cubic"}, "linear")},
+                   choice("interpolation", "interpolation between two numbers", {"linear", "cubic"},
+                          "linear")},
       .make = make_wavetable,
   };
 }

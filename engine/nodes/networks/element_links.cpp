@@ -52,7 +52,7 @@ std::vector<ElementType> link_elements() {
        .ends = Ends::Between,
        .fields = {required("stiffness", "N/m", "stiffness (force per displacement)", 0.0), cubic(),
                   with_default("damping", "N s/m", "damping coefficient (force per velocity)", 0.0, 0.0),
-                  with_default("rest", "m", "length without force", 0.0)},
+                  with_default("rest", "m", "length at zero force", 0.0)},
        .quantities = {kTension, kExtension},
        .example = "hold = { type = \"spring\", between = [\"frame\", \"cone\"], stiffness = \"1000 N/m\" }",
        .build = build_spring,

@@ -112,7 +112,7 @@ Plot maps_over_delay(const PlayabilityStudy& study) {
     return value_map(delays, values, numbers, 0, high);
   };
   const auto head = [&](const std::string& what) {
-    return PlotAxis{.label = what + ", over " + study.over[0].name};
+    return PlotAxis{.label = what + ", against " + study.over[0].name};
   };
   return {
       .title = "Playability of " + study.scene,

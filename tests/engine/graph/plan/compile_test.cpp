@@ -73,7 +73,7 @@ y = { from = "two * x + 0 * muted" }
   CHECK(reasons["lost"] == "reaches no output");
   CHECK(reasons["unused"] == "reaches no output");
   CHECK(reasons["muted"] == "reaches only signals that are multiplied by zero");
-  CHECK(reasons["nobody"] == "nothing reads it");
+  CHECK(reasons["nobody"] == "its output is not used");
   CHECK(reasons["two"] == "is always 2");
   CHECK(engine->plan().nodes.empty());
 }

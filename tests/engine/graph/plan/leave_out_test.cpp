@@ -34,5 +34,5 @@ TEST_CASE("compile: each of the 9988 nodes that do not run is named, with the re
   CHECK(idle == 9988);
   CHECK(reasons["is always"] == 1998);
   CHECK(reasons["reaches only signals that are multiplied by zero"] == 400);
-  CHECK(reasons["nothing reads it"] == 1997);
+  CHECK(reasons["its output is not used"] == 1997);
 }

@@ -61,7 +61,7 @@ drum.gain = 1
 scene.toml:4:1: input 'pedal' of the instrument is not connected; give its source, as in pedal = "plant.pedal"
 scene.toml:4:48: there is no 'plant.mik'; did you mean 'plant.mic'?
 scene.toml:4:60: the instrument has no input or control 'strenght'; did you mean 'strength'?
-scene.toml:4:85: control 'strength' is like 0.5, but gesture 'hand' is like 10 mm; give the points of the gesture the unit of the control
+scene.toml:4:85: control 'strength' has the unit of 0.5, but gesture 'hand' has the unit of 10 mm; give the points of the gesture the unit of the control
 scene.toml:5:40: 'drive' is a plain number, but this is in m; divide by a quantity in m
 scene.toml:5:55: there is no 'heigth'; did you mean 'height'?
 scene.toml:10:20: 'measure' cannot be 'peek'; did you mean 'peak'?
