@@ -268,7 +268,7 @@ void loses_server(const char* name) {
     CHECK(player.stream->stop());
     CHECK(player.probe.probe.frames() == frames);
   }
-  is_over(way, *rig, "PortAudio's JACK client cannot come back");
+  is_over(way, *rig, "PortAudio's JACK client cannot reconnect");
 }
 
 }  // namespace
@@ -285,7 +285,7 @@ TEST_CASE("portaudio loses a server while no stream runs", "[.own_process]") {
   rig->server->kill();
   REQUIRE_FALSE((*stream)->start());
   stream->reset();
-  is_over(way, *rig, "PortAudio's JACK client cannot come back");
+  is_over(way, *rig, "PortAudio's JACK client cannot reconnect");
 }
 
 TEST_CASE("portaudio is closed while its server does not answer", "[.own_process]") {

@@ -38,7 +38,7 @@ const SectionType& scene_fields() {
        about_field()}};
   static const SectionType expectation{
       "an expected value, checked after the scene",
-      {required(choice_field("measure", value_names(), "measure")),
+      {required(choice_field("measure", value_names(), "name of a measure")),
        text_field("of", "recorded signal, such as \"instrument.hit\"", "the role of the measure"),
        from_field("start of the window", "0 s"), to_field(),
        field("min", FieldKind::Any, "smallest allowed value"),
@@ -46,7 +46,7 @@ const SectionType& scene_fields() {
       {"min", "max"}};
   static const SectionType accuracy{
       "a measure that every solver must reproduce",
-      {required(choice_field("measure", error_names(), "measure")),
+      {required(choice_field("measure", error_names(), "name of a measure")),
        required(text_field("of", "recorded signal, such as \"plant.tip\"")),
        from_field("start of the window", "0 s"), to_field(),
        field("exact", FieldKind::Any, "theoretical value; default: a reference solution"),
@@ -59,7 +59,7 @@ const SectionType& scene_fields() {
   static const SectionType playability{
       "criteria of tactus study playability",
       {required(choice_field("kind", {"roll", "tone"},
-                             "roll: strikes; tone: a steady tone")),  // in the order of Playability::Kind
+                             "kind of playing")),  // in the order of Playability::Kind
        from_field("start of the evaluated window", "1 s"), to_field(),
        only("roll", text_field("hits", "trigger of a detected strike", "the role hit")),
        only("roll", text_field("contact", "contact force of the strikes", "the role contact")),

@@ -227,7 +227,7 @@ TEST_CASE("latency sweep: the table says what was refused, rounded, lost and mea
   contains(text, "refused: blocks of 16 frames cannot be had\n");
   contains(text, "LOST_FRAMES");
   contains(text, "200 requested\n");
-  contains(text, "turned into one of these by the device or its server: 210 frames.");
+  contains(text, "changed to one of these settings by the device or its server: 210 frames.");
   contains(text, "424.000 ± 0.001      8.833");
   contains(text, "x block   at 48 kHz, 2 periods; 3 settings");
   contains(text, "Play with 128 frames, 2 periods, 48 kHz: 8.83 ms");

@@ -30,9 +30,9 @@ TEST_CASE("wall report: people, machines and pictures get the same map", "[apps]
   const auto text = text_of(map);
   const auto row = text.substr(text.find("ATMEL 20 kHz 0.05 ms"));
   CHECK(contains(row.substr(0, row.find('\n')), " 1333 N/m"));
-  CHECK(contains(text, "ATMEL computes in 16 bits: force in steps of 0.194 mN"));
+  CHECK(contains(text, "ATMEL computes with 16 bits: force in steps of 0.194 mN"));
   CHECK(contains(text, "Without dry friction"));
-  CHECK(contains(text, "30 of 30 borders confirmed"));
+  CHECK(contains(text, "30 of 30 stability limits confirmed"));
 
   const auto json = json_of(map);
   CHECK(json["borders"] == 30);

@@ -170,8 +170,8 @@ TEST_CASE("takes: one with a gap is played, but not called the same", "[take]") 
   CHECK(again.replayed.frames == 5000);
   CHECK_FALSE(again.same());
   CHECK(again.verdict() ==
-        "this take cannot be replayed bit for bit: frames are missing at 0.104 s; the recorded part is the "
-        "same");
+        "this take cannot be replayed bit for bit: frames are missing at 0.104 s; the recorded part is "
+        "identical");
 }
 
 TEST_CASE("takes: a WAV of another take is refused", "[take]") {

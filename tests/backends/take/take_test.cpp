@@ -101,9 +101,8 @@ TEST_CASE("take: what is no take says what it is", "[take]") {
         "none.wav: there is no such file; check the path");
   folder.write("foreign.wav", "");
   CHECK(folder.strip(to_string(read_take(folder.path() / "foreign.wav").error())) ==
-        "foreign.wav: 'foreign.jsonl' is missing in the same folder, so the recorded graph is unknown; a WAV "
-        "file "
-        "of sensors alone is played with --in");
+        "foreign.wav: 'foreign.jsonl' is missing in the same folder, so the recorded graph is unknown; use "
+        "--in for a WAV file with only sensor signals");
   CHECK(message(folder, "") == "take.jsonl: it is empty; the take was cut off before its first frame");
   CHECK(message(folder, "hello\n") ==
         "take.jsonl: its first line is not JSON; give the .jsonl that was recorded with the WAV file");

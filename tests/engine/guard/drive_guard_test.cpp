@@ -151,10 +151,8 @@ TEST_CASE("drive_guard: how frames are cut into blocks changes no bit", "[core]"
 TEST_CASE("drive_guard: limits that make no sense are refused in words", "[core]") {
   CHECK(check({}).has_value());
   CHECK(to_string(check({.ceiling = 1.5}).error()) ==
-        "the ceiling of a drive must be above 0 and at most 1 full scale; give it as a fraction of what the "
-        "converter "
-        "can "
-        "put out");
+        "the ceiling of a drive must be above 0 and at most 1 full scale; give it as a fraction of the "
+        "converter's full scale");
   CHECK_FALSE(check({.ceiling = 0.0}));
   CHECK_FALSE(check({.ceiling = kNan}));
   CHECK_FALSE(check({.slew_per_second = 0.0}));

@@ -134,9 +134,7 @@ TEST_CASE("profile: only the command line raises a limit, and only up", "[scene]
         "--raise-limit: 'ceiling' is already 0.8; a limit can only be raised here");
   CHECK(to_string(raise_limit(limits, "ceiling", "1.2", "--raise-limit").error()) ==
         "--raise-limit: the ceiling of a drive must be above 0 and at most 1 full scale; give it as a "
-        "fraction of what "
-        "the "
-        "converter can put out");
+        "fraction of the converter's full scale");
   CHECK(to_string(raise_limit(limits, "travel", "8 mm", "--raise-limit").error()) ==
         "--raise-limit: this drive has no limit on 'travel' to raise; remove it");
   CHECK(to_string(raise_limit(limits, "volume", "11", "--raise-limit").error())

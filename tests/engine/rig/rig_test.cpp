@@ -200,13 +200,11 @@ rig.toml:12:1: the instrument has no control 'strenght'; did you mean 'strength'
 TEST_CASE("rig: sound never goes to a channel with an actuator", "[rig]") {
   const std::string inputs = "[inputs]\nmicrophone = { channel = 1 }\n[outputs]\nwoofer = { channel = 1 }\n";
   CHECK(misfits(inputs + "sound = { channel = 2 }\n[actuators]\nshaker = { channel = 2 }\n") ==
-        "rig.toml:8:1: 'sound' is an audio output, but channel 2 drives an actuator; sound is limited less "
-        "than "
-        "drives; give it another channel, or make it a drive in the instrument");
+        "rig.toml:8:1: 'sound' is an audio output, but channel 2 drives an actuator; audio outputs have "
+        "weaker limits than drives; use another channel, or make this output a drive in the instrument");
   CHECK(misfits(inputs + "sound = { channel = 2, profile = \"woofer\", volts_per_full_scale = \"1 V\" }\n") ==
-        "rig.toml:8:1: 'sound' is an audio output, but channel 2 drives an actuator (woofer); sound is "
-        "limited less "
-        "than drives; give it another channel, or make it a drive in the instrument");
+        "rig.toml:8:1: 'sound' is an audio output, but channel 2 drives an actuator (woofer); audio outputs "
+        "have weaker limits than drives; use another channel, or make this output a drive in the instrument");
 }
 
 TEST_CASE("rig: the unit of a sensitivity fits its port", "[rig]") {
@@ -314,8 +312,6 @@ TEST_CASE("rig: the delay is padded from what was measured to what is asked for"
         "--pad-delay: the delay of this device has not been measured, so it cannot be extended; measure "
         "it with tactus latency measure, or write it into the rig: [delay] measured = \"12.4 ms\"");
   CHECK(to_string(padding_frames(25_ms, 20_ms, 48_kHz, "--pad-delay").error()) ==
-        "--pad-delay: the delay of the device itself is 25 ms, longer than 20 ms; ask for a longer delay, or "
-        "use "
-        "shorter "
-        "blocks");
+        "--pad-delay: the delay of the device itself is 25 ms, longer than 20 ms; request a longer delay, or "
+        "use smaller blocks");
 }

@@ -110,15 +110,14 @@ TEST_CASE("hostile files: parts of parts that double are refused", "[graph]") {
 TEST_CASE("hostile files: neither lanes nor delays can ask for more than there is", "[graph]") {
   CHECK(test::mistakes("format = 1\n[inputs]\nx = { lanes = 1024 }\n[nodes]\n" +
                        lines(3, "n# = \"x" + repeated(" + x", 99) + "\"\n")) ==
-        "test.toml: with all lanes the graph has more than 250000 nodes and operators; take fewer voices, "
-        "or fewer parts");
+        "test.toml: with all lanes the graph has more than 250000 nodes and operators; use fewer voices or "
+        "fewer parts");
   const auto delays = test::mistakes(
       "format = 1\n[inputs]\nx = {}\n[nodes]\na = { type = \"delay\", in = \"x\", time = \"10 s\", voices = "
       "1024 }\nb = { type = \"mix\", in = \"a\" }\n[outputs]\ny = { from = \"b\" }\n");
-  CHECK(
-      delays ==
-      "test.toml:5:1: delay 'a': the graph would need more than 512 MB; take shorter delays and recordings, "
-      "or fewer voices");
+  CHECK(delays ==
+        "test.toml:5:1: delay 'a': the graph would need more than 512 MB; use shorter delays and recordings, "
+        "or fewer voices");
 }
 
 TEST_CASE("hostile files: a file of a node does not lead out of its folder either", "[graph]") {

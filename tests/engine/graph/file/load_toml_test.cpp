@@ -58,9 +58,8 @@ TEST_CASE("toml: a syntax error is said in words, with its place", "[graph]") {
       {"range = [0, 60 dB]", "a.toml:1:13: '60 dB' needs quotes; write \"60 dB\""},
       {"a = 1\na = 2", "a.toml:2:5: cannot redefine existing integer 'a'; rename or remove one of the two"},
       {"[n]\nx = 1\n[n]",
-       "a.toml:3:1: cannot redefine existing table 'n'; put all that belongs to it under one heading, or "
-       "rename "
-       "one of them"},
+       "a.toml:3:1: cannot redefine existing table 'n'; put all its entries under one heading, or rename one "
+       "of the two"},
       {"[nodes\nx = 1",
        "a.toml:1:7: in this table header: expected ']', saw '\\n'; fix this to see further errors"},
       {"a = [1,", "a.toml:1:8: in this array: encountered end-of-file; fix this to see further errors"},

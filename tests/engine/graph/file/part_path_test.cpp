@@ -94,7 +94,7 @@ TEST_CASE("parts: no path leaves the root, not even through a link", "[graph]") 
   // A neighbour whose name begins like the root's is outside too.
   folder.write("drum_2/b.toml", kEmpty);
   folder.write("drum/a.toml", use("../drum_2/b.toml"));
-  CHECK(mistakes(folder, file).find("leads out of the folder 'drum'") != std::string::npos);
+  CHECK(mistakes(folder, file).find("is outside the folder 'drum'") != std::string::npos);
 }
 
 TEST_CASE("parts: a missing file is reported where it is used, with the nearest one", "[graph]") {

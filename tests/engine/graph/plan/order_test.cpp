@@ -62,8 +62,8 @@ TEST_CASE("order: a delay that can be shorter than a frame closes no loop, and t
         time + " }\n[outputs]\ny = { from = \"y\" }\n");
   };
   CHECK(mistakes(loop("time = \"t\"")) ==
-        "test.toml:8:1: y -> y contains no delay; 'y' can be shorter than a frame: keep its time at one or "
-        "more, with 'min' if need be");
+        "test.toml:8:1: y -> y contains no delay; 'y' can be shorter than one frame: keep its time at one "
+        "frame or more, with 'min' if necessary");
   CHECK(mistakes(loop("time = \"t\", min = \"0.1 ms\"")) == "");
 }
 

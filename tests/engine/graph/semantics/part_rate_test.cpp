@@ -56,8 +56,8 @@ TEST_CASE("part rate: what is no such rate is told with those nearby", "[graph]"
 
 TEST_CASE("part rate: words about a rate stand beside one, and are known", "[graph]") {
   CHECK(told("between = \"line\"") ==
-        "test.toml:5:45: 'between' of part 'p' has no effect without a 'rate'; give the part a rate of its "
-        "own, or remove 'between'");
+        "test.toml:5:45: 'between' of part 'p' has no effect without a 'rate'; give the part its own rate, "
+        "or remove 'between'");
   CHECK(told("rate = \"1/2\", take = \"first\"") ==
         "test.toml:5:56: 'take' of part 'p' cannot be 'first'; there are 'last' and 'mean'");
 }

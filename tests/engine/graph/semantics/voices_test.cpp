@@ -97,7 +97,6 @@ TEST_CASE("voices: several lanes into one, or into another number, need a mix", 
         "test.toml:7:27: 2 lanes are combined with 3; give both the same number of lanes, or put a 'mix' "
         "between them");
   CHECK(mistakes_in("a = [1, 2]\ny = { type = \"clip\", in = [\"x\", \"a\"] }\n") ==
-        "test.toml:6:34: this is one lane of a list, but has 2 lanes itself; put a 'mix' of it here, or take "
-        "it "
-        "out of the list");
+        "test.toml:6:34: this is one lane of a list, but has 2 lanes itself; put a 'mix' of it here, or "
+        "remove it from the list");
 }

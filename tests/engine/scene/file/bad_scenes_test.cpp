@@ -333,7 +333,7 @@ plant = { use = "plant.toml", drive = "instrument.woofer", lift = 0 }
 [expect]
 roll = { of = "instrument.hit", min = 1 }
 )",
-     R"(scene.toml:7:1: expectation 'roll' lacks 'measure'; give 'measure': what is measured)"},
+     R"(scene.toml:7:1: expectation 'roll' lacks 'measure'; give 'measure': name of a measure)"},
     {"an unknown measure",
      R"(format = 1
 duration = "1 s"

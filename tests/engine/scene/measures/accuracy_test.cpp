@@ -30,7 +30,7 @@ TEST_CASE("accuracy: a scene of a plant alone says what must come out right", "[
 
 TEST_CASE("accuracy: mistakes are told by their place", "[scene]") {
   CHECK(mistakes("a = { of = \"plant.stick\" }\n") ==
-        "scene.toml:6:1: accuracy 'a' lacks 'measure'; give 'measure': what is compared");
+        "scene.toml:6:1: accuracy 'a' lacks 'measure'; give 'measure': name of a measure");
   CHECK(mistakes("a = { measure = \"positon\", of = \"plant.stick\" }\n") ==
         "scene.toml:6:17: 'measure' cannot be 'positon'; did you mean 'position'?");
   CHECK(mistakes("a = { measure = \"position\" }\n") ==
