@@ -25,7 +25,7 @@ using test::Way;
 namespace {
 
 constexpr int kPeriod = 256, kKept = 9600;
-constexpr std::chrono::milliseconds kPatience = seconds{10};
+constexpr std::chrono::milliseconds kPatience = seconds{30};
 
 /// A stream that is looked after, as an app does it.
 struct Player {
