@@ -18,6 +18,7 @@ class Lowering {
   explicit Lowering(const FlatGraph& flat) : flat_(flat) {}
 
   VertexGraph run() {
+    graph_.vertices.reserve(flat_.signals.size());
     make_inputs();
     for (std::size_t i = 0; i < flat_.signals.size(); ++i) {
       const auto& signal = flat_.signals[i];

@@ -195,11 +195,12 @@ class LayoutReader {
     if (found == index_.end()) return unknown_end(*name, value);
     const auto& other = layout_.elements[index(found->second)];
     if (other.type == nullptr) return;  // reported already
-    const auto is_a = "'" + *name + "' is a " + other.type->name + ", not a ";
-    if (other.type->ends != Ends::None)
-      return error(is_a + "point", "an end must be a mass, a ground or a motion element");
+    const auto is_no = [&](const char* wanted, const std::string& remedy) {
+      error("'" + *name + "' is a " + other.type->name + ", not a " + wanted, remedy);
+    };
+    if (other.type->ends != Ends::None) return is_no("point", "an end is a mass, a ground or a motion");
     if (read.type->ends == Ends::On && !other.type->takes_force)
-      return error(is_a + "mass", "a " + read.type->name + " acts on a mass");
+      return is_no("mass", "a " + read.type->name + " acts on a mass");
     if (const auto within = place_within(other, *name, value))
       read.ends[end] = found->second, read.within[end] = *within;
   }
