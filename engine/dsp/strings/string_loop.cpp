@@ -1,42 +1,13 @@
 #include "engine/dsp/strings/string_loop.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "engine/dsp/delays/taps.h"
 
 namespace tactus {
+
 int StringLoop::longest_delay(Hertz sample_rate, double lowest_pitch) {
   return static_cast<int>(sample_rate.value / std::max(kLowestPitch, lowest_pitch)) + StringDesign::kTaps;
-}
-
-DesignedLine::DesignedLine(LossFilter filter, int longest)
-    : filter_(filter), line_(longest, kMostFrames + StringDesign::kTaps) {}
-
-bool DesignedLine::changed(const StringParameters& parameters) noexcept {
-  if (parameters == parameters_) return false;
-  parameters_ = parameters;
-  return true;
-}
-
-void DesignedLine::set(const StringDesign& design) noexcept {
-  design_ = design;
-  losses_.design({design.pole});
-}
-
-const double* DesignedLine::newest_tap(int written) const noexcept {
-  constexpr int kOlder = StringDesign::kTaps - 1;
-  return line_.behind(design_.newest + kOlder + written) + kOlder;
-}
-
-void DesignedLine::reset() noexcept {
-  line_.reset();
-  losses_.reset();
-}
-
-void DesignedLine::adopt(DesignedLine& other) noexcept {
-  line_.adopt(other.line_);
-  if (filter_ == other.filter_) losses_.adopt(other.losses_);
 }
 
 StringLoop::StringLoop(LossFilter filter, Hertz sample_rate, double lowest_pitch)

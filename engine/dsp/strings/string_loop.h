@@ -53,17 +53,34 @@ struct StringDesign {
 /// What a string and one end of a waveguide have in common: a line that is read through a design.
 class DesignedLine {
  public:
-  void reset() noexcept;
+  void reset() noexcept {
+    line_.reset();
+    losses_.reset();
+  }
   /// [realtime] Continues from the state of `other`.
-  void adopt(DesignedLine& other) noexcept;
+  void adopt(DesignedLine& other) noexcept {
+    line_.adopt(other.line_);
+    if (filter_ == other.filter_) losses_.adopt(other.losses_);
+  }
 
  protected:
-  DesignedLine(LossFilter filter, int longest);
+  DesignedLine(LossFilter filter, int longest)
+      : filter_(filter), line_(longest, kMostFrames + StringDesign::kTaps) {}
   /// Whether the parameters are new.
-  bool changed(const StringParameters& parameters) noexcept;
-  void set(const StringDesign& design) noexcept;
+  bool changed(const StringParameters& parameters) noexcept {
+    if (parameters == parameters_) return false;
+    parameters_ = parameters;
+    return true;
+  }
+  void set(const StringDesign& design) noexcept {
+    design_ = design;
+    losses_.design({design.pole});
+  }
   /// Where the newest tap lies, `written` frames before the last that was written.
-  const double* newest_tap(int written = 0) const noexcept;
+  const double* newest_tap(int written = 0) const noexcept {
+    constexpr int kOlder = StringDesign::kTaps - 1;
+    return line_.behind(design_.newest + kOlder + written) + kOlder;
+  }
 
   static constexpr int kMostFrames = 64;  ///< written or read at once
 

@@ -66,6 +66,20 @@ Given given_to(const std::string& node) {
   return {};
 }
 
+/// Nodes whose class does nothing but run their kernel: they need no line in kernels.c.
+bool is_kernel_node(const NodeType& type) {
+  const auto declares = "NodeType " + type.name + "_type() {";
+  const auto folder = std::filesystem::path{TACTUS_SOURCE_DIR} / "engine/nodes";
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".cpp") continue;
+    std::ifstream file(entry.path());
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    if (text.find(declares) != std::string::npos)
+      return text.find("KernelNode<tactus_" + type.name) != std::string::npos;
+  }
+  return false;
+}
+
 /// What the node and its kernel make of the same inputs.
 void compare(const NodeType& type) {
   const auto given = given_to(type.name);
@@ -83,7 +97,10 @@ void compare(const NodeType& type) {
   std::vector<const double*> data;
   for (const auto& samples : inputs) data.push_back(samples.data());
   Samples out(kFrames);
-  REQUIRE(tactus_run_kernel(type.name.c_str(), data.data(), kFrames, 48000, out.data()) != 0);
+  if (tactus_run_kernel(type.name.c_str(), data.data(), kFrames, 48000, out.data()) == 0) {
+    CHECK(is_kernel_node(type));
+    return;
+  }
   test::NodeRunner runner(type, values, given.settings);
   REQUIRE(runner.error().empty());
   CHECK(test::first_difference({runner.run(test::random_cutting(kFrames, 3))[0]}, {out}) == "");
@@ -92,7 +109,7 @@ void compare(const NodeType& type) {
 
 }  // namespace
 
-// A new node needs one as well: a header beside it, and a line in kernels.c.
+// A new node needs one as well: a header beside it, and a line in kernels.c unless it is a KernelNode.
 TEST_CASE("kernels: every node has one, and compiled as C99 it gives the bits of the node",
           "[nodes][kernels]") {
   for (const auto* type : standard_nodes().types) {
