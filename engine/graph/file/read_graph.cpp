@@ -331,9 +331,9 @@ ControlSpec read_control(EntrySpec entry, ErrorList& errors) {
 }
 
 /// The table called `section`, each of its entries read by `read`.
-template <class Spec>
+template <class Read>
 void read_all(const Value::Table& table, const char* section, const char* example,
-              Spec (*read)(EntrySpec, ErrorList&), std::vector<Spec>& specs, ErrorList& errors) {
+              Read (*read)(EntrySpec, ErrorList&), std::vector<Read>& specs, ErrorList& errors) {
   for (auto& entry : read_entries(table, section, example, errors))
     specs.push_back(read(std::move(entry), errors));
 }
