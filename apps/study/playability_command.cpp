@@ -58,7 +58,7 @@ int run_playability(const PlayabilityArguments& options) {
   SweepMonitor monitor{scene->name, *plan};
   const auto study = study_playability(*scene, standard_nodes(), *plan);
   if (!study) return report(study.error());
-  if (const auto exit = monitor.end(study->finished(), std::ssize(study->runs))) return *exit;
+  if (const auto exit = monitor.end(finished(study->runs), std::ssize(study->runs))) return *exit;
   if (const int failed = publish(options, app::text_of(*study), app::json_of(*study), plots_of(*study),
                                  study->over.size() > 1 ? 2 : 1))
     return failed;

@@ -100,8 +100,8 @@ std::span<const double> Window::samples(const RecordedSignal& of) const {
 
 std::vector<double> Window::event_times() const {
   if (events) return *events;
-  static const auto kNewton = parse_unit("N")->dimension;
-  if (!(signal->dimension == kNewton)) return trigger_times(signal->samples, rate());
+  if (!(signal->dimension == Dimension{.metre = 1, .kilogram = 1, .second = -2}))
+    return trigger_times(signal->samples, rate());
   std::vector<double> times;
   for (const auto& strike : strikes_in(*signal, rate())) times.push_back(strike.start_s);
   return times;

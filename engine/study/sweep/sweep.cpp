@@ -227,10 +227,6 @@ Checked<std::vector<SweepPoint>> Sweep::evaluate(const Evaluate& evaluate, const
   return points;
 }
 
-std::ptrdiff_t finished(const std::vector<SweepPoint>& points) {
-  return std::ranges::count_if(points, [](const auto& point) { return point.result.has_value(); });
-}
-
 Checked<SceneRecording> play_run(const Sweep::Run& run, const NodeTable& table) {
   auto built = build_scene(run.scene, table, run.options);
   if (!built) return tl::unexpected(built.error());
