@@ -198,7 +198,8 @@ class LayoutReader {
     const auto is_no = [&](const char* wanted, const std::string& remedy) {
       error("'" + *name + "' is a " + other.type->name + ", not a " + wanted, remedy);
     };
-    if (other.type->ends != Ends::None) return is_no("point", "an end is a mass, a ground or a motion");
+    if (other.type->ends != Ends::None)
+      return is_no("point", "an end must be a mass, a ground or a motion element");
     if (read.type->ends == Ends::On && !other.type->takes_force)
       return is_no("mass", "a " + read.type->name + " acts on a mass");
     if (const auto within = place_within(other, *name, value))
