@@ -234,7 +234,8 @@ void add_render(CLI::App& app, int& exit_code) {
                       "take recorded with --record: replay it and check that the drives match bit for bit; "
                       "with FILE, feed the recorded sensor signals to that instrument");
   command->add_option("--in", options->in,
-                      "input WAV file: channel k feeds the k-th input of the instrument");
+                      "input WAV file: channel k feeds the k-th input; gives the default rate (it is "
+                      "resampled if --rate differs) and duration");
   command->add_option("--out", options->out, "WAV file for all outputs, in the order of the instrument file")
       ->check(writable_file());
   command->add_option("--sound", options->sound, "WAV file for the monitor output, without the drives")
