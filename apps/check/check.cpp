@@ -391,8 +391,8 @@ void add_check(CLI::App& app, int& exit_code) {
   command->add_option("--rig", options->rig, "rig file; its measured delay is used as the system delay");
   command->add_option("--set", options->set, "NAME=VALUE: sets a control");
   for (const auto& [name, value, help] :
-       {std::tuple{"--hand-damping", &options->hand_damping, "added to the device by a fingertip"},
-        {"--hand-mass", &options->hand_mass, "added to the device by a fingertip"},
+       {std::tuple{"--hand-damping", &options->hand_damping, "damping added to the device by a fingertip"},
+        {"--hand-mass", &options->hand_mass, "mass added to the device by a fingertip"},
         {"--push", &options->push, "contact force assumed when a contact is analysed in its closed state"},
         {"--device-mass", &options->device_mass,
          "mass of the haptic device assumed for an instrument without a scene"},
