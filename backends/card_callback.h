@@ -150,7 +150,7 @@ class CardStream : public Stream {
     if (running_) return {};
     if (lost())
       return fail(Errc::Device, "", "'" + granted_.device + "' was disconnected",
-                  granted_.comes_back ? "open it again" : "end the program and start it again");
+                  granted_.comes_back ? "open it again" : "restart the program");
     if (auto status = start_library(); !status) return status;
     line_->card->play();
     running_ = true;

@@ -47,10 +47,10 @@ void ReconnectingStream::lose(Clock::time_point now) {
   stalled_at_.reset();
   lost_at_ = now;
   wanted_ = granted_.comes_back;
-  if (!wanted_) return report("disconnected; start the program again to reopen it");
+  if (!wanted_) return report("disconnected; restart the program to reopen it");
   before_ = health();
   stream_.reset();
-  report("disconnected; outputs are silent until it is back");
+  report("disconnected; outputs are silent until it reconnects");
   last_error_.clear();
   next_try_ = now;
 }

@@ -96,14 +96,13 @@ std::string recommendation(const std::vector<SettingDelay>& settings) {
     return fmt::format("No setting gave a reliable result ({}): {}.", code(last.finding.verdict),
                        last.finding.remedy.empty() ? last.finding.what : last.finding.remedy);
   }
-  auto text = fmt::format("Play with {}: {}, and not a frame was lost in {:.0f} s.", setting_text(*best),
+  auto text = fmt::format("Play with {}: {}, and no frame was lost in {:.0f} s.", setting_text(*best),
                           ms(best->delay()), best->measured_s);
   if (const auto* bad = nearest_bad(settings, *best))
-    text += fmt::format(" Shorter than that, {} had {}.", setting_text(*bad), fault_of(*bad));
+    text += fmt::format(" At a shorter delay, {} had {}.", setting_text(*bad), fault_of(*bad));
   if (const auto* next = shortest_above(settings, best->delay()))
     text += fmt::format(
-        " An instrument makes the machine work harder than a measurement: if gaps come, take {}, which "
-        "costs {} more.",
+        " An instrument loads the processor more than a measurement: if gaps occur, use {}, which adds {}.",
         setting_text(*next), ms(next->delay() - best->delay()));
   return text;
 }

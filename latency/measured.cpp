@@ -53,14 +53,15 @@ Error set_aside(const fs::path& file, const std::string& reason) {
   const auto aside = free_name(file, ".broken");
   std::error_code error;
   fs::rename(file, aside, error);
-  return {Errc::BadFile, file.string(), "the delays measured here cannot be read (" + reason + ")",
-          error ? "move the file away, and measure again"
-                : "it was kept as '" + aside.string() + "'; measure again, or fix it"};
+  return {Errc::BadFile, file.string(),
+          "the delays measured on this computer cannot be read (" + reason + ")",
+          error ? "move the file, and measure again"
+                : "it was renamed to '" + aside.string() + "'; measure again, or repair that file"};
 }
 
 Status cannot_write(const fs::path& file) {
   return fail(Errc::BadFile, file.string(), "cannot be written",
-              "make its folder writable, or choose another with XDG_STATE_HOME");
+              "make its folder writable, or choose another by XDG_STATE_HOME");
 }
 
 }  // namespace

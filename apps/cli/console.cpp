@@ -14,10 +14,8 @@
 namespace tactus::app {
 int report(const std::vector<Error>& errors) {
   fmt::print(stderr, "{}\n", to_string(errors));
-  const bool usage = std::all_of(errors.begin(), errors.end(), [](const Error& error) {
-    return error.where.empty() || error.where.starts_with("--");
-  });
-  return usage ? kUsage : kBadFile;
+  const bool in_a_file = std::ranges::count(errors, Error::Place::File, &Error::place) > 0;
+  return in_a_file ? kBadFile : kUsage;
 }
 
 int report(const Error& error) { return report(std::vector{error}); }
@@ -52,10 +50,11 @@ void Progress::operator()(double share, const std::string& what) {
 }
 
 void announce_delay(const GraphSpec& instrument, double delay_s) {
-  const auto tested = tested_delays(instrument);
+  const auto& tested = instrument.tested;
   if (!tested || tested->contains(delay_s)) return;
   const auto text = [](double si) { return short_quantity(si, Dimension{.second = 1}); };
-  fmt::print(stderr, "warning: {} was tested with delays from {} to {}; with {} it may not be playable\n",
+  fmt::print(stderr,
+             "warning: {} was tested with system delays from {} to {}; with {} it may not be playable\n",
              instrument.name, text(tested->low), text(tested->high), text(delay_s));
 }
 
@@ -79,9 +78,8 @@ Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std
     if (!value || equals == 0)
       return fail(Errc::Syntax, "--set " + text, "is not NAME=VALUE",
                   "write for instance --set strength=0.5 or --set \"sensitivity=-40 dB\"");
-    const bool bare = text.find_first_not_of("+-0123456789.eE ", equals + 1) == std::string::npos;
     settings[text.substr(0, equals)] =
-        bare ? ControlValue{value->si} : ControlValue{value->si, value->unit.dimension};
+        value->bare ? ControlValue{value->si} : ControlValue{value->si, value->unit.dimension};
   }
   return settings;
 }
@@ -89,9 +87,7 @@ Result<std::map<std::string, ControlValue>> parse_settings(const std::vector<std
 Result<double> parse_option(const std::string& text, const char* unit, const char* option) {
   const auto value = read_quantity(Value{text, {}}, *parse_unit(unit), option);
   if (value) return *value;
-  auto error = value.error();
-  error.where = std::string{"--"} + option;
-  return tl::unexpected(error);
+  return tl::unexpected(value.error().at(std::string{"--"} + option));
 }
 
 Result<Hertz> parse_rate(const std::string& text) {

@@ -19,7 +19,7 @@ tl::unexpected<std::vector<Error>> invalid(const std::string& option, const std:
 Checked<DriveLimits> limits_of(const GuardOptions& options, const std::filesystem::path& root) {
   if (options.profile.empty() || options.volts.empty())
     return invalid(options.profile.empty() ? "--volts-per-full-scale" : "--profile",
-                   "a profile and the volts of full scale belong together",
+                   "the profile and the voltage at full scale must be given together",
                    "give both, as in --profile woofer --volts-per-full-scale 8");
   const auto volts = parse_option(options.volts, "V", "volts-per-full-scale");
   if (!volts) return tl::unexpected(std::vector{volts.error()});
@@ -38,20 +38,19 @@ Checked<DriveLimits> limits_of(const GuardOptions& options, const std::filesyste
 Status raise(DriveBook& drives, const std::string& text, bool silent) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    return fail(Errc::Syntax, "--raise-limit", "'" + text + "' is not NAME=VALUE",
+    return fail(Errc::Syntax, "--raise-limit", "'" + text + "' is not of the form NAME=VALUE",
                 "write for instance --raise-limit ceiling=0.8");
   const auto name = text.substr(0, equals), value = text.substr(equals + 1);
   for (auto& [drive, limits] : drives.named)
     if (auto status = raise_limit(limits, name, value, "--raise-limit"); !status) return status;
-  // Where every drive has limits of its own, the cautious ones need not have what is raised.
+  // Where every drive has limits of its own, the conservative ones need not have what is raised.
   auto others = raise_limit(drives.others, name, value, "--raise-limit");
   if (!others && drives.named.empty()) return others;
   if (!silent)
-    fmt::print(
-        stderr,
-        "warning: the drive guard's limit '{}' is raised to {}, beyond what the profile or the cautious "
-        "default allows; keep hands away until its effect is known\n",
-        name, value);
+    fmt::print(stderr,
+               "warning: the limit '{}' of the drive guard is raised to {}, above the limit of the profile "
+               "or the conservative default; keep hands away until its effect is known\n",
+               name, value);
   return {};
 }
 

@@ -14,7 +14,7 @@ namespace tactus::app {
 
 /// Options of the drive guard.
 struct GuardOptions {
-  std::string profile;             ///< "woofer", or a file; empty: as the scene says, else cautious
+  std::string profile;             ///< "woofer", or a file; empty: as the scene says, else conservative
   std::string volts;               ///< volts per full scale
   std::vector<std::string> raise;  ///< NAME=VALUE
 };

@@ -34,7 +34,7 @@ CLI::Validator asks(Status (*can_write)(const fs::path&)) {
 
 Status can_write_file(const fs::path& file) {
   if (opens(file)) return {};
-  return not_writable(file, "choose a file in a folder that exists and can be written");
+  return not_writable(file, "choose a file in an existing, writable folder");
 }
 
 Status can_write_into(const fs::path& folder) {
@@ -42,7 +42,7 @@ Status can_write_into(const fs::path& folder) {
   auto there = fs::absolute(folder, none).lexically_normal();
   while (!fs::exists(there, none) && there.has_relative_path()) there = there.parent_path();
   if (fs::is_directory(there, none) && opens(there / ".tactus_tries_to_write")) return {};
-  return not_writable(folder, "choose a folder that can be made and written");
+  return not_writable(folder, "choose a writable folder");
 }
 
 CLI::Validator writable_file() { return asks(can_write_file); }

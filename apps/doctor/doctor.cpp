@@ -73,9 +73,8 @@ void add_doctor(CLI::App& app, int& exit_code) {
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "print the findings as JSON");
   command->footer(
-      "Example:\n  tactus doctor\nIt changes nothing; each finding is followed by the command that fixes it, "
-      "or "
-      "that shows more.\nExit code 1: at least one warning.");
+      "Example:\n  tactus doctor\nIt only reads settings. Each finding is followed by the command that fixes "
+      "it or shows more.\nExit code 1: at least one warning.");
   command->callback([json, &exit_code] { exit_code = run_doctor(*json); });
 }
 

@@ -38,8 +38,9 @@ Result<double> electrical_frames(const CalibrateOptions& options, const Loop& lo
   if (loop.rig && loop.rig->measured_delay) return frames_in(*loop.rig->measured_delay, rate);
   const auto delays = MeasuredDelays::load();
   if (const auto* found = delays.find(key_of(granted))) return frames_in(found->delay, rate);
-  return fail(Errc::Missing, "--electrical", "the card's own delay was never measured with this setting",
-              "measure it over a cable with tactus latency measure, or give it");
+  return fail(Errc::Missing, "--electrical",
+              "the delay of the card alone has not been measured with this sample rate and block size",
+              "measure it with a loopback cable (tactus latency measure), or give it");
 }
 
 Json json_of(const Calibration& calibration, Hertz rate) {
@@ -48,7 +49,8 @@ Json json_of(const Calibration& calibration, Hertz rate) {
   const double error = std::hypot(calibration.analysis.standard_error_frames, 1.0 / std::sqrt(12.0));
   auto json =
       essentials_json({calibration.finding, rate, calibration.arrival_frames, error}, calibration.analysis);
-  json["delay_is"] = "from the drive to the first swing of what is captured, without the card's own delay";
+  json["delay_is"] =
+      "from the drive signal to the first swing of the captured signal, without the delay of the card";
   if (profile.taps.empty()) return json;
   json["polarity"] = calibration.polarity;
   json.update({{"low_hz", profile.low.value},
@@ -72,17 +74,17 @@ Json json_of(const Calibration& calibration, Hertz rate) {
 void print(const Calibration& calibration, Hertz rate) {
   const auto& finding = calibration.finding;
   if (finding.verdict != Verdict::Ok)
-    return fmt::print("no profile      {}\nseen            {}\nwhat to do      {}\n", code(finding.verdict),
+    return fmt::print("no profile      {}\ncause           {}\nremedy          {}\n", code(finding.verdict),
                       finding.what, finding.remedy);
-  fmt::print("arrival         {:.3f} ms behind the card's own delay, {}\n",
+  fmt::print("arrival         {:.3f} ms after the delay of the card alone, {}\n",
              1e3 * calibration.arrival_frames / rate.value,
              calibration.polarity > 0 ? "not inverted" : "inverted");
-  fmt::print("known           {:.0f} Hz to {:.0f} Hz\n", calibration.profile.low.value,
+  fmt::print("measured band   {:.0f} Hz to {:.0f} Hz\n", calibration.profile.low.value,
              calibration.profile.high.value);
   if (calibration.resonance)
     fmt::print("resonance       {:.1f} Hz, Q {:.2f}\n", calibration.resonance->frequency_hz,
                calibration.resonance->q);
-  fmt::print("noise           {:.1f} dB below the probes\nunexplained     {:.2g} of what is captured\n",
+  fmt::print("noise           {:.1f} dB below the probes\nunexplained     {:.2g} of the captured signal\n",
              calibration.analysis.snr_db, calibration.unexplained);
   fmt::print("group delay    ");
   for (const auto& octave : calibration.group_delay) fmt::print(" {:>9.0f} Hz", octave.centre_hz);
@@ -160,10 +162,11 @@ void add_latency_calibrate(CLI::App& latency, int& exit_code) {
       ->check(writable_file());
   command->add_flag("--json", options->json, "print the report as JSON");
   command->footer(
-      "Examples:\n  tactus latency measure --rig desk.toml                          # first, over a cable\n"
+      "Examples:\n  tactus latency measure --rig desk.toml                          # first, with a loopback "
+      "cable\n"
       "  tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "
       "microphone\n"
-      "  tactus latency measure --rig desk.toml --profile woofer.toml    # from now on without a cable\n"
+      "  tactus latency measure --rig desk.toml --profile woofer.toml    # later, without a cable\n"
       "The actuator on the rig's first output moves, up to the limits of its guard: keep hands away.");
   command->callback([options, &exit_code] { exit_code = run_latency_calibrate(*options); });
 }

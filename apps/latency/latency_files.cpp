@@ -19,10 +19,10 @@ namespace {
 Status fit(const Samples& samples, const std::string& path) {
   if (samples.frames() == 0) return fail(Errc::BadFile, path, "it contains no samples", "record it again");
   if (!(samples.sample_rate >= 1_kHz && samples.sample_rate.value <= 1e6))
-    return fail(
-        Errc::BadFile, path,
-        fmt::format("its header has {:g} Hz, which no sound card supports", samples.sample_rate.value),
-        "give the true rate with --rate");
+    return fail(Errc::BadFile, path,
+                fmt::format("its header states a sample rate of {:g} Hz, which no sound card supports",
+                            samples.sample_rate.value),
+                "give the actual rate with --rate");
   for (const auto& channel : samples.channels)
     if (!std::all_of(channel.begin(), channel.end(), [](double sample) { return std::isfinite(sample); }))
       return fail(Errc::BadFile, path, "some of its samples are non-finite", "record it again");
@@ -42,18 +42,18 @@ Result<int> captured_channel(const CaptureFiles& files, int first, int channels)
   const int asked = files.channel.value_or(first);
   if (asked >= first && asked < first + channels) return asked - first;
   return fail(Errc::BadArgument, "--channel",
-              first == 2 && asked == 1 ? "channel 1 is what was played, where there is no --probe"
+              first == 2 && asked == 1 ? "without --probe, channel 1 must be the played signal"
                                        : fmt::format("'{}' has no channel {}", files.capture, asked),
-              channels == 1 ? fmt::format("it has {} alone", first)
-                            : fmt::format("it has {} to {}", first, first + channels - 1));
+              channels == 1 ? fmt::format("it has only channel {}", first)
+                            : fmt::format("it has channels {} to {}", first, first + channels - 1));
 }
 
 /// The probe at the rate of what was captured.
 Samples at_rate(Samples probe, const Samples& captured, Capture& capture) {
   if (probe.sample_rate == captured.sample_rate) return probe;
   capture.note = fmt::format(
-      "the probe is at {:g} Hz and the capture at {:g} Hz: the probe was resampled; if only a header is "
-      "wrong, give --rate",
+      "the probe file is at {:g} Hz and the recording at {:g} Hz: the probe was resampled; if only a header "
+      "is wrong, give --rate",
       probe.sample_rate.value, captured.sample_rate.value);
   return resample(probe, captured.sample_rate);
 }
@@ -74,7 +74,7 @@ Result<Capture> joined(const CaptureFiles& files, Samples captured) {
 
 Result<Capture> cut(const CaptureFiles& files, Samples both) {
   if (both.channels.size() < 2)
-    return fail(Errc::BadFile, files.capture, "it has one channel, and the probe is not given",
+    return fail(Errc::BadFile, files.capture, "it has one channel, and no probe file is given",
                 "give the file that was played as --probe");
   const auto channel = captured_channel(files, 2, static_cast<int>(both.channels.size()) - 1);
   if (!channel) return tl::unexpected(channel.error());
@@ -86,7 +86,7 @@ Result<Capture> cut(const CaptureFiles& files, Samples both) {
 std::string description_of(const Calibration& calibration, const std::string& device) {
   const auto& profile = calibration.profile;
   auto text = fmt::format(
-      "Measured {} on {} at {:g} kHz: known from {:.0f} Hz to {:.0f} Hz, arrives after {:.3f} ms, {}",
+      "Measured {} on {} at {:g} kHz: valid from {:.0f} Hz to {:.0f} Hz, arrives after {:.3f} ms, {}",
       fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr))), device, profile.sample_rate.value / 1e3,
       profile.low.value, profile.high.value, 1e3 * calibration.arrival_frames / profile.sample_rate.value,
       calibration.polarity > 0 ? "not inverted" : "inverted");
@@ -117,8 +117,7 @@ Status write_profile(const std::filesystem::path& file, const Calibration& calib
                            "tactus latency calibrate", profile.sample_rate, profile.taps});
   text.close();
   if (text) return {};
-  return fail(Errc::BadFile, file.string(), "cannot be written",
-              "choose a folder that exists and can be written");
+  return fail(Errc::BadFile, file.string(), "cannot be written", "choose an existing, writable folder");
 }
 
 Result<PathProfile> read_profile(const std::filesystem::path& file, Hertz sample_rate) {

@@ -29,7 +29,7 @@ Status check_against_rig(const LoopOptions& options) {
                                       {options.periods.has_value(), "--periods"}})
     if (given)
       return fail(Errc::BadArgument, option, "cannot be combined with --rig, which sets it",
-                  "change the rig: its delay belongs to its own setting");
+                  "change the rig file: its measured delay is valid for its own settings only");
   return {};
 }
 
@@ -75,10 +75,10 @@ Status check_channel(int channel, int there, const Device& device, const char* o
   const std::string kind = option[2] == 'i' ? "input" : "output";
   if (there == 0)
     return fail(Errc::OutOfRange, option, fmt::format("'{}' has no {}s", device.id, kind),
-                fmt::format("name a device that has some with --{}device; see tactus devices",
+                fmt::format("choose a device that has some with --{}device; see tactus devices",
                             kind == "input" ? "input-" : ""));
   return fail(Errc::OutOfRange, option, fmt::format("'{}' has no {} {}", device.id, kind, channel),
-              fmt::format("it has 1 to {}", there));
+              fmt::format("it has channels 1 to {}", there));
 }
 
 Status set_request(const LoopOptions& options, Loop& loop) {
@@ -164,7 +164,8 @@ tl::expected<Loop, CommandError> make_loop(const LoopOptions& options) {
   }
   auto devices = choose_devices(options.backend, loop.rig ? loop.rig->device.output : options.device,
                                 loop.rig ? loop.rig->device.input : options.input_device);
-  if (!devices) return refuse(devices.error(), devices.error().where == "--backend" ? kUsage : kDevice);
+  if (!devices)
+    return refuse(devices.error(), devices.error().place == Error::Place::Option ? kUsage : kDevice);
   loop.devices = std::move(*devices);
   for (const auto set : {set_request, set_channels, set_level})
     if (auto status = set(options, loop); !status) return refuse(status.error());
@@ -195,9 +196,9 @@ std::string source_text(const MeasureSettings& settings, const StreamGranted& gr
   if (!granted.input_device.empty()) text += " and " + granted.input_device;
   text += fmt::format(", {:g} kHz, ", granted.format.sample_rate.value / 1e3);
   text +=
-      granted.block_frames > 0 ? fmt::format("{} frames a block", granted.block_frames) : "changing blocks";
+      granted.block_frames > 0 ? fmt::format("{} frames per block", granted.block_frames) : "changing blocks";
   if (wanted.block_frames && *wanted.block_frames != granted.block_frames)
-    text += fmt::format(" ({} were asked for)", *wanted.block_frames);
+    text += fmt::format(" ({} requested)", *wanted.block_frames);
   if (granted.periods > 0) text += fmt::format(", {} periods", granted.periods);
   return text + fmt::format("; output {} to input {}", settings.output + 1, settings.input + 1);
 }
@@ -206,17 +207,17 @@ Result<double> parse_level(const std::string& text, const char* option) {
   const auto where = std::string{"--"} + option;
   const auto value = read_quantity(Value{text.ends_with("FS") ? text.substr(0, text.size() - 2) : text, {}});
   if (!value || !(value->bare || value->unit.decibel))
-    return fail(Errc::Syntax, where, "'" + text + "' is no level", "write for instance \"-20 dBFS\"");
+    return fail(Errc::Syntax, where, "'" + text + "' is not a level", "write for instance \"-20 dBFS\"");
   const double level = value->bare ? value->si : value->unit.from_si(value->si);
   if (level >= -120 && level <= 0) return level;
-  return fail(Errc::OutOfRange, where, "must be from -120 to 0 dBFS", "write for instance \"-20 dBFS\"");
+  return fail(Errc::OutOfRange, where, "must be between -120 and 0 dBFS", "write for instance \"-20 dBFS\"");
 }
 
 Result<Hertz> parse_rate(const std::string& text, const char* option) {
   const auto rate = parse_option(text, "Hz", option);
   if (!rate) return tl::unexpected(rate.error());
   if (*rate >= 1000 && *rate <= 1e6) return Hertz{*rate};
-  return fail(Errc::OutOfRange, std::string{"--"} + option, "must be from 1 kHz to 1 MHz",
+  return fail(Errc::OutOfRange, std::string{"--"} + option, "must be between 1 kHz and 1 MHz",
               "write for instance \"48 kHz\"");
 }
 

@@ -23,7 +23,7 @@ std::string range_of(const FieldType& field) {
 /// The keys of a section and, after it, those of the sections in it. `title` is its path: "scene",
 /// "[expect]".
 std::string table_of(const std::string& title, const SectionType& section) {
-  auto text = fmt::format("\n### {}\n\n{}.\n\n| key | range | if left out | meaning |\n|---|---|---|---|\n",
+  auto text = fmt::format("\n### {}\n\n{}.\n\n| key | range | default | meaning |\n|---|---|---|---|\n",
                           title, section.doc);
   for (const auto& field : section.fields)
     text += fmt::format("| `{}` | {} | {} | {} |\n", field.key, field.key == "measure" ? "" : range_of(field),
@@ -44,8 +44,7 @@ std::string measure_tables() {
   static constexpr const char* kOf[] = {"the scene", "a signal", "events", "a port", "[playability]"};
   std::string text =
       "\n## Measures\n\nIn `[expect]`. Events are the triggers of a signal, or the strikes in a force: "
-      "pushes above 5 N, "
-      "at least 5 ms apart.\n\n| measure | of | unit | is |\n|---|---|---|---|\n";
+      "pulses above 5 N, at least 5 ms apart.\n\n| measure | of | unit | meaning |\n|---|---|---|---|\n";
   for (const auto& type : measures())
     if (type.value != nullptr)
       text +=

@@ -81,11 +81,8 @@ Status write_sound(const std::string& path, const Signals& signals, Hertz rate,
 
 void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_option("--delay", options.delay, "system delay, such as \"10 ms\"; default: the scene's");
-  command.add_option("--rate", options.rate,
-                     "sample rate, such as \"96 kHz\"; default: the scene's, or that of the input file "
-                     "(resampled if they differ)");
-  command.add_option("--duration", options.duration,
-                     "duration, such as \"10 s\"; default: the scene's, or that of the input file");
+  command.add_option("--rate", options.rate, "sample rate, such as \"96 kHz\"; default: the scene's");
+  command.add_option("--duration", options.duration, "duration, such as \"10 s\"; default: the scene's");
   command.add_option("--set", options.set,
                      "NAME=VALUE: sets a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene "
                      "also plant.NAME=VALUE");
@@ -175,7 +172,7 @@ Status write_json(const std::string& path, const Json& json) {
   std::ofstream file{path};
   file << json.dump(2) << "\n";
   if (file) return {};
-  return fail(Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written");
+  return fail(Errc::BadFile, path, "cannot be written", "choose an existing, writable folder");
 }
 
 Json events_of(const SceneRecording& recording) {

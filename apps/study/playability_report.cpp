@@ -120,7 +120,7 @@ std::string lacking(const PlayabilityStudy& study, const DelayVerdict& verdict) 
   if (study.over.empty() && verdict.varied == 0) return text;
   if (!study.over.empty()) text += " at " + setting_text(study.over, run.at);
   if (verdict.varied > 0)
-    text += fmt::format("; {} of {} other actuators and plants", verdict.varied_good, verdict.varied);
+    text += fmt::format("; {} of {} variants of actuator and plant", verdict.varied_good, verdict.varied);
   return text;
 }
 
@@ -143,9 +143,10 @@ std::string describe_settings(const PlayabilityStudy& study, const std::string& 
   const auto failing = failing_settings(study);
   const auto count = study.runs_a_delay() / study.variants.size();
   if (failing.empty()) return fmt::format("all {} settings are playable {}", count, where);
-  auto text = failing.size() == count ? fmt::format("none of {} settings is playable at every delay", count)
-                                      : fmt::format("{} of {} settings are playable at every delay, not ",
-                                                    count - failing.size(), count);
+  auto text = failing.size() == count
+                  ? fmt::format("none of the {} settings is playable at every delay", count)
+                  : fmt::format("{} of {} settings are playable at every delay, except ",
+                                count - failing.size(), count);
   for (std::size_t i = 0; failing.size() < count && i < std::min(failing.size(), kMostNamed); ++i)
     text += (i == 0 ? "" : " / ") + setting_text(study.over, failing[i]->at);
   if (failing.size() < count && failing.size() > kMostNamed)

@@ -45,8 +45,9 @@ Result<Written> read_numbers(const std::string& text, const std::string& option,
     const std::string unit{end};
     if (unit.empty()) continue;
     if (!written.unit.empty() && written.unit != unit)
-      return fail(Errc::UnitMismatch, option, "'" + text + "' has the units " + written.unit + " and " + unit,
-                  "write all in one unit");
+      return fail(Errc::UnitMismatch, option,
+                  "'" + text + "' mixes the units " + written.unit + " and " + unit,
+                  "use one unit for all values");
     written.unit = unit;
   }
   return written;
@@ -56,7 +57,7 @@ Result<Written> read_numbers(const std::string& text, const std::string& option,
 Result<std::vector<ControlValue>> spread(const Written& written, double count, const std::string& option,
                                          const std::function<double(int)>& number_of) {
   if (!(count >= 1 && count <= kMostValues))
-    return fail(Errc::OutOfRange, option, fmt::format("{:g} values cannot be swept", count),
+    return fail(Errc::OutOfRange, option, fmt::format("a sweep cannot have {:g} values", count),
                 fmt::format("choose 1 to {:g}", kMostValues));
   std::vector<ControlValue> values;
   for (int i = 0; i < static_cast<int>(count); ++i) {
@@ -155,8 +156,8 @@ Status read_gain(const std::string& text, SweepPlan& plan) {
   const auto gain = parse_option(text, "", "gain");
   if (!gain) return tl::unexpected(gain.error());
   if (read_quantity(Value{text, {}})->bare)
-    return fail(Errc::UnitMismatch, "--gain", "'" + text + "' may be decibels or a factor",
-                fmt::format("write \"{0} dB\", or \"{1:g} %\" for {0} times as strong", text, 100 * *gain));
+    return fail(Errc::UnitMismatch, "--gain", "'" + text + "' must be in decibels or a factor",
+                fmt::format("write \"{0} dB\", or \"{1:g} %\" for a gain factor of {0}", text, 100 * *gain));
   if (!(*gain > 0 && *gain <= 100))
     return fail(Errc::OutOfRange, "--gain", "must be above 0 and at most 40 dB", "");
   plan.gains = {1 / *gain, *gain};
@@ -172,7 +173,7 @@ Status check_swept_once(const SweepPlan& plan) {
     if (plan.set.contains(swept->name))
       return fail(Errc::BadArgument, "--set",
                   "'" + swept->name + "' is swept by --over and cannot be set by --set, too",
-                  "leave one of them out");
+                  "omit one of them");
   }
   return {};
 }

@@ -43,9 +43,7 @@ Program& program() {
 
 bool is_over() { return !program().over.empty(); }
 
-tl::unexpected<Error> over() {
-  return fail(Errc::Device, "", program().over, "end the program and start it again");
-}
+tl::unexpected<Error> over() { return fail(Errc::Device, "", program().over, "restart the program"); }
 
 Status checked(PaError code) {
   if (code >= paNoError) return {};
@@ -53,7 +51,7 @@ Status checked(PaError code) {
   if (const auto* host = Pa_GetLastHostErrorInfo(); code == paUnanticipatedHostError && host->errorText)
     message += std::string{": "} + host->errorText;
   if (code == paInvalidSampleRate)
-    return fail(Errc::BadArgument, "", "the device does not run at this rate", "leave the rate out");
+    return fail(Errc::BadArgument, "", "the device does not support this rate", "omit the rate");
   return fail(Errc::Device, "", "PortAudio: " + message, "see tactus doctor");
 }
 
@@ -62,13 +60,13 @@ Status checked(PaError code) {
 Status in_portaudio(std::function<int()> call) {
   if (is_over()) return over();
   if (const auto code = result_with_timeout(std::move(call))) return checked(*code);
-  program().over = "PortAudio does not answer any more";
+  program().over = "PortAudio does not respond any more";
   return over();
 }
 
 /// No function of PortAudio may be called any more in this program: its JACK server is gone.
 void lose_jack() {
-  if (!is_over()) program().over = "the JACK server ended, and PortAudio's JACK client cannot come back";
+  if (!is_over()) program().over = "the JACK server ended, and PortAudio's JACK client cannot reconnect";
 }
 
 std::string name_of(const PaHostApiInfo& api) {
@@ -259,8 +257,7 @@ Status open_line(const std::shared_ptr<Line>& line, const LibraryDevice& input, 
   granted.xruns_move_delay = line->own_thread;
   granted.comes_back = !line->session->has_jack;
   if (std::abs(info->sampleRate - rate) < 0.5) return {};
-  return fail(Errc::BadArgument, "", "'" + granted.device + "' does not run at this rate",
-              "leave the rate out");
+  return fail(Errc::BadArgument, "", "'" + granted.device + "' does not run at this rate", "omit the rate");
 }
 
 /// A stream of a JACK server that died is left as it is.

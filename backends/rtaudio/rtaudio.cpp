@@ -65,7 +65,7 @@ class Line {
           library_.closeStream();
           open_once(there, unsigned(output.index), block, options);
           if (now_at(input.library_name) != there)
-            throw RtAudioError{"JACK's clients come and go; try again"};
+            throw RtAudioError{"JACK clients changed in the meantime; try again"};
         }
       }
       granted.block_frames = granted.format.max_frames = static_cast<int>(block);
@@ -195,7 +195,7 @@ template <class Call>
 Status in_time(const std::shared_ptr<Line>& line, Call call) {
   if (auto status = result_with_timeout([line, call] { return call(*line); })) return *status;
   line->abandoned = true;
-  return fail(Errc::Device, "", "RtAudio does not answer", "restart the sound server");
+  return fail(Errc::Device, "", "RtAudio does not respond", "restart the sound server");
 }
 
 /// Devices close with the last who holds the line, on a thread that may hang.
@@ -287,7 +287,7 @@ Result<Devices> rtaudio_devices(const std::string& text) {
     devices.insert(devices.end(), usable.begin(), usable.end());
   }
   if (devices.empty() && !silent.empty())
-    return fail(Errc::Device, "", silent + " does not answer", "restart its server");
+    return fail(Errc::Device, "", silent + " does not respond", "restart its server");
   number_same_ids(devices);
   one_default(devices);
   return devices;

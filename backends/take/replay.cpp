@@ -46,7 +46,8 @@ class Player {
     frames = static_cast<int>(std::min<std::int64_t>(frames, next_stop() - now_));
     if (auto status = post_until(now_ + frames); !status) return tl::unexpected(status.error());
     if (wav_.read(recorded_.data(), frames) != frames)
-      return fail(Errc::BadFile, "", "the samples end before their time", "restore the file from a copy");
+      return fail(Errc::BadFile, "", "the samples end before the end of the take",
+                  "restore the file from a copy");
     host_.guarded.process({in_.data(), out.data(), frames});
     if (host_.same && !played.first_difference) compare(frames);
     now_ += frames;
@@ -86,7 +87,7 @@ class Player {
     for (; next_entry_ < entries_.size() && entries_[next_entry_].frame < end; ++next_entry_) {
       if (is_halt(next_entry_)) return {};
       if (host_.guarded.post(entries_[next_entry_])) continue;
-      return fail(Errc::OutOfRange, "", fmt::format("too many changes of the guard at frame {}", now_),
+      return fail(Errc::OutOfRange, "", fmt::format("too many guard events at frame {}", now_),
                   "use smaller blocks");
     }
     return {};
@@ -119,11 +120,11 @@ Status check(const Take& take, const WavReader& wav, const ReplayHost& host) {
   const auto channels = take.header.inputs.size() + take.header.outputs.size();
   if (wav.channels() != static_cast<int>(channels) || wav.sample_rate() != take.header.sample_rate)
     return fail(Errc::BadFile, "",
-                fmt::format("the WAV file has {} channels at {} Hz, and the journal beside it {} at {} Hz",
-                            wav.channels(), wav.sample_rate().value, channels, take.header.sample_rate.value),
-                "they are not of the same take");
+                fmt::format("the WAV file has {} channels at {} Hz, its journal {} at {} Hz", wav.channels(),
+                            wav.sample_rate().value, channels, take.header.sample_rate.value),
+                "use the two files of the same take");
   if (host.same && host.out_channels != static_cast<int>(take.header.outputs.size()))
-    return fail(Errc::BadFile, "", "the graph in the take has other outputs than were recorded", "");
+    return fail(Errc::BadFile, "", "the outputs of the take's graph differ from the recorded ones", "");
   return {};
 }
 

@@ -142,9 +142,9 @@ Result<TakeHeader> parse_header(const std::string& line, const fs::path& path) {
     JsonReader::read(json, header);
     return header;
   } catch (const nlohmann::ordered_json::parse_error&) {
-    return no_take("its first line is no JSON");
+    return no_take("its first line is not JSON");
   } catch (const std::exception&) {
-    return no_take("its first line is not that of a take");
+    return no_take("its first line is not the header of a take");
   }
 }
 
@@ -192,13 +192,13 @@ Result<Take> read_take(const fs::path& wav) {
     return fail(Errc::BadFile, wav.string(), "there is no such file", "check the path");
   if (!fs::exists(path, ignored))
     return fail(Errc::BadFile, wav.string(),
-                fmt::format("there is no '{}' beside it, so the graph that was played is unknown",
+                fmt::format("'{}' is missing in the same folder, so the recorded graph is unknown",
                             path.filename().string()),
-                "a WAV file of sensors alone is played with --in");
+                "use --in for a WAV file with only sensor signals");
   std::ifstream file{path, std::ios::binary};
   std::string line;
   if (!std::getline(file, line))
-    return fail(Errc::BadFile, path.string(), "it is empty", "the take was cut off before it began");
+    return fail(Errc::BadFile, path.string(), "it is empty", "the take was cut off before its first frame");
   auto header = parse_header(line, path);
   if (!header) return tl::unexpected(header.error());
   Take take;
@@ -207,22 +207,22 @@ Result<Take> read_take(const fs::path& wav) {
     const bool whole = !file.eof();
     if (add_line(line, take)) continue;
     if (!whole || file.peek() == std::ifstream::traits_type::eof()) break;  // cut off here
-    return fail(Errc::BadFile, fmt::format("{}:{}", path.string(), number), "this is no line of a take",
-                "restore the file from a copy");
+    return fail(Errc::BadFile, fmt::format("{}:{}", path.string(), number),
+                "this line is not valid in a take", "restore the file from a copy");
   }
   return take;
 }
 
 std::string why_not_exact(const Take& take) {
   if (take.lost_entries > 0)
-    return fmt::format("{} changes of controls or of the guard could not be kept", take.lost_entries);
+    return fmt::format("{} control changes or guard events could not be recorded", take.lost_entries);
   if (!take.gaps.empty()) {
     const auto first_s = static_cast<double>(take.gaps.front().frame) / take.header.sample_rate.value;
     if (take.gaps.size() == 1) return fmt::format("frames are missing at {:.3f} s", first_s);
-    return fmt::format("frames are missing in {} places, first at {:.3f} s", take.gaps.size(), first_s);
+    return fmt::format("frames are missing at {} places, first at {:.3f} s", take.gaps.size(), first_s);
   }
   if (take.rounded_sensors > 0)
-    return fmt::format("{} samples of its sensors have more digits than a WAV file of floats keeps",
+    return fmt::format("{} sensor samples have more digits than a float WAV file can store",
                        take.rounded_sensors);
   return {};
 }

@@ -90,15 +90,15 @@ Result<TakeWriter> TakeWriter::create(const std::filesystem::path& wav, const Ta
   const auto journal = journal_path(wav);
   std::error_code ignored;
   if (std::filesystem::exists(journal, ignored))
-    return fail(Errc::BadFile, journal.string(), "the journal of a take is there already",
-                "choose another name, or move it away");
+    return fail(Errc::BadFile, journal.string(), "the journal of this take already exists",
+                "choose another name, or move the file");
   auto file = GrowingWav::create(wav, header.sample_rate, ring.channels());
   if (!file) return tl::unexpected(file.error());
   TakeWriter writer{std::move(*file), journal, header, ring};
   if (writer.journal_) return writer;
   std::filesystem::remove(wav, ignored);
   return fail(Errc::BadFile, journal.string(), "it cannot be written",
-              "check that the folder may be written to and the disk has space");
+              "check that the folder is writable and the disk has free space");
 }
 
 TakeWriter::TakeWriter(GrowingWav wav, std::filesystem::path journal, const TakeHeader& header,
@@ -190,7 +190,7 @@ void TakeWriter::finish() {
     (void)work();
   }
   if (error_.empty()) settle();
-  progress_.ended = !error_.empty() ? error_ : ring_->restarted() ? "the stream began again" : "";
+  progress_.ended = !error_.empty() ? error_ : ring_->restarted() ? "the stream restarted" : "";
   progress_.finished = true;
   if (journal_) journal_ << progress_line(progress_) << std::flush;
 }

@@ -326,7 +326,7 @@ Status write_svg(const std::filesystem::path& path, const std::vector<Plot>& pag
   file.close();
   if (file) return {};
   return fail(Errc::BadFile, path.string(), "the plot cannot be written",
-              "check that the folder exists and may be written to");
+              "check that the folder exists and is writable");
 }
 
 }  // namespace tactus

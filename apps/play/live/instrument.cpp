@@ -34,7 +34,7 @@ class LiveInstrument final : public Performer {
     auto channels = guarded_channels(engine_->plan(), wiring_.drives);
     if (setup_.rig) return channels;
     for (auto& channel : channels)
-      if (channel.kind == DriveGuard::Kind::Audio) channel = {DriveGuard::Kind::Drive, cautious_limits()};
+      if (channel.kind == DriveGuard::Kind::Audio) channel = {DriveGuard::Kind::Drive, conservative_limits()};
     return channels;
   }
   std::vector<int> in_map() const override { return wiring_.in_map; }

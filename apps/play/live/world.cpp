@@ -107,9 +107,8 @@ class LiveWorld final : public Performer, private BlockProcessor {
     auto read = read_scene(setup_);
     if (!read) return tl::unexpected(read.error());
     if (read->compiled.delay_frames != built_.delay_frames)
-      return tl::unexpected(
-          std::vector{Error{Errc::BadArgument, setup_.file.string(),
-                            "another delay cannot take over while it plays", "start again"}});
+      return tl::unexpected(std::vector{Error{Errc::BadArgument, setup_.file.string(),
+                                              "the delay cannot be changed during playback", "start again"}});
     files_ = files_of(read->scene, setup_.file);
     if (!same_names(read->compiled.plant_taps, built_.plant_taps)) watching_ = false;
     for (auto [engine, plan] : {std::pair{built_.instrument.get(), &read->compiled.instrument},

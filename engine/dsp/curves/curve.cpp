@@ -46,11 +46,11 @@ CubicCurve CubicCurve::spline(const Points& points) {
 }
 
 const char* Breakpoints::error_in(const Points& points, Shape shape) {
-  if (points.empty()) return "there is no point";
+  if (points.empty()) return "there are no points";
   for (std::size_t i = 1; i < points.size(); ++i) {
     if (points[i].first < points[i - 1].first) return "the points are not in ascending order";
     if (shape == TACTUS_CURVE_CUBIC && points[i].first == points[i - 1].first)
-      return "two points lie at the same place, and a smooth curve cannot jump";
+      return "two points have the same position, but a smooth curve cannot jump";
     if (shape == TACTUS_CURVE_EXPONENTIAL && !(points[i].second * points[0].second > 0))
       return "an exponential curve cannot reach or cross zero";
   }

@@ -79,10 +79,11 @@ class Lowering {
   }
 
   void make_inputs() {
-    for (const auto& input : flat_.inputs) {
+    for (const auto& signal : flat_.signals) {
+      if (signal.kind != SignalKind::Input) continue;
       first_channel_.push_back(static_cast<int>(graph_.input_names.size()));
-      for (int lane = 0; lane < input.lanes; ++lane)
-        graph_.input_names.push_back(lane_path(input.name, lane, input.lanes));
+      for (int lane = 0; lane < signal.lanes; ++lane)
+        graph_.input_names.push_back(lane_path(signal.path, lane, signal.lanes));
     }
   }
 

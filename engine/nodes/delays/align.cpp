@@ -1,5 +1,7 @@
 #include "engine/dsp/delays/delay_line.h"
 #include "engine/dsp/delays/taps.h"
+#include "engine/dsp/envelopes/rise_kernel.h"
+#include "engine/graph/file/quantity.h"
 #include "engine/nodes/declare.h"
 #include "engine/nodes/delays/align_kernel.h"
 #include "engine/nodes/delays/delay_taps.h"
@@ -21,7 +23,9 @@ class AlignNode final : public Node {
   static Result<std::unique_ptr<Node>> make(const NodeSetup& setup) {
     const double longest = std::min(setup.input("period").range.high, TACTUS_ALIGN_LONGEST);
     if (longest * setup.sample_rate.value < 2)
-      return fail(Errc::OutOfRange, {}, "its period is never as long as two frames",
+      return fail(Errc::OutOfRange, {},
+                  "its period is always shorter than two frames, " +
+                      short_quantity(2 / setup.sample_rate.value, parse_unit("s")->dimension),
                   "give the period of the note, as in period = \"1 / pitch\"");
     const double frames = 1.5 * longest * setup.sample_rate.value;
     if (const auto fits = setup.take_memory(static_cast<std::size_t>(frames)); !fits)
@@ -89,30 +93,35 @@ NodeType align_type() {
   return {
       .name = "align",
       .summary =
-          "Pads a loop that is slower than the note, so that once around it is a whole number of periods.",
+          "Adds delay to a loop that is slower than the note, so that the loop delay is a whole number of "
+          "periods.",
       .equation =
           "out[n] = in(n - pad fs),  pad = k period - delay - sum of phase delays + phase period / (2 pi)\n"
-          "k: the least with a pad of a frame or more, chosen when a note starts, at a trigger or where the "
-          "period jumps by half a semitone. The pad then follows the period, up to 1.5 periods and a frame; "
-          "beyond, k moves by what is needed, faded over 10 ms (gains that add up to 1)",
+          "k: the smallest with a pad of at least one frame, chosen at each note start (a trigger, or a "
+          "period jump of half a semitone). The pad then follows the period, up to 1.5 periods and one "
+          "frame; beyond that, k changes with a crossfade of 10 ms (gains add up to 1)",
       .source =
-          "condition of oscillation: the phase once around is a whole turn (Barkhausen); the loop: Berdahl, "
-          "Steiner & Oldham, NIME 2008, section 7.2",
+          "condition of oscillation: the loop phase is a multiple of 360 degrees (Barkhausen); the loop: "
+          "Berdahl, Steiner & Oldham, NIME 2008, section 7.2",
       .example = "{ type = \"align\", in = \"string\", period = \"1 / pitch\", delay = \"system.delay\" }",
-      .inputs = {{"in", "any", "signal that goes around"},
-                 {"period", "s", "of the note; at most 0.1 s", {}, 0, TACTUS_ALIGN_LONGEST},
-                 {"delay", "s", "what the loop takes already; of an instrument system.delay", {}, 0, 1000},
+      .inputs = {{"in", "any", "signal in the loop"},
+                 {"period", "s", "period of the note; at most 0.1 s", {}, 0, TACTUS_ALIGN_LONGEST},
+                 {"delay",
+                  "s",
+                  "delay already present in the loop; in an instrument, usually system.delay",
+                  {},
+                  0,
+                  1000},
                  {"phase", "rad",
-                  "of what else lies in the loop, at the pitch: of a shaker and a sensor, measured; below 0 "
-                  "it lags",
+                  "phase of the rest of the loop at the pitch, as measured for a shaker and a sensor; "
+                  "negative: lags",
                   0, -1000, 1000},
-                 {"trigger", "", "a note starts", 0},
-                 {"on", "", "below 0.5 nothing is padded: what comes in goes out", 1}},
-      .outputs = {{"out", "=in", "what came in, so much later"}},
-      .settings = {optional(
-          {"compensate", Setting::Kind::Names,
-           "filters in the same loop, or models of what lies outside; their phase delays at "
-           "the pitch count as part of the loop"})},
+                 {"trigger", "", "start of a note", 0},
+                 {"on", "", "below 0.5 no delay is added: the input passes unchanged", 1}},
+      .outputs = {{"out", "=in", "the input, delayed"}},
+      .settings = {optional({"compensate", Setting::Kind::Names,
+                             "filters in the same loop, or models of hardware in it; their phase delays at "
+                             "the pitch count as part of the loop delay"})},
       .make = AlignNode::make,
       .compensation = PhaseCompensation{.port = AlignNode::kDelay, .period = AlignNode::kPeriod, .sign = 1}};
 }

@@ -18,10 +18,10 @@ struct MixFunction {
 NodeType mix_type() {
   return {
       .name = "mix",
-      .summary = "Adds all lanes of a signal into one.",
+      .summary = "Adds all lanes of a signal.",
       .equation =
-          "out = sum of in over its lanes; lane k takes in lanes k + 8, k + 16, ..., then what is left is\n"
-          "added in halves: k and k + 4, k and k + 2, k and k + 1",
+          "out = sum of in over its lanes; lanes k + 8, k + 16, ... are added to lane k, then the remaining "
+          "8 lanes\nin halves: k and k + 4, k and k + 2, k and k + 1",
       .source = "elementary",
       .example = "sum = { type = \"mix\", in = \"voices\" }",
       .inputs = {{"in", "any", "signal of any number of lanes"}},

@@ -61,7 +61,7 @@ Result<Couplings> Couplings::make(const NetworkModel& model, Method method,
   if (count * (keep ? masses + 2 * count : made.frictions()) > kMostNumbers)
     return fail(Errc::OutOfRange, {},
                 std::to_string(count) + " contacts among " + std::to_string(masses) +
-                    " masses are more than this solver takes",
+                    " masses are more than this solver supports",
                 "use solver = \"explicit\"");
   made.mutual_.resize((count - made.first_row_) * count);
   if (made.mutual_.empty() && !keep) return made;

@@ -171,8 +171,9 @@ class CentredSolver final : public NetworkSolver {
     matrix.setFromTriplets(entries.begin(), entries.end());
     SparseSolver solver(matrix);
     if (solver.valid()) return solver;
-    return fail(Errc::OutOfRange, {}, "its masses, springs and dampers are too far apart for the solver",
-                "look for a number that is much too large or too small");
+    return fail(Errc::OutOfRange, {},
+                "the values of its masses, springs and dampers differ too much for the solver",
+                "look for a value that is much too large or too small");
   }
 
   Status factor() {

@@ -262,15 +262,16 @@ class ExactSolver final : public NetworkSolver {
   Status add(Group group) {
     if (group.states() > kMostStates)
       return fail(Errc::OutOfRange, {},
-                  "springs and dampers join " + std::to_string(group.masses.size()) +
+                  "springs and dampers connect " + std::to_string(group.masses.size()) +
                       " masses, more than the " + std::to_string(kMostStates / 2) +
-                      " that the exact solver takes",
+                      " that the exact solver supports",
                   "use solver = \"passive\" or \"implicit\"");
     const Rates rates(model_, model_.links(false), group);
     const Matrix whole = rates.step();
     if (!whole.allFinite())
-      return fail(Errc::OutOfRange, {}, "its masses, springs and dampers are too far apart for the solver",
-                  "look for a number that is much too large or too small");
+      return fail(Errc::OutOfRange, {},
+                  "the values of its masses, springs and dampers differ too much for the solver",
+                  "look for a value that is much too large or too small");
     const int states = group.states();
     Block block;
     block.unit = whole.middleCols(states, rates.masses);

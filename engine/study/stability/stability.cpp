@@ -119,12 +119,12 @@ class Analysis {
     verdict_.regimes.push_back(analyse_regime(closed, regime, verdict_.rate));
     if (verdict_.regimes.size() == 1)
       for (const auto& first : verdict_.regimes.front().too_large)
-        verdict_.skipped.push_back("the loops around '" + first + "'");
+        verdict_.skipped.push_back("the loops through '" + first + "'");
     report_progress();
     if (!closed.mobility || verdict_.regimes.back().loops.empty()) return;
-    auto held = regime;
-    held.hand = options_.hand;
-    verdict_.regimes.push_back(analyse_regime(world.closed(held), held, verdict_.rate));
+    auto with_hand = regime;
+    with_hand.hand = options_.hand;
+    verdict_.regimes.push_back(analyse_regime(world.closed(with_hand), with_hand, verdict_.rate));
     report_progress();
   }
 

@@ -217,13 +217,14 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
   for (const bool above : {false, true}) {
     const double growth = std::abs(above ? loop->growth_above : loop->growth_below);
     const double cycles = loop->margin.border_hz > 0 ? 12 / loop->margin.border_hz : 0;
-    plans.push_back({.what = fmt::format("{} at {} of its border", loop->at, above ? "1.02" : "0.98"),
-                     .world = world,
-                     .seconds = std::clamp(std::max(1 / growth, cycles), kShortest, kLongest),
-                     .drive_gain = (above ? 1.02 : 0.98) * loop->margin.border,
-                     .linear = true,
-                     .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
-                     .expected = !above});
+    plans.push_back(
+        {.what = fmt::format("{} at {} of its stability limit", loop->at, above ? "1.02" : "0.98"),
+         .world = world,
+         .seconds = std::clamp(std::max(1 / growth, cycles), kShortest, kLongest),
+         .drive_gain = (above ? 1.02 : 0.98) * loop->margin.border,
+         .linear = true,
+         .push_s = loop->margin.border_hz > 0 ? 0.1 / loop->margin.border_hz : 0.0,
+         .expected = !above});
   }
   // Dry friction would hide the growth: the border is that of the system without it.
   for (auto& plan : plans) plan.world.friction = false;
@@ -242,9 +243,9 @@ Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePl
 void exclude_player_energy(std::vector<ExtremeRun>& runs) {
   const auto silence = std::ranges::find(runs, kDisturbances[0], &ExtremeRun::what);
   if (silence == runs.end() || silence->grew) return;
-  const double supplied = silence->energy_after;
+  const double initial_energy = silence->energy_after;
   for (auto& run : runs)
-    if (!run.linear) run.grew = run.grew && !(run.energy_after <= kGrows * supplied + kNothing_J);
+    if (!run.linear) run.grew = run.grew && !(run.energy_after <= kGrows * initial_energy + kNothing_J);
 }
 
 }  // namespace tactus

@@ -41,14 +41,8 @@ const Dimension kNewton{.metre = 1, .kilogram = 1, .second = -2};
 /// The dimension of each input channel.
 std::vector<Dimension> dimensions_of(const GraphSpec& graph) {
   std::vector<Dimension> dimensions;
-  for (const auto& input : graph.inputs) {
-    const auto* unit = find(input.fields, "unit");
-    const auto parsed = unit != nullptr && unit->text() ? parse_unit(*unit->text()) : std::nullopt;
-    const auto* lanes = find(input.fields, "lanes");
-    const auto count = lanes != nullptr && lanes->number() ? static_cast<int>(*lanes->number()) : 1;
-    dimensions.insert(dimensions.end(), static_cast<std::size_t>(count),
-                      parsed ? parsed->dimension : Dimension{});
-  }
+  for (const auto& input : graph.inputs)
+    dimensions.insert(dimensions.end(), static_cast<std::size_t>(input.lanes), input.dimension);
   return dimensions;
 }
 

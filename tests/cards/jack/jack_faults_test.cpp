@@ -316,11 +316,11 @@ TEST_CASE("jack: a server that does not answer is told, and nobody waits for it 
   CHECK(player.is_told("does not respond"));
   const auto refused = player.stream->stop();
   REQUIRE_FALSE(refused);
-  CHECK(to_string(refused.error()).find("the JACK server does not answer") == 0);
+  CHECK(to_string(refused.error()).find("the JACK server does not respond") == 0);
   GuardedProbe other{1};
   const auto devices = player.jack->devices();
   REQUIRE_FALSE(devices);
-  CHECK(to_string(devices.error()).find("the JACK server does not answer") == 0);
+  CHECK(to_string(devices.error()).find("the JACK server does not respond") == 0);
   player.stream.reset();
   server->go_on();
   CHECK(wait_until([&] { return player.jack->devices().has_value(); }));

@@ -67,11 +67,11 @@ TEST_CASE("breakpoints: two points at one place are a jump", "[dsp]") {
 
 TEST_CASE("breakpoints: says what is wrong with points", "[dsp]") {
   CHECK(Breakpoints::error_in({{0, 1}, {1, 2}}, TACTUS_CURVE_CUBIC) == nullptr);
-  CHECK(std::string{Breakpoints::error_in({}, TACTUS_CURVE_LINEAR)} == "there is no point");
+  CHECK(std::string{Breakpoints::error_in({}, TACTUS_CURVE_LINEAR)} == "there are no points");
   CHECK(std::string{Breakpoints::error_in({{1, 0}, {0, 0}}, TACTUS_CURVE_LINEAR)} ==
         "the points are not in ascending order");
   CHECK(std::string{Breakpoints::error_in({{0, -1}, {1, 1}}, TACTUS_CURVE_EXPONENTIAL)} ==
         "an exponential curve cannot reach or cross zero");
   CHECK(std::string{Breakpoints::error_in({{1, 0}, {1, 2}}, TACTUS_CURVE_CUBIC)} ==
-        "two points lie at the same place, and a smooth curve cannot jump");
+        "two points have the same position, but a smooth curve cannot jump");
 }

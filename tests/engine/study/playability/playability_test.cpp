@@ -181,7 +181,7 @@ TEST_CASE("playability: a control that a gesture moves is swept by the gesture",
   for (auto& part : scene.parts)
     if (part.name == "instrument")
       part.wires.push_back({"strength", part.at, {std::string{"weight"}, part.at}});
-  CHECK(error_of(scene, options) == "control 'strength' is moved by gesture 'weight'");
+  CHECK(error_of(scene, options) == "control 'strength' is set by gesture 'weight'");
 }
 
 TEST_CASE("playability: a gesture can be held at values of its own unit", "[analysis]") {
@@ -214,7 +214,7 @@ TEST_CASE("playability: the shipped instruments are playable over all the delays
   const std::string file = GENERATE("haptic_drum/scene.toml", "cellomobo/open_string.toml");
   auto scene = scene_of(file);
   scene.duration = Seconds{std::min(scene.duration.value, 4.0)};
-  const auto tested = tested_delays(*scene.part("instrument")->graph);
+  const auto tested = scene.part("instrument")->graph->tested;
   REQUIRE(tested);
   REQUIRE(tested->low <= 0.02);
   REQUIRE(tested->high >= 0.02);
@@ -232,7 +232,7 @@ TEST_CASE("playability: the drum keeps to its tested delays with other woofers a
           "[analysis][instruments]") {
   auto scene = scene_of("haptic_drum/scene.toml");
   scene.duration = Seconds{4};
-  const auto tested = tested_delays(*scene.part("instrument")->graph);
+  const auto tested = scene.part("instrument")->graph->tested;
   REQUIRE(tested);
   PlayabilityOptions options;
   // Both ends, and both sides of the delay from which it waits for the third bounce.
