@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <random>
 #include <system_error>
 #include <utility>
 
 #include "backends/json_fields.h"
+#include "engine/core/files.h"
 
 namespace tactus {
 
@@ -56,19 +56,6 @@ Error set_aside(const fs::path& file, const std::string& reason) {
   return {Errc::BadFile, file.string(), "the delays measured here cannot be read (" + reason + ")",
           error ? "move the file away, and measure again"
                 : "it was kept as '" + aside.string() + "'; measure again, or fix it"};
-}
-
-Status cannot_write(const fs::path& file) {
-  return fail(Errc::BadFile, file.string(), "cannot be written",
-              "make its folder writable, or choose another with XDG_STATE_HOME");
-}
-
-/// A name that no other program takes at the same time.
-fs::path temporary_beside(const fs::path& file) {
-  std::random_device random;
-  auto name = file;
-  name += ".new" + std::to_string(random());
-  return name;
 }
 
 }  // namespace
@@ -121,20 +108,11 @@ Status MeasuredDelays::save(MeasuredDelay delay) {
   delays_ = std::move(now.delays_);
 
   const Json json{{"format", 1}, {"delays", JsonWriter::written(delays_)}};
-  std::error_code error;
-  fs::create_directories(file_.parent_path(), error);
-  const auto temporary = temporary_beside(file_);
-  {
-    std::ofstream text{temporary};
-    text << json.dump(1) << "\n";
-    text.close();
-    if (!text) return fs::remove(temporary, error), cannot_write(file_);
-  }
-  fs::rename(temporary, file_, error);
-  if (!error) return {};
   std::error_code ignored;
-  fs::remove(temporary, ignored);
-  return cannot_write(file_);
+  fs::create_directories(file_.parent_path(), ignored);
+  auto status = replace_file(file_, json.dump(1) + "\n");
+  if (!status) status.error().remedy = "make its folder writable, or choose another with XDG_STATE_HOME";
+  return status;
 }
 
 fs::path MeasuredDelays::default_file() {

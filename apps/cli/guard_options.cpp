@@ -9,50 +9,32 @@
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-tl::unexpected<std::vector<Error>> invalid(const std::string& option, const std::string& what,
-                                           const std::string& remedy) {
-  return tl::unexpected(std::vector{Error{Errc::BadArgument, option, what, remedy}});
-}
-
-Checked<DriveLimits> limits_of(const GuardOptions& options, const std::filesystem::path& root) {
+DriveLimits limits_of(const GuardOptions& options, const std::filesystem::path& root) {
   if (options.profile.empty() || options.volts.empty())
-    return invalid(options.profile.empty() ? "--volts-per-full-scale" : "--profile",
-                   "a profile and the volts of full scale belong together",
-                   "give both, as in --profile woofer --volts-per-full-scale 8");
-  const auto volts = parse_option(options.volts, "V", "volts-per-full-scale");
-  if (!volts) return tl::unexpected(std::vector{volts.error()});
-  if (!(*volts >= 1e-3 && *volts <= 1000))
-    return invalid("--volts-per-full-scale", "must be between 1 mV and 1 kV", "");
-  const auto file = find_profile(options.profile, root, "--profile");
-  if (!file) return tl::unexpected(std::vector{file.error()});
-  const auto profile = load_profile(*file);
-  if (!profile) return tl::unexpected(profile.error());
-  const auto limits = limits_for(*profile, *volts);
+    exit_with({Errc::BadArgument, options.profile.empty() ? "--volts-per-full-scale" : "--profile",
+               "a profile and the volts of full scale belong together",
+               "give both, as in --profile woofer --volts-per-full-scale 8"});
+  const double volts = parse_option(options.volts, "V", "volts-per-full-scale", 1e-3, 1000);
+  const auto limits =
+      limits_for(or_exit(load_profile(or_exit(find_profile(options.profile, root, "--profile")))), volts);
   if (const auto status = check(limits); !status)
-    return invalid("--profile", status.error().what, status.error().remedy);
+    exit_with({Errc::BadArgument, "--profile", status.error().what, status.error().remedy});
   return limits;
 }
 
-Status raise(DriveBook& drives, const std::string& text, bool silent) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    return fail(Errc::Syntax, "--raise-limit", "'" + text + "' is not NAME=VALUE",
-                "write for instance --raise-limit ceiling=0.8");
-  const auto name = text.substr(0, equals), value = text.substr(equals + 1);
-  for (auto& [drive, limits] : drives.named)
-    if (auto status = raise_limit(limits, name, value, "--raise-limit"); !status) return status;
+void raise(DriveBook& drives, const std::string& text, bool silent) {
+  const auto [name, value] =
+      parse_assignment(text, "--raise-limit", "NAME=VALUE", "--raise-limit ceiling=0.8");
+  for (auto& [drive, limits] : drives.named) or_exit(raise_limit(limits, name, value, "--raise-limit"));
   // Where every drive has limits of its own, the cautious ones need not have what is raised.
-  auto others = raise_limit(drives.others, name, value, "--raise-limit");
-  if (!others && drives.named.empty()) return others;
+  const auto others = raise_limit(drives.others, name, value, "--raise-limit");
+  if (drives.named.empty()) or_exit(others);
   if (!silent)
     fmt::print(
         stderr,
         "warning: the drive guard's limit '{}' is raised to {}, beyond what the profile or the cautious "
         "default allows; keep hands away until its effect is known\n",
         name, value);
-  return {};
 }
 
 }  // namespace
@@ -68,22 +50,15 @@ void add_guard_options(CLI::App& command, GuardOptions& options) {
       "slew, power, travel, direct_level or direct_time");
 }
 
-Checked<DriveBook> apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
-                         bool silent) {
-  if (!options.profile.empty() || !options.volts.empty()) {
-    const auto limits = limits_of(options, root);
-    if (!limits) return tl::unexpected(limits.error());
-    drives = DriveBook{{}, *limits};
-  }
-  for (const auto& text : options.raise)
-    if (const auto status = raise(drives, text, silent); !status)
-      return tl::unexpected(std::vector{status.error()});
+DriveBook apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
+                bool silent) {
+  if (!options.profile.empty() || !options.volts.empty()) drives = DriveBook{{}, limits_of(options, root)};
+  for (const auto& text : options.raise) raise(drives, text, silent);
   return drives;
 }
 
 Json guard_json(const GuardReport& report, Hertz sample_rate) {
-  Json json{{"idle", report.idle()}, {"outputs", Json::array()}, {"events", Json::array()}};
-  for (const auto& output : report.outputs) {
+  const auto output_json = [&](const GuardedOutput& output) {
     Json stages = Json::object();
     for (std::size_t s = 0; s < kGuardStages; ++s) {
       const auto& count = output.counts.stages[s];
@@ -93,21 +68,23 @@ Json guard_json(const GuardReport& report, Hertz sample_rate) {
           {"seconds", static_cast<double>(count.frames) / sample_rate.value},
           {"most_full_scale", count.most}};
     }
-    json["outputs"].push_back({{"output", output.name},
-                               {"limited", stages},
-                               {"coil_heat", output.heat.coil},
-                               {"body_heat", output.heat.body},
-                               {"coil_rise_kelvin", output.rise_kelvin}});
-  }
-  for (const auto& event : report.events)
-    json["events"].push_back(
-        {{"frame", event.frame}, {"kind", name_of(event.kind)}, {"channel", event.channel}});
-  json["in_words"] = in_words(report, sample_rate);
-  return json;
+    return Json{{"output", output.name},
+                {"limited", stages},
+                {"coil_heat", output.heat.coil},
+                {"body_heat", output.heat.body},
+                {"coil_rise_kelvin", output.rise_kelvin}};
+  };
+  const auto event_json = [](const GuardEvent& event) {
+    return Json{{"frame", event.frame}, {"kind", name_of(event.kind)}, {"channel", event.channel}};
+  };
+  return {{"idle", report.idle()},
+          {"outputs", list_of(report.outputs, output_json)},
+          {"events", list_of(report.events, event_json)},
+          {"in_words", describe(report, sample_rate)}};
 }
 
 void print_guard(const GuardReport& report, Hertz sample_rate) {
-  auto lines = in_words(report, sample_rate);
+  auto lines = describe(report, sample_rate);
   if (lines.empty()) lines.push_back("no intervention");
   const char* heading = "drive guard";
   for (const auto& line : lines) fmt::print("  {:<18}  {}\n", std::exchange(heading, ""), line);

@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "apps/cli/json.h"
 #include "engine/core/error.h"
 #include "engine/scene/guard_report.h"
 
@@ -23,12 +23,12 @@ struct GuardOptions {
 void add_guard_options(CLI::App& command, GuardOptions& options);
 
 /// Changes `drives` as the command line wants, and warns on stderr of what was raised, unless `silent`.
-/// `root`: the folder with the profiles.
-Checked<DriveBook> apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
-                         bool silent = false);
+/// `root`: the folder with the profiles. Throws a CommandError.
+DriveBook apply(const GuardOptions& options, DriveBook drives, const std::filesystem::path& root,
+                bool silent = false);
 
 /// What the guards did, for machines.
-nlohmann::ordered_json guard_json(const GuardReport& report, Hertz sample_rate);
+Json guard_json(const GuardReport& report, Hertz sample_rate);
 /// And for people.
 void print_guard(const GuardReport& report, Hertz sample_rate);
 

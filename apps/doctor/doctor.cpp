@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/json.h"
 #include "apps/doctor/findings.h"
 #include "backends/realtime_thread.h"
 
 namespace tactus::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr int kPriority = 70;  // below that of the threads of interrupts, 50 + 40 with rtirq
 
@@ -44,39 +42,38 @@ void print(const SystemFinding& finding) {
   if (!finding.command.empty()) fmt::print("{:29}{}\n", "", finding.command);
 }
 
-int run_doctor(bool json) {
-  const auto priority = try_priority();
-  const auto memory = lock_memory();
+Json finding_json(const SystemFinding& finding) {
+  return {{"name", finding.name},
+          {"state", name_of(finding.state)},
+          {"what", finding.what},
+          {"command", finding.command}};
+}
+
+struct DoctorOptions {
+  bool json = false;
+};
+
+int run_doctor(const DoctorOptions& options) {
   const SystemFiles system;
-  const auto findings = check_system(system, priority, memory, pipewire_settings(system));
-  const auto warnings = std::count_if(findings.begin(), findings.end(), [](const SystemFinding& finding) {
+  const auto findings = check_system(system, try_priority(), lock_memory(), pipewire_settings(system));
+  const bool warned = std::any_of(findings.begin(), findings.end(), [](const SystemFinding& finding) {
     return finding.state == SystemFinding::State::Warn;
   });
-  if (json) {
-    Json all{{"ok", warnings == 0}, {"findings", Json::array()}};
-    for (const auto& finding : findings)
-      all["findings"].push_back({{"name", finding.name},
-                                 {"state", name_of(finding.state)},
-                                 {"what", finding.what},
-                                 {"command", finding.command}});
-    fmt::print("{}\n", all.dump(2));
-  } else {
-    for (const auto& finding : findings) print(finding);
-  }
-  return warnings == 0 ? kDone : kNo;
+  if (options.json) print_json({{"ok", !warned}, {"findings", list_of(findings, finding_json)}});
+  for (const auto& finding : findings)
+    if (!options.json) print(finding);
+  return warned ? kNo : kDone;
 }
 
 }  // namespace
 
 void add_doctor(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("doctor", "Check whether this system is fit for short delays");
-  auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "for machines");
-  command->footer(
+  auto [command, options] =
+      add_command(app, "doctor", "Check whether this system is fit for short delays", exit_code, run_doctor);
+  command.add_flag("--json", options.json, "for machines");
+  command.footer(
       "Example:\n  tactus doctor\nIt changes nothing; each finding is followed by the command that fixes it, "
-      "or "
-      "that shows more.\nExit code 1: at least one warning.");
-  command->callback([json, &exit_code] { exit_code = run_doctor(*json); });
+      "or that shows more.\nExit code 1: at least one warning.");
 }
 
 }  // namespace tactus::app

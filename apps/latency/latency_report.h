@@ -1,12 +1,14 @@
 #pragma once
 // Thread: [control]
 
-#include <nlohmann/json.hpp>
+#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/cli/json.h"
 #include "engine/plot/plot.h"
+#include "latency/block_law.h"
 #include "latency/calibration.h"
 #include "latency/measurement.h"
 
@@ -34,26 +36,12 @@ bool is_known(const Analysis& analysis);
 /// What the delay is, in a sentence.
 extern const char* const kDelayIs;
 
-/// null is what is not known.
-template <class T>
-nlohmann::ordered_json known(bool is_known, const T& value) {
-  return is_known ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-template <class T>
-nlohmann::ordered_json known(const std::optional<T>& value) {
-  return known(value.has_value(), value.value_or(T{}));
-}
-
 /// Part of every report.
-struct Essentials {
-  Finding finding;
-  Hertz sample_rate;
-  double delay_frames = 0.0, standard_error_frames = 0.0;
-};
-nlohmann::ordered_json essentials_json(const Essentials& essentials, const Analysis& analysis);
+Json essentials_json(const Finding& finding, Hertz sample_rate, double delay_frames,
+                     double standard_error_frames, const Analysis& analysis);
 
 /// One object, the same keys for every measurement; null is what is not known or not to be trusted.
-nlohmann::ordered_json json_of(const LatencyReport& report);
+Json json_of(const LatencyReport& report);
 /// Lines for people.
 std::string text_of(const LatencyReport& report);
 /// A page: impulse response, spectrum, group delay, the delay of every probe.
@@ -65,5 +53,68 @@ std::vector<Plot> picture_of(const Calibration& calibration);
 std::string fixed(double value, int digits);
 /// "960.0031 ± 0.0004": as many digits as the error leaves.
 std::string with_error(double value, double standard_error);
+
+// Each adds itself below `tactus latency`.
+void add_latency_measure(CLI::App& latency, int& exit_code);
+void add_latency_probe(CLI::App& latency, int& exit_code);
+void add_latency_analyze(CLI::App& latency, int& exit_code);
+void add_latency_sweep(CLI::App& latency, int& exit_code);
+void add_latency_calibrate(CLI::App& latency, int& exit_code);
+
+/// Where a report goes, beside stdout.
+struct ReportFiles {
+  std::string folder;   ///< all of them
+  std::string picture;  ///< an SVG
+  std::string sound;    ///< what was played and captured
+  bool json = false;    ///< stdout is for machines
+};
+
+/// --folder, --report, --json
+void add_report_options(CLI::App& command, ReportFiles& files);
+/// Writes the files, prints the report, and gives the exit code. Throws a CommandError.
+int publish(LatencyReport report, const ReportFiles& files);
+
+/// As float32: channel 1 is what was played, then all that was captured. `tactus latency analyze` without a
+/// probe reads it back. Errors: BadFile.
+Status write_recording(const std::string& path, const LoopRecording& recording);
+
+// `tactus latency sweep`
+
+/// A requested setting and its result.
+struct SweepRow {
+  SettingDelay setting;          ///< as it was granted
+  std::optional<Error> refused;  ///< by the device: nothing was measured
+  int asked_block = 0;
+  std::optional<int> asked_periods;
+  bool again = false;  ///< granted was a setting that another row has
+  std::int64_t xruns = 0, lost_frames = 0;
+  double detected_lost_frames = 0.0;  ///< by what came back
+  std::optional<double> reported_frames;
+  Analysis analysis;
+};
+
+/// Those of one rate and one number of periods, and the line through them.
+struct LawOfGroup {
+  Hertz sample_rate;
+  int periods = 0;
+  BlockLaw law;
+};
+
+struct SweepReport {
+  std::string source;
+  std::vector<SweepRow> rows;
+  std::vector<std::string> written;
+
+  /// What was measured, each once.
+  std::vector<SettingDelay> settings() const;
+  /// The row to play with; without one, the last that was measured; nullptr: none was.
+  const SweepRow* recommended() const;
+  std::vector<LawOfGroup> laws() const;
+};
+
+Json json_of(const SweepReport& report);
+std::string text_of(const SweepReport& report);
+/// Delay against block, with the lines.
+Plot picture_of(const SweepReport& report);
 
 }  // namespace tactus::app

@@ -37,19 +37,21 @@ struct Loop {
   std::optional<Rig> rig;  ///< where one was named
 };
 
-/// Chooses the devices and looks up what is connected to the output. Opens nothing.
-tl::expected<Loop, CommandError> make_loop(const LoopOptions& options);
+/// Chooses the devices and looks up what is connected to the output. Opens nothing. Throws a CommandError.
+Loop make_loop(const LoopOptions& options);
 
-/// Measures with a bar on stderr. Errors: of `measure`. Nothing: the user ended it (after
-/// install_signal_handlers); the stream is closed.
-Result<std::optional<Measurement>> measure_now(Backend& backend, const MeasureSettings& settings);
+/// Measures with a bar on stderr. Errors: of `measure`. Throws a CommandError when the user interrupts it
+/// (after install_signal_handlers); the stream is closed.
+Result<Measurement> measure_now(Backend& backend, const MeasureSettings& settings);
+
+/// The profile of a file of `tactus latency calibrate` at `sample_rate`, whatever it was measured at. Throws
+/// a CommandError.
+PathProfile read_profile(const std::string& file, Hertz sample_rate);
 
 /// "jack:system, 48 kHz, 64 frames a block, 2 periods; output 1 to input 1"
 std::string source_text(const MeasureSettings& settings, const StreamGranted& granted);
 
-/// The level in an option, in dBFS: "-12", "-12 dB", "-12 dBFS". Errors: Syntax, OutOfRange above 0.
-Result<double> parse_level(const std::string& text, const char* option);
-/// A sample rate that a card may have. Errors: Syntax, OutOfRange.
-Result<Hertz> parse_rate(const std::string& text, const char* option);
+/// --level in dBFS: "-12", "-12 dB", "-12 dBFS". Throws a CommandError.
+double parse_level(const std::string& text);
 
 }  // namespace tactus::app

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "engine/core/decibels.h"
 #include "engine/core/index.h"
@@ -18,8 +19,6 @@
 
 namespace tactus::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Levels count the highest envelope of a hit's first 5 ms.
 constexpr double kLevelAfter_s = 5e-3;
@@ -32,18 +31,13 @@ std::string slug(const std::string& name) {
   return text.empty() ? "scene" : text;
 }
 
-Result<std::pair<double, double>> shown_times(const std::vector<std::string>& show,
-                                              const SceneRecording& recording) {
-  const double shown = melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds());
-  if (show.empty()) return std::pair{0.0, shown};
-  const auto from = parse_option(show[0], "s", "show");
-  const auto to = parse_option(show[1], "s", "show");
-  if (!from) return tl::unexpected(from.error());
-  if (!to) return tl::unexpected(to.error());
-  if (*from >= *to || *from >= recording.seconds())
-    return fail(Errc::OutOfRange, "--show", "shows nothing of this scene",
-                "give two rising times within its duration");
-  return std::pair{*from, *to};
+std::pair<double, double> shown_times(const std::vector<std::string>& show, const SceneRecording& recording) {
+  if (show.empty())
+    return {0.0, melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds())};
+  const double from = parse_option(show[0], "s", "show"), to = parse_option(show[1], "s", "show");
+  if (from < to && from < recording.seconds()) return {from, to};
+  exit_with({Errc::OutOfRange, "--show", "shows nothing of this scene",
+             "give two rising times within its duration"});
 }
 
 Signals of_instrument(const SceneRecording& recording, const std::vector<std::string>& names) {
@@ -67,14 +61,14 @@ std::string named(const Signals& signals) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-Status write_sound(const std::string& path, const Signals& signals, Hertz rate,
-                   std::vector<std::string>& written) {
-  if (signals.empty()) return {};
+void write_sound(const std::string& path, const Signals& signals, Hertz rate,
+                 std::vector<std::string>& written) {
+  if (signals.empty()) return;
   Samples samples;
   samples.sample_rate = rate;
   for (const auto* signal : signals) samples.channels.push_back(signal->samples);
+  or_exit(write_wav(path, samples));
   written.push_back(path + "  " + named(signals));
-  return write_wav(path, samples);
 }
 
 }  // namespace
@@ -88,8 +82,8 @@ void add_player_options(CLI::App& command, PlayerOptions& options) {
   command.add_option("--set", options.set,
                      "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene also "
                      "plant.NAME=VALUE");
-  command.add_option("--block", options.block, "block size in frames (the result does not depend on it)")
-      ->check(CLI::Range(1, 8192));
+  add_number(command, "--block", options.block, "block size in frames (the result does not depend on it)", 1,
+             8192);
   add_guard_options(command, options.guard);
   command.add_flag("--json", options.json, "for machines");
 }
@@ -100,14 +94,14 @@ PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& op
   auto loaded = load_scene_leniently(file, root_of(file));
   if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
   auto& scene = *loaded.scene;
-  if (!options.duration.empty()) scene.duration = or_exit(parse_duration(options.duration, 3600_s));
+  if (!options.duration.empty()) scene.duration = parse_duration(options.duration, 3600_s);
   SceneOptions changes;
-  changes.set = or_exit(parse_settings(options.set));
+  changes.set = parse_settings(options.set);
   if (!first)
     for (const auto& [name, value] : *compared) changes.set[name] = value;
-  if (!options.delay.empty()) changes.delay = or_exit(parse_delay(options.delay));
-  if (!options.rate.empty()) changes.rate = or_exit(parse_rate(options.rate));
-  scene.drives = or_exit(apply(options.guard, std::move(scene.drives), root_of(file), !first));
+  if (!options.delay.empty()) changes.delay = parse_delay(options.delay);
+  if (!options.rate.empty()) changes.rate = parse_rate(options.rate);
+  scene.drives = apply(options.guard, std::move(scene.drives), root_of(file), !first);
   auto built = or_exit(build_scene(loaded, standard_nodes(), changes));
   const auto* instrument = scene.part("instrument");
   if (first && changes.delay && instrument != nullptr && instrument->graph != nullptr)
@@ -139,42 +133,30 @@ Json events_json(const std::vector<std::string>& names, const std::vector<std::v
   }
   std::stable_sort(events.begin(), events.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  Json json{{"events", Json::array()}};
-  for (auto& [time_s, event] : events) json["events"].push_back(std::move(event));
-  return json;
+  return {{"events", list_of(events, [](const auto& event) { return event.second; })}};
 }
 
 Json faults_json(const std::vector<FaultCount>& faults) {
-  auto json = Json::array();
-  for (const auto& fault : faults) json.push_back({{"node", fault.path}, {"count", fault.count}});
-  return json;
+  return list_of(faults, [](const FaultCount& fault) -> Json {
+    return {{"node", fault.path}, {"count", fault.count}};
+  });
 }
 
 Json ports_json(const std::vector<PortEnergy>& ports) {
-  auto json = Json::array();
-  for (const auto& port : ports) {
-    json.push_back({{"port", port.name},
-                    {"allowed_j", port.allowed},
-                    {"given_j", port.given},
-                    {"net_j", port.net},
-                    {"active", port.active_at_s.has_value()}});
-    if (!port.active_at_s) continue;
-    json.back()["active_at_s"] = *port.active_at_s;
-    json.back()["growth_w"] = port.growth_w;
-  }
-  return json;
+  return list_of(ports, [](const PortEnergy& port) {
+    Json json{{"port", port.name},
+              {"allowed_j", port.allowed},
+              {"given_j", port.given},
+              {"net_j", port.net},
+              {"active", port.active_at_s.has_value()}};
+    if (port.active_at_s) json.update({{"active_at_s", *port.active_at_s}, {"growth_w", port.growth_w}});
+    return json;
+  });
 }
 
 void print_ports(const std::vector<PortEnergy>& ports) {
   const char* title = "energy";
-  for (const auto& port : ports) fmt::print("  {:<20}{}\n", std::exchange(title, ""), in_words(port));
-}
-
-Status write_json(const std::string& path, const Json& json) {
-  std::ofstream file{path};
-  file << json.dump(2) << "\n";
-  if (file) return {};
-  return fail(Errc::BadFile, path, "cannot be written", "choose a folder that exists and can be written");
+  for (const auto& port : ports) fmt::print("  {:<20}{}\n", std::exchange(title, ""), describe(port));
 }
 
 Json events_of(const SceneRecording& recording) {
@@ -194,11 +176,10 @@ std::string base_of(const std::string& folder, const PlayedScene& played) {
   return (std::filesystem::path{folder} / slug(played.scene.name)).string();
 }
 
-Result<std::vector<std::string>> write_files(const std::string& folder, const std::vector<std::string>& show,
-                                             const PlayedScene& played) {
+std::vector<std::string> write_files(const std::string& folder, const std::vector<std::string>& show,
+                                     const PlayedScene& played) {
   const auto& recording = played.recording;
-  const auto times = shown_times(show, recording);
-  if (!times) return tl::unexpected(times.error());
+  const auto [from, to] = shown_times(show, recording);
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
   const auto base = base_of(folder, played);
@@ -209,13 +190,10 @@ Result<std::vector<std::string>> write_files(const std::string& folder, const st
       {"_sensors.wav", of_instrument(recording, recording.inputs)},
       {"_motion.wav", motion_in(recording)}};
   for (const auto& [suffix, signals] : sounds)
-    if (auto status = write_sound(base + suffix, signals, recording.sample_rate, written); !status)
-      return tl::unexpected(status.error());
+    write_sound(base + suffix, signals, recording.sample_rate, written);
   const auto picture = base + ".svg";
-  if (auto status = write_svg(picture, {scene_plot(played.scene, recording, times->first, times->second)});
-      !status)
-    return tl::unexpected(status.error());
-  written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", times->first, times->second));
+  or_exit(write_svg(picture, {scene_plot(played.scene, recording, from, to)}));
+  written.push_back(picture + fmt::format("  the plot, {:g} s to {:g} s", from, to));
   return written;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 // Thread: [control]
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "apps/cli/json.h"
 #include "engine/plot/plot.h"
 #include "engine/study/orbits/bifurcation.h"
 #include "engine/study/playability/playability.h"
@@ -25,22 +25,22 @@ struct Table {
 // Reports of complete studies as text, JSON and plots.
 
 std::string text_of(const Bifurcation& study);
-nlohmann::ordered_json json_of(const Bifurcation& study);
+Json json_of(const Bifurcation& study);
 std::vector<Plot> plots_of(const Bifurcation& study);
 
 /// A row per setting: swept values, then measures.
 std::string text_of(const SweepTable& table);
-nlohmann::ordered_json json_of(const SweepTable& table);
+Json json_of(const SweepTable& table);
 
 /// One line per delay: score, kind, measures; if something is swept, also maps of letters; the verdict.
 std::string text_of(const PlayabilityStudy& study);
-nlohmann::ordered_json json_of(const PlayabilityStudy& study);
+Json json_of(const PlayabilityStudy& study);
 /// "playable from 0 to 40 ms; weakest at 23 ms: irregular, score 0.61"
 std::string describe_verdict(const PlayabilityStudy& study);
 
 /// The largest stiffness over the delay, over the rate, and of each controller.
 std::string text_of(const WallMap& map);
-nlohmann::ordered_json json_of(const WallMap& map);
+Json json_of(const WallMap& map);
 std::vector<Plot> plots_of(const WallMap& map);
 
 /// One line per variant, by computing time; the references of the errors; the cheapest variants for 1 % and
@@ -48,6 +48,6 @@ std::vector<Plot> plots_of(const WallMap& map);
 std::string text_of(const WorkPrecision& study);
 /// The variants as a table of Markdown.
 std::string markdown_of(const WorkPrecision& study);
-nlohmann::ordered_json json_of(const WorkPrecision& study);
+Json json_of(const WorkPrecision& study);
 
 }  // namespace tactus::app

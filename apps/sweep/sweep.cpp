@@ -1,11 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
-#include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
-#include "apps/study/reports.h"
 #include "apps/study/sweep_options.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/measure.h"
@@ -13,9 +10,7 @@
 namespace tactus::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-struct Options : SweepOptions {
+struct MeasureSweepOptions : SweepOptions {
   std::vector<std::string> measures;
   std::string from, to;
 };
@@ -51,12 +46,13 @@ std::string text_of(const SweepTable& table) {
 }
 
 Json json_of(const SweepTable& table) {
-  Json json{
-      {"scene", table.scene}, {"over", Json::array()}, {"measures", Json::array()}, {"runs", Json::array()}};
-  for (const auto& swept : table.over) json["over"].push_back(swept.name);
-  for (const auto& measure : table.measures)
-    json["measures"].push_back(
-        {{"name", measure.label}, {"measure", measure.what.measure}, {"of", measure.what.of}});
+  const auto measure_json = [](const SweptMeasure& measure) -> Json {
+    return {{"name", measure.label}, {"measure", measure.what.measure}, {"of", measure.what.of}};
+  };
+  Json json{{"scene", table.scene},
+            {"over", list_of(table.over, [](const SweptValue& swept) { return swept.name; })},
+            {"measures", list_of(table.measures, measure_json)},
+            {"runs", Json::array()}};
   for (const auto& point : table.points) {
     Json run{{"at", Json::object()}, {"variant", point.variant}, {"measures", Json::object()}};
     for (std::size_t a = 0; a < table.over.size(); ++a) {
@@ -72,54 +68,42 @@ Json json_of(const SweepTable& table) {
 
 namespace {
 
-Result<std::vector<SweptMeasure>> read_measures(const Options& options, const SceneSpec& scene) {
+std::vector<SweptMeasure> read_measures(const MeasureSweepOptions& options, const SceneSpec& scene) {
   std::vector<SweptMeasure> measures;
   for (const auto& text : options.measures) {
-    auto measure = find_swept_measure(scene, text);
-    if (!measure) return tl::unexpected(measure.error());
-    for (const auto& [time, limit, name] : {std::tuple{&options.from, &measure->what.from_s, "from"},
-                                            std::tuple{&options.to, &measure->what.to_s, "to"}}) {
-      if (time->empty()) continue;
-      const auto seconds = parse_option(*time, "s", name);
-      if (!seconds) return tl::unexpected(seconds.error());
-      *limit = *seconds;
-    }
-    measures.push_back(std::move(*measure));
+    auto& measure = measures.emplace_back(or_exit(find_swept_measure(scene, text), kUsage));
+    if (!options.from.empty()) measure.what.from_s = parse_option(options.from, "s", "from");
+    if (!options.to.empty()) measure.what.to_s = parse_option(options.to, "s", "to");
   }
   return measures;
 }
 
-int run(const Options& options) {
+int run_sweep(const MeasureSweepOptions& options) {
   auto scene = load_target(options);
-  if (!scene) return report(scene.error());
-  auto plan = read_plan(options, *scene);
-  if (!plan) return report(plan.error()), kUsage;
-  const auto measures = read_measures(options, *scene);
-  if (!measures) return report(measures.error()), kUsage;
-  SweepMonitor monitor{scene->name, *plan};
-  const auto table = sweep_measures(*scene, standard_nodes(), *plan, *measures);
-  if (!table) return report(table.error());
-  if (const auto exit = monitor.end(finished(table->points), std::ssize(table->points))) return *exit;
-  return publish(options, app::text_of(*table), app::json_of(*table), plots_of(*table),
-                 table->over.size() > 2 ? 2 : 1);
+  auto plan = read_plan(options, scene);
+  const auto measures = read_measures(options, scene);
+  SweepMonitor monitor{scene.name, plan};
+  const auto table = or_exit(sweep_measures(scene, standard_nodes(), plan, measures));
+  if (const auto exit = monitor.end(finished(table.points), std::ssize(table.points))) return *exit;
+  publish(options, table, table.over.size() > 2 ? 2 : 1);
+  return kDone;
 }
 
 }  // namespace
 
 void add_sweep(CLI::App& app, int& exit_code) {
-  auto* command =
-      app.add_subcommand("sweep", "Run a scene over ranges of its quantities and measure each run");
-  auto options = std::make_shared<Options>();
-  add_study_options(*command, *options, "a folder means its scene.toml")->required();
-  add_sweep_options(*command, *options);
+  auto [command, options] = add_command(
+      app, "sweep", "Run a scene over ranges of its quantities and measure each run", exit_code, run_sweep);
+  add_study_options(command, options, "a folder means its scene.toml")->required();
+  add_sweep_options(command, options);
   command
-      ->add_option("--measure", options->measures,
-                   "a line of [expect] of the scene, or MEASURE:SIGNAL such as rms:instrument.sound")
+      .add_option("--measure", options.measures,
+                  "a line of [expect] of the scene, or MEASURE:SIGNAL such as rms:instrument.sound")
       ->required()
       ->take_all();
-  command->add_option("--from", options->from, "start of the measured time, such as \"1 s\"");
-  command->add_option("--to", options->to, "end of the measured time");
-  command->footer(
+  command.add_option("--from", options.from, "start of the measured time, such as \"1 s\"");
+  command.add_option("--to", options.to, "end of the measured time");
+  command.footer(
       "Examples:\n"
       "  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure rate:instrument.hit --svg "
       "rate.svg\n"
@@ -132,7 +116,6 @@ void add_sweep(CLI::App& app, int& exit_code) {
       "::: 1 2 3 4 5 6 7 8\n"
       "One swept quantity is drawn as a line, two as a map, draws as points.\n"
       "Exit code 5: interrupted; with --keep the same command resumes the sweep.");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace tactus::app

@@ -62,7 +62,7 @@ std::vector<PortEnergy> PortWatches::energies(Hertz sample_rate) const {
   return energies;
 }
 
-std::string in_words(const PortEnergy& energy) {
+std::string describe(const PortEnergy& energy) {
   const auto gave = fmt::format("{:.3g} J where {:.3g} J are allowed", energy.given, energy.allowed);
   if (!energy.active_at_s) return fmt::format("{}: gave at most {}", energy.name, gave);
   return fmt::format("{}: the loop turned active at {:.3g} s: it gave {}, {:.3g} W on average from then on",

@@ -11,16 +11,15 @@ namespace {
 
 class LiveInstrument final : public Performer {
  public:
-  static Checked<std::unique_ptr<Performer>> open(PerformerSetup setup) {
-    std::unique_ptr<LiveInstrument> made{new LiveInstrument{std::move(setup)}};
-    auto plan = made->compile_files();
-    if (!plan) return tl::unexpected(plan.error());
-    if (auto wired = made->wire(**plan); !wired) return tl::unexpected(wired.error());
-    made->engine_ = std::make_unique<Player>(std::move(*plan));
-    made->loaded_ = std::move(made->read_);
-    if (RigInputs::needed(made->wiring_.input_scales, made->setup_.padding_frames))
-      made->rig_inputs_.emplace(*made->engine_, made->wiring_.input_scales, made->setup_.padding_frames);
-    return made;
+  explicit LiveInstrument(PerformerSetup setup) : setup_(std::move(setup)) {
+    files_ = {setup_.file};
+    auto plan = compile_files();
+    if (setup_.rig) wiring_ = or_exit(wire_rig(*setup_.rig, *plan));
+    wiring_.drives = apply(setup_.guard, std::move(wiring_.drives), setup_.root);
+    engine_ = std::make_unique<Player>(std::move(plan));
+    loaded_ = std::move(read_);
+    if (RigInputs::needed(wiring_.input_scales, setup_.padding_frames))
+      rig_inputs_.emplace(*engine_, wiring_.input_scales, setup_.padding_frames);
   }
 
   BlockProcessor& processor() override {
@@ -46,21 +45,15 @@ class LiveInstrument final : public Performer {
     if (setup_.rig) add_rig(*setup_.rig, to_text(*setup_.rig), header);
   }
 
-  Checked<void> edit() override {
-    auto plan = compile_files();
-    if (!plan) return tl::unexpected(plan.error());
-    if (auto status = engine_->replace(std::move(*plan)); !status)
-      return tl::unexpected(std::vector{status.error()});
+  void edit() override {
+    or_exit(engine_->replace(compile_files()));
     loaded_ = std::move(read_);
-    return {};
   }
 
  private:
-  explicit LiveInstrument(PerformerSetup setup) : setup_(std::move(setup)) { files_ = {setup_.file}; }
-
-  Checked<std::unique_ptr<Plan>> compile_files() {
+  std::unique_ptr<Plan> compile_files() {
     auto loaded = load_graph_leniently(setup_.file, setup_.root);
-    if (loaded.spec == nullptr) return tl::unexpected(loaded.errors);
+    if (loaded.spec == nullptr) throw CommandError{loaded.errors};
     read_ = loaded;
     files_.clear();
     add_files(*loaded.spec, files_);
@@ -75,19 +68,7 @@ class LiveInstrument final : public Performer {
         Seconds{setup_.delay.value_or(0_s).value + setup_.padding_frames / setup_.rate.value};
     if (options.system_delay.value > 0) announce_delay(*loaded.spec, options.system_delay.value);
     options.controls = setup_.controls;
-    return compile(loaded, standard_nodes(), options);
-  }
-
-  Checked<void> wire(const Plan& plan) {
-    if (setup_.rig) {
-      auto wired = wire_rig(*setup_.rig, plan);
-      if (!wired) return tl::unexpected(wired.error());
-      wiring_ = std::move(*wired);
-    }
-    auto drives = apply(setup_.guard, std::move(wiring_.drives), setup_.root);
-    if (!drives) return tl::unexpected(drives.error());
-    wiring_.drives = std::move(*drives);
-    return {};
+    return or_exit(compile(loaded, standard_nodes(), options));
   }
 
   PerformerSetup setup_;
@@ -99,8 +80,8 @@ class LiveInstrument final : public Performer {
 
 }  // namespace
 
-Checked<std::unique_ptr<Performer>> make_instrument(PerformerSetup setup) {
-  return LiveInstrument::open(std::move(setup));
+std::unique_ptr<Performer> make_instrument(PerformerSetup setup) {
+  return std::make_unique<LiveInstrument>(std::move(setup));
 }
 
 void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files) {

@@ -31,7 +31,6 @@ class Planner {
   LivePlan run() {
     read_rig();
     choose_devices();
-    make_request();
     if (!options_.save_rig.empty()) make_rig();
     if (!options_.learn.empty()) learn();
     find_delay();
@@ -71,31 +70,20 @@ class Planner {
         app::choose_devices(options_.backend, options_.device.empty() ? device_.output : options_.device,
                             options_.input_device.empty() ? device_.input : options_.input_device),
         kDevice);
-  }
-
-  void make_request() {
-    auto& request = plan_.request;
-    const auto& device = plan_.devices.output;
-    request.device = device.id;
-    if (plan_.devices.input.id != device.id) request.input_device = plan_.devices.input.id;
-    request.sample_rate = options_.rate.empty() ? device_.rate.value_or(device.default_rate)
-                                                : or_exit(parse_rate(options_.rate), kUsage);
-    request.block_frames = options_.block ? options_.block : device_.block;
-    request.periods = options_.periods ? options_.periods : device_.periods;
+    plan_.request = request_for(plan_.devices, device_, options_.rate, options_.block, options_.periods);
   }
 
   void make_rig() {
     const auto graph = or_exit(load_graph(file_, root_), kBadFile);
-    const auto& request = plan_.request;
-    plan_.rig =
-        ask_for_rig(*graph,
-                    {{},
-                     request.device,
-                     request.input_device,
-                     request.sample_rate,
-                     request.block_frames,
-                     request.periods},
-                    plan_.devices.input.in_channels, plan_.devices.output.out_channels, root_, dialog_);
+    const auto& [request, devices] = std::tie(plan_.request, plan_.devices);
+    plan_.rig = ask_for_rig(*graph,
+                            {{},
+                             request.device,
+                             request.input_device,
+                             request.sample_rate,
+                             request.block_frames,
+                             request.periods},
+                            devices.input.in_channels, devices.output.out_channels, root_, dialog_);
     save(options_.force);
   }
 
@@ -117,7 +105,7 @@ class Planner {
   void find_delay() {
     const auto of_rig = plan_.rig ? plan_.rig->measured_delay : std::nullopt;
     if (!options_.delay.empty()) {
-      plan_.delay = or_exit(parse_delay(options_.delay), kUsage);
+      plan_.delay = parse_delay(options_.delay);
     } else if (of_rig) {
       plan_.delay = of_rig;
       plan_.delay_block = plan_.rig->device.block;
@@ -126,8 +114,7 @@ class Planner {
       take_stored_delay();
     }
     auto pad = plan_.rig ? plan_.rig->pad_delay : std::nullopt;
-    if (!options_.pad_delay.empty())
-      pad = Seconds{or_exit(parse_option(options_.pad_delay, "s", "pad-delay"), kUsage)};
+    if (!options_.pad_delay.empty()) pad = Seconds{parse_option(options_.pad_delay, "s", "pad-delay")};
     if (pad)
       plan_.padding_frames =
           or_exit(padding_frames(plan_.delay, *pad, *plan_.request.sample_rate,
@@ -158,11 +145,9 @@ class Planner {
 
   /// The control values of the command line, and of the rig for the others.
   std::map<std::string, ControlValue> settings() const {
-    auto settings = or_exit(parse_settings(options_.set), kUsage);
+    auto settings = parse_settings(options_.set);
     if (plan_.rig)
-      for (const auto& [name, at, value] : plan_.rig->controls)
-        settings.try_emplace(
-            name, value.bare ? ControlValue{value.si} : ControlValue{value.si, value.unit.dimension});
+      for (const auto& [name, at, value] : plan_.rig->controls) settings.try_emplace(name, value);
     return settings;
   }
 
@@ -177,8 +162,7 @@ class Planner {
                          .rig = plan_.rig,
                          .padding_frames = plan_.padding_frames,
                          .speakers = std::min(2, plan_.devices.output.out_channels)};
-    plan_.performer =
-        or_exit(options_.listen ? make_world(std::move(setup)) : make_instrument(std::move(setup)), kBadFile);
+    plan_.performer = options_.listen ? make_world(std::move(setup)) : make_instrument(std::move(setup));
     const auto& performer = *plan_.performer;
     request.in_channels = static_cast<int>(performer.inputs().size());
     request.out_channels = static_cast<int>(performer.outputs().size());

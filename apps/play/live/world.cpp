@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/cli/console.h"
 #include "apps/play/live/performer.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/build_scene.h"
@@ -21,20 +22,17 @@ struct Read {
   CompiledScene compiled;
 };
 
-Checked<Read> read_scene(const PerformerSetup& setup) {
+Read read_scene(const PerformerSetup& setup) {
   auto loaded = load_scene_leniently(setup.file, setup.root);
-  if (!loaded.scene) return tl::unexpected(std::move(loaded.errors));
-  auto drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
-  if (!drives) return tl::unexpected(drives.error());
-  loaded.scene->drives = std::move(*drives);
+  if (!loaded.scene) throw CommandError{std::move(loaded.errors)};
+  loaded.scene->drives = apply(setup.guard, std::move(loaded.scene->drives), setup.root);
   SceneOptions options;
   options.rate = setup.rate;
   options.delay = setup.delay;
   options.set = setup.controls;
   options.by_hand = true;
-  auto compiled = compile_scene(loaded, standard_nodes(), options);
-  if (!compiled) return tl::unexpected(compiled.error());
-  return Read{std::move(*loaded.scene), std::move(*compiled)};
+  auto compiled = or_exit(compile_scene(loaded, standard_nodes(), options));
+  return {std::move(*loaded.scene), std::move(compiled)};
 }
 
 std::vector<std::filesystem::path> files_of(const SceneSpec& scene, const std::filesystem::path& file) {
@@ -103,20 +101,15 @@ class LiveWorld final : public Performer, private BlockProcessor {
     return std::vector<GuardedChannel>(monitor_.channels.size(), GuardedChannel{DriveGuard::Kind::Audio, {}});
   }
 
-  Checked<void> edit() override {
+  void edit() override {
     auto read = read_scene(setup_);
-    if (!read) return tl::unexpected(read.error());
-    if (read->compiled.delay_frames != built_.delay_frames)
-      return tl::unexpected(
-          std::vector{Error{Errc::BadArgument, setup_.file.string(),
-                            "another delay cannot take over while it plays", "start again"}});
-    files_ = files_of(read->scene, setup_.file);
-    if (!same_names(read->compiled.plant_taps, built_.plant_taps)) watching_ = false;
-    for (auto [engine, plan] : {std::pair{built_.instrument.get(), &read->compiled.instrument},
-                                std::pair{built_.plant.get(), &read->compiled.plant}})
-      if (auto status = engine->replace(std::move(*plan)); !status)
-        return tl::unexpected(std::vector{status.error()});
-    return {};
+    if (read.compiled.delay_frames != built_.delay_frames)
+      exit_with({Errc::BadArgument, setup_.file.string(), "another delay cannot take over while it plays",
+                 "start again"});
+    files_ = files_of(read.scene, setup_.file);
+    if (!same_names(read.compiled.plant_taps, built_.plant_taps)) watching_ = false;
+    or_exit(built_.instrument->replace(std::move(read.compiled.instrument)));
+    or_exit(built_.plant->replace(std::move(read.compiled.plant)));
   }
 
   std::vector<PortEnergy> ports() const override { return ports_.energies(setup_.rate); }
@@ -172,10 +165,9 @@ class LiveWorld final : public Performer, private BlockProcessor {
 
 }  // namespace
 
-Checked<std::unique_ptr<Performer>> make_world(PerformerSetup setup) {
+std::unique_ptr<Performer> make_world(PerformerSetup setup) {
   auto read = read_scene(setup);
-  if (!read) return tl::unexpected(read.error());
-  return std::make_unique<LiveWorld>(std::move(setup), std::move(*read));
+  return std::make_unique<LiveWorld>(std::move(setup), std::move(read));
 }
 
 }  // namespace tactus::app

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/latency/sweep_report.h"
+#include "apps/latency/latency_report.h"
 #include "tests/support/well_formed.h"
 
 using namespace tactus;
