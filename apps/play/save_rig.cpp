@@ -3,16 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <sstream>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "engine/graph/file/read_graph.h"
+#include "engine/core/files.h"
+#include "engine/graph/file/error_list.h"
+#include "engine/rig/check_rig.h"
 #include "engine/rig/profile.h"
-#include "engine/rig/rig_text.h"
 
 namespace tactus::app {
 namespace {
@@ -20,12 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kNone = "none";
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 Status invalid(const std::string& what, const std::string& remedy) {
   return fail(Errc::BadArgument, "", what, remedy);
@@ -68,7 +62,7 @@ void ask(const Dialog& dialog, const std::string& question, const std::string& p
         exit_with({Errc::Missing, "--save-rig", "the input ended before all questions were answered",
                    "answer on a terminal, or take all defaults with --yes"});
     }
-    answer = trimmed(answer);
+    answer = CLI::detail::trim_copy(answer);
     if (answer.empty()) answer = proposed;
     const auto taken = answer.empty() ? invalid("this has no default", "give an answer") : take(answer);
     if (taken) return;
@@ -110,8 +104,7 @@ class Interview {
   void ask_output(const EntrySpec& port) {
     auto& output = rig_.outputs.emplace_back();
     output.name = port.name;
-    const auto* kind = find(port.fields, "kind");
-    const bool audio = kind != nullptr && kind->text() != nullptr && *kind->text() == "audio";
+    const bool audio = is_audio(port);
     int free = 1;
     while (used_by_output(free)) ++free;
     ask(dialog_,
@@ -145,9 +138,7 @@ class Interview {
 
  private:
   void ask_sensitivity(const EntrySpec& port, RigInput& input) {
-    ErrorList reported_elsewhere;
-    const auto dimension = read_unit(port, reported_elsewhere).value_or(Unit{}).dimension;
-    const auto per_volt = volt() / dimension;
+    const auto dimension = dimension_of(port), per_volt = volt() / dimension;
     const auto unit = dimension.plain() ? std::string{"V"} : volts_per(per_volt);
     ask(dialog_,
         "How many volts at that input are full scale? Such as 1 V; unknown: a sample of 1 counts as 1" +
@@ -174,9 +165,8 @@ class Interview {
   }
 
   bool used_by_output(int channel) const {
-    return std::any_of(rig_.outputs.begin(), rig_.outputs.end(), [channel](const RigOutput& output) {
-      return std::find(output.channels.begin(), output.channels.end(), channel) != output.channels.end();
-    });
+    return std::any_of(rig_.outputs.begin(), rig_.outputs.end(),
+                       [channel](const RigOutput& output) { return output.uses(channel); });
   }
 
   Status take_channels(const std::string& text, RigPort& port, int there, bool shared) {
@@ -225,26 +215,17 @@ Rig ask_for_rig(const GraphSpec& instrument, Rig::Device device, int device_inpu
 }
 
 Status save_rig(const Rig& rig, const fs::path& file, const Dialog& dialog, bool force) {
-  std::error_code error;
-  if (!force && fs::exists(file, error)) {
+  std::error_code ignored;
+  if (!force && fs::exists(file, ignored)) {
     dialog.out << "'" << file.string() << "' exists. Overwrite it? [no]: " << std::flush;
     std::string answer;
     if (!dialog.take_defaults) std::getline(dialog.in, answer);
-    answer = trimmed(answer);
+    answer = CLI::detail::trim_copy(answer);
     if (answer != "y" && answer != "yes")
       return fail(Errc::BadFile, "--save-rig", "'" + file.string() + "' was not overwritten",
                   "choose another name, answer yes, or give --force");
   }
-  auto temporary = file;
-  temporary += ".new";
-  std::ofstream text{temporary};
-  text << to_text(rig);
-  text.close();
-  if (text) fs::rename(temporary, file, error);
-  if (text && !error) return {};
-  fs::remove(temporary, error);
-  return fail(Errc::BadFile, file.string(), "cannot be written",
-              "choose a folder that exists and can be written");
+  return replace_file(file, to_text(rig));
 }
 
 Status replace_rig(const Rig& rig, const fs::path& file) {
@@ -252,7 +233,7 @@ Status replace_rig(const Rig& rig, const fs::path& file) {
   auto former = file;
   former += "~";
   fs::copy_file(file, former, fs::copy_options::overwrite_existing, ignored);
-  return save_rig(rig, file, {std::cin, std::cerr, true}, true);
+  return replace_file(file, to_text(rig));
 }
 
 }  // namespace tactus::app

@@ -9,23 +9,9 @@
 #include "engine/core/index.h"
 #include "engine/core/named.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/rig/rig_text.h"
 
 namespace tactus {
 namespace {
-
-bool is_audio(const EntrySpec& output) {
-  const auto* kind = find(output.fields, "kind");
-  return kind != nullptr && kind->text() != nullptr && *kind->text() == "audio";
-}
-
-/// Volts for one unit of the port.
-Unit sensitivity_unit(const EntrySpec& input) {
-  ErrorList reported_elsewhere;
-  auto unit = *parse_unit("V");
-  unit.dimension = unit.dimension / read_unit(input, reported_elsewhere).value_or(Unit{}).dimension;
-  return unit;
-}
 
 void report_lanes(const RigPort& port, int lanes, ErrorList& errors) {
   std::string example;
@@ -90,18 +76,17 @@ class RigCheck {
     ErrorList reported_elsewhere;
     const int lanes = read_input(port, reported_elsewhere).lanes;
     if (index(lanes) != input->channels.size()) report_lanes(*input, lanes, errors_);
-    const auto wanted = sensitivity_unit(port);
-    const auto volt = parse_unit("V")->dimension;
-    const auto per = to_string(volt / wanted.dimension);
-    const auto unit = per.empty() ? "V" : volts_per(wanted.dimension);
+    const auto volt = parse_unit("V")->dimension, wanted = volt / dimension_of(port);
+    const auto per = to_string(volt / wanted);
+    const auto unit = per.empty() ? "V" : volts_per(wanted);
     const auto example =
         per.empty() ? "\"50 mV\"" : "the volts for 1 " + per + ", such as \"2 " + unit + "\"";
-    if (!input->sensitivity && !(wanted.dimension == volt))
+    if (!input->sensitivity && !(wanted == volt))
       errors_.add(Errc::Missing, input->at,
                   "'" + port.name + "' is in " + per + ", and nothing says how many volts that is",
                   "give volts_per_full_scale, and as sensitivity " + example);
     if (!input->sensitivity || input->sensitivity->bare) return;
-    if (!(input->sensitivity->unit.dimension == wanted.dimension))
+    if (!(input->sensitivity->unit.dimension == wanted))
       errors_.add(Errc::UnitMismatch, input->sensitivity_at,
                   "the sensitivity of '" + port.name + "' must be in " + unit, "give " + example);
   }
@@ -160,7 +145,7 @@ bool left_out(const RigPort& port) { return port.channels.empty(); }
 /// 0 in the unit of a port, in each of its lanes, under its name.
 NodeSpec resting(const EntrySpec& input) {
   ErrorList reported_elsewhere;
-  const auto unit = to_string(read_unit(input, reported_elsewhere).value_or(Unit{}).dimension);
+  const auto unit = to_string(dimension_of(input));
   const Value zero{unit.empty() ? std::string{"0"} : "0 " + unit, input.at};
   const auto lanes = static_cast<std::size_t>(read_input(input, reported_elsewhere).lanes);
   NodeSpec node;
@@ -192,6 +177,16 @@ class LaneCounter {
 };
 
 }  // namespace
+
+Dimension dimension_of(const EntrySpec& port) {
+  ErrorList reported_elsewhere;
+  return read_unit(port, reported_elsewhere).value_or(Unit{}).dimension;
+}
+
+bool is_audio(const EntrySpec& output) {
+  const auto* kind = find(output.fields, "kind");
+  return kind != nullptr && kind->text() != nullptr && *kind->text() == "audio";
+}
 
 std::vector<Error> check_rig(const Rig& rig, const GraphSpec& instrument) {
   return RigCheck{rig, instrument}.run();

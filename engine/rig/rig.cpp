@@ -249,10 +249,6 @@ bool RigPort::uses(int channel) const {
   return std::find(channels.begin(), channels.end(), channel) != channels.end();
 }
 
-bool RigMidi::same_source(const RigMidi& other) const {
-  return device == other.device && channel == other.channel && kind == other.kind && number == other.number;
-}
-
 const RigOutput* Rig::actuator_on(int channel) const {
   for (const auto& actuator : actuators)
     if (actuator.uses(channel)) return &actuator;

@@ -1,7 +1,6 @@
-#include "engine/rig/rig_text.h"
-
 #include <fmt/format.h>
 
+#include "engine/graph/file/quantity.h"
 #include "engine/rig/rig.h"
 
 namespace tactus {

@@ -9,8 +9,9 @@
 
 #include "apps/play/live/plan.h"
 #include "engine/core/decibels.h"
+#include "engine/core/named.h"
 #include "engine/core/spsc_queue.h"
-#include "engine/graph/file/read_graph.h"
+#include "engine/rig/check_rig.h"
 
 namespace tactus::app {
 namespace {
@@ -45,13 +46,6 @@ Result<const RigInput*> find_input(const Rig& rig, const std::string& name) {
   return fail(Errc::UnknownName, "--learn",
               fmt::format("the rig joins no input {}to a channel", name == "*" ? "" : "'" + name + "' "),
               names.empty() ? "" : fmt::format("there is {}", fmt::join(names, ", ")));
-}
-
-Dimension dimension_of(const GraphSpec& instrument, const std::string& input) {
-  ErrorList reported_elsewhere;
-  for (const auto& entry : instrument.inputs)
-    if (entry.name == input) return read_unit(entry, reported_elsewhere).value_or(Unit{}).dimension;
-  return {};
 }
 
 }  // namespace
@@ -89,7 +83,8 @@ Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::strin
              "a soft hit reaches {:.1f} dB of the card, {:.0f} dB above the noise; it now "
              "counts as -20 dB\n",
              amplitude_to_db(learnt->soft), amplitude_to_db(learnt->soft / std::max(learnt->noise, 1e-9)));
-  return use_learnt(rig, (*input)->name, *learnt, dimension_of(instrument, (*input)->name));
+  const auto* port = find_named(instrument.inputs, (*input)->name);
+  return use_learnt(rig, (*input)->name, *learnt, port != nullptr ? dimension_of(*port) : Dimension{});
 }
 
 }  // namespace tactus::app
