@@ -21,8 +21,11 @@ namespace fs = std::filesystem;
 
 const std::string kNone = "none";
 
-Status invalid(const std::string& what, const std::string& remedy) {
-  return fail(Errc::BadArgument, "", what, remedy);
+/// Of an answer.
+using Take = std::function<void(const std::string&)>;
+
+[[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
+  exit_with({Errc::BadArgument, "", what, remedy}, kUsage);
 }
 
 /// "2 5" or "2, 5"
@@ -34,12 +37,11 @@ std::optional<std::vector<int>> numbers_in(std::string text) {
   return in.eof() && !numbers.empty() ? std::optional{numbers} : std::nullopt;
 }
 
-Result<QuantityValue> quantity_in(const std::string& text, const Dimension& wanted,
-                                  const std::string& example) {
+QuantityValue quantity_in(const std::string& text, const Dimension& wanted, const std::string& example) {
   const auto quantity = read_quantity(Value{text, {}});
   const bool fits = quantity && (quantity->bare || quantity->unit.dimension == wanted);
-  if (fits && quantity->si != 0) return QuantityValue{quantity->si, Unit{wanted}, false};
-  return fail(Errc::BadArgument, "", "'" + text + "' makes no sense here", "write for instance " + example);
+  if (fits && quantity->si != 0) return {quantity->si, Unit{wanted}, false};
+  refuse("'" + text + "' makes no sense here", "write for instance " + example);
 }
 
 Dimension volt() { return parse_unit("V")->dimension; }
@@ -52,8 +54,7 @@ std::string title_of(const EntrySpec& port) {
 }
 
 /// Asks until `take` accepts the answer. `proposed`: what an empty line stands for; empty: nothing.
-void ask(const Dialog& dialog, const std::string& question, const std::string& proposed,
-         const std::function<Status(const std::string&)>& take) {
+void ask(const Dialog& dialog, const std::string& question, const std::string& proposed, const Take& take) {
   while (true) {
     std::string answer;
     if (!dialog.take_defaults) {
@@ -64,23 +65,23 @@ void ask(const Dialog& dialog, const std::string& question, const std::string& p
     }
     answer = CLI::detail::trim_copy(answer);
     if (answer.empty()) answer = proposed;
-    const auto taken = answer.empty() ? invalid("this has no default", "give an answer") : take(answer);
-    if (taken) return;
-    if (dialog.take_defaults) exit_with(taken.error(), kUsage);
-    dialog.out << "  " << to_string(taken.error()) << "\n";
+    try {
+      if (answer.empty()) refuse("this has no default", "give an answer");
+      return take(answer);
+    } catch (const CommandError& error) {
+      if (dialog.take_defaults) throw;
+      dialog.out << "  " << to_string(error.errors) << "\n";
+    }
   }
 }
 
 /// Volts from `least` to 1 kV.
-std::function<Status(const std::string&)> take_volts(double least, const char* least_text,
-                                                     const std::string& example, std::optional<double>& to) {
-  return [=, &to](const std::string& text) -> Status {
-    const auto volts = quantity_in(text, volt(), example);
-    if (!volts) return tl::unexpected(volts.error());
-    if (!(volts->si >= least && volts->si <= 1000))
-      return invalid(fmt::format("must be between {} and 1 kV", least_text), "write for instance " + example);
-    to = volts->si;
-    return {};
+Take take_volts(double least, const char* least_text, const std::string& example, std::optional<double>& to) {
+  return [=, &to](const std::string& text) {
+    const double volts = quantity_in(text, volt(), example).si;
+    if (!(volts >= least && volts <= 1000))
+      refuse(fmt::format("must be between {} and 1 kV", least_text), "write for instance " + example);
+    to = volts;
   };
 }
 
@@ -143,12 +144,11 @@ class Interview {
     ask(dialog_,
         "How many volts at that input are full scale? Such as 1 V; unknown: a sample of 1 counts as 1" +
             (dimension.plain() ? "" : " " + to_string(dimension)),
-        "unknown", [&](const std::string& text) -> Status {
+        "unknown", [&](const std::string& text) {
           if (text != "unknown") return take_volts(1e-6, "1 uV", "1 V", input.volts)(text);
-          if (dimension.plain()) return {};
+          if (dimension.plain()) return;
           input.volts = 1.0;
           input.sensitivity = QuantityValue{1.0, Unit{per_volt}, false};
-          return {};
         });
     if (!input.volts || input.sensitivity) return;
     ask(dialog_,
@@ -156,12 +156,8 @@ class Interview {
             ? "How many volts of the sensor count as full scale? Such as 50 mV (or find out with "
               "--learn)"
             : "How sensitive is the sensor? In " + unit + ", such as 2 " + unit,
-        fmt::format("{} {}", *input.volts, unit), [&](const std::string& text) -> Status {
-          const auto found = quantity_in(text, per_volt, "2 " + unit);
-          if (!found) return tl::unexpected(found.error());
-          input.sensitivity = *found;
-          return {};
-        });
+        fmt::format("{} {}", *input.volts, unit),
+        [&](const std::string& text) { input.sensitivity = quantity_in(text, per_volt, "2 " + unit); });
   }
 
   bool used_by_output(int channel) const {
@@ -169,29 +165,25 @@ class Interview {
                        [channel](const RigOutput& output) { return output.uses(channel); });
   }
 
-  Status take_channels(const std::string& text, RigPort& port, int there, bool shared) {
-    if (text == kNone) return {};
+  void take_channels(const std::string& text, RigPort& port, int there, bool shared) {
+    if (text == kNone) return;
     const auto numbers = numbers_in(text);
     if (!numbers)
-      return invalid("'" + text + "' is no channel", "write a number, several for several lanes, or none");
+      refuse("'" + text + "' is no channel", "write a number, several for several lanes, or none");
     for (const int number : *numbers) {
       if (number < 1 || number > there)
-        return invalid(fmt::format("the card has no channel {}", number),
-                       there > 0 ? fmt::format("it has 1 to {}", there) : "write none");
+        refuse(fmt::format("the card has no channel {}", number),
+               there > 0 ? fmt::format("it has 1 to {}", there) : "write none");
       if (!shared && used_by_output(number))
-        return invalid(fmt::format("channel {} is taken already", number), "choose another");
+        refuse(fmt::format("channel {} is taken already", number), "choose another");
     }
     port.channels = *numbers;
-    return {};
   }
 
-  Status take_profile(const std::string& text, RigOutput& output) {
-    if (text == "unknown" || text == kNone) return {};
-    const auto file = find_profile(text, root_, "");
-    if (!file) return tl::unexpected(file.error());
-    if (const auto profile = load_profile(*file); !profile) return tl::unexpected(profile.error().front());
+  void take_profile(const std::string& text, RigOutput& output) {
+    if (text == "unknown" || text == kNone) return;
+    or_exit(load_profile(or_exit(find_profile(text, root_, ""))));
     output.drive.profile = text;
-    return {};
   }
 
   Rig& rig_;

@@ -71,7 +71,4 @@ std::unique_ptr<Performer> make_instrument(PerformerSetup setup);
 /// there is none. Edits of its instrument and of its plant take effect while it plays. Throws a CommandError.
 std::unique_ptr<Performer> make_world(PerformerSetup setup);
 
-/// Appends the files of a graph and its parts.
-void add_files(const GraphSpec& graph, std::vector<std::filesystem::path>& files);
-
 }  // namespace tactus::app

@@ -3,12 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <iostream>
+#include <thread>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/play/save_rig.h"
+#include "engine/core/decibels.h"
+#include "engine/core/named.h"
+#include "engine/core/spsc_queue.h"
 #include "engine/rig/check_rig.h"
+#include "engine/rig/learn_sensor.h"
 #include "latency/measured.h"
 
 namespace tactus::app {
@@ -18,6 +24,74 @@ namespace {
 std::vector<int> channels_or(std::vector<int> given, const std::vector<int>& of_rig) {
   for (auto& channel : given) --channel;
   return given.empty() ? of_rig : given;
+}
+
+/// Hands the first input to the control thread; it has no outputs, so nothing moves.
+class InputReader final : public BlockProcessor {
+ public:
+  Status prepare(const StreamFormat&) override { return {}; }
+  void process(const BlockIo& io) noexcept override {
+    for (int n = 0; n < io.frames; ++n) (void)samples_.push(io.in[0][n]);
+  }
+  std::vector<double> take() {
+    std::vector<double> taken;
+    for (double sample = 0; samples_.pop(sample);) taken.push_back(sample);
+    return taken;
+  }
+
+ private:
+  SpscQueue<double> samples_{1 << 17};
+};
+
+/// "*": the first one with a channel.
+const RigInput& find_input(const Rig& rig, const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& input : rig.inputs) {
+    if (input.channels.empty()) continue;
+    if (name == "*" || name == input.name) return input;
+    names.push_back(input.name);
+  }
+  exit_with({Errc::UnknownName, "--learn",
+             fmt::format("the rig joins no input {}to a channel", name == "*" ? "" : "'" + name + "' "),
+             names.empty() ? "" : fmt::format("there is {}", fmt::join(names, ", "))},
+            kNo);
+}
+
+/// Asks the user to hit softly five times, reads the sensor at `name` ("*": the first one that the rig joins
+/// to a channel) with nothing driven, and puts its sensitivity into the rig.
+void learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string& name, Backend& backend,
+                       StreamRequest request) {
+  using namespace std::chrono_literals;
+  const auto& input = find_input(rig, name);
+  request.in_channels = 1;
+  request.in_map = {input.channels.front() - 1};
+  request.out_channels = 0;
+  request.out_map.clear();
+  InputReader reader;
+  Guarded guarded{reader, {}};
+  guarded.disable_sensor_watch();
+  const auto stream = or_exit(backend.open(request, guarded), kNo);
+  or_exit(stream->start(), kNo);
+  fmt::print(stderr, "hit softly five times: {}\n", input.name);
+  SensorLearner learner{stream->granted().format.sample_rate};
+  const auto deadline = std::chrono::steady_clock::now() + 60s;
+  for (int reported = 0; !learner.done() && std::chrono::steady_clock::now() < deadline;) {
+    std::this_thread::sleep_for(20ms);
+    learner.process(reader.take());
+    if (stream->state() == StreamState::Lost)
+      exit_with({Errc::Device, "", "the device was disconnected", "try again"}, kNo);
+    for (; reported < learner.hits(); ++reported) fmt::print(stderr, "{} ", reported + 1);
+    std::fflush(stderr);
+  }
+  fmt::print(stderr, "\n");
+  (void)stream->stop();
+  const auto learnt = or_exit(learner.result(), kNo);
+  fmt::print(stderr,
+             "a soft hit reaches {:.1f} dB of the card, {:.0f} dB above the noise; it now "
+             "counts as -20 dB\n",
+             amplitude_to_db(learnt.soft), amplitude_to_db(learnt.soft / std::max(learnt.noise, 1e-9)));
+  const auto* port = find_named(instrument.inputs, input.name);
+  or_exit(use_learnt(rig, input.name, learnt, port != nullptr ? dimension_of(*port) : Dimension{}), kNo);
 }
 
 /// Makes a plan, step by step; each step leaves what it found in `plan_`.
@@ -97,8 +171,7 @@ class Planner {
       exit_with({Errc::Missing, "--learn", "there is no rig to store the sensitivity in",
                  "give --rig, or --save-rig to make one"});
     const auto graph = or_exit(load_graph(file_, root_), kBadFile);
-    or_exit(learn_sensitivity(*plan_.rig, *graph, options_.learn, *plan_.devices.backend, plan_.request),
-            kNo);
+    learn_sensitivity(*plan_.rig, *graph, options_.learn, *plan_.devices.backend, plan_.request);
     save(true);
   }
 

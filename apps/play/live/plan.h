@@ -55,10 +55,4 @@ void check_delay(LivePlan& plan, const StreamGranted& granted);
 /// The system delay that the instrument uses, and its source.
 std::string delay_text(const LivePlan& plan);
 
-/// Asks the user to hit softly five times, reads the sensor at `input` ("*": the first one that the rig joins
-/// to a channel) with nothing driven, and puts its sensitivity into the rig. Errors: of the device;
-/// UnknownName for the input; of SensorLearner::result, for instance after a minute without five hits.
-Status learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string& input, Backend& backend,
-                         StreamRequest request);
-
 }  // namespace tactus::app
