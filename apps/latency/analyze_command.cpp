@@ -4,9 +4,7 @@
 #include <cmath>
 
 #include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/latency/latency_report.h"
-#include "apps/latency/loop_options.h"
+#include "apps/latency/latency.h"
 #include "apps/render/render.h"
 #include "backends/wav_file.h"
 #include "latency/estimation/analysis.h"
@@ -41,7 +39,7 @@ void check(const Samples& samples, const std::string& path) {
 
 Samples read(const std::string& path, const AnalyzeOptions& options) {
   auto samples = or_exit(read_wav(path), kBadFile);
-  if (!options.rate.empty()) samples.sample_rate = parse_rate(options.rate);
+  if (!options.rate.empty()) samples.sample_rate = Hertz{parse_option(options.rate, "Hz", "rate", 1e3, 1e6)};
   check(samples, path);
   return samples;
 }

@@ -6,9 +6,7 @@
 #include <filesystem>
 
 #include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/latency/latency_report.h"
-#include "apps/latency/loop_options.h"
+#include "apps/latency/latency.h"
 #include "engine/core/files.h"
 #include "engine/scene/file/path_file.h"
 #include "latency/calibration.h"

@@ -1,5 +1,6 @@
+#include "apps/latency/latency.h"
+
 #include "apps/cli/commands.h"
-#include "apps/latency/latency_report.h"
 
 namespace tactus::app {
 

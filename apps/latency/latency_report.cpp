@@ -1,5 +1,3 @@
-#include "apps/latency/latency_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +8,7 @@
 #include <utility>
 
 #include "apps/cli/commands.h"
-#include "apps/cli/console.h"
+#include "apps/latency/latency.h"
 #include "apps/play/play_report.h"
 
 namespace tactus::app {

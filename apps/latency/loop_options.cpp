@@ -1,5 +1,3 @@
-#include "apps/latency/loop_options.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,9 +5,10 @@
 #include <filesystem>
 
 #include "apps/cli/commands.h"
+#include "apps/latency/latency.h"
 #include "engine/core/decibels.h"
-#include "engine/graph/file/quantity.h"
 #include "engine/dsp/delays/resample.h"
+#include "engine/graph/file/quantity.h"
 #include "engine/scene/file/path_file.h"
 
 namespace tactus::app {

@@ -4,9 +4,7 @@
 #include <chrono>
 
 #include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/latency/latency_report.h"
-#include "apps/latency/loop_options.h"
+#include "apps/latency/latency.h"
 #include "apps/play/save_rig.h"
 #include "latency/measured.h"
 

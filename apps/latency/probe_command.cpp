@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/latency/latency_report.h"
-#include "apps/latency/loop_options.h"
+#include "apps/latency/latency.h"
 #include "backends/wav_file.h"
 #include "engine/core/decibels.h"
 #include "latency/probe/probe.h"
@@ -17,7 +15,7 @@ struct ProbeOptions {
 };
 
 int run_latency_probe(const ProbeOptions& options) {
-  const auto rate = parse_rate(options.rate);
+  const Hertz rate{parse_option(options.rate, "Hz", "rate", 1e3, 1e6)};
   const double level = parse_level(options.level);
   const Samples samples{rate, {stimulus(rate, amplitude_from_db(level))}};
   if (const auto status = write_wav(options.out, samples, WavEncoding::Pcm24); !status)

@@ -4,15 +4,16 @@
 #include <cmath>
 
 #include "apps/cli/commands.h"
-#include "apps/cli/console.h"
-#include "apps/latency/latency_report.h"
-#include "apps/latency/loop_options.h"
-#include "engine/core/index.h"
+#include "apps/latency/latency.h"
 
 namespace tactus::app {
 namespace {
 
 std::string periods_text(int periods) { return periods > 0 ? std::to_string(periods) : "?"; }
+
+bool same(const SettingDelay& a, const SettingDelay& b) {
+  return a.sample_rate == b.sample_rate && a.block_frames == b.block_frames && a.periods == b.periods;
+}
 
 bool same_group(const SettingDelay& a, const SettingDelay& b) {
   return a.sample_rate == b.sample_rate && a.periods == b.periods;
@@ -172,13 +173,15 @@ std::vector<SettingDelay> SweepReport::settings() const {
 }
 
 const SweepRow* SweepReport::recommended() const {
-  std::vector<const SweepRow*> measured;
-  for (const auto& row : rows)
-    if (!row.refused && !row.again) measured.push_back(&row);
-  if (measured.empty()) return nullptr;
   const auto all = settings();
   const auto* shortest = shortest_good(all);
-  return shortest == nullptr ? measured.back() : measured[index(shortest - all.data())];
+  const SweepRow* last = nullptr;
+  for (const auto& row : rows) {
+    if (row.refused || row.again) continue;
+    last = &row;
+    if (shortest != nullptr && same(row.setting, *shortest)) break;
+  }
+  return last;
 }
 
 std::vector<LawOfGroup> SweepReport::laws() const {
@@ -269,10 +272,6 @@ Result<StreamGranted> ask(Backend& backend, const MeasureSettings& settings) {
   const auto stream = backend.open(request, guarded);
   if (!stream) return tl::unexpected(stream.error());
   return (*stream)->granted();
-}
-
-bool same(const SettingDelay& a, const SettingDelay& b) {
-  return a.sample_rate == b.sample_rate && a.block_frames == b.block_frames && a.periods == b.periods;
 }
 
 void take(const Measurement& measurement, SweepRow& row) {

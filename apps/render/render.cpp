@@ -7,7 +7,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/console.h"
-#include "apps/study/reports.h"
+#include "apps/study/study.h"
 #include "backends/offline.h"
 #include "engine/core/index.h"
 #include "engine/dsp/delays/resample.h"

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/cli/commands.h"
-#include "apps/study/sweep_options.h"
+#include "apps/study/study.h"
 #include "engine/nodes/table.h"
 
 namespace tactus::app {

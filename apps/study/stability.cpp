@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "apps/cli/commands.h"
-#include "apps/study/sweep_options.h"
+#include "apps/study/study.h"
 
 namespace tactus::app {
 namespace {

@@ -1,5 +1,6 @@
+#include "apps/study/study.h"
+
 #include "apps/cli/commands.h"
-#include "apps/study/sweep_options.h"
 
 namespace tactus::app {
 

@@ -1,5 +1,3 @@
-#include "apps/study/sweep_options.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <sstream>
 
 #include "apps/cli/commands.h"
+#include "apps/study/study.h"
 #include "engine/core/dimension.h"
 #include "engine/graph/file/quantity.h"
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "apps/cli/commands.h"
-#include "apps/study/sweep_options.h"
+#include "apps/study/study.h"
 #include "engine/nodes/table.h"
 
 namespace tactus::app {

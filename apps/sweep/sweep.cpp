@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "apps/cli/commands.h"
-#include "apps/study/sweep_options.h"
+#include "apps/study/study.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/measure.h"
 

@@ -190,7 +190,7 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   says(desk.run("latency analyze capture.wav --probe probe.wav --channel 0"), 2, "--channel");
   says(desk.run("latency analyze capture.wav --probe probe.wav --rate fast"), 2, "--rate");
   says(desk.run("latency analyze capture.wav --probe probe.wav --rate '10 Hz'"), 2,
-       "--rate: '10 Hz' is out of range; it runs from 1 kHz to 768 kHz");
+       "--rate: '10 Hz' is out of range");
   says(desk.run("latency analyze"), 2, "FILE is required");
   says(desk.run("latency probe"), 2, "--out is required");
   says(desk.run("latency probe --out p.wav --level loud"), 2, "'loud' is no level");
@@ -206,7 +206,7 @@ TEST_CASE("latency: wrong usage is told, with exit code 2", "[latency]") {
   says(desk.run("latency measure --device loop:20ms --output 3"), 2, "'loop:20ms' has no output 3");
   says(desk.run("latency measure --device loop:nothing"), 4, "nothing");
   says(desk.run("latency measure --device loop:20ms --rate '12.5 Hz'"), 2,
-       "--rate: '12.5 Hz' is out of range; it runs from 1 kHz to 768 kHz");
+       "--rate: '12.5 Hz' is out of range");
   says(desk.run("latency sweep --blocks 0"), 2, "--blocks");
   says(desk.run("latency sweep --device loop:20ms --rates 1"), 2, "--rates");
 }

@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "apps/study/reports.h"
-#include "apps/study/sweep_options.h"
+#include "apps/study/study.h"
 
 #if defined(TACTUS_PROGRAM) && defined(__unix__)
 #include <csignal>
