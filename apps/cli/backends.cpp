@@ -7,17 +7,14 @@
 #include "apps/cli/console.h"
 #include "backends/find_device.h"
 #include "backends/loop/loop.h"
+#include "engine/core/named.h"
 #if defined(TACTUS_HAS_RTMIDI)
 #include "backends/rtmidi/rtmidi.h"
 #endif
 
 namespace tactus::app {
 
-std::vector<std::string> card_backends() {
-  std::vector<std::string> names;
-  for (const auto& backend : sound_backends()) names.push_back(backend.name);
-  return names;
-}
+std::vector<std::string> card_backends() { return names_of(sound_backends()); }
 
 Result<std::vector<SoundBackend>> backends_called(const std::string& name) {
   std::vector<SoundBackend> found;

@@ -27,19 +27,17 @@ int report(const CommandError& error);
 int exit_of(const Error& error);
 
 /// Ends the command.
+[[noreturn]] inline void exit_with(std::vector<Error> errors, int exit = 0) {
+  throw CommandError{std::move(errors), exit};
+}
 [[noreturn]] inline void exit_with(Error error, int exit = 0) {
-  throw CommandError{{std::move(error)}, exit};
+  exit_with(std::vector{std::move(error)}, exit);
 }
 
 /// The value of a result; its errors end the command.
-template <class T>
-T or_exit(Result<T> result, int exit = 0) {
+template <class T, class E>
+T or_exit(tl::expected<T, E> result, int exit = 0) {
   if (!result) exit_with(std::move(result.error()), exit);
-  if constexpr (!std::is_void_v<T>) return std::move(*result);
-}
-template <class T>
-T or_exit(Checked<T> result, int exit = 0) {
-  if (!result) throw CommandError{std::move(result.error()), exit};
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/commands.h"
 #include "apps/latency/latency.h"
 #include "apps/render/render.h"
 #include "backends/wav_file.h"

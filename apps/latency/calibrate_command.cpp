@@ -5,7 +5,6 @@
 #include <ctime>
 #include <filesystem>
 
-#include "apps/cli/commands.h"
 #include "apps/latency/latency.h"
 #include "engine/core/files.h"
 #include "engine/scene/file/path_file.h"

@@ -1,7 +1,5 @@
 #include "apps/latency/latency.h"
 
-#include "apps/cli/commands.h"
-
 namespace tactus::app {
 
 void add_latency(CLI::App& app, int& exit_code) {

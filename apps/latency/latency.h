@@ -1,12 +1,12 @@
 #pragma once
 // Thread: [control]
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/cli/backends.h"
+#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "engine/plot/plot.h"

@@ -1,13 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <utility>
 
-#include "apps/cli/commands.h"
 #include "apps/latency/latency.h"
 #include "apps/play/play_report.h"
 

@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
-#include "apps/cli/commands.h"
 #include "apps/latency/latency.h"
 #include "engine/core/decibels.h"
 #include "engine/dsp/delays/resample.h"

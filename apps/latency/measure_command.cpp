@@ -3,7 +3,6 @@
 
 #include <chrono>
 
-#include "apps/cli/commands.h"
 #include "apps/latency/latency.h"
 #include "apps/play/save_rig.h"
 #include "latency/measured.h"

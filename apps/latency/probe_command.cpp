@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "apps/cli/commands.h"
 #include "apps/latency/latency.h"
 #include "backends/wav_file.h"
 #include "engine/core/decibels.h"

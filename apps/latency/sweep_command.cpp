@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/commands.h"
 #include "apps/latency/latency.h"
 
 namespace tactus::app {
@@ -291,58 +290,50 @@ void take(const Measurement& measurement, SweepRow& row) {
   }
 }
 
-class Sweep {
- public:
-  Sweep(Loop& loop, const LatencySweepOptions& options) : loop_(loop), options_(options) {}
+/// Errors are kept in the row that it adds.
+void measure_setting(Loop& loop, Hertz rate, std::optional<int> periods, int block, SweepReport& report) {
+  auto& request = loop.settings.request;
+  request.sample_rate = rate;
+  request.periods = periods;
+  request.block_frames = block;
+  auto& row = report.rows.emplace_back();
+  row.asked_block = block;
+  row.asked_periods = periods;
+  row.setting.sample_rate = rate;
+  const auto granted = ask(*loop.devices.backend, loop.settings);
+  if (!granted) return void(row.refused = granted.error());
+  row.setting.sample_rate = granted->format.sample_rate;
+  row.setting.block_frames = granted->block_frames;
+  row.setting.periods = granted->periods;
+  row.again = std::any_of(report.rows.begin(), report.rows.end() - 1,
+                          [&](const SweepRow& other) { return same(other.setting, row.setting); });
+  if (row.again) return;
+  fmt::print(stderr, "{}\n", setting_text(row.setting));
+  const auto measured = measure_now(*loop.devices.backend, loop.settings);
+  if (!measured) return void(row.refused = measured.error());
+  take(*measured, row);
+}
 
-  SweepReport run() {
-    const auto& request = loop_.settings.request;
-    report_.source = request.device;
-    if (!request.input_device.empty()) report_.source += " and " + request.input_device;
-    std::vector<Hertz> rates;
-    for (const auto& text : options_.rates) rates.push_back(parse_rate(text, "rates"));
-    if (rates.empty()) rates = {*request.sample_rate};
-    auto periods = std::vector<std::optional<int>>(options_.periods.begin(), options_.periods.end());
-    if (periods.empty()) periods = {std::nullopt};
-    for (const auto& rate : rates)
-      for (const auto& count : periods)
-        for (const int block : options_.blocks) measure_one(rate, count, block);
-    return std::move(report_);
-  }
-
- private:
-  void measure_one(Hertz rate, std::optional<int> periods, int block) {
-    auto& request = loop_.settings.request;
-    request.sample_rate = rate;
-    request.periods = periods;
-    request.block_frames = block;
-    auto& row = report_.rows.emplace_back();
-    row.asked_block = block;
-    row.asked_periods = periods;
-    row.setting.sample_rate = rate;
-    const auto granted = ask(*loop_.devices.backend, loop_.settings);
-    if (!granted) return void(row.refused = granted.error());
-    row.setting.sample_rate = granted->format.sample_rate;
-    row.setting.block_frames = granted->block_frames;
-    row.setting.periods = granted->periods;
-    row.again = std::any_of(report_.rows.begin(), report_.rows.end() - 1,
-                            [&](const SweepRow& other) { return same(other.setting, row.setting); });
-    if (row.again) return;
-    fmt::print(stderr, "{}\n", setting_text(row.setting));
-    const auto measured = measure_now(*loop_.devices.backend, loop_.settings);
-    if (!measured) return void(row.refused = measured.error());
-    take(*measured, row);
-  }
-
-  Loop& loop_;
-  const LatencySweepOptions& options_;
-  SweepReport report_;
-};
+SweepReport measure_all(Loop& loop, const LatencySweepOptions& options) {
+  const auto request = loop.settings.request;
+  SweepReport report;
+  report.source = request.device;
+  if (!request.input_device.empty()) report.source += " and " + request.input_device;
+  std::vector<Hertz> rates;
+  for (const auto& text : options.rates) rates.push_back(parse_rate(text, "rates"));
+  if (rates.empty()) rates = {*request.sample_rate};
+  auto periods = std::vector<std::optional<int>>(options.periods.begin(), options.periods.end());
+  if (periods.empty()) periods = {std::nullopt};
+  for (const auto& rate : rates)
+    for (const auto& count : periods)
+      for (const int block : options.blocks) measure_setting(loop, rate, count, block, report);
+  return report;
+}
 
 int run_latency_sweep(const LatencySweepOptions& options) {
   auto loop = make_loop(options.loop);
   install_signal_handlers();
-  auto report = Sweep{loop, options}.run();
+  auto report = measure_all(loop, options);
   Status written;
   if (!options.picture.empty()) {
     written = write_svg(options.picture, {picture_of(report)});

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "apps/cli/commands.h"
 #include "apps/study/study.h"
 #include "engine/nodes/table.h"
 

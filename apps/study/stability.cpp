@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 
-#include "apps/cli/commands.h"
 #include "apps/study/study.h"
 
 namespace tactus::app {

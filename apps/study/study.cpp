@@ -1,7 +1,5 @@
 #include "apps/study/study.h"
 
-#include "apps/cli/commands.h"
-
 namespace tactus::app {
 
 void add_study(CLI::App& app, int& exit_code) {

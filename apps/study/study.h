@@ -1,11 +1,11 @@
 #pragma once
 // Thread: [control]
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/cli/commands.h"
 #include "apps/cli/console.h"
 #include "apps/cli/json.h"
 #include "engine/plot/plot.h"

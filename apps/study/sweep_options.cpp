@@ -9,7 +9,6 @@
 #include <memory>
 #include <sstream>
 
-#include "apps/cli/commands.h"
 #include "apps/study/study.h"
 #include "engine/core/dimension.h"
 #include "engine/graph/file/quantity.h"

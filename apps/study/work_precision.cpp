@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "apps/cli/commands.h"
 #include "apps/study/study.h"
 #include "engine/nodes/table.h"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "apps/cli/commands.h"
 #include "apps/study/study.h"
 #include "engine/nodes/table.h"
 #include "engine/scene/measures/measure.h"

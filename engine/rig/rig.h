@@ -46,11 +46,7 @@ struct RigOutput : RigPort {
 
 /// What moves a control.
 struct RigMidi {
-  enum class Kind {
-    Controller,
-    Note,
-    PitchBend,
-  };
+  enum class Kind { Controller, Note, PitchBend };
   std::string control;  ///< of the instrument
   Source at;
   std::string device;  ///< a part of the port's name; empty: any

@@ -7,6 +7,7 @@
 
 #include "apps/cli/console.h"
 #include "apps/cli/take_files.h"
+#include "engine/core/named.h"
 #include "engine/nodes/table.h"
 #include "engine/rig/check_rig.h"
 #include "engine/rig/rig_inputs.h"
@@ -122,11 +123,6 @@ std::vector<std::filesystem::path> files_of(const SceneSpec& scene, const std::f
   return files;
 }
 
-bool same_names(const std::vector<SceneTap>& a, const std::vector<SceneTap>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const auto& x, const auto& y) { return x.name == y.name; });
-}
-
 /// The monitor output: indices of the instrument's outputs, or of its inputs.
 struct Monitor {
   bool sensors = false;
@@ -187,7 +183,7 @@ class LiveWorld final : public Performer, private BlockProcessor {
       exit_with({Errc::BadArgument, setup_.file.string(), "another delay cannot take over while it plays",
                  "start again"});
     files_ = files_of(read.scene, setup_.file);
-    if (!same_names(read.compiled.plant_taps, built_.plant_taps)) watching_ = false;
+    if (names_of(read.compiled.plant_taps) != names_of(built_.plant_taps)) watching_ = false;
     or_exit(built_.instrument->replace(std::move(read.compiled.instrument)));
     or_exit(built_.plant->replace(std::move(read.compiled.plant)));
   }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/cli/guard_options.h"
+#include "apps/play/play_report.h"
 #include "backends/take/take.h"
 #include "engine/graph/plan/compile.h"
 #include "engine/guard/guarded.h"

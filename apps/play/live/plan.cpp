@@ -97,10 +97,10 @@ void learn_sensitivity(Rig& rig, const GraphSpec& instrument, const std::string&
 /// Makes a plan, step by step; each step leaves what it found in `plan_`.
 class Planner {
  public:
-  explicit Planner(const LiveOptions& options)
-      : options_(options),
-        file_(resolve_target(options.target, options.listen ? "scene.toml" : "instrument.toml")),
-        root_(root_of(file_)) {}
+  explicit Planner(const LiveOptions& options) : options_(options) {
+    plan_.file = resolve_target(options.target, options.listen ? "scene.toml" : "instrument.toml");
+    plan_.root = root_of(plan_.file);
+  }
 
   LivePlan run() {
     read_rig();
@@ -126,7 +126,7 @@ class Planner {
     error_if(!options_.rig.empty() && !options_.save_rig.empty(), "--save-rig", "there is a rig already",
              "leave --rig out, or change its file");
     if (options_.rig.empty()) return;
-    plan_.rig = or_exit(load_rig(options_.rig, root_), kBadFile);
+    plan_.rig = or_exit(load_rig(options_.rig, plan_.root), kBadFile);
     device_ = plan_.rig->device;
     // The rig says which actuator is on which channel of which card: no option may override it.
     for (const auto& [given, option] :
@@ -148,7 +148,7 @@ class Planner {
   }
 
   void make_rig() {
-    const auto graph = or_exit(load_graph(file_, root_), kBadFile);
+    const auto graph = or_exit(load_graph(plan_.file, plan_.root), kBadFile);
     const auto& [request, devices] = std::tie(plan_.request, plan_.devices);
     plan_.rig = ask_for_rig(*graph,
                             {{},
@@ -157,7 +157,7 @@ class Planner {
                              request.sample_rate,
                              request.block_frames,
                              request.periods},
-                            devices.input.in_channels, devices.output.out_channels, root_, dialog_);
+                            devices.input.in_channels, devices.output.out_channels, plan_.root, dialog_);
     save(options_.force);
   }
 
@@ -170,7 +170,7 @@ class Planner {
     if (!plan_.rig)
       exit_with({Errc::Missing, "--learn", "there is no rig to store the sensitivity in",
                  "give --rig, or --save-rig to make one"});
-    const auto graph = or_exit(load_graph(file_, root_), kBadFile);
+    const auto graph = or_exit(load_graph(plan_.file, plan_.root), kBadFile);
     learn_sensitivity(*plan_.rig, *graph, options_.learn, *plan_.devices.backend, plan_.request);
     save(true);
   }
@@ -216,26 +216,15 @@ class Planner {
     if (newest->key.periods > 0) plan_.delay_periods = newest->key.periods;
   }
 
-  /// The control values of the command line, and of the rig for the others.
-  std::map<std::string, ControlValue> settings() const {
-    auto settings = parse_settings(options_.set);
-    if (plan_.rig)
-      for (const auto& [name, at, value] : plan_.rig->controls) settings.try_emplace(name, value);
-    return settings;
-  }
-
   void make_performer() {
     auto& request = plan_.request;
-    PerformerSetup setup{.file = file_,
-                         .root = root_,
-                         .rate = *request.sample_rate,
-                         .delay = plan_.delay,
-                         .controls = settings(),
-                         .guard = options_.guard,
-                         .rig = plan_.rig,
-                         .padding_frames = plan_.padding_frames,
-                         .speakers = std::min(2, plan_.devices.output.out_channels)};
-    plan_.performer = options_.listen ? make_world(std::move(setup)) : make_instrument(std::move(setup));
+    plan_.rate = *request.sample_rate;
+    plan_.guard = options_.guard;
+    plan_.speakers = std::min(2, plan_.devices.output.out_channels);
+    plan_.controls = parse_settings(options_.set);
+    if (plan_.rig)  // its values for the others
+      for (const auto& [name, at, value] : plan_.rig->controls) plan_.controls.try_emplace(name, value);
+    plan_.performer = options_.listen ? make_world(plan_) : make_instrument(plan_);
     const auto& performer = *plan_.performer;
     request.in_channels = static_cast<int>(performer.inputs().size());
     request.out_channels = static_cast<int>(performer.outputs().size());
@@ -244,7 +233,6 @@ class Planner {
   }
 
   const LiveOptions& options_;
-  std::filesystem::path file_, root_;
   Dialog dialog_{std::cin, std::cerr, options_.yes};
   Rig::Device device_;  ///< of the rig
   LivePlan plan_;

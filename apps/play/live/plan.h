@@ -32,15 +32,12 @@ struct LiveOptions : PlayerOptions {
 int play_live(const LiveOptions& options);
 
 /// What a session is made from.
-struct LivePlan {
+struct LivePlan : PerformerSetup {
   ChosenDevices devices;
   StreamRequest request;
   std::unique_ptr<Performer> performer;
-  std::optional<Rig> rig;
   std::string rig_file;                           ///< or empty
-  std::optional<Seconds> delay;                   ///< of the card, measured
-  std::optional<int> delay_block, delay_periods;  ///< that it was measured with, where that is known
-  int padding_frames = 0;
+  std::optional<int> delay_block, delay_periods;  ///< that the delay was measured with, where that is known
 };
 
 /// The plan by the command line and the rig, the former first. Asks for a rig and learns a sensitivity where
