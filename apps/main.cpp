@@ -5,15 +5,37 @@
 #include "apps/cli/console.h"
 #include "apps/play/live/controls/keyboard.h"
 
+namespace {
+
+/// The help of CLI11 with its defaults at the end of each description.
+class HelpFormatter : public CLI::Formatter {
+  std::string make_option_name(const CLI::Option* option, bool positional) const override {
+    auto name = CLI::Formatter::make_option_name(option, positional);
+    const auto any = name.find("{*}");  // a flag that accepts a value
+    return any == std::string::npos ? name : name.replace(any, 3, "[=NAME]");
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    auto text = CLI::Formatter::make_option_opts(option);
+    const auto value = "=" + option->get_default_str();
+    const auto at = value.size() > 1 ? text.find(value) : std::string::npos;
+    return at == std::string::npos ? text : text.erase(at, value.size());
+  }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const auto value = option->get_default_str();
+    return option->get_description() + (value.empty() ? "" : "; default: " + value);
+  }
+};
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace tactus::app;
   open_standard_streams();
   CLI::App app{"Tactus: haptic instruments on ordinary sound cards", "tactus"};
+  app.formatter(std::make_shared<HelpFormatter>());
   app.require_subcommand(1);
   app.set_version_flag("--version", version());
-  app.footer(
-      "Start with:  tactus play instruments/haptic_drum\nEach command explains itself:  tactus render "
-      "--help");
+  app.footer("Start with:  tactus play instruments/haptic_drum\nHelp on a command:  tactus render --help");
   int exit_code = kDone;
   for (auto* add : {TACTUS_COMMANDS}) add(app, exit_code);  // as apps/CMakeLists.txt says
   try {

@@ -18,11 +18,9 @@ std::int64_t nanoseconds(std::chrono::steady_clock::time_point time) {
 
 }  // namespace
 
-CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted,
-                           bool watch_clock)
+CardCallback::CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted)
     : processor_(processor),
       format_(granted.format),
-      watch_clock_(watch_clock),
       patience_(std::max<std::chrono::nanoseconds>(
           kStall, std::chrono::nanoseconds{std::llround(4e9 * granted.format.max_frames /
                                                         granted.format.sample_rate.value)})),
@@ -120,7 +118,6 @@ void CardCallback::convert_input(const float* const* in, int offset, int frames)
 void CardCallback::watch(int frames, Clock::time_point now) noexcept {
   const auto now_ns = nanoseconds(now);
   last_block_ns_.store(now_ns, std::memory_order_relaxed);
-  if (!watch_clock_) return;
   const auto missing = clock_.block(frames_, frames, 1e-9 * static_cast<double>(now_ns));
   frames_ += frames;
   if (missing == 0) return;

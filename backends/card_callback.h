@@ -17,8 +17,7 @@ namespace tactus {
 /// Finds frames that went missing although no driver reported them, by the clock: blocks come late for many
 /// reasons but never early, so the earliest block of each half second shows where the stream stands. When it
 /// falls behind that of the half second before by more than a block and by more than two clocks drift apart
-/// (0.2
-/// %), frames are missing.
+/// (0.2 %), frames are missing.
 ///
 /// Theory: with F frames brought until time t, e = F / rate - t is at most a constant while nothing is lost;
 /// a loss of L frames lowers its maximum by L / rate.
@@ -70,9 +69,8 @@ class FrameWatch {
 class CardCallback {
  public:
   /// [control] `processor` is prepared for `granted.format` and outlives `abandon`. `request` has the channel
-  /// maps; `watch_clock`: the library does not report how many frames it lost.
-  CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted,
-               bool watch_clock);
+  /// maps.
+  CardCallback(Guarded& processor, const StreamRequest& request, const StreamGranted& granted);
 
   /// [control & not playing] Blocks reach the processor from now on.
   void play() noexcept;
@@ -86,8 +84,16 @@ class CardCallback {
   /// `in` may be nullptr, as may any plane: silence. `device_outputs`: how many planes to fill.
   void block(const float* const* in, float* const* out, int device_outputs, int frames) noexcept;
 
-  /// [realtime, any thread] A gap that the library reported. [realtime] Frames that it reported lost.
+  /// [realtime, any thread] A gap that the library reported.
   void gap(Gap gap) noexcept;
+  /// [realtime, any thread] The flags of a library. With JACK they do not report where: both are always
+  /// there.
+  void gaps(bool jack, bool input, bool output) noexcept {
+    if (jack && (input || output)) gap(Gap::Server);
+    if (input && !jack) gap(Gap::Input);
+    if (output && !jack) gap(Gap::Output);
+  }
+  /// [realtime] Frames that it reported lost.
   void lost(std::int64_t frames) noexcept;
 
   /// [any]
@@ -113,7 +119,6 @@ class CardCallback {
 
   Guarded& processor_;
   const StreamFormat format_;
-  const bool watch_clock_;
   const std::chrono::nanoseconds patience_;
   std::vector<int> in_map_, out_map_;
   ChannelBuffers in_, out_;

@@ -5,10 +5,17 @@
 
 namespace tactus {
 
-/// A stream on a sound library: its state, and the order in which callback and library start and stop.
+/// A stream on a sound library: its state, and the order in which callback and library start and stop. `Line`
+/// is all that the library touches, with the callback as `card`.
+template <class Line>
 class CardStream : public Stream {
  public:
-  explicit CardStream(StreamGranted granted) : granted_(std::move(granted)) {}
+  /// `processor` is prepared for `granted.format`; `request` has the channel maps.
+  CardStream(std::shared_ptr<Line> line, StreamGranted granted, const StreamRequest& request,
+             Guarded& processor)
+      : line_(std::move(line)), granted_(std::move(granted)) {
+    line_->card = std::make_unique<CardCallback>(processor, request, granted_);
+  }
 
   const StreamGranted& granted() const final { return granted_; }
   Status start() final {
@@ -17,28 +24,29 @@ class CardStream : public Stream {
       return fail(Errc::Device, "", "'" + granted_.device + "' was disconnected",
                   granted_.comes_back ? "open it again" : "end the program and start it again");
     if (auto status = start_library(); !status) return status;
-    card().play();
+    line_->card->play();
     running_ = true;
     return {};
   }
   Status stop() final {
-    const bool finished = running_ && !lost() && card().finish();
+    const bool finished = running_ && !lost() && line_->card->finish();
     if (!std::exchange(running_, false)) return {};
-    card().abandon();
+    line_->card->abandon();
     return stop_library(finished);
   }
   StreamState state() const final {
     if (lost()) return StreamState::Lost;
     if (!running_) return StreamState::Stopped;
-    return card().stalled() ? StreamState::Stalled : StreamState::Running;
+    return line_->card->stalled() ? StreamState::Stalled : StreamState::Running;
   }
-  Health health() const final { return card().health(); }
+  Health health() const final { return line_->card->health(); }
 
  protected:
   bool running() const { return running_; }
 
+  std::shared_ptr<Line> line_;
+
  private:
-  virtual CardCallback& card() const = 0;
   /// [control] The device or its server went away.
   virtual bool lost() const = 0;
   /// [control] Blocks begin to flow. Errors: Device.

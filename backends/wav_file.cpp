@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -71,12 +73,41 @@ bool is_wav(int format) {
   return type == SF_FORMAT_WAV || type == SF_FORMAT_WAVEX || type == SF_FORMAT_RF64;
 }
 
+Status check_channels(const fs::path& path, int channels) {
+  if (channels >= 1 && channels <= kMaxChannels) return {};
+  return fail(Errc::BadArgument, path.string(), fmt::format("a WAV file cannot have {} channels", channels),
+              fmt::format("write 1 to {}", kMaxChannels));
+}
+
 /// 24 bits in the upper part of 32, as libsndfile takes them. Not left to it, because it would scale by
 /// 2^23 - 1, and a file that was read and written again would not be the same.
 int to_pcm24(double sample) {
   constexpr double kSteps = 8388608.0;  // 2^23
   const double step = std::isnan(sample) ? 0.0 : std::nearbyint(sample * kSteps);
   return static_cast<int>(std::clamp(step, -kSteps, kSteps - 1.0)) * 256;
+}
+
+static_assert(std::endian::native == std::endian::little, "samples are written as they lie in memory");
+
+constexpr std::uint64_t kMost32 = std::numeric_limits<std::uint32_t>::max();
+
+class Bytes {
+ public:
+  Bytes& tag(const char* name) { return text_.append(name, 4), *this; }
+  Bytes& number(std::uint64_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) text_ += static_cast<char>(value >> (8 * i) & 0xff);
+    return *this;
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::uint64_t frame_bytes(int channels) { return sizeof(float) * static_cast<std::uint64_t>(channels); }
+
+tl::unexpected<Error> cannot_append(const fs::path& path) {
+  return fail(Errc::BadFile, path.string(), why_not_written(), "check the space on the disk");
 }
 
 }  // namespace
@@ -121,9 +152,7 @@ int WavReader::read(double* const* channels, int frames) {
 
 Result<WavWriter> WavWriter::create(const fs::path& path, Hertz sample_rate, int channels,
                                     WavEncoding encoding) {
-  if (channels < 1 || channels > kMaxChannels)
-    return fail(Errc::BadArgument, path.string(), fmt::format("a WAV file cannot have {} channels", channels),
-                fmt::format("write 1 to {}", kMaxChannels));
+  if (auto status = check_channels(path, channels); !status) return tl::unexpected(status.error());
   if (!(sample_rate.value >= 1.0 && sample_rate.value <= std::numeric_limits<int>::max()) ||
       sample_rate.value != std::floor(sample_rate.value))
     return fail(Errc::BadArgument, path.string(),
@@ -170,6 +199,87 @@ Status WavWriter::close() {
   if (sf_close(sound_.release()) == 0) return {};
   return fail(Errc::BadFile, path_.string(), "it could not be closed properly",
               "check the space on the disk");
+}
+
+std::string why_not_written() {
+  const std::error_code error{errno, std::generic_category()};
+  if (error == std::errc::no_space_on_device) return "the disk is full";
+  return fmt::format("writing to the disk failed ({})", error ? error.message() : "unknown error");
+}
+
+std::string wav_header(Hertz sample_rate, int channels, std::int64_t frames) {
+  constexpr std::uint64_t kBehindRiff = 86;  // bytes of the header behind the first eight
+  const auto rate = static_cast<std::uint64_t>(sample_rate.value);
+  const auto data = frame_bytes(channels) * static_cast<std::uint64_t>(frames);
+  const auto riff = kBehindRiff + data;
+  const bool large = riff > kMost32;
+  const auto in_32 = [&](std::uint64_t value) { return large ? kMost32 : value; };
+  Bytes bytes;
+  bytes.tag(large ? "RF64" : "RIFF").number(in_32(riff), 4).tag("WAVE");
+  bytes.tag(large ? "ds64" : "JUNK").number(28, 4);
+  bytes.number(large ? riff : 0, 8).number(large ? data : 0, 8);
+  bytes.number(large ? static_cast<std::uint64_t>(frames) : 0, 8).number(0, 4);
+  bytes.tag("fmt ").number(18, 4).number(3, 2).number(static_cast<std::uint64_t>(channels), 2);
+  bytes.number(rate, 4).number(rate * frame_bytes(channels), 4);
+  bytes.number(frame_bytes(channels), 2).number(32, 2).number(0, 2);
+  bytes.tag("fact").number(4, 4).number(in_32(static_cast<std::uint64_t>(frames)), 4);
+  bytes.tag("data").number(in_32(data), 4);
+  return bytes.take();
+}
+
+GrowingWav::GrowingWav(fs::path path, Hertz sample_rate, int channels)
+    : path_(std::move(path)),
+      sample_rate_(sample_rate),
+      channels_(channels),
+      file_(path_, std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc) {}
+
+Result<GrowingWav> GrowingWav::create(const fs::path& path, Hertz sample_rate, int channels) {
+  if (auto status = check_channels(path, channels); !status) return tl::unexpected(status.error());
+  std::error_code ignored;
+  if (fs::exists(path, ignored))
+    return fail(Errc::BadFile, path.string(), "this take is there already",
+                "choose another name, or move it away");
+  GrowingWav wav{path, sample_rate, channels};
+  if (wav.settle()) return wav;
+  return fail(Errc::BadFile, path.string(), "it cannot be written",
+              "check that the folder exists and may be written to");
+}
+
+Status GrowingWav::append(const float* samples, std::int64_t frames) {
+  const auto bytes = frame_bytes(channels_) * static_cast<std::uint64_t>(frames);
+  if (!file_.write(reinterpret_cast<const char*>(samples), static_cast<std::streamsize>(bytes)))
+    return cannot_append(path_);
+  frames_ += frames;
+  return {};
+}
+
+Status GrowingWav::append_silence(std::int64_t frames) {
+  const std::vector<float> zeros(index(kBlock * channels_), 0.0f);
+  for (; frames > 0; frames -= kBlock)
+    if (auto status = append(zeros.data(), std::min(frames, kBlock)); !status) return status;
+  return {};
+}
+
+// The samples first: a header must never promise what is not there.
+Status GrowingWav::settle() {
+  file_.flush();
+  const auto header = wav_header(sample_rate_, channels_, frames_);
+  file_.seekp(0).write(header.data(), static_cast<std::streamsize>(header.size())).flush();
+  file_.seekp(0, std::ios::end);
+  return file_ ? Status{} : cannot_append(path_);
+}
+
+void GrowingWav::save_what_is_there() {
+  file_.close();
+  std::error_code error;
+  const auto header = wav_header(sample_rate_, channels_, 0).size();
+  const auto size = fs::file_size(path_, error);
+  if (error || size < header) return;
+  frames_ = static_cast<std::int64_t>((size - header) / frame_bytes(channels_));
+  fs::resize_file(path_, header + frame_bytes(channels_) * static_cast<std::uint64_t>(frames_), error);
+  file_.clear();
+  file_.open(path_, std::ios::binary | std::ios::in | std::ios::out);
+  (void)settle();
 }
 
 Result<Samples> read_wav(const fs::path& path) {

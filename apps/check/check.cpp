@@ -221,7 +221,7 @@ void print(const CheckReport& report, bool verbose) {
   const auto& verdict = report.verdict;
   fmt::print("{}\n\n", !report.passed()        ? "unstable"
                        : verdict.outside_known ? "stable"
-                                               : "stable by itself; the loop over the outside is not known");
+                                               : "stable by itself; the loop through the plant is not known");
   const auto sentences = describe(verdict);
   fmt::print("{}: {} ({})\n", report.name, sentences.front(), report.delay_source);
   for (std::size_t i = 1; i < sentences.size(); ++i) fmt::print("  {}\n", sentences[i]);
@@ -280,7 +280,7 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
   auto& world = job.options.world;
   if (!options.delay.empty()) {
     world.delay = parse_delay(options.delay);
-    return "delay as asked for";
+    return "delay from --delay";
   }
   if (job.scene) {
     world.delay = job.scene->scene->delay;
@@ -297,9 +297,9 @@ std::string choose_delay(const CheckOptions& options, CheckJob& job) {
     return "delay as measured on the rig";
   }
   const auto tested = tested_delays(*job.instrument->spec);
-  if (!tested) return "no delay is known";
+  if (!tested) return "delay not known";
   world.delay = Seconds{tested->high};
-  return "longest delay that it was tested with";
+  return "longest delay that the instrument was tested with";
 }
 
 /// Gives the source of the delay.
@@ -359,31 +359,34 @@ int run_check(const CheckOptions& options) {
 }  // namespace
 
 void add_check(CLI::App& app, int& exit_code) {
-  auto [command, options] =
-      add_command(app, "check", "Whether an instrument or scene is stable, and what would break first",
-                  exit_code, run_check);
+  auto [command, options] = add_command(
+      app, "check", "Check whether an instrument or scene is stable, and what would become unstable first",
+      exit_code, run_check);
   command
-      .add_option("FILE", options.target,
-                  "instrument or scene; a folder means its scene.toml, with --rig its instrument.toml")
+      .add_option(
+          "FILE", options.target,
+          "instrument or scene file; for a folder, its scene.toml, or its instrument.toml if --rig is given")
       ->required();
-  command.add_option("--rate", options.rate, "sample rate, instead of the scene's or 48 kHz");
-  command.add_option("--delay", options.delay, "system delay, instead of the scene's or the rig's");
-  command.add_option("--rig", options.rig, "rig file: its measured delay");
-  command.add_option("--set", options.set, "NAME=VALUE of a control");
+  command.add_option("--rate", options.rate, "sample rate; default: the scene's, or 48 kHz");
+  command.add_option("--delay", options.delay, "system delay; default: the scene's or the rig's");
+  command.add_option("--rig", options.rig, "rig file; its measured delay is used as the system delay");
+  command.add_option("--set", options.set, "NAME=VALUE: sets a control");
   for (const auto& [name, value, help] :
        {std::tuple{"--hand-damping", &options.hand_damping, "added to the device by a fingertip"},
         {"--hand-mass", &options.hand_mass, "added to the device by a fingertip"},
-        {"--push", &options.push, "force in contacts that are analysed closed"},
-        {"--device-mass", &options.device_mass, "of the device that an instrument without a scene pushes"},
-        {"--device-damping", &options.device_damping, "of that device"}})
+        {"--push", &options.push, "contact force assumed when a contact is analysed in its closed state"},
+        {"--device-mass", &options.device_mass,
+         "mass of the device assumed for an instrument without a scene"},
+        {"--device-damping", &options.device_damping,
+         "damping of the device assumed for an instrument without a scene"}})
     command.add_option(name, *value, help)->capture_default_str();
-  command.add_flag("--quick", options.quick, "only the analysis of the graph, without the runs");
-  command.add_flag("--verbose", options.verbose, "every loop, network, control and run as a table");
-  command.add_flag("--json", options.json, "every number, for machines");
+  command.add_flag("--quick", options.quick, "analyse the graph only; do not simulate");
+  command.add_flag("--verbose", options.verbose,
+                   "also print every loop, network, control and run as a table");
+  command.add_flag("--json", options.json, "print every number as JSON");
   command.footer(
       "Examples:\n  tactus check instruments/haptic_drum\n  tactus check my_wall.toml --delay \"1 ms\" "
-      "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: it is "
-      "unstable.");
+      "--device-mass \"30 g\"\n  tactus check my_scene.toml --quick --json\n\nExit code 1: unstable.");
 }
 
 }  // namespace tactus::app

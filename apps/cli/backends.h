@@ -7,7 +7,6 @@
 
 #include "backends/backend.h"
 #include "backends/midi.h"
-#include "backends/sound_backends.h"
 #include "engine/rig/rig.h"
 
 namespace tactus::app {

@@ -148,7 +148,8 @@ std::pair<std::string, std::string> parse_assignment(const std::string& text, co
                                                      const std::string& form, const std::string& example) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    exit_with({Errc::Syntax, option, "'" + text + "' is not " + form, "write for instance " + example});
+    exit_with(
+        {Errc::Syntax, option, "'" + text + "' is not of the form " + form, "write for instance " + example});
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 

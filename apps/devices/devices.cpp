@@ -51,7 +51,7 @@ void print(const Device& device, const MeasuredDelays& delays) {
   fmt::print("      {}: {} in, {} out, {}{}{}{}\n", device.name, device.in_channels, device.out_channels,
              rates.empty() ? fmt::format("{:g} kHz, others too", device.default_rate.value / 1e3)
                            : fmt::format("{:g} kHz", fmt::join(rates, ", ")),
-             device.block_frames ? fmt::format(", {} frames a block", *device.block_frames) : "",
+             device.block_frames ? fmt::format(", {} frames per block", *device.block_frames) : "",
              latency_text(device), measured_text(device, delays));
 }
 
@@ -90,15 +90,14 @@ int run_devices(const DevicesOptions& options) {
 void add_devices(CLI::App& app, int& exit_code) {
   auto [command, options] = add_command(app, "devices", "List the sound devices that instruments can play on",
                                         exit_code, run_devices);
-  command.add_option(
-      "--backend", options.backend,
-      fmt::format("only those of one: {}; loop: simulated cards", fmt::join(card_backends(), ", ")));
-  command.add_flag("--json", options.json, "for machines");
+  command.add_option("--backend", options.backend,
+                     fmt::format("list only the devices of this backend: {}, or loop (simulated cards)",
+                                 fmt::join(card_backends(), ", ")));
+  command.add_flag("--json", options.json, "print the list as JSON");
   command.footer(
-      "Examples:\n  tactus devices\n  tactus devices --backend jack --json\n"
-      "An id, or a part of a name that only one device has, goes into:\n"
-      "  tactus play instruments/haptic_drum --device jack:system\n"
-      "Exit code 4: no device.");
+      "Examples:\n  tactus devices\n  tactus devices --backend jack --json\nPass an id, or an unambiguous "
+      "part of a device name, to --device:\n  tactus play instruments/haptic_drum --device jack:system\nExit "
+      "code 4: no device.");
 }
 
 }  // namespace tactus::app

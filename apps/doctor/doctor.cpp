@@ -402,9 +402,9 @@ int run_doctor(const DoctorOptions& options) {
 }  // namespace
 
 void add_doctor(CLI::App& app, int& exit_code) {
-  auto [command, options] =
-      add_command(app, "doctor", "Check whether this system is fit for short delays", exit_code, run_doctor);
-  command.add_flag("--json", options.json, "for machines");
+  auto [command, options] = add_command(
+      app, "doctor", "Check whether this system is set up for low-latency audio", exit_code, run_doctor);
+  command.add_flag("--json", options.json, "print the findings as JSON");
   command.footer(
       "Example:\n  tactus doctor\nIt changes nothing; each finding is followed by the command that fixes it, "
       "or that shows more.\nExit code 1: at least one warning.");

@@ -199,14 +199,16 @@ int run_explain(const ExplainOptions& options) {
 }  // namespace
 
 void add_explain(CLI::App& app, int& exit_code) {
-  auto [command, options] = add_command(
-      app, "explain", "Print what a graph runs, in which order and at what cost", exit_code, run_explain);
+  auto [command, options] =
+      add_command(app, "explain", "Print the nodes that a graph runs, their order and their cost", exit_code,
+                  run_explain);
   command
-      .add_option("FILE", options.target, "instrument, plant or scene; a folder means its instrument.toml")
+      .add_option("FILE", options.target,
+                  "instrument, plant or scene file; for a folder, its instrument.toml")
       ->required();
   command.add_option("--rate", options.rate, "sample rate")->capture_default_str();
-  add_number(command, "--block", options.block, "block size in frames while measuring", 1, 4096);
-  command.add_flag("--json", options.json, "for machines");
+  add_number(command, "--block", options.block, "block size in frames for the cost measurement", 1, 4096);
+  command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
       "Examples:\n  tactus explain instruments/haptic_drum\n  tactus explain "
       "instruments/haptic_drum/scene.toml --json");

@@ -109,7 +109,7 @@ int run_latency_analyze(const AnalyzeOptions& options) {
   if (!options.profile.empty()) settings.profile = read_profile(options.profile, rate);
   auto analysis = or_exit(analyze(capture.recording, settings), kBadFile);
   if (analysis.detected && analysis.delay_frames < -0.5)
-    fmt::print(stderr, "note: the recording began after the probe did, so this is no delay of a device\n");
+    fmt::print(stderr, "note: the recording started after the probe, so this is not the delay of a device\n");
   const auto source = fmt::format("{}, {:g} kHz", options.capture, rate.value / 1e3);
   return publish(report_of(source, std::move(capture), std::move(analysis)), options.report);
 }
@@ -121,20 +121,23 @@ void add_latency_analyze(CLI::App& latency, int& exit_code) {
       add_command(latency, "analyze", "Find the delay in a recording", exit_code, run_latency_analyze);
   command.add_option("FILE", options.capture, "WAV file of the captured signal")->required();
   command.add_option("--probe", options.probe,
-                     "WAV file of what was played; left out: it is the first channel of FILE");
-  add_number(command, "--channel", options.channel,
-             "channel of FILE with what came back, from 1; [the first, or after the played one]", 1, 1024);
-  command.add_option("--rate", options.rate, "the true sample rate, where the files are wrong about it");
-  command.add_option("--profile", options.profile,
-                     "what was in the loop instead of a cable: a file of tactus latency calibrate");
+                     "WAV file that was played; default: the first channel of FILE");
+  add_number(
+      command, "--channel", options.channel,
+      "channel of FILE with the captured signal, counted from 1; default: 1, or 2 if channel 1 is the probe",
+      1, 1024);
+  command.add_option("--rate", options.rate, "actual sample rate, if the headers of the files are wrong");
+  command.add_option(
+      "--profile", options.profile,
+      "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; default: a cable");
   add_report_options(command, options.report);
   command.footer(
-      "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n"
-      "  tactus latency analyze capture.wav --probe probe.wav --channel 2 --report delay.svg\n"
-      "  tactus latency analyze raw.wav     # as tactus latency measure --wav raw.wav kept it\n"
-      "The delay is counted from the beginning of the probe to where it begins in FILE: it is that of the "
-      "device only\nif both were begun in the same frame.\n"
-      "Exit code 1: no reliable delay in the recording; the report gives the reason.");
+      "Examples:\n  tactus latency analyze capture.wav --probe probe.wav\n  tactus latency analyze "
+      "capture.wav --probe probe.wav --channel 2 --report delay.svg\n  tactus latency analyze raw.wav     # "
+      "saved by tactus latency measure --wav raw.wav\nThe delay is measured from the start of the probe file "
+      "to the start of the probe in FILE. It equals the delay of\nthe device only if playback and recording "
+      "started in the same frame.\nExit code 1: no reliable delay in the recording; the report gives the "
+      "reason.");
 }
 
 }  // namespace tactus::app

@@ -133,28 +133,32 @@ int run_latency_calibrate(const CalibrateOptions& options) {
 
 void add_latency_calibrate(CLI::App& latency, int& exit_code) {
   auto [command, options] =
-      add_command(latency, "calibrate", "Measure how an actuator and a sensor answer together", exit_code,
-                  run_latency_calibrate);
+      add_command(latency, "calibrate", "Measure the combined response of an actuator and a sensor",
+                  exit_code, run_latency_calibrate);
   auto& loop = options.loop;
   loop.openings = 1;
   add_loop_options(command, loop);
   add_setting_options(command, loop);
   command.add_option("--electrical", options.electrical,
-                     "the card's own delay, such as \"3.92 ms\"; [the rig's, or as it was measured here]");
+                     "delay of the card without actuator and sensor, such as \"3.92 ms\"; default: from the "
+                     "rig, or from the last measurement on this computer");
   command
-      .add_option("--save", options.out, "file for the profile, a graph that a scene can use as its plant")
+      .add_option("--save", options.out,
+                  "file for the profile (a graph file that a scene can use as its plant)")
       ->check(writable_file())
       ->required();
-  command.add_option("--report", options.picture, "a picture of it, an SVG file")->check(writable_file());
-  command.add_option("--wav", options.sound, "save the recording (played and captured), for analyze")
+  command.add_option("--report", options.picture, "write a plot of the response to this SVG file")
       ->check(writable_file());
-  command.add_flag("--json", options.json, "for machines");
+  command
+      .add_option("--wav", options.sound,
+                  "WAV file for the recording (played and captured), for tactus latency analyze")
+      ->check(writable_file());
+  command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
-      "Examples:\n  tactus latency measure --rig desk.toml                          # first, over a cable\n"
-      "  tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "
-      "microphone\n"
-      "  tactus latency measure --rig desk.toml --profile woofer.toml    # from now on without a cable\n"
-      "The first output of the rig moves, as loud as its guard allows: keep hands away.");
+      "Examples:\n  tactus latency measure --rig desk.toml                          # first, over a cable\n  "
+      "tactus latency calibrate --rig desk.toml --save woofer.toml     # then through woofer and "
+      "microphone\n  tactus latency measure --rig desk.toml --profile woofer.toml    # from now on without a "
+      "cable\nThe actuator on the rig's first output moves, up to the limits of its guard: keep hands away.");
 }
 
 }  // namespace tactus::app

@@ -382,11 +382,10 @@ std::string text_of(const LatencyReport& report) {
 }
 
 void add_report_options(CLI::App& command, ReportFiles& files) {
-  command
-      .add_option("--folder", files.folder, "folder for the picture, the report as JSON and the recordings")
+  command.add_option("--folder", files.folder, "folder for the plot, the report as JSON and the recordings")
       ->check(writable_folder());
-  command.add_option("--report", files.picture, "the picture alone, an SVG file")->check(writable_file());
-  command.add_flag("--json", files.json, "for machines");
+  command.add_option("--report", files.picture, "write the plot to this SVG file")->check(writable_file());
+  command.add_flag("--json", files.json, "print the report as JSON");
 }
 
 Status write_recording(const std::string& path, const LoopRecording& recording) {

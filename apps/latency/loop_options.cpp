@@ -95,26 +95,29 @@ void set_level(const LoopOptions& options, Loop& loop) {
 }  // namespace
 
 void add_loop_options(CLI::App& command, LoopOptions& options) {
-  command.add_option("--backend", options.backend, "jack, rtaudio, …; see tactus devices");
-  command.add_option("--device", options.device, "id of a device, or a part of its name");
-  command.add_option("--input-device", options.input_device, "where the input is on another device");
-  command.add_option(
-      "--rig", options.rig,
-      "rig file: device, setting, and what is connected to the output; the measured delay is saved there");
-  add_number(command, "--in,--input", options.input, "input channel of the loop, from 1", 1, 1024);
-  add_number(command, "--out,--output", options.output, "output channel of the loop, from 1", 1, 1024);
-  command.add_option("--level", options.level, "the highest level to play, such as \"-20 dBFS\"; [-6 dBFS]");
+  command.add_option("--backend", options.backend, "audio backend: jack, rtaudio, …; see tactus devices");
+  command.add_option("--device", options.device, "id of a device, or part of its name");
+  command.add_option("--input-device", options.input_device, "input device, if different from --device");
+  command.add_option("--rig", options.rig,
+                     "rig file: device, sample rate, block size and what is connected to the output; the "
+                     "measured delay is saved there");
+  add_number(command, "--in,--input", options.input, "input channel of the loop, counted from 1", 1, 1024);
+  add_number(command, "--out,--output", options.output, "output channel of the loop, counted from 1", 1,
+             1024);
+  command.add_option("--level", options.level,
+                     "highest peak level to play, such as \"-20 dBFS\"; default: -6 dBFS");
 }
 
 void add_setting_options(CLI::App& command, LoopOptions& options) {
-  command.add_option("--rate", options.rate, "sample rate; [the device's]");
-  add_number(command, "--block", options.block, "block size in frames; [the device's]", 1, 8192);
+  command.add_option("--rate", options.rate, "sample rate; default: the device's");
+  add_number(command, "--block", options.block, "block size in frames; default: the device's", 1, 8192);
   add_number(command, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
 }
 
 void add_repetition_options(CLI::App& command, LoopOptions& options) {
-  add_number(command, "--openings", options.openings, "how often the stream is opened", 1, 100);
-  add_number(command, "--sweeps", options.probes, "probes per opening", 2, 100);
+  add_number(command, "--openings", options.openings, "number of times the stream is opened", 1, 100);
+  add_number(command, "--sweeps", options.probes,
+             "number of probe signals played each time the stream is opened", 2, 100);
 }
 
 Loop make_loop(const LoopOptions& options) {
@@ -148,7 +151,7 @@ Result<Measurement> measure_now(Backend& backend, const MeasureSettings& setting
 }
 
 PathProfile read_profile(const std::string& file, Hertz sample_rate) {
-  const auto path = or_exit(load_path(file), kBadFile);
+  const auto path = or_exit(read_path(load_graph_leniently(file)), kBadFile);
   PathProfile profile;
   profile.sample_rate = sample_rate;
   profile.taps = taps_at_rate(path.taps, path.rate, sample_rate);

@@ -80,25 +80,27 @@ int run_latency_measure(const MeasureOptions& options) {
 
 void add_latency_measure(CLI::App& latency, int& exit_code) {
   auto [command, options] =
-      add_command(latency, "measure", "Measure the delay of a card with a loopback cable", exit_code,
-                  run_latency_measure);
+      add_command(latency, "measure", "Measure the round-trip latency of a card with a loopback cable",
+                  exit_code, run_latency_measure);
   auto& loop = options.loop;
   add_loop_options(command, loop);
   add_setting_options(command, loop);
-  command.add_option("--profile", loop.profile,
-                     "what is in the loop instead of a cable: a file of tactus latency calibrate");
+  command.add_option(
+      "--profile", loop.profile,
+      "profile of the actuator and sensor in the loop, saved by tactus latency calibrate; default: a cable");
   add_repetition_options(command, loop);
   add_report_options(command, options.report);
-  command.add_option("--wav", options.report.sound, "save the recording (played and captured), for analyze")
+  command
+      .add_option("--wav", options.report.sound,
+                  "WAV file for the recording (played and captured), for tactus latency analyze")
       ->check(writable_file());
-  command.add_flag("--no-keep", options.no_keep, "do not save the delay");
+  command.add_flag("--no-keep", options.no_keep, "do not save the measured delay");
   command.footer(
-      "Examples:\n  tactus latency measure --device jack:system\n"
-      "  tactus latency measure --device USB --in 2 --out 2 --rate \"96 kHz\" --block 64\n"
-      "  tactus latency measure --rig desk.toml --folder delay\n"
-      "Connect the output with the input by a cable, and disconnect the speakers: the probe starts at a low "
-      "level and is raised only as far as needed.\n"
-      "Exit code 1: no reliable delay; the report gives the reason and the remedy.");
+      "Examples:\n  tactus latency measure --device jack:system\n  tactus latency measure --device USB --in "
+      "2 --out 2 --rate \"96 kHz\" --block 64\n  tactus latency measure --rig desk.toml --folder "
+      "delay\nConnect the output to the input with a cable, and disconnect the speakers: the probe starts at "
+      "a low level and is raised only as far as needed.\nExit code 1: no reliable delay; the report gives "
+      "the reason and the remedy.");
 }
 
 }  // namespace tactus::app

@@ -26,8 +26,7 @@ int run_latency_probe(const ProbeOptions& options) {
                 {"level_dbfs", level},
                 {"duration_s", seconds}});
   else
-    fmt::print("{}: {:.2f} s at {:g} Hz, {:g} dBFS at its loudest\n", options.out, seconds, rate.value,
-               level);
+    fmt::print("{}: {:.2f} s at {:g} Hz, peak level {:g} dBFS\n", options.out, seconds, rate.value, level);
   return kDone;
 }
 
@@ -35,17 +34,17 @@ int run_latency_probe(const ProbeOptions& options) {
 
 void add_latency_probe(CLI::App& latency, int& exit_code) {
   auto [command, options] =
-      add_command(latency, "probe", "Write what is to be played, for another program or device", exit_code,
-                  run_latency_probe);
-  command.add_option("--out", options.out, "WAV file, 24 bit")->required();
+      add_command(latency, "probe",
+                  "Write the test signal to a WAV file, to play with another program or on another device",
+                  exit_code, run_latency_probe);
+  command.add_option("--out", options.out, "WAV file to write (24 bit)")->required();
   command.add_option("--rate", options.rate, "sample rate")->capture_default_str();
-  command.add_option("--level", options.level, "its loudest sample")->capture_default_str();
-  command.add_flag("--json", options.json, "for machines");
+  command.add_option("--level", options.level, "peak level")->capture_default_str();
+  command.add_flag("--json", options.json, "print the parameters of the file as JSON");
   command.footer(
-      "Example:\n  tactus latency probe --out probe.wav\n"
-      "Play it and record it at the same time, in one program, from before it begins until after it has "
-      "ended; then:\n"
-      "  tactus latency analyze capture.wav --probe probe.wav");
+      "Example:\n  tactus latency probe --out probe.wav\nPlay it and record at the same time in one program; "
+      "start the recording before the probe and end it after; then:\n  tactus latency analyze capture.wav "
+      "--probe probe.wav");
 }
 
 }  // namespace tactus::app

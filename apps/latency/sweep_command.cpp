@@ -351,27 +351,28 @@ int run_latency_sweep(const LatencySweepOptions& options) {
 }  // namespace
 
 void add_latency_sweep(CLI::App& latency, int& exit_code) {
-  auto [command, options] = add_command(latency, "sweep", "Measure with many block sizes, and recommend one",
-                                        exit_code, run_latency_sweep);
+  auto [command, options] =
+      add_command(latency, "sweep", "Measure the latency at several block sizes, and recommend one",
+                  exit_code, run_latency_sweep);
   auto& loop = options.loop;
   loop.openings = 2;
   loop.probes = 4;
   add_loop_options(command, loop);
-  add_number(command, "--blocks", options.blocks, "block sizes [frames]", 1, 8192)->delimiter(',');
+  add_number(command, "--blocks", options.blocks, "block sizes in frames", 1, 8192)->delimiter(',');
   command.add_option("--periods", options.periods, "numbers of blocks in the driver's buffer, such as 2,3")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
-  command.add_option("--rates", options.rates, "sample rates, such as 48kHz,96kHz; [the device's]")
+  command.add_option("--rates", options.rates, "sample rates, such as 48kHz,96kHz; default: the device's")
       ->delimiter(',');
   add_repetition_options(command, loop);
-  command.add_option("--report", options.picture, "picture of the delay against the block, an SVG file")
+  command
+      .add_option("--report", options.picture, "write a plot of delay against block size to this SVG file")
       ->check(writable_file());
-  command.add_flag("--json", options.json, "for machines");
+  command.add_flag("--json", options.json, "print the report as JSON");
   command.footer(
-      "Examples:\n  tactus latency sweep --device jack:system\n"
-      "  tactus latency sweep --device USB --blocks 32,64,128 --periods 2,3 --report blocks.svg\n"
-      "Nothing is kept: measure the setting that you choose with tactus latency measure.\n"
-      "Exit code 1: no setting gave a reliable result.");
+      "Examples:\n  tactus latency sweep --device jack:system\n  tactus latency sweep --device USB --blocks "
+      "32,64,128 --periods 2,3 --report blocks.svg\nNo delay is saved: run tactus latency measure with the "
+      "chosen setting.\nExit code 1: no setting gave a reliable result.");
 }
 
 }  // namespace tactus::app

@@ -138,13 +138,15 @@ int run_nodes(const NodesOptions& options) {
 }  // namespace
 
 void add_nodes(CLI::App& app, int& exit_code) {
-  auto [command, options] =
-      add_command(app, "nodes", "Reference of node types and network elements", exit_code, run_nodes);
-  command.add_option("NAME", options.name, "one type in full; `network` for the elements of networks");
-  command.add_flag("--json", options.json, "for machines");
-  command.add_flag("--markdown", options.markdown, "the whole reference (docs/nodes.md is made with it)");
+  auto [command, options] = add_command(
+      app, "nodes", "Print the reference of node types and network elements", exit_code, run_nodes);
+  command.add_option("NAME", options.name,
+                     "node type to describe in full, or `network` for the elements of networks");
+  command.add_flag("--json", options.json, "print the reference as JSON");
+  command.add_flag("--markdown", options.markdown,
+                   "print the whole reference as Markdown (the source of docs/nodes.md)");
   command.add_flag("--schema", options.schema,
-                   "JSON Schema of graph files, for editors (docs/tactus.schema.json)");
+                   "print the JSON Schema of graph files, for editors (docs/tactus.schema.json)");
   command.footer(
       "Examples:\n  tactus nodes\n  tactus nodes onset\n  tactus nodes network\n  tactus nodes delay --json");
 }

@@ -11,7 +11,7 @@
 #include "engine/nodes/networks/solver_names.h"
 #include "engine/rig/profile.h"
 #include "engine/rig/rig.h"
-#include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_spec.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {

@@ -81,30 +81,29 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   auto* group = command.add_option_group("on a sound card");
   group->add_option("--rig", options.rig, "rig file: device, channels, actuators, sensors, measured delay");
   group->add_option("--backend", options.backend,
-                    fmt::format("{}; see tactus devices", fmt::join(card_backends(), ", ")));
-  group->add_option("--device", options.device, "id of a device, or a part of its name")
+                    fmt::format("audio backend: {}; see tactus devices", fmt::join(card_backends(), ", ")));
+  group->add_option("--device", options.device, "id of a device, or part of its name")
       ->check([](const std::string& text) { return text.empty() ? "it is empty" : std::string{}; });
-  group->add_option("--input-device", options.input_device, "where the sensors are on another device");
+  group->add_option("--input-device", options.input_device, "input device, if different from --device");
   for (const auto& [name, channels, help] :
        {std::tuple{"--inputs", &options.in, "channels of the device for the inputs, such as --inputs 2,5"},
         {"--outputs", &options.out, "channels of the device for the outputs"}})
     group->add_option(name, *channels, help)->delimiter(',')->check(CLI::Range(1, 1024));
   add_number(*group, "--periods", options.periods, "blocks in the driver's buffer", 1, 64);
-  group->add_option("--pad-delay", options.pad_delay,
-                    "extend the system delay to this in every session, such as \"20 ms\"");
+  group->add_option(
+      "--pad-delay", options.pad_delay,
+      "add delay until the system delay is this long (the same in every session), such as \"20 ms\"");
   group->add_option("--record", options.record, "record sensors, drives and controls to this WAV file");
   group->add_option("--save-rig", options.save_rig,
-                    "ask what is connected where, and write it to this rig file");
-  group->add_flag(
-      "--learn{*}", options.learn,
-      "set the sensitivity of the first sensor, or with --learn=NAME of another, from five soft hits");
-  group
-      ->add_option("--midi", options.midi,
-                   "way to MIDI inputs: alsa, jack, core, winmm; default: the system's")
+                    "ask what is connected to each channel, and write the answers to this rig file");
+  group->add_flag("--learn{*}", options.learn,
+                  "set a sensor's sensitivity from five soft hits; default NAME: the first sensor");
+  group->add_option("--midi", options.midi, "MIDI backend: alsa, jack, core, winmm; default: the system's")
       ->check(CLI::IsMember({"alsa", "jack", "core", "winmm"}));
-  group->add_flag("--listen", options.listen, "play a scene's simulated world to the sound card");
-  group->add_flag("--arm", options.arm, "drives move at once, instead of when 'a' is pressed");
-  group->add_flag("--yes", options.yes, "answer every question with its default");
+  group->add_flag("--listen", options.listen,
+                  "simulate a scene in real time and play its sound through the sound card");
+  group->add_flag("--arm", options.arm, "start with the drives armed, without waiting for 'a'");
+  group->add_flag("--yes", options.yes, "answer every question with its default value");
   group->add_flag("--force", options.force, "overwrite files");
 }
 
@@ -113,7 +112,7 @@ void check_card_options(const CLI::App& command) {
   for (const auto* option : {"--record", "--save-rig", "--learn", "--midi", "--pad-delay", "--inputs",
                              "--outputs", "--periods", "--arm"})
     if (command.count(option) > 0)
-      exit_with({Errc::BadArgument, option, "is for sound cards", "give --device, --backend or --rig too"});
+      exit_with({Errc::BadArgument, option, "needs a sound card", "give --device, --backend or --rig too"});
 }
 
 int run_play(const PlayOptions& options) {
@@ -129,7 +128,7 @@ int run_play(const PlayOptions& options) {
   auto written = write_files(options.folder, options.show, played);
   const auto report_file = base_of(options.folder, played) + ".json";
   or_exit(write_json(report_file, json));
-  written.push_back(report_file + "  this report, with what the guard did");
+  written.push_back(report_file + "  this report, with the actions of the guard");
   if (options.json) {
     json["written"] = written;
     print_json(json);
@@ -147,25 +146,23 @@ void add_play(CLI::App& app, int& exit_code) {
       app, "play", "Play an instrument on a sound card, or a scene in simulation", exit_code, run_play);
   options.command = &command;
   command
-      .add_option(
-          "FILE", options.target,
-          "instrument or scene; a folder means its instrument.toml on a card, otherwise its scene.toml")
+      .add_option("FILE", options.target,
+                  "instrument or scene file; for a folder, its instrument.toml on a sound card, or its "
+                  "scene.toml in simulation")
       ->required();
   add_player_options(command, options);
-  command.add_option("--out", options.folder, "folder for the WAV files and the plot")
+  command.add_option("--out", options.folder, "folder for the WAV files, the plot and the report")
       ->check(writable_folder())
       ->capture_default_str();
   command
-      .add_option("--show", options.show,
-                  "FROM TO: times that the plot shows, such as --show \"2 s\" \"3 s\"")
+      .add_option("--show", options.show, "FROM TO: time range of the plot, such as --show \"2 s\" \"3 s\"")
       ->expected(2);
   add_live_options(command, options);
   command.footer(
       "Examples:\n  tactus play instruments/haptic_drum\n  tactus play instruments/haptic_drum --device "
-      "jack:system\n"
-      "  tactus play instruments/haptic_drum --delay \"40 ms\" --set strength=0.5\n"
-      "  tactus play instruments/haptic_drum/galloping.toml --show \"2 s\" \"3 s\"\n"
-      "Exit code 1: it ran, and an expectation of the scene was not met.");
+      "jack:system\n  tactus play instruments/haptic_drum --delay \"40 ms\" --set strength=0.5\n  tactus "
+      "play instruments/haptic_drum/galloping.toml --show \"2 s\" \"3 s\"\nExit code 1: an expectation of "
+      "the scene was not met.");
 }
 
 }  // namespace tactus::app

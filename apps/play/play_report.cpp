@@ -35,8 +35,8 @@ std::pair<double, double> shown_times(const std::vector<std::string>& show, cons
     return {0.0, melody_of(recording) ? recording.seconds() : std::min(1.0, recording.seconds())};
   const double from = parse_option(show[0], "s", "show"), to = parse_option(show[1], "s", "show");
   if (from < to && from < recording.seconds()) return {from, to};
-  exit_with({Errc::OutOfRange, "--show", "shows nothing of this scene",
-             "give two rising times within its duration"});
+  exit_with({Errc::OutOfRange, "--show", "does not overlap the scene",
+             "give a start time before the end of the scene, and a later end time"});
 }
 
 Signals of_instrument(const SceneRecording& recording, const std::vector<std::string>& names) {
@@ -141,25 +141,27 @@ void print_guard(const GuardReport& report, Hertz sample_rate) {
 }
 
 void add_player_options(CLI::App& command, PlayerOptions& options) {
-  command.add_option("--delay", options.delay, "system delay instead of the scene's, such as \"10 ms\"");
+  command.add_option("--delay", options.delay, "system delay, such as \"10 ms\"; default: the scene's");
   command.add_option("--rate", options.rate,
-                     "sample rate instead of the scene's or the input file's, which is then resampled");
+                     "sample rate, such as \"96 kHz\"; default: the scene's, or that of the input file "
+                     "(resampled if they differ)");
   command.add_option("--duration", options.duration,
-                     "instead of the scene's or the input file's, such as \"10 s\"");
+                     "duration, such as \"10 s\"; default: the scene's, or that of the input file");
   command.add_option("--set", options.set,
-                     "NAME=VALUE: a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene also "
-                     "plant.NAME=VALUE");
+                     "NAME=VALUE: sets a control, such as strength=0.5 or \"sensitivity=-40 dB\"; in a scene "
+                     "also plant.NAME=VALUE");
   add_number(command, "--block", options.block, "block size in frames (the result does not depend on it)", 1,
              8192);
   command.add_option("--profile", options.guard.profile,
-                     "actuator of every drive: woofer, bass_shaker, tactor_lra, voice_coil, … or a file");
+                     "actuator profile for all drives (outputs to actuators): woofer, bass_shaker, "
+                     "tactor_lra, voice_coil, … or a file");
   command.add_option("--volts-per-full-scale", options.guard.volts,
-                     "voltage at the actuator for a sample of 1, such as 8 or \"8 V\"");
+                     "voltage at the actuator for a sample value of 1, such as 8 or \"8 V\"");
   command.add_option(
       "--raise-limit", options.guard.raise,
-      "NAME=VALUE: a limit of the drive guard beyond the profile's, such as ceiling=0.8: ceiling, "
-      "slew, power, travel, direct_level or direct_time");
-  command.add_flag("--json", options.json, "for machines");
+      "NAME=VALUE: raises a limit of the drive guard above the profile's, such as ceiling=0.8; NAME: "
+      "ceiling, slew, power, travel (excursion), direct_level (DC level) or direct_time (time above it)");
+  command.add_flag("--json", options.json, "print the report as JSON");
 }
 
 PlayedScene play_file(const std::filesystem::path& file, const PlayerOptions& options,

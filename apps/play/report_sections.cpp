@@ -8,9 +8,9 @@
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
 #include "engine/scene/file/scene_spec.h"
-#include "engine/scene/measures/landings.h"
 #include "engine/scene/measures/measure.h"
-#include "engine/scene/measures/notes/format_note.h"
+#include "engine/scene/measures/motion.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 
 namespace tactus::app {
 namespace {

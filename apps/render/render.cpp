@@ -165,13 +165,14 @@ std::string error_text(const WorkPrecision& result) {
   const auto& point = result.points.front();
   auto text = fmt::format("{}\n\n", result.scene);
   if (!point.known()) return text + (point.refused ? to_string(*point.refused) : "  unstable") + "\n";
-  text += fmt::format("  {:.1f} ns a frame, {:.2g} % of real time at {:g} kHz\n", point.ns_per_frame,
+  text += fmt::format("  {:.1f} ns per frame, {:.2g} % of real time at {:g} kHz\n", point.ns_per_frame,
                       100 * point.load(), point.variant.rate.value / 1e3);
   for (std::size_t a = 0; a < point.errors.size(); ++a) {
     const auto& used = result.references[a];
-    text += fmt::format("  {:.2e}  relative error of {}: {} of {}, against {}{}\n", point.errors[a],
-                        used.accuracy, used.measure, used.of, used.what,
-                        used.own_error > 0 ? fmt::format(", itself within {:.1e}", used.own_error) : "");
+    text += fmt::format(
+        "  {:.2e}  relative error of {}: {} of {}, against {}{}\n", point.errors[a], used.accuracy,
+        used.measure, used.of, used.what,
+        used.own_error > 0 ? fmt::format(", whose own error is at most {:.1e}", used.own_error) : "");
   }
   return text;
 }
@@ -214,15 +215,17 @@ Samples resample(const Samples& samples, Hertz to) {
 }
 
 void add_render(CLI::App& app, int& exit_code) {
-  auto [command, options] = add_command(
-      app, "render", "Run an instrument on a WAV file, or a scene, without hardware", exit_code, run_render);
-  command.add_option("FILE", options.target,
-                     "instrument or scene; a folder means its scene.toml, with --in its instrument.toml");
+  auto [command, options] =
+      add_command(app, "render", "Run an instrument on a WAV file, or run a scene, without hardware",
+                  exit_code, run_render);
+  command.add_option(
+      "FILE", options.target,
+      "instrument or scene file; for a folder, its scene.toml, or its instrument.toml if --in is given");
   command.add_option("--replay", options.replay,
-                     "take.wav of --record: replays it and reports whether the drives are the same bit for "
-                     "bit; with FILE, plays its sensors on that instrument");
-  command.add_option("--in", options.in, "WAV file: channel k goes to the k-th input");
-  command.add_option("--out", options.out, "WAV file for all outputs, in the order of the file")
+                     "take recorded with --record: replay it and check that the drives match bit for bit; "
+                     "with FILE, feed the recorded sensor signals to that instrument");
+  command.add_option("--in", options.in, "input WAV file: channel k feeds the k-th input of the instrument");
+  command.add_option("--out", options.out, "WAV file for all outputs, in the order of the instrument file")
       ->check(writable_file());
   command.add_option("--sound", options.sound, "WAV file for the monitor output, without the drives")
       ->check(writable_file());
@@ -231,13 +234,13 @@ void add_render(CLI::App& app, int& exit_code) {
           "--events", options.events,
           "JSON file for detected events: {\"events\": [{\"time_s\": …, \"node\": …, \"level_db\": …}]}")
       ->check(writable_file());
-  command.add_option("--format", options.format, "of the WAV files")
+  command.add_option("--format", options.format, "sample format of the WAV files")
       ->check(CLI::IsMember({"float", "24"}))
       ->capture_default_str();
   add_player_options(command, options);
   command
       .add_flag("--error", options.error,
-                "of a scene with [accuracy]: reports its errors and the time of a frame")
+                "report the numerical error and the computing time per frame of a scene with [accuracy]")
       ->excludes("--in", "--out", "--sound", "--events", "--replay", "--set");
   for (const auto* option : {"--in", "--sound", "--events", "--rate", "--duration"})
     command.get_option("--replay")->excludes(option);

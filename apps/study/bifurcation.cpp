@@ -22,7 +22,7 @@ Json doubling_json(const Doubling& doubling) {
 
 /// Neighbouring columns of one period in one line.
 std::string columns_text(const std::vector<BifurcationColumn>& columns) {
-  Table table{{{"from", "to", "landings until it repeats"}}};
+  Table table{{{"from", "to", "landings per orbit"}}};
   for (std::size_t i = 0; i < columns.size();) {
     std::size_t end = i;
     while (end < columns.size() && columns[end].period == columns[i].period) ++end;
@@ -82,10 +82,11 @@ Json json_of(const Bifurcation& study) {
 
 std::string text_of(const Bifurcation& study) {
   auto text = fmt::format("{}: {} swept up, {:g} Hz\n", study.scene, study.control, study.frequency_hz);
-  text += study.measured_restitution > 0
-              ? fmt::format("restitution {:.4f} as measured, {:.4f} of the ideal ball\n\n",
-                            study.measured_restitution, study.restitution)
-              : std::string{"no landings that repeat one by one: no restitution measured\n\n"};
+  text +=
+      study.measured_restitution > 0
+          ? fmt::format("restitution {:.4f} measured, {:.4f} of the ideal ball\n\n",
+                        study.measured_restitution, study.restitution)
+          : std::string{"no period-1 orbit (one landing per drive period), so no restitution measured\n\n"};
   return text + columns_text(study.simulated) + doublings_text(study);
 }
 
@@ -115,7 +116,7 @@ std::string default_control(const SceneSpec& scene) {
 int run_bifurcation(const BifurcationOptions& options) {
   auto plan = options.plan;
   if (!(plan.from < plan.to))
-    exit_with({Errc::OutOfRange, "--to", "the sweep goes up, and its end is not above its start",
+    exit_with({Errc::OutOfRange, "--to", "the end of the sweep must be above its start",
                "give --from less than --to"});
   if (options.restitution > 0) plan.restitution = options.restitution;
   const auto scene = load_target(options);
@@ -132,26 +133,29 @@ int run_bifurcation(const BifurcationOptions& options) {
 
 void add_study_bifurcation(CLI::App& study, int& exit_code) {
   auto [command, options] = add_command(
-      study, "bifurcation", "Orbits of a ball on a driven table over a control, beside the ideal ball",
+      study, "bifurcation", "Bifurcation diagram of a ball on a driven table, compared with the ideal ball",
       exit_code, run_bifurcation);
   auto& plan = options.plan;
   plan.from = 0.9;
   plan.to = 1.6;
-  add_study_options(command, options, "scene with the roles 'ball' and 'table'")->required();
-  command.add_option("--control", plan.control, "such as gamma, or plant.gamma of another part; [gamma]");
-  command.add_option("--from", plan.from, "first value, SI")->capture_default_str();
-  command.add_option("--to", plan.to, "last value, SI")->capture_default_str();
-  add_number(command, "--values", plan.values, "how many", 3, 2000);
-  add_number(command, "--settle", plan.settling_s, "seconds at each value before anything is read", 0.0,
-             1000.0);
-  add_number(command, "--read", plan.reading_s, "seconds of landings at each value", 0.1, 1000.0);
-  command.add_option("--restitution", options.restitution, "of the ideal ball; [as measured]")
+  add_study_options(command, options, "scene with the roles 'ball' and 'table'; for a folder, its scene.toml")
+      ->required();
+  command.add_option("--control", plan.control,
+                     "control to sweep: gamma, or plant.gamma for a control of the plant; default: gamma");
+  command.add_option("--from", plan.from, "first value, in SI units")->capture_default_str();
+  command.add_option("--to", plan.to, "last value, in SI units")->capture_default_str();
+  add_number(command, "--values", plan.values, "number of values", 3, 2000);
+  add_number(command, "--settle", plan.settling_s,
+             "settling time at each value, in seconds, before landings are recorded", 0.0, 1000.0);
+  add_number(command, "--read", plan.reading_s,
+             "time at each value, in seconds, in which landings are recorded", 0.1, 1000.0);
+  command
+      .add_option("--restitution", options.restitution, "restitution of the ideal ball; default: as measured")
       ->check(CLI::Range(0.01, 0.99));
   command.footer(
-      "Examples:\n  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n"
-      "  tactus study bifurcation instruments/bouncing_ball/table_scene.toml --from 1.3 --to 1.75 --values "
-      "91\n"
-      "Exit code 1: the ball never landed once a period.");
+      "Examples:\n  tactus study bifurcation instruments/bouncing_ball --report ball.svg\n  tactus study "
+      "bifurcation instruments/bouncing_ball/table_scene.toml --from 1.3 --to 1.75 --values 91\nExit code 1: "
+      "no period-1 orbit was found.");
 }
 
 }  // namespace tactus::app

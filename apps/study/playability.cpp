@@ -220,7 +220,7 @@ std::vector<double> delays_of(const std::string& text) {
   std::vector<double> delays;
   for (const auto& value : parse_steps(text, "--delay")) {
     if (!value.dimension || !(*value.dimension == Dimension{.second = 1}))
-      exit_with({Errc::UnitMismatch, "--delay", "'" + text + "' is not a range of times",
+      exit_with({Errc::UnitMismatch, "--delay", "'" + text + "' is not a time or a range of times",
                  "write for instance \"0:40:1 ms\""});
     if (value.si < 0 || value.si > 1)
       exit_with({Errc::OutOfRange, "--delay", "a delay of " + fmt::format("{:g} s", value.si),
@@ -232,12 +232,12 @@ std::vector<double> delays_of(const std::string& text) {
 
 PlayabilityOptions study_options(const PlayabilityArguments& options, SceneSpec& scene) {
   if (options.over.size() > 2)
-    exit_with({Errc::BadArgument, "--over", "at most two quantities can be swept besides the delay",
+    exit_with({Errc::BadArgument, "--over", "at most two parameters can be swept in addition to the delay",
                "use tactus sweep for more"});
   auto plan = read_plan(options, scene);
   const double least_s = scene.playability ? scene.playability->from_s + 1 : 1;
   if (!options.duration.empty() && scene.duration.value < least_s)
-    exit_with({Errc::OutOfRange, "--duration", "leaves less than a second to be scored",
+    exit_with({Errc::OutOfRange, "--duration", "leaves less than one second to evaluate",
                fmt::format("choose at least {:g} s", least_s)});
   for (const auto& swept : plan.over)
     if (swept.what == SweptValue::What::Delay)
@@ -260,19 +260,19 @@ int run_playability(const PlayabilityArguments& options) {
 }  // namespace
 
 void add_study_playability(CLI::App& study, int& exit_code) {
-  auto [command, options] =
-      add_command(study, "playability", "Playability of a scene over the delay", exit_code, run_playability);
-  add_study_options(command, options, "scene with [playability]; a folder means its scene.toml")->required();
-  command.add_option("--delay", options.delay, "FROM:TO:STEP, or one")->capture_default_str();
+  auto [command, options] = add_command(
+      study, "playability", "Playability of a scene as a function of the delay", exit_code, run_playability);
+  add_study_options(command, options, "scene with [playability]; for a folder, its scene.toml")->required();
+  command.add_option("--delay", options.delay, "delays to simulate: FROM:TO:STEP, or a single value")
+      ->capture_default_str();
   add_sweep_options(command, options);
   command.footer(
-      "Examples:\n  tactus study playability instruments/haptic_drum\n"
-      "  tactus study playability instruments/haptic_drum --over strength=0.2:1:5 --svg drum.svg\n"
-      "  tactus study playability instruments/haptic_drum --delay \"20 ms\" --gain \"6 dB\" --draws 50\n"
-      "  tactus study playability instruments/cellomobo/open_string.toml --delay \"0:40:5 ms\" --over "
-      "\"tuned=55:880:5:log Hz\"\n"
-      "The criteria are in [playability] of the scene; see docs/playability.md.\n"
-      "Exit code 1: not playable at some delay. 5: interrupted.");
+      "Examples:\n  tactus study playability instruments/haptic_drum\n  tactus study playability "
+      "instruments/haptic_drum --over strength=0.2:1:5 --svg drum.svg\n  tactus study playability "
+      "instruments/haptic_drum --delay \"20 ms\" --gain \"6 dB\" --draws 50\n  tactus study playability "
+      "instruments/cellomobo/open_string.toml --delay \"0:40:5 ms\" --over \"tuned=55:880:5:log Hz\"\nThe "
+      "criteria are in [playability] of the scene; see docs/playability.md.\nExit code 1: not playable at "
+      "one or more delays. 5: interrupted.");
 }
 
 }  // namespace tactus::app

@@ -172,7 +172,7 @@ std::string text_of(const WallMap& map) {
   return text + friction_text(map.friction_limit) +
          fmt::format(
              "\n{} of {} borders confirmed: at 0.98 of each the simulation decays, at 1.02 it grows.\n",
-             map.confirmed(), map.borders());
+             map.confirmed, map.borders);
 }
 
 Json json_of(const WallMap& map) {
@@ -194,8 +194,8 @@ Json json_of(const WallMap& map) {
     json["by_rate"][name] = part_json(map.by_rate[d]);
   }
   json["friction_limit_n_per_m"] = map.friction_limit;
-  json["borders"] = map.borders();
-  json["confirmed"] = map.confirmed();
+  json["borders"] = map.borders;
+  json["confirmed"] = map.confirmed;
   return json;
 }
 
@@ -207,7 +207,7 @@ std::vector<Plot> plots_of(const WallMap& map) {
       "Over the delay: curves at {}; over the rate: curves with one frame of delay. Diamonds: controllers, "
       "each with its own rate and delay, for the device '{}'. {} of {} borders confirmed by simulation on "
       "both sides.",
-      hz(map.rate), map.devices.front().name, map.confirmed(), map.borders());
+      hz(map.rate), map.devices.front().name, map.confirmed, map.borders);
   return {by_delay, plot_of(map, map.by_rate, [](const WallLimit& limit) { return limit.loop.rate.value; },
                             {.label = "sample rate", .unit = "Hz"})};
 }
@@ -221,11 +221,11 @@ struct DeviceOption {
   const char* help;
 };
 constexpr std::array<DeviceOption, 5> kDeviceOptions = {
-    {{"mass", "kg", 1e-6, &WallDevice::mass, "of the device, such as \"9 g\""},
-     {"damping", "N s/m", 0, &WallDevice::damping, "of the device, such as \"0.05 N s/m\""},
-     {"friction", "N", 0, &WallDevice::friction, "dry, such as \"0.2 N\""},
-     {"step", "m", 0, &WallDevice::quantum, "of the encoder, such as \"0.157 mm\""},
-     {"force-limit", "N", 1e-3, &WallDevice::force_limit, "of the motor, such as \"6.37 N\""}}};
+    {{"mass", "kg", 1e-6, &WallDevice::mass, "moving mass of the device, such as \"9 g\""},
+     {"damping", "N s/m", 0, &WallDevice::damping, "viscous damping of the device, such as \"0.05 N s/m\""},
+     {"friction", "N", 0, &WallDevice::friction, "dry friction of the device, such as \"0.2 N\""},
+     {"step", "m", 0, &WallDevice::quantum, "step of the position encoder, such as \"0.157 mm\""},
+     {"force-limit", "N", 1e-3, &WallDevice::force_limit, "largest force of the motor, such as \"6.37 N\""}}};
 
 struct WallOptions : RunOptions {
   std::array<std::string, kDeviceOptions.size()> device;
@@ -269,30 +269,32 @@ int run_stability(const WallOptions& options) {
   const auto map = or_exit(map_walls(study, plan));
   if (const auto exit = monitor.end(map.finished, map.runs)) return *exit;
   publish(options, map);
-  return map.confirmed() == map.borders() ? kDone : kNo;
+  return map.confirmed == map.borders ? kDone : kNo;
 }
 
 }  // namespace
 
 void add_study_stability(CLI::App& study, int& exit_code) {
-  auto [command, options] =
-      add_command(study, "stability", "The stiffest virtual wall over delay and rate, bare and held",
-                  exit_code, run_stability);
-  add_study_options(command, options,
-                    "its plant's controls mass, damping, friction, step and force_limit describe the device; "
-                    "[50 g, 0.1 N s/m, 6.37 N, steps of 0.157 mm]");
+  auto [command, options] = add_command(
+      study, "stability",
+      "Stiffest stable virtual wall against delay and sample rate, with and without a finger on the device",
+      exit_code, run_stability);
+  add_study_options(
+      command, options,
+      "scene whose plant describes the device by its controls mass, damping, friction, step and force_limit; "
+      "default: 50 g, 0.1 N s/m, no friction, encoder steps of 0.157 mm, 6.37 N");
   for (std::size_t i = 0; i < kDeviceOptions.size(); ++i)
     command.add_option(std::string{"--"} + kDeviceOptions[i].name, options.device[i], kDeviceOptions[i].help);
   command.add_option("--wall-damping", options.wall_damping,
-                     "of the walls, by differences of the position, such as \"0.1 N s/m\"");
-  command.add_option("--rate", options.rate, "of the walls over the delay; [the scene's, or 20 kHz]");
-  add_number(command, "--points", options.points, "per decade", 1, 100);
+                     "damping of the walls (velocity as the difference of positions), such as \"0.1 N s/m\"");
+  command.add_option("--rate", options.rate,
+                     "sample rate of the curves against delay; default: the scene's, or 20 kHz");
+  add_number(command, "--points", options.points, "points of each curve per decade", 1, 100);
   add_run_options(command, options);
   command.footer(
-      "Examples:\n  tactus study stability instruments/wall --report walls.svg\n"
-      "  tactus study stability --mass \"20 g\" --damping \"0.3 N s/m\" --rate \"8 kHz\"\n"
-      "docs/walls.md explains the map. Exit code 1: a border was not confirmed by simulation. 5: "
-      "interrupted.");
+      "Examples:\n  tactus study stability instruments/wall --report walls.svg\n  tactus study stability "
+      "--mass \"20 g\" --damping \"0.3 N s/m\" --rate \"8 kHz\"\ndocs/walls.md explains the stability map. "
+      "Exit code 1: a stability limit was not confirmed by simulation. 5: interrupted.");
 }
 
 }  // namespace tactus::app

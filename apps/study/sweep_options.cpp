@@ -104,8 +104,8 @@ std::vector<ControlValue> parse_spread(const std::string& text, const std::strin
   const double intervals = std::max(1.0, numbers[2] - 1);
   if (!by_factors) return evenly(written, (numbers[1] - numbers[0]) / intervals, numbers[2], option);
   if (!(numbers[0] * numbers[1] > 0))
-    exit_with({Errc::OutOfRange, option, "'" + text + "' cannot grow by equal factors",
-               "choose both ends above 0, or leave ':log' out"});
+    exit_with({Errc::OutOfRange, option, "'" + text + "' cannot be spaced logarithmically",
+               "choose both ends above 0, or omit ':log'"});
   const double ratio = numbers[1] / numbers[0];
   return spread(written, numbers[2], option,
                 [&](int i) { return numbers[0] * std::pow(ratio, i / intervals); });
@@ -126,9 +126,10 @@ void read_part(const std::string& text, RunPlan& plan) {
   const bool whole = std::sscanf(text.c_str(), "%d/%d%n", &part, &parts, &read) == 2 &&
                      read == static_cast<int>(text.size());
   if (!whole || part < 1 || part > parts || parts > 10000)
-    exit_with({Errc::Syntax, "--part", "'" + text + "' is not I/N", "write for instance 2/4"});
+    exit_with({Errc::Syntax, "--part", "'" + text + "' is not of the form I/N, part I of N",
+               "write for instance 2/4"});
   if (plan.cache.empty())
-    exit_with({Errc::Missing, "--part", "a part of the runs needs a cache", "add --keep FOLDER"});
+    exit_with({Errc::Missing, "--part", "--part needs a folder for the results", "add --keep FOLDER"});
   plan.part = part - 1;
   plan.parts = parts;
 }
@@ -151,7 +152,8 @@ void check_swept_once(const SweepPlan& plan) {
       exit_with({Errc::BadArgument, "--over", "'" + swept->name + "' is swept twice", "sweep it once"});
     if (plan.set.contains(swept->name))
       exit_with({Errc::BadArgument, "--set",
-                 "'" + swept->name + "' is swept by --over, and cannot be set too", "leave one of them out"});
+                 "'" + swept->name + "' is swept by --over and cannot be set by --set, too",
+                 "leave one of them out"});
   }
 }
 
@@ -189,8 +191,9 @@ std::string Table::markdown() const {
 }
 
 CLI::Option* add_study_options(CLI::App& command, StudyOptions& options, const std::string& scene) {
-  command.add_option("--svg,--report", options.picture, "the plots, an SVG file")->check(writable_file());
-  command.add_flag("--json", options.json, "for machines");
+  command.add_option("--svg,--report", options.picture, "write the plots to this SVG file")
+      ->check(writable_file());
+  command.add_flag("--json", options.json, "print the results as JSON");
   return command.add_option("SCENE", options.target, scene);
 }
 
@@ -208,10 +211,14 @@ void publish(const StudyOptions& options, const std::string& text, const Json& j
 }
 
 void add_run_options(CLI::App& command, RunOptions& options) {
-  command.add_option("--keep", options.cache, "folder of finished runs, which are not executed again")
+  command
+      .add_option("--keep", options.cache, "save finished runs in this folder, and skip those already there")
       ->check(writable_folder());
-  command.add_option("--part", options.part, "I/N: executes only that part of the runs, into --keep");
-  command.add_option("--workers", options.workers, "threads; [one per core]")->check(CLI::Range(1, 1024));
+  command.add_option(
+      "--part", options.part,
+      "I/N: run only part I of N (for parallel processes), with the results in the folder of --keep");
+  command.add_option("--workers", options.workers, "number of threads; default: one per core")
+      ->check(CLI::Range(1, 1024));
 }
 
 void read_run_plan(const RunOptions& options, RunPlan& plan) {
@@ -224,18 +231,22 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command
       .add_option(
           "--over", options.over,
-          "NAME=FROM:TO:COUNT, or COUNT:log for equal factors: a control (strength, plant.grip), a "
-          "gesture (scaled, or with a unit held), a constant (plant.drum.coil.resistance), delay, rate, "
-          "oversample; solver=NAME,NAME")
+          "NAME=FROM:TO:COUNT, or FROM:TO:COUNT:log for logarithmic spacing; NAME: a control (strength, "
+          "plant.grip), a gesture (plain numbers scale it, values with a unit replace it by a constant), a "
+          "constant (plant.drum.coil.resistance), delay, rate or oversample; or solver=NAME,NAME")
       ->take_all();
-  command.add_option("--set", options.set, "NAME=VALUE: a control of the instrument, or plant.NAME=VALUE");
-  command.add_option("--duration", options.duration, "of each run, instead of the scene's");
+  command.add_option("--set", options.set,
+                     "NAME=VALUE: sets a control of the instrument; plant.NAME=VALUE: of the plant");
+  command.add_option("--duration", options.duration, "duration of each run; default: the scene's");
   command.add_option("--gain", options.gain,
-                     "also an actuator that much weaker and stronger, as in \"6 dB\"");
-  add_number(command, "--draws", options.draws, "also that many random variations of the plant", 0, 100000);
-  command.add_option("--within", options.within, "largest deviation of a quantity of the plant in a draw")
+                     "also run with the actuator weaker and stronger by this gain, such as \"6 dB\"");
+  add_number(command, "--draws", options.draws,
+             "number of additional runs with random variations of the plant", 0, 100000);
+  command
+      .add_option("--within", options.within,
+                  "largest deviation of the plant's parameters in the random variations")
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "of the draws")->capture_default_str();
+  command.add_option("--seed", options.seed, "seed of the random variations")->capture_default_str();
   add_run_options(command, options);
 }
 
@@ -271,7 +282,7 @@ std::optional<int> SweepMonitor::end(std::ptrdiff_t finished, std::ptrdiff_t run
   if (interrupted() && finished < runs) {
     fmt::print(stderr, "interrupted after {} of {} runs; {}\n", finished, runs,
                plan_.cache.empty()
-                   ? "no runs were stored: with --keep FOLDER an interrupted sweep can be resumed"
+                   ? "no results were saved; with --keep FOLDER an interrupted sweep can be resumed"
                    : "the same command resumes it");
     return kInterrupted;
   }

@@ -151,26 +151,31 @@ int run_work_precision(const WorkPrecisionArguments& options) {
 }  // namespace
 
 void add_study_work_precision(CLI::App& study, int& exit_code) {
-  auto [command, options] = add_command(
-      study, "work-precision", "Error against computing time for every solver, rate and oversampling",
-      exit_code, run_work_precision);
-  add_study_options(command, options, "scene with [accuracy]; a folder means its scene.toml")->required();
-  command.add_option("--solvers", options.solvers, "such as explicit,passive; [all]")->delimiter(',');
-  command.add_option("--rates", options.rates, "such as 24kHz,96kHz; [the scene's, half and twice that]")
+  auto [command, options] =
+      add_command(study, "work-precision",
+                  "Numerical error against computing time for every solver, sample rate and oversampling",
+                  exit_code, run_work_precision);
+  add_study_options(command, options, "scene with [accuracy]; for a folder, its scene.toml")->required();
+  command.add_option("--solvers", options.solvers, "solvers, such as explicit,passive; default: all")
       ->delimiter(',');
-  command.add_option("--oversample", options.oversamples, "steps a frame; [1,2,4,8,16]")
+  command
+      .add_option("--rates", options.rates,
+                  "sample rates, such as 24kHz,96kHz; default: the scene's, half and twice that")
+      ->delimiter(',');
+  command.add_option("--oversample", options.oversamples, "steps per frame; default: 1,2,4,8,16")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
-  add_number(command, "--repeat", options.repeats, "runs for the time, of which the median counts", 1, 1000);
+  add_number(command, "--repeat", options.repeats, "number of timing runs; their median is reported", 1,
+             1000);
   command
-      .add_option("--out", options.folder, "folder for the picture (SVG), the table (Markdown) and the JSON")
+      .add_option("--out", options.folder,
+                  "folder for the plot (SVG), the table (Markdown) and the results (JSON)")
       ->check(writable_folder());
   command.footer(
-      "Examples:\n  tactus study work-precision instruments/numerics/stick_impact\n"
-      "  tactus study work-precision instruments/numerics/woofer --solvers explicit,passive --rates 48kHz "
-      "--out out/woofer\n"
-      "What is compared is in [accuracy] of the scene (docs/graph_files.md).\n"
-      "Exit code 1: nothing is stable in real time.");
+      "Examples:\n  tactus study work-precision instruments/numerics/stick_impact\n  tactus study "
+      "work-precision instruments/numerics/woofer --solvers explicit,passive --rates 48kHz --out "
+      "out/woofer\nThe scene's [accuracy] section lists the compared measures (docs/graph_files.md).\nExit "
+      "code 1: no variant is both stable and fast enough for real time.");
 }
 
 }  // namespace tactus::app

@@ -30,7 +30,7 @@ std::string cell_text(const SweepTable& table, std::size_t first, std::size_t me
 std::string text_of(const SweepTable& table) {
   Table text{{{}}};
   for (const auto& swept : table.over) text.rows[0].push_back(swept.name);
-  for (const auto& measure : table.measures) text.rows[0].push_back(measure.label);
+  for (const auto& measure : table.measures) text.rows[0].push_back(measure.name);
   for (std::size_t i = 0; i < table.points.size(); i += table.variants.size()) {
     auto& row = text.rows.emplace_back();
     for (std::size_t a = 0; a < table.over.size(); ++a)
@@ -40,13 +40,13 @@ std::string text_of(const SweepTable& table) {
   const auto note =
       table.variants.size() == 1
           ? std::string{}
-          : fmt::format("\nin brackets: lowest and highest of {} variants\n", table.variants.size());
+          : fmt::format("\nin brackets: lowest and highest value of {} variants\n", table.variants.size());
   return table.scene + "\n\n" + text.text() + note;
 }
 
 Json json_of(const SweepTable& table) {
-  const auto measure_json = [](const SweptMeasure& measure) -> Json {
-    return {{"name", measure.label}, {"measure", measure.what.measure}, {"of", measure.what.of}};
+  const auto measure_json = [](const Expectation& measure) -> Json {
+    return {{"name", measure.name}, {"measure", measure.measure}, {"of", measure.of}};
   };
   Json json{{"scene", table.scene},
             {"over", list_of(table.over, [](const SweptValue& swept) { return swept.name; })},
@@ -59,7 +59,7 @@ Json json_of(const SweepTable& table) {
       run["at"][swept.name] = swept.names.empty() ? Json(point.at[a]) : Json(value_text(swept, point.at[a]));
     }
     for (std::size_t m = 0; m < table.measures.size(); ++m)
-      run["measures"][table.measures[m].label] = (*point.result)[m];  // null if it is not finite
+      run["measures"][table.measures[m].name] = (*point.result)[m];  // null if it is not finite
     json["runs"].push_back(std::move(run));
   }
   return json;
@@ -67,12 +67,12 @@ Json json_of(const SweepTable& table) {
 
 namespace {
 
-std::vector<SweptMeasure> read_measures(const MeasureSweepOptions& options, const SceneSpec& scene) {
-  std::vector<SweptMeasure> measures;
+std::vector<Expectation> read_measures(const MeasureSweepOptions& options, const SceneSpec& scene) {
+  std::vector<Expectation> measures;
   for (const auto& text : options.measures) {
     auto& measure = measures.emplace_back(or_exit(find_swept_measure(scene, text), kUsage));
-    if (!options.from.empty()) measure.what.from_s = parse_option(options.from, "s", "from");
-    if (!options.to.empty()) measure.what.to_s = parse_option(options.to, "s", "to");
+    if (!options.from.empty()) measure.from_s = parse_option(options.from, "s", "from");
+    if (!options.to.empty()) measure.to_s = parse_option(options.to, "s", "to");
   }
   return measures;
 }
@@ -92,29 +92,24 @@ int run_sweep(const MeasureSweepOptions& options) {
 
 void add_sweep(CLI::App& app, int& exit_code) {
   auto [command, options] = add_command(
-      app, "sweep", "Run a scene over ranges of its quantities and measure each run", exit_code, run_sweep);
-  add_study_options(command, options, "a folder means its scene.toml")->required();
+      app, "sweep", "Run a scene over ranges of its parameters and measure each run", exit_code, run_sweep);
+  add_study_options(command, options, "scene file; for a folder, its scene.toml")->required();
   add_sweep_options(command, options);
   command
       .add_option("--measure", options.measures,
-                  "a line of [expect] of the scene, or MEASURE:SIGNAL such as rms:instrument.sound")
+                  "name of an entry in the scene's [expect], or MEASURE:SIGNAL such as rms:instrument.sound")
       ->required()
       ->take_all();
-  command.add_option("--from", options.from, "start of the measured time, such as \"1 s\"");
-  command.add_option("--to", options.to, "end of the measured time");
+  command.add_option("--from", options.from, "start of the evaluated time, such as \"1 s\"");
+  command.add_option("--to", options.to, "end of the evaluated time, such as \"4 s\"");
   command.footer(
-      "Examples:\n"
-      "  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure rate:instrument.hit --svg "
-      "rate.svg\n"
-      "  tactus sweep instruments/haptic_drum --over strength=0.2:1:5 --over "
-      "\"plant.drum.coil.force_factor=4:8:5 T m\" "
-      "--measure rate:instrument.hit --svg map.svg\n"
-      "  tactus sweep instruments/haptic_drum --draws 200 --within \"10 %\" --measure rate:instrument.hit\n"
-      "  parallel tactus sweep SCENE --over strength=0:1:100 --measure peak:plant.cone --keep runs --part "
-      "{}/8 "
-      "::: 1 2 3 4 5 6 7 8\n"
-      "One swept quantity is drawn as a line, two as a map, draws as points.\n"
-      "Exit code 5: interrupted; with --keep the same command resumes the sweep.");
+      "Examples:\n  tactus sweep instruments/haptic_drum --over \"delay=0:40:9 ms\" --measure "
+      "rate:instrument.hit --svg rate.svg\n  tactus sweep instruments/haptic_drum --over strength=0.2:1:5 "
+      "--over \"plant.drum.coil.force_factor=4:8:5 T m\" --measure rate:instrument.hit --svg map.svg\n  "
+      "tactus sweep instruments/haptic_drum --draws 200 --within \"10 %\" --measure rate:instrument.hit\n  "
+      "parallel tactus sweep SCENE --over strength=0:1:100 --measure peak:plant.cone --keep runs --part {}/8 "
+      "::: 1 2 3 4 5 6 7 8\nOne swept parameter is plotted as a line, two as a map, random variations as "
+      "points.\nExit code 5: interrupted; with --keep the same command resumes the sweep.");
 }
 
 }  // namespace tactus::app

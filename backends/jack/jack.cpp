@@ -2,20 +2,177 @@
 #include <jack/jack.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
 #include <utility>
 
 #include "backends/card_stream.h"
 #include "backends/find_device.h"
-#include "backends/jack/client.h"
+#include "backends/library_calls.h"
 #include "engine/core/index.h"
 
 namespace tactus {
 namespace {
 
-using jack::ask_server;
-using jack::Client;
-using jack::Wire;
 using Names = std::vector<std::string>;
+
+/// From one port to another, by their full names.
+struct Wire {
+  std::string from, to;
+};
+
+std::string why(jack_status_t status) {
+  if ((status & JackServerFailed) != 0) return "no JACK server is running";
+  if ((status & JackVersionError) != 0) return "the JACK server has another version";
+  return "the JACK server refuses another client";
+}
+
+Status cannot(const std::string& what, const std::string& remedy) {
+  return fail(Errc::Device, "", "JACK cannot " + what, remedy);
+}
+
+tl::unexpected<Error> no_answer() {
+  return fail(Errc::Device, "", "the JACK server does not answer", "stop it and start it again");
+}
+
+/// A call that may hang; gives up after two seconds. `call` owns whatever it touches and returns a Result.
+template <class Call>
+auto ask_server(Call call) -> decltype(call()) {
+  if (auto answer = result_with_timeout(std::move(call))) return std::move(*answer);
+  return no_answer();
+}
+
+/// A client of the running server, closed with its last owner. Any call that waits for the server's answer
+/// may hang: such calls are made by `ask_server` and own the client, and it closes itself with the
+/// same patience.
+class Client {
+ public:
+  /// [control, may hang] Errors: Device, if no server answers.
+  static Result<std::shared_ptr<Client>> open(const std::string& name) {
+    silence_library_logs();
+    jack_status_t status{};
+    jack_client_t* handle = jack_client_open(name.c_str(), JackNoStartServer, &status);
+    if (handle == nullptr)
+      return fail(Errc::Device, "", why(status), "start one, as in: jackd -d alsa -d hw:0 -r 48000 -p 64");
+    return std::shared_ptr<Client>(new Client(handle),
+                                   [](Client* client) { call_with_timeout([client] { delete client; }); });
+  }
+  ~Client() { jack_client_close(handle); }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  /// [control & inactive, may hang] Ports in_1, in_2, … and out_1, out_2, … Errors: Device.
+  Status add_ports(int inputs, int outputs) {
+    const auto add = [this](std::vector<jack_port_t*>& ports, const std::string& kind, unsigned long way) {
+      const auto name = kind + std::to_string(ports.size() + 1);
+      ports.push_back(jack_port_register(handle, name.c_str(), JACK_DEFAULT_AUDIO_TYPE, way, 0));
+      return ports.back() != nullptr;
+    };
+    bool all = true;
+    for (int c = 0; c < inputs && all; ++c) all = add(inputs_, "in_", JackPortIsInput);
+    for (int c = 0; c < outputs && all; ++c) all = add(outputs_, "out_", JackPortIsOutput);
+    in_.assign(inputs_.size(), nullptr);
+    out_.assign(outputs_.size(), nullptr);
+    return all ? Status{} : cannot("register so many ports", "start the server with a larger --port-max");
+  }
+  std::string input_port(int channel) const { return jack_port_name(inputs_[index(channel)]); }
+  std::string output_port(int channel) const { return jack_port_name(outputs_[index(channel)]); }
+
+  /// [control, may hang] Blocks come, and every wire is connected. Errors: Device.
+  Status activate() {
+    first_ = true;
+    if (jack_activate(handle) != 0) return cannot("start the client", "is the server still there?");
+    for (const auto& wire : wires)
+      if (const int result = jack_connect(handle, wire.from.c_str(), wire.to.c_str());
+          result != 0 && result != EEXIST)
+        return cannot("connect '" + wire.from + "' to '" + wire.to + "'",
+                      "jack_lsp shows whether both are there");
+    return {};
+  }
+
+  /// [control & active] For each wire: is it connected?
+  std::vector<bool> connected() const {
+    std::vector<bool> is;
+    for (const auto& wire : wires) {
+      const auto w = is.size();
+      is.push_back(w < inputs_.size()
+                       ? jack_port_connected_to(inputs_[w], wire.from.c_str()) != 0
+                       : jack_port_connected_to(outputs_[w - inputs_.size()], wire.to.c_str()) != 0);
+    }
+    return is;
+  }
+
+  jack_client_t* const handle;
+  std::unique_ptr<CardCallback> card;  ///< set before `activate`
+  /// It is lost when an end of one goes away. Those to the inputs come first, each channel's in turn.
+  std::vector<Wire> wires;
+  std::atomic<bool> lost{false};  ///< the server went away, or the other end of a wire did
+  std::atomic<int> block_frames;
+  std::atomic<int> rewirings{0};  ///< how often wires were connected or disconnected
+
+ private:
+  explicit Client(jack_client_t* opened)
+      : handle(opened), block_frames(static_cast<int>(jack_get_buffer_size(opened))) {
+    jack_set_process_callback(
+        handle, [](jack_nframes_t frames, void* self) { return client(self).process(int(frames)), 0; }, this);
+    jack_set_xrun_callback(
+        handle, [](void* self) { return client(self).note_xrun(), 0; }, this);
+    jack_set_buffer_size_callback(
+        handle, [](jack_nframes_t frames, void* self) { return client(self).block_frames = int(frames), 0; },
+        this);
+    jack_set_port_connect_callback(
+        handle, [](jack_port_id_t, jack_port_id_t, int, void* self) { ++client(self).rewirings; }, this);
+    jack_set_port_registration_callback(
+        handle,
+        [](jack_port_id_t, int registered, void* self) {
+          if (registered == 0) client(self).check_ports();
+        },
+        this);
+    jack_on_info_shutdown(
+        handle, [](jack_status_t, const char*, void* self) { client(self).lost = true; }, this);
+  }
+  static Client& client(void* self) { return *static_cast<Client*>(self); }
+
+  void note_xrun() noexcept {
+    if (card && card->playing()) card->gap(Gap::Server);
+  }
+
+  void check_ports() {
+    const auto there = [this](const std::string& port) {
+      return jack_port_by_name(handle, port.c_str()) != nullptr;
+    };
+    if (!std::all_of(wires.begin(), wires.end(),
+                     [&](const Wire& wire) { return there(wire.from) && there(wire.to); }))
+      lost = true;
+  }
+
+  void process(int frames) noexcept {
+    if (!card) return;
+    const auto buffer = [frames](jack_port_t* port) {
+      return static_cast<float*>(jack_port_get_buffer(port, static_cast<jack_nframes_t>(frames)));
+    };
+    std::transform(inputs_.begin(), inputs_.end(), in_.begin(), buffer);
+    std::transform(outputs_.begin(), outputs_.end(), out_.begin(), buffer);
+    note_lost_frames(frames);
+    card->block(in_.data(), out_.data(), static_cast<int>(out_.size()), frames);
+  }
+
+  /// While a client is late the others go on, unless the server is synchronous: what it could not take is
+  /// missing on its way through the server's count.
+  void note_lost_frames(int frames) noexcept {
+    const auto now = jack_last_frame_time(handle);
+    const auto lost_frames = static_cast<std::int32_t>(now - next_frame_);
+    if (!first_ && lost_frames > 0 && card->playing()) card->lost(lost_frames);
+    first_ = false;
+    next_frame_ = now + static_cast<jack_nframes_t>(frames);
+  }
+
+  std::vector<jack_port_t*> inputs_, outputs_;
+  std::vector<const float*> in_;
+  std::vector<float*> out_;
+  bool first_ = true;
+  std::uint32_t next_frame_ = 0;  ///< where the next block should begin, on the server's clock
+};
 
 /// A client of the server with audio ports, by their full names, in the server's order.
 struct Card {
@@ -27,19 +184,17 @@ struct Card {
 /// `flags` as JACK sees them: sound comes out of an output port.
 Names ports(const Client& client, unsigned long flags) {
   Names names;
-  const char** found = jack_get_ports(client.handle(), nullptr, JACK_DEFAULT_AUDIO_TYPE, flags);
+  const char** found = jack_get_ports(client.handle, nullptr, JACK_DEFAULT_AUDIO_TYPE, flags);
   for (const char** port = found; port != nullptr && *port != nullptr; ++port) names.emplace_back(*port);
   jack_free(found);
   return names;
 }
 
-std::string client_of(const std::string& port) { return port.substr(0, port.find(':')); }
-
 /// The largest delay between these ports and the world outside [frames].
 std::optional<double> latency(const Client& client, const Names& names, jack_latency_callback_mode_t mode) {
   std::optional<double> most;
   for (const auto& name : names) {
-    auto* port = jack_port_by_name(client.handle(), name.c_str());
+    auto* port = jack_port_by_name(client.handle, name.c_str());
     if (port == nullptr) continue;
     jack_latency_range_t range{};
     jack_port_get_latency_range(port, mode, &range);
@@ -52,7 +207,7 @@ std::optional<double> latency(const Client& client, const Names& names, jack_lat
 std::vector<Card> cards(const Client& client) {
   std::vector<Card> found;
   const auto card = [&](const std::string& port) -> Card& {
-    const auto name = client_of(port);
+    const auto name = port.substr(0, port.find(':'));
     const auto same = [&](const Card& c) { return c.client == name; };
     const auto known = std::find_if(found.begin(), found.end(), same);
     return known != found.end() ? *known : found.emplace_back(Card{name, {}, {}});
@@ -73,9 +228,9 @@ std::vector<Device> devices_of(const Client& client, const std::vector<Card>& ca
         card.client == "system" ? "the sound card of the JACK server" : "JACK client " + card.client;
     device.in_channels = static_cast<int>(card.captures.size());
     device.out_channels = static_cast<int>(card.playbacks.size());
-    device.default_rate = Hertz{client.sample_rate()};
+    device.default_rate = Hertz{static_cast<double>(jack_get_sample_rate(client.handle))};
     device.sample_rates = {device.default_rate};
-    device.block_frames = client.block_frames();
+    device.block_frames = client.block_frames;
     device.input_latency_frames = latency(client, card.captures, JackCaptureLatency);
     device.output_latency_frames = latency(client, card.playbacks, JackPlaybackLatency);
     device.is_default = devices.empty();
@@ -84,27 +239,23 @@ std::vector<Device> devices_of(const Client& client, const std::vector<Card>& ca
   return devices;
 }
 
-class JackStream final : public CardStream {
+class JackStream final : public CardStream<Client> {
  public:
-  JackStream(std::shared_ptr<Client> client, StreamGranted granted)
-      : CardStream(std::move(granted)), client_(std::move(client)) {
-    reported_block_ = this->granted().block_frames;
-  }
-
+  using CardStream::CardStream;
   ~JackStream() override {
     (void)stop();
-    client_->callback().abandon();
+    line_->card->abandon();
   }
 
   std::string take_note() override {
-    if (const int block = client_->block_frames(); block != reported_block_)
+    if (const int block = line_->block_frames; block != reported_block_)
       return fmt::format("JACK's blocks have {} frames now and had {}: the delay has changed", block,
                          std::exchange(reported_block_, block));
-    if (!running() || client_->lost()) return {};
-    const int rewirings = client_->rewirings();
+    if (!running() || line_->lost) return {};
+    const int rewirings = line_->rewirings;
     if (rewirings == reported_rewirings_) return {};
-    const auto now = client_->connected();
-    const auto& wires = client_->wires();
+    const auto now = line_->connected();
+    const auto& wires = line_->wires;
     for (std::size_t w = 0; w < wires.size(); ++w)
       if (now[w] != connected_[w]) {
         connected_[w] = now[w];
@@ -116,13 +267,12 @@ class JackStream final : public CardStream {
   }
 
  private:
-  CardCallback& card() const override { return client_->callback(); }
-  bool lost() const override { return client_->lost(); }
+  bool lost() const override { return line_->lost; }
   Status start_library() override {
-    auto started = ask_server([client = client_] { return client->activate(); });
+    auto started = ask_server([client = line_] { return client->activate(); });
     if (!started) (void)deactivate();
-    reported_rewirings_ = client_->rewirings();
-    connected_.assign(client_->wires().size(), true);
+    reported_rewirings_ = line_->rewirings;
+    connected_.assign(line_->wires.size(), true);
     return started;
   }
   Status stop_library(bool finished) override {
@@ -130,20 +280,19 @@ class JackStream final : public CardStream {
       return fail(Errc::Device, "", "the JACK server or the device was disconnected",
                   "destroy the stream and open it again when they are back");
     if (auto status = deactivate(); !status) return status;
-    return finished ? Status{} : jack::no_answer();
+    return finished ? Status{} : no_answer();
   }
   Status deactivate() {
-    return ask_server([client = client_] { return client->deactivate(), Status{}; });
+    return ask_server([client = line_] { return jack_deactivate(client->handle), Status{}; });
   }
 
-  std::shared_ptr<Client> client_;
   std::vector<bool> connected_;  ///< as last reported
-  int reported_block_ = 0, reported_rewirings_ = 0;
+  int reported_block_ = granted().block_frames, reported_rewirings_ = 0;
 };
 
 std::vector<Wire> wires(const Client& client, const StreamRequest& request, const Card& input,
                         const Card& output) {
-  const auto port = [](const std::vector<std::string>& ports, const std::vector<int>& map, int channel) {
+  const auto port = [](const Names& ports, const std::vector<int>& map, int channel) {
     const auto c = index(channel);
     return ports[map.empty() ? c : index(map[c])];
   };
@@ -153,12 +302,6 @@ std::vector<Wire> wires(const Client& client, const StreamRequest& request, cons
   for (int c = 0; c < request.out_channels; ++c)
     wires.push_back({client.output_port(c), port(output.playbacks, request.out_map, c)});
   return wires;
-}
-
-/// Our ports are the channels themselves: what is mapped are the wires.
-StreamRequest unmapped(StreamRequest request) {
-  request.in_map = request.out_map = {};
-  return request;
 }
 
 /// The running JACK server, or PipeWire in its place: the default one, or that of $JACK_DEFAULT_SERVER. Every
@@ -192,14 +335,15 @@ class JackBackend final : public Backend {
     if (auto status = ask_server(add_ports); !status) return tl::unexpected(status.error());
     auto granted = choice->granted;
     // A longer block, when the server changes to one, is cut.
-    granted.format.max_frames = granted.block_frames = client->block_frames();
+    granted.format.max_frames = granted.block_frames = client->block_frames;
     if (request.in_channels > 0) granted.input_latency_frames = devices[choice->input].input_latency_frames;
     if (request.out_channels > 0)
       granted.output_latency_frames = devices[choice->output].output_latency_frames;
     if (auto status = processor.prepare(granted.format); !status) return tl::unexpected(status.error());
-    client->play_through(std::make_unique<CardCallback>(processor, unmapped(request), granted, true),
-                         wires(*client, request, found[choice->input], found[choice->output]));
-    return std::make_unique<JackStream>(client, std::move(granted));
+    client->wires = wires(*client, request, found[choice->input], found[choice->output]);
+    auto unmapped = request;  // our ports are the channels themselves: what is mapped are the wires
+    unmapped.in_map = unmapped.out_map = {};
+    return std::make_unique<JackStream>(client, std::move(granted), unmapped, processor);
   }
 };
 

@@ -24,47 +24,6 @@ constexpr int kUsualBlock = 64;
 const std::string kPrefix = "loop:";
 constexpr Seconds kMaxLateness{2.0};  // a driver restarts then
 
-/// By how many frames the input of a simulated card is later than usual: what this opening added, a clock
-/// that runs away, and frames that got lost or came twice.
-class Lateness {
- public:
-  struct Gaps {
-    int count = 0;
-    std::int64_t lost_frames = 0;
-  };
-
-  /// [control] `least`: it cannot be earlier, since that has not been played yet.
-  Lateness(const LoopCard& card, Hertz sample_rate, double at_start, double least)
-      : drops_(card.drops),
-        sample_rate_(sample_rate),
-        growth_(card.input_ppm * 1e-6 / (1.0 + card.input_ppm * 1e-6)),
-        at_start_(at_start),
-        least_(least) {}
-
-  /// [realtime] Adds to `gaps` what gets lost at `frame`. Frames come one after another.
-  double at(std::int64_t frame, Gaps& gaps) noexcept {
-    for (const auto& drop : drops_) {
-      if (!happens(drop, frame)) continue;
-      at_start_ -= drop.frames;
-      ++gaps.count;
-      gaps.lost_frames += std::max(0, drop.frames);
-    }
-    const double later = at_start_ + growth_ * static_cast<double>(frame);
-    return std::clamp(later, least_, frames_in(kMaxLateness, sample_rate_));
-  }
-
- private:
-  bool happens(const LoopCard::Drop& drop, std::int64_t frame) const noexcept {
-    const auto since = frame - std::llround(frames_in(drop.at, sample_rate_));
-    const auto every = std::llround(frames_in(drop.every, sample_rate_));
-    return since == 0 || (every > 0 && since > 0 && since % every == 0);
-  }
-
-  std::vector<LoopCard::Drop> drops_;
-  Hertz sample_rate_;
-  double growth_, at_start_, least_;
-};
-
 /// Frames before what is read that a path must know.
 int reach_of(const LoopCard& card, double hardware_frames) {
   const bool whole = hardware_frames == std::floor(hardware_frames) && card.input_ppm == 0.0;
@@ -107,11 +66,10 @@ class LoopStream final : public Stream {
         out_(static_cast<int>(out_map_.size()), timing.block_frames),
         frames_a_block_(std::clamp(static_cast<int>(std::lround(timing.block_frames * card.block_factor)), 1,
                                    timing.block_frames)),
-        lateness_(card, timing.sample_rate,
-                  by_chance(card.unstable_frames, opening) +
-                      by_chance(card.unstable_blocks, opening) * timing.block_frames,
-                  timing.block_frames + reach_of(card, timing.hardware_frames) - timing.hardware_frames -
-                      timing.buffer_frames) {
+        later_(by_chance(card.unstable_frames, opening) +
+               by_chance(card.unstable_blocks, opening) * timing.block_frames),
+        least_later_(timing.block_frames + reach_of(card, timing.hardware_frames) - timing.hardware_frames -
+                     timing.buffer_frames) {
     for (int c = 0; c < kChannels; ++c) paths_.emplace_back(card, timing, c);
   }
   ~LoopStream() override { (void)stop(); }
@@ -170,16 +128,33 @@ class LoopStream final : public Stream {
   }
 
   void record() noexcept {
-    Lateness::Gaps gaps;
     for (int n = 0; n < frames_a_block_; ++n) {
-      const double later = lateness_.at(frame_ + n, gaps);
+      const double later = lateness(frame_ + n);
       std::array<double, kChannels> recorded;
       for (std::size_t c = 0; c < kChannels; ++c) recorded[c] = paths_[c].record(frame_ + n, later);
       for (int c = 0; c < in_.size(); ++c) in_[c][n] = recorded[index(in_map_[index(c)])];
     }
+  }
+
+  /// By how many frames the input is later than usual: what this opening added, a clock that runs away, and
+  /// frames that got lost or came twice. Frames come one after another.
+  double lateness(std::int64_t frame) noexcept {
+    for (const auto& drop : card_.drops)
+      if (happens(drop, frame)) lose(drop.frames);
+    const double growth = card_.input_ppm * 1e-6 / (1.0 + card_.input_ppm * 1e-6);
+    return std::clamp(later_ + growth * static_cast<double>(frame), least_later_,
+                      frames_in(kMaxLateness, granted_.format.sample_rate));
+  }
+  bool happens(const LoopCard::Drop& drop, std::int64_t frame) const noexcept {
+    const auto since = frame - std::llround(frames_in(drop.at, granted_.format.sample_rate));
+    const auto every = std::llround(frames_in(drop.every, granted_.format.sample_rate));
+    return since == 0 || (every > 0 && since > 0 && since % every == 0);
+  }
+  void lose(int frames) noexcept {
+    later_ -= frames;
     if (!card_.drops_reported) return;
-    for (int g = 0; g < gaps.count; ++g) meter_.gap(Gap::Input);
-    if (gaps.lost_frames > 0) meter_.lost(gaps.lost_frames);
+    meter_.gap(Gap::Input);
+    meter_.lost(std::max(0, frames));
   }
 
   /// Each path belongs to the input on which it ends.
@@ -199,7 +174,8 @@ class LoopStream final : public Stream {
   std::vector<int> in_map_, out_map_;
   ChannelBuffers in_, out_;
   int frames_a_block_;
-  Lateness lateness_;
+  double later_;              ///< than usual, without what the clock does [frames]
+  const double least_later_;  ///< it cannot be earlier, since that has not been played yet
   std::vector<LoopPath> paths_;
   std::int64_t frame_ = 0;
   Clock::time_point begun_;

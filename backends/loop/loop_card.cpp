@@ -6,24 +6,13 @@
 #include <iterator>
 #include <optional>
 #include <string_view>
-#include <type_traits>
-#include <variant>
 
 #include "engine/core/decibels.h"
 
 namespace tactus {
 namespace {
 
-constexpr Seconds kUsualDelay{0.02};
-constexpr double kUsualNoise = 3e-5;  // -90 dB: a quiet line input
-
-LoopCard usual() {
-  LoopCard card;
-  card.delay = kUsualDelay;
-  card.noise = kUsualNoise;
-  card.bits = 24;
-  return card;
-}
+constexpr auto kUsual = "20ms,noise=3e-5,bits=24";  // -90 dB: a quiet line input
 
 std::optional<double> number(std::string_view text, std::string_view unit = {}) {
   if (!text.ends_with(unit)) return std::nullopt;
@@ -38,7 +27,7 @@ std::optional<double> number(std::string_view text, std::string_view unit = {}) 
 struct Setting {
   const char* name;
   double low, high;
-  std::variant<double LoopCard::*, int LoopCard::*, bool LoopCard::*, void (*)(LoopCard&, double)> sets;
+  void (*set)(LoopCard&, double);
 };
 
 const Setting kSettings[] = {
@@ -47,27 +36,28 @@ const Setting kSettings[] = {
        card.delay = Seconds{0.0};
        card.delay_frames = frames;
      }},
-    {"blocks", 0, 100, &LoopCard::delay_blocks},
+    {"blocks", 0, 100, [](LoopCard& card, double value) { card.delay_blocks = static_cast<int>(value); }},
     {"cable", 0, 2,
-     [](LoopCard& card, double kind) { card.cable = static_cast<LoopCard::Cable>(static_cast<int>(kind)); }},
-    {"gain", -1e6, 1e6, &LoopCard::gain},
-    {"high_pass", 0, 1e4, [](LoopCard& card, double hertz) { card.high_pass = Hertz{hertz}; }},
-    {"noise", -1e6, 1e6, &LoopCard::noise},
-    {"dc", -1e6, 1e6, &LoopCard::dc},
-    {"clip", 0, 1, &LoopCard::clip},
-    {"bits", 0, 32, &LoopCard::bits},
-    {"agc", 0, 1, &LoopCard::agc},
-    {"echo_cancel", 0, 1, &LoopCard::echo_cancel},
-    {"monitor", -1e6, 1e6, [](LoopCard& card, double gain) { card.monitor.gain = gain; }},
-    {"in_software", 0, 1, [](LoopCard& card, double on) { card.monitor.in_software = on != 0; }},
+     [](LoopCard& card, double value) { card.cable = LoopCard::Cable{static_cast<int>(value)}; }},
+    {"gain", -1e6, 1e6, [](LoopCard& card, double value) { card.gain = value; }},
+    {"high_pass", 0, 1e4, [](LoopCard& card, double value) { card.high_pass = Hertz{value}; }},
+    {"noise", -1e6, 1e6, [](LoopCard& card, double value) { card.noise = value; }},
+    {"dc", -1e6, 1e6, [](LoopCard& card, double value) { card.dc = value; }},
+    {"clip", 0, 1, [](LoopCard& card, double value) { card.clip = value; }},
+    {"bits", 0, 32, [](LoopCard& card, double value) { card.bits = static_cast<int>(value); }},
+    {"agc", 0, 1, [](LoopCard& card, double value) { card.agc = value != 0; }},
+    {"echo_cancel", 0, 1, [](LoopCard& card, double value) { card.echo_cancel = value != 0; }},
+    {"monitor", -1e6, 1e6, [](LoopCard& card, double value) { card.monitor.gain = value; }},
+    {"in_software", 0, 1, [](LoopCard& card, double value) { card.monitor.in_software = value != 0; }},
     {"drops", -1e4, 1e4,
      [](LoopCard& card, double frames) {
        card.drops = {{Seconds{1.0}, Seconds{1.0}, static_cast<int>(frames)}};
      }},
-    {"ppm", -1e4, 1e4, &LoopCard::input_ppm},
-    {"unstable", 0, 1e5, &LoopCard::unstable_frames},
-    {"rate_factor", 0.1, 10, &LoopCard::rate_factor},
-    {"block_factor", 0.01, 1, &LoopCard::block_factor},
+    {"ppm", -1e4, 1e4, [](LoopCard& card, double value) { card.input_ppm = value; }},
+    {"unstable", 0, 1e5,
+     [](LoopCard& card, double value) { card.unstable_frames = static_cast<int>(value); }},
+    {"rate_factor", 0.1, 10, [](LoopCard& card, double value) { card.rate_factor = value; }},
+    {"block_factor", 0.01, 1, [](LoopCard& card, double value) { card.block_factor = value; }},
 };
 
 /// Sets `key` to "-20dB" or "0.1"; false: there is no such key, or no such value.
@@ -78,13 +68,7 @@ bool change(LoopCard& card, std::string_view key, std::string_view text) {
   if (const auto db = number(text, "dB")) value = amplitude_from_db(*db);
   if (setting == std::end(kSettings) || !value || !(*value >= setting->low && *value <= setting->high))
     return false;
-  const auto assign = [&](auto sets) {
-    if constexpr (std::is_member_pointer_v<decltype(sets)>)
-      card.*sets = static_cast<std::remove_reference_t<decltype(card.*sets)>>(*value);
-    else
-      sets(card, *value);
-  };
-  std::visit(assign, setting->sets);
+  setting->set(card, *value);
   return true;
 }
 
@@ -110,9 +94,9 @@ Result<LoopCard> loop_card(const std::string& text) {
   const auto named = std::find_if(loop_cards().begin(), loop_cards().end(), [&](const NamedLoopCard& each) {
     return text.substr(0, comma) == each.name;
   });
-  auto card = usual();
+  LoopCard card;
   std::string_view rest = text;
-  bool known = !text.empty();
+  bool known = change(card, kUsual) && !text.empty();
   if (named != loop_cards().end()) {
     known = change(card, named->settings);
     rest.remove_prefix(std::min(comma + 1, text.size()));

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <utility>
 
+#if __has_include(<pa_jack.h>)
+#include <pa_jack.h>
+#endif
 #if __has_include(<pa_linux_alsa.h>)
 #include <pa_linux_alsa.h>
 #endif
@@ -12,7 +16,6 @@
 #include "backends/card_stream.h"
 #include "backends/find_device.h"
 #include "backends/library_calls.h"
-#include "backends/portaudio/portaudio_session.h"
 #include "backends/realtime_thread.h"
 
 namespace tactus {
@@ -23,9 +26,162 @@ constexpr int kMaxBlock = 4096;  // [frames] where the driver chooses; longer on
 constexpr int kUsualPeriods = 2;
 constexpr std::chrono::milliseconds kGone{1000};
 
+class Session;
+struct Line;
+
+/// Of the whole program, and never destroyed: PortAudio may still be at work when it ends.
+struct Program {
+  std::weak_ptr<Session> session;
+  std::string over;         ///< why PortAudio may not be called any more; empty: it may
+  std::string client_name;  ///< PortAudio keeps the pointer
+  std::vector<std::shared_ptr<Line>> left_behind;  ///< what was given up
+};
+Program& program() {
+  static auto& one = *new Program;
+  return one;
+}
+
+bool is_over() { return !program().over.empty(); }
+
+tl::unexpected<Error> over() {
+  return fail(Errc::Device, "", program().over, "end the program and start it again");
+}
+
+Status checked(PaError code) {
+  if (code >= paNoError) return {};
+  std::string message = Pa_GetErrorText(code);
+  if (const auto* host = Pa_GetLastHostErrorInfo(); code == paUnanticipatedHostError && host->errorText)
+    message += std::string{": "} + host->errorText;
+  if (code == paInvalidSampleRate)
+    return fail(Errc::BadArgument, "", "the device does not run at this rate", "leave the rate out");
+  return fail(Errc::Device, "", "PortAudio: " + message, "see tactus doctor");
+}
+
+/// Calls PortAudio on a thread that may hang; `call` owns what it touches and returns a PaError. Errors:
+/// Device, BadArgument.
+Status in_portaudio(std::function<int()> call) {
+  if (is_over()) return over();
+  if (const auto code = result_with_timeout(std::move(call))) return checked(*code);
+  program().over = "PortAudio does not answer any more";
+  return over();
+}
+
+/// No function of PortAudio may be called any more in this program: its JACK server is gone.
+void lose_jack() {
+  if (!is_over()) program().over = "the JACK server ended, and PortAudio's JACK client cannot come back";
+}
+
+std::string name_of(const PaHostApiInfo& api) {
+  static const std::map<PaHostApiTypeId, std::string> names{
+      {paALSA, "alsa"}, {paASIO, "asio"}, {paCoreAudio, "core"}, {paDirectSound, "ds"}, {paJACK, "jack"},
+      {paMME, "mme"},   {paOSS, "oss"},   {paWASAPI, "wasapi"},  {paWDMKS, "wdmks"}};
+  const auto name = names.find(api.type);
+  return name != names.end() ? name->second : api.name;
+}
+
+/// "HDA Intel: Analog (hw:0,0)" -> "HDA Intel: Analog": cards are numbered in the order in which they come.
+std::string without_number(std::string name) { return name.substr(0, name.rfind(" (hw:")); }
+
+LibraryDevice described(int index) {
+  const auto& info = *Pa_GetDeviceInfo(index);
+  const auto& api = *Pa_GetHostApiInfo(info.hostApi);
+  LibraryDevice found{{}, name_of(api), info.name, index};
+  auto& device = found.device;
+  device.id = "portaudio:" + found.api + ":" + without_number(info.name);
+  device.name = std::string{info.name} + " (" + api.name + ")";
+  device.in_channels = info.maxInputChannels;
+  device.out_channels = info.maxOutputChannels;
+  device.default_rate = Hertz{info.defaultSampleRate};
+  if (api.type == paJACK) device.sample_rates = {device.default_rate};
+  return found;
+}
+
+/// PortAudio takes all clients whose names end like a JACK client's for that one, and would open their ports.
+bool may_be_taken_for_another(const LibraryDevice& one, const std::vector<LibraryDevice>& all) {
+  return one.api == "jack" && std::any_of(all.begin(), all.end(), [&](const LibraryDevice& other) {
+           return other.api == "jack" && other.index != one.index && other.name.ends_with(one.name);
+         });
+}
+
+int play_nothing(const void*, void*, unsigned long, const PaStreamCallbackTimeInfo*, PaStreamCallbackFlags,
+                 void*) {
+  return paContinue;
+}
+
+/// PortAudio between Pa_Initialize and Pa_Terminate: at most one of them in a program, shared by all streams.
+class Session {
+ public:
+  /// The one there is, or a new one under this name for JACK. Errors: Device.
+  static Result<std::shared_ptr<Session>> enter([[maybe_unused]] const std::string& client_name) {
+    silence_library_logs();
+    if (is_over()) return over();
+    if (auto session = program().session.lock()) return session;
+#if __has_include(<pa_jack.h>)
+    program().client_name = client_name.substr(0, 32);
+    PaJack_SetClientName(program().client_name.c_str());
+#endif
+    if (auto status = in_portaudio([] { return Pa_Initialize(); }); !status)
+      return tl::unexpected(status.error());
+    std::shared_ptr<Session> session{new Session};
+    program().session = session;
+    return session;
+  }
+  ~Session() {
+    if (!occupied || answers()) static_cast<void>(in_portaudio([] { return Pa_Terminate(); }));
+  }
+
+  /// As of when the session began.
+  std::vector<LibraryDevice> devices() const {
+    std::vector<LibraryDevice> all, devices;
+    for (int index = 0; index < Pa_GetDeviceCount(); ++index) all.push_back(described(index));
+    number_same_ids(all);
+    std::copy_if(all.begin(), all.end(), std::back_inserter(devices),
+                 [&](const LibraryDevice& one) { return !may_be_taken_for_another(one, all); });
+    const auto output = Pa_GetDefaultOutputDevice();
+    const auto wanted = output != paNoDevice ? output : Pa_GetDefaultInputDevice();
+    for (auto& one : devices) one.device.is_default = one.index == wanted;
+    return devices;
+  }
+
+  /// Before a function that hangs or aborts if the JACK server is gone: is it there? If not, no function is
+  /// called any more.
+  bool answers() const {
+    if (is_over()) return false;
+    if (jack_device_ < 0) return true;
+    const auto open_and_close = [device = jack_device_] {
+      PaStreamParameters one{};
+      one.device = device;
+      one.channelCount = 1;
+      one.sampleFormat = paFloat32;
+      const auto& info = *Pa_GetDeviceInfo(device);
+      const bool in = info.maxInputChannels > 0;
+      PaStream* stream = nullptr;
+      const auto code =
+          Pa_OpenStream(&stream, in ? &one : nullptr, in ? nullptr : &one, info.defaultSampleRate,
+                        paFramesPerBufferUnspecified, paNoFlag, play_nothing, nullptr);
+      return code == paNoError ? Pa_CloseStream(stream) : code;
+    };
+    if (in_portaudio(open_and_close)) return true;
+    lose_jack();
+    return false;
+  }
+
+  const bool has_jack = Pa_HostApiTypeIdToHostApiIndex(paJACK) >= 0;
+  bool occupied = false;  ///< a stream is open: from now on the state must be queried
+
+ private:
+  Session() {
+    const auto jack = Pa_HostApiTypeIdToHostApiIndex(paJACK);
+    if (has_jack && Pa_GetHostApiInfo(jack)->deviceCount > 0)
+      jack_device_ = Pa_HostApiDeviceIndexToDeviceIndex(jack, 0);
+  }
+
+  int jack_device_ = -1;  ///< any, if there is one
+};
+
 /// All that PortAudio touches, kept alive by any call that hangs.
 struct Line {
-  std::shared_ptr<PortAudioSession> session;
+  std::shared_ptr<Session> session;
   PaStream* stream = nullptr;
   std::unique_ptr<CardCallback> card;  ///< before the start
   bool jack = false;
@@ -36,23 +192,12 @@ struct Line {
   double reported_at = -1.0;  ///< [s]
 };
 
-/// What was given up, for the rest of the program's life.
-std::vector<std::shared_ptr<Line>>& left_behind() {
-  static auto& lines = *new std::vector<std::shared_ptr<Line>>;
-  return lines;
-}
-
 /// A driver's buffer may be cut into several blocks, which all carry its flags and its time.
 void count_gaps(Line& line, double time, PaStreamCallbackFlags flags) noexcept {
   const bool input = (flags & (paInputUnderflow | paInputOverflow)) != 0;
   const bool output = (flags & (paOutputUnderflow | paOutputOverflow)) != 0;
   if ((!input && !output) || time == std::exchange(line.reported_at, time)) return;
-  if (line.jack) {  // it does not report where: both are always there
-    line.card->gap(Gap::Server);
-    return;
-  }
-  if (input) line.card->gap(Gap::Input);
-  if (output) line.card->gap(Gap::Output);
+  line.card->gaps(line.jack, input, output);
 }
 
 int bring_block(const void* in, void* out, unsigned long frames, const PaStreamCallbackTimeInfo* time,
@@ -99,7 +244,7 @@ Status open_line(const std::shared_ptr<Line>& line, const LibraryDevice& input, 
 #if __has_include(<pa_linux_alsa.h>)
   if (line->own_thread) PaAlsa_SetNumPeriods(std::max(1, request.periods.value_or(kUsualPeriods) - 1));
 #endif
-  line->session->occupied(true);
+  line->session->occupied = true;
   if (auto status = in_portaudio([=] {
         return Pa_OpenStream(&line->stream, from.channelCount > 0 ? &from : nullptr,
                              to.channelCount > 0 ? &to : nullptr, rate, static_cast<unsigned long>(block),
@@ -113,7 +258,7 @@ Status open_line(const std::shared_ptr<Line>& line, const LibraryDevice& input, 
   if (ins > 0) granted.input_latency_frames = believable(info->inputLatency, rate);
   if (line->out_planes > 0) granted.output_latency_frames = believable(info->outputLatency, rate);
   granted.xruns_move_delay = line->own_thread;
-  granted.comes_back = !line->session->has_jack();
+  granted.comes_back = !line->session->has_jack;
   if (std::abs(info->sampleRate - rate) < 0.5) return {};
   return fail(Errc::BadArgument, "", "'" + granted.device + "' does not run at this rate",
               "leave the rate out");
@@ -123,39 +268,36 @@ Status open_line(const std::shared_ptr<Line>& line, const LibraryDevice& input, 
 void close(std::shared_ptr<Line> line) {
   const auto session = line->session;
   if (session->answers() && in_portaudio([line] { return Pa_CloseStream(line->stream); }))
-    session->occupied(false);
+    session->occupied = false;
   else
-    left_behind().push_back(std::move(line));
+    program().left_behind.push_back(std::move(line));
 }
 
-class PortAudioStream final : public CardStream {
+class PortAudioStream final : public CardStream<Line> {
  public:
-  PortAudioStream(std::shared_ptr<Line> line, StreamGranted granted)
-      : CardStream(std::move(granted)), line_(std::move(line)) {}
+  using CardStream::CardStream;
   ~PortAudioStream() override {
     static_cast<void>(stop());
     close(std::move(line_));
   }
 
  private:
-  CardCallback& card() const override { return *line_->card; }
   bool lost() const override {
-    if (lost_ || portaudio_is_over()) return true;
+    if (lost_ || is_over()) return true;
     if (!running()) return false;
     // ALSA's JACK plugin waits for ever when its server is gone.
-    lost_ = (line_->own_thread && card().stalled(kGone)) || Pa_IsStreamActive(line_->stream) != 1;
-    if (lost_ && line_->jack) portaudio_lost_jack();
+    lost_ = (line_->own_thread && line_->card->stalled(kGone)) || Pa_IsStreamActive(line_->stream) != 1;
+    if (lost_ && line_->jack) lose_jack();
     return lost_;
   }
   Status start_library() override {
     return in_portaudio([line = line_] { return Pa_StartStream(line->stream); });
   }
   Status stop_library(bool) override {
-    if (lost_ || portaudio_is_over()) return {};
+    if (lost_ || is_over()) return {};
     return in_portaudio([line = line_] { return Pa_StopStream(line->stream); });
   }
 
-  std::shared_ptr<Line> line_;
   mutable bool lost_ = false;
 };
 
@@ -173,14 +315,12 @@ class PortAudioBackend final : public Backend {
  public:
   std::string name() const override { return "portaudio"; }
   Result<std::vector<Device>> devices() override {
-    silence_library_logs();
-    const auto session = PortAudioSession::enter("tactus-devices");
+    const auto session = Session::enter("tactus-devices");
     if (!session) return tl::unexpected(session.error());
     return devices_of((*session)->devices());
   }
   Result<std::unique_ptr<Stream>> open(const StreamRequest& request, Guarded& processor) override {
-    silence_library_logs();
-    const auto session = PortAudioSession::enter(request.client_name);
+    const auto session = Session::enter(request.client_name);
     if (!session) return tl::unexpected(session.error());
     const auto found = (*session)->devices();
     const auto choice = choose(found, request);
@@ -198,8 +338,7 @@ class PortAudioBackend final : public Backend {
       if (line->stream != nullptr) close(std::move(line));
       return tl::unexpected(status.error());
     }
-    line->card = std::make_unique<CardCallback>(processor, request, granted, true);
-    return std::make_unique<PortAudioStream>(std::move(line), std::move(granted));
+    return std::make_unique<PortAudioStream>(std::move(line), std::move(granted), request, processor);
   }
 };
 

@@ -43,40 +43,136 @@ class Line {
         library_{RtAudio::getCompiledApiByName(api)} {
     library_.showWarnings(false);
     const auto which = library_.getCurrentApi();
-    jack_ = which == RtAudio::UNIX_JACK;
+    jack = which == RtAudio::UNIX_JACK;
     own_thread_ = which == RtAudio::LINUX_ALSA || which == RtAudio::LINUX_PULSE;
   }
   /// [control] `granted` has the rate; the latencies of the driver are added.
   Status open(const LibraryDevice& input, const LibraryDevice& output, const StreamRequest& request,
-              StreamGranted& granted);
+              StreamGranted& granted) {
+    return checked([&] {
+      rate_ = static_cast<unsigned>(granted.format.sample_rate.value);
+      auto block = static_cast<unsigned>(request.block_frames.value_or(kUsualBlock));
+      RtAudio::StreamOptions options;
+      // Asked for a real-time thread, those that RtAudio makes itself write to stderr: they are raised here.
+      options.flags = RTAUDIO_NONINTERLEAVED | (own_thread_ ? 0 : RTAUDIO_SCHEDULE_REALTIME);
+      options.priority = kPriority;
+      options.numberOfBuffers = static_cast<unsigned>(request.periods.value_or(kUsualPeriods));
+      options.streamName = request.client_name;
+      open_once(unsigned(input.index), unsigned(output.index), block, options);
+      // With JACK the outputs are open before the inputs are looked for, and shift the list.
+      if (jack && !in_.empty() && !out_.empty()) {
+        if (const auto there = now_at(input.name); there != unsigned(input.index)) {
+          library_.closeStream();
+          open_once(there, unsigned(output.index), block, options);
+          if (now_at(input.name) != there) throw RtAudioError{"JACK's clients come and go; try again"};
+        }
+      }
+      granted.block_frames = granted.format.max_frames = static_cast<int>(block);
+      granted.periods = jack ? 0 : static_cast<int>(options.numberOfBuffers);
+      granted.xruns_move_delay = own_thread_;
+      const auto latency = static_cast<double>(library_.getStreamLatency());
+      if (latency > 0 && in_.empty()) granted.output_latency_frames = latency;
+      if (latency > 0 && out_.empty()) granted.input_latency_frames = latency;
+    });
+  }
   /// [control & stopped] Blocks begin to flow.
-  Status start();
-  /// [control] Stops after the last block has been played.
-  Status halt(milliseconds buffered);
+  Status start() {
+    return checked([this] { library_.startStream(); });
+  }
+  /// [control] Stops after the last block has been played. Never `stopStream`, which waits for blocks that
+  /// may not come.
+  Status halt(milliseconds buffered) {
+    return checked([&] {
+      if (own_thread_) std::this_thread::sleep_for(buffered);
+      if (!lost() && library_.isStreamRunning()) library_.abortStream();
+    });
+  }
   /// [control] Neither `start` nor `halt` may be called any more.
   bool lost() const {
     // ALSA's JACK plugin waits for ever when its server is gone.
     return lost_ || !library_.isStreamOpen() || (own_thread_ && card && card->stalled(kGone));
   }
 
-  bool is_jack() const { return jack_; }
-
   std::unique_ptr<CardCallback> card;  ///< before the start
   std::atomic<bool> abandoned{false};
+  bool jack = false;
 
  private:
-  static int bring_block(void* out, void* in, unsigned frames, double, RtAudioStreamStatus status,
-                         void* line) noexcept;
-  static void on_error(RtAudioError::Type type, const std::string& text);
   template <class Call>
-  static Status checked(Call call);
-  void open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options);
-  unsigned now_at(const std::string& name);
-  bool keeps_pace(unsigned frames) noexcept;
+  static Status checked(Call call) {
+    std::string message;
+    error_message_ = &message;
+    try {
+      call();
+    } catch (const std::exception& error) {
+      message = error.what();
+    }
+    error_message_ = nullptr;
+    if (message.empty()) return {};
+    return fail(Errc::Device, "", "RtAudio: " + plain_message(message), "see tactus doctor");
+  }
+
+  static void on_error(RtAudioError::Type type, const std::string& text) {
+    const bool warning = type == RtAudioError::WARNING || type == RtAudioError::DEBUG_WARNING;
+    if (error_message_ != nullptr && !warning) *error_message_ = text;
+    if (at_work_ == nullptr) return;
+    at_work_->failed_ = true;
+    // It will never call again, although the stream counts as running.
+    if (text.find("buffer size has changed") != std::string::npos) at_work_->lost_ = true;
+  }
+
+  void open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options) {
+    RtAudio::StreamParameters in{input, static_cast<unsigned>(in_.size()), 0};
+    RtAudio::StreamParameters out{output, static_cast<unsigned>(out_.size()), 0};
+    library_.openStream(out_.empty() ? nullptr : &out, in_.empty() ? nullptr : &in, RTAUDIO_FLOAT32, rate_,
+                        &block, bring_block, this, &options, on_error);
+  }
+
+  /// The index of the JACK client `name`, now that our own is in the list too; one beyond the list: it is
+  /// gone.
+  unsigned now_at(const std::string& name) {
+    unsigned index = 0;
+    for (const unsigned count = library_.getDeviceCount(); index < count; ++index)
+      if (library_.getDeviceInfo(index).name == name) break;
+    return index;
+  }
+
+  /// RtAudio's own threads do not notice that their device is gone: every call fails at once, and they turn
+  /// as fast as they can.
+  bool keeps_pace(unsigned frames) noexcept {
+    const std::chrono::duration<double> lasts{frames / static_cast<double>(rate_)};
+    const auto now = Clock::now();
+    failures_ = failed_ && now - last_block_ < lasts / 2 ? failures_ + 1 : 0;
+    failed_ = false;
+    last_block_ = now;
+    if (failures_ >= kErrorsInARow) lost_ = true;
+    if (lost_) std::this_thread::sleep_for(lasts);
+    return !lost_;
+  }
+
+  static int bring_block(void* out, void* in, unsigned frames, double, RtAudioStreamStatus status,
+                         void* line) noexcept {
+    auto& self = *static_cast<Line*>(line);
+    at_work_ = &self;
+    if (self.own_thread_ && !std::exchange(self.begun_, true)) static_cast<void>(become_realtime(kPriority));
+    auto* const in_samples = static_cast<const float*>(in);
+    auto* const out_samples = static_cast<float*>(out);
+    for (std::size_t c = 0; c < self.in_.size(); ++c)
+      self.in_[c] = in_samples == nullptr ? nullptr : in_samples + c * frames;
+    for (std::size_t c = 0; c < self.out_.size(); ++c) self.out_[c] = out_samples + c * frames;
+    if (!self.keeps_pace(frames)) {
+      std::fill_n(out_samples, self.out_.size() * frames, 0.0f);
+      return 0;
+    }
+    self.card->gaps(self.jack, (status & RTAUDIO_INPUT_OVERFLOW) != 0,
+                    (status & RTAUDIO_OUTPUT_UNDERFLOW) != 0);
+    self.card->block(self.in_.data(), self.out_.data(), static_cast<int>(self.out_.size()),
+                     static_cast<int>(frames));
+    return 0;
+  }
 
   std::vector<const float*> in_;
   std::vector<float*> out_;
-  bool jack_ = false;
   bool own_thread_ = false;  ///< that RtAudio made; others are the driver's
   unsigned rate_ = 48000;
   std::atomic<bool> lost_{false};
@@ -85,130 +181,13 @@ class Line {
   bool failed_ = false;  // since the last block
   int failures_ = 0;
   Clock::time_point last_block_;
+  // RtAudio's error callback does not say which stream it is about. On a control thread the message is stored
+  // here; on a stream's own thread the stream is known.
+  static inline thread_local std::string* error_message_ = nullptr;
+  static inline thread_local Line* at_work_ = nullptr;
+
   RtAudio library_;  // closed before the rest goes
 };
-
-// RtAudio's error callback does not say which stream it is about. On a control thread the message is stored
-// here; on a stream's own thread the stream is known.
-thread_local std::string* error_message = nullptr;
-thread_local Line* at_work = nullptr;
-
-void Line::on_error(RtAudioError::Type type, const std::string& text) {
-  const bool warning = type == RtAudioError::WARNING || type == RtAudioError::DEBUG_WARNING;
-  if (error_message != nullptr && !warning) *error_message = text;
-  if (at_work == nullptr) return;
-  at_work->failed_ = true;
-  // It will never call again, although the stream counts as running.
-  if (text.find("buffer size has changed") != std::string::npos) at_work->lost_ = true;
-}
-
-template <class Call>
-Status Line::checked(Call call) {
-  std::string message;
-  error_message = &message;
-  try {
-    call();
-  } catch (const std::exception& error) {
-    message = error.what();
-  }
-  error_message = nullptr;
-  if (message.empty()) return {};
-  return fail(Errc::Device, "", "RtAudio: " + plain_message(message), "see tactus doctor");
-}
-
-void Line::open_once(unsigned input, unsigned output, unsigned& block, RtAudio::StreamOptions& options) {
-  RtAudio::StreamParameters in{input, static_cast<unsigned>(in_.size()), 0};
-  RtAudio::StreamParameters out{output, static_cast<unsigned>(out_.size()), 0};
-  library_.openStream(out_.empty() ? nullptr : &out, in_.empty() ? nullptr : &in, RTAUDIO_FLOAT32, rate_,
-                      &block, bring_block, this, &options, on_error);
-}
-
-/// The index of the JACK client `name`, now that our own is in the list too; one beyond the list: it is gone.
-unsigned Line::now_at(const std::string& name) {
-  unsigned index = 0;
-  for (const unsigned count = library_.getDeviceCount(); index < count; ++index)
-    if (library_.getDeviceInfo(index).name == name) break;
-  return index;
-}
-
-Status Line::open(const LibraryDevice& input, const LibraryDevice& output, const StreamRequest& request,
-                  StreamGranted& granted) {
-  return checked([&] {
-    rate_ = static_cast<unsigned>(granted.format.sample_rate.value);
-    auto block = static_cast<unsigned>(request.block_frames.value_or(kUsualBlock));
-    RtAudio::StreamOptions options;
-    // Asked for a real-time thread, those that RtAudio makes itself write to stderr: they are raised here.
-    options.flags = RTAUDIO_NONINTERLEAVED | (own_thread_ ? 0 : RTAUDIO_SCHEDULE_REALTIME);
-    options.priority = kPriority;
-    options.numberOfBuffers = static_cast<unsigned>(request.periods.value_or(kUsualPeriods));
-    options.streamName = request.client_name;
-    open_once(unsigned(input.index), unsigned(output.index), block, options);
-    // With JACK the outputs are open before the inputs are looked for, and shift the list.
-    if (jack_ && !in_.empty() && !out_.empty()) {
-      if (const auto there = now_at(input.name); there != unsigned(input.index)) {
-        library_.closeStream();
-        open_once(there, unsigned(output.index), block, options);
-        if (now_at(input.name) != there) throw RtAudioError{"JACK's clients come and go; try again"};
-      }
-    }
-    granted.block_frames = granted.format.max_frames = static_cast<int>(block);
-    granted.periods = jack_ ? 0 : static_cast<int>(options.numberOfBuffers);
-    granted.xruns_move_delay = own_thread_;
-    const auto latency = static_cast<double>(library_.getStreamLatency());
-    if (latency > 0 && in_.empty()) granted.output_latency_frames = latency;
-    if (latency > 0 && out_.empty()) granted.input_latency_frames = latency;
-  });
-}
-
-Status Line::start() {
-  return checked([this] { library_.startStream(); });
-}
-
-/// Never `stopStream`, which waits for blocks that may not come.
-Status Line::halt(milliseconds buffered) {
-  return checked([&] {
-    if (own_thread_) std::this_thread::sleep_for(buffered);
-    if (!lost() && library_.isStreamRunning()) library_.abortStream();
-  });
-}
-
-/// RtAudio's own threads do not notice that their device is gone: every call fails at once, and they turn as
-/// fast as they can.
-bool Line::keeps_pace(unsigned frames) noexcept {
-  const std::chrono::duration<double> lasts{frames / static_cast<double>(rate_)};
-  const auto now = Clock::now();
-  failures_ = failed_ && now - last_block_ < lasts / 2 ? failures_ + 1 : 0;
-  failed_ = false;
-  last_block_ = now;
-  if (failures_ >= kErrorsInARow) lost_ = true;
-  if (lost_) std::this_thread::sleep_for(lasts);
-  return !lost_;
-}
-
-int Line::bring_block(void* out, void* in, unsigned frames, double, RtAudioStreamStatus status,
-                      void* line) noexcept {
-  auto& self = *static_cast<Line*>(line);
-  at_work = &self;
-  if (self.own_thread_ && !std::exchange(self.begun_, true)) static_cast<void>(become_realtime(kPriority));
-  auto* const in_samples = static_cast<const float*>(in);
-  auto* const out_samples = static_cast<float*>(out);
-  for (std::size_t c = 0; c < self.in_.size(); ++c)
-    self.in_[c] = in_samples == nullptr ? nullptr : in_samples + c * frames;
-  for (std::size_t c = 0; c < self.out_.size(); ++c) self.out_[c] = out_samples + c * frames;
-  if (!self.keeps_pace(frames)) {
-    std::fill_n(out_samples, self.out_.size() * frames, 0.0f);
-    return 0;
-  }
-  if (self.jack_) {  // it does not report where: both flags are always there
-    if (status != 0) self.card->gap(Gap::Server);
-  } else {
-    if ((status & RTAUDIO_INPUT_OVERFLOW) != 0) self.card->gap(Gap::Input);
-    if ((status & RTAUDIO_OUTPUT_UNDERFLOW) != 0) self.card->gap(Gap::Output);
-  }
-  self.card->block(self.in_.data(), self.out_.data(), static_cast<int>(self.out_.size()),
-                   static_cast<int>(frames));
-  return 0;
-}
 
 /// A call that may hang. What hangs is left to itself.
 template <class Call>
@@ -222,13 +201,6 @@ Status in_time(const std::shared_ptr<Line>& line, Call call) {
 void close(std::shared_ptr<Line> line) {
   const auto patience = line->lost() ? kGiveUp : milliseconds{2000};
   call_with_timeout([line = std::move(line)] {}, patience);
-}
-
-/// A JACK stream that hung is never closed, for the rest of the program's life: by the time it could be, its
-/// server may have died, the library's own thread may be closing it, and libjack may know another server.
-void leave_behind(const std::shared_ptr<Line>& line) {
-  static auto& lines = *new std::vector<std::shared_ptr<Line>>;
-  if (line->is_jack()) lines.push_back(line);
 }
 
 LibraryDevice described(const std::string& api, unsigned index, const RtAudio::DeviceInfo& info) {
@@ -318,17 +290,15 @@ Result<Devices> rtaudio_devices(const std::string& text) {
   return devices;
 }
 
-class RtAudioStream final : public CardStream {
+class RtAudioStream final : public CardStream<Line> {
  public:
-  RtAudioStream(std::shared_ptr<Line> line, StreamGranted granted)
-      : CardStream(std::move(granted)), line_(std::move(line)) {}
+  using CardStream::CardStream;
   ~RtAudioStream() override {
     static_cast<void>(stop());
     close(std::move(line_));
   }
 
  private:
-  CardCallback& card() const override { return *line_->card; }
   bool lost() const override { return line_->abandoned || line_->lost(); }
   Status start_library() override {
     return asked([](Line& line) { return line.start(); });
@@ -338,14 +308,16 @@ class RtAudioStream final : public CardStream {
         1e3 * granted().periods * granted().block_frames / granted().format.sample_rate.value + 1)};
     return asked([=](Line& line) { return line.halt(finished ? buffered : milliseconds{0}); });
   }
+  /// A JACK stream that hung is never closed, for the rest of the program's life: by the time it could be,
+  /// its server may have died, the library's own thread may be closing it, and libjack may know another
+  /// server.
   template <class Call>
   Status asked(Call call) {
+    static auto& left_behind = *new std::vector<std::shared_ptr<Line>>;
     auto status = in_time(line_, call);
-    if (line_->abandoned) leave_behind(line_);
+    if (line_->abandoned && line_->jack) left_behind.push_back(line_);
     return status;
   }
-
-  std::shared_ptr<Line> line_;
 };
 
 /// Sound cards through RtAudio 5: JACK, ALSA and PulseAudio on Linux, CoreAudio on macOS, WASAPI and ASIO on
@@ -377,8 +349,7 @@ class RtAudioBackend final : public Backend {
       close(std::move(line));
       return tl::unexpected(status.error());
     }
-    line->card = std::make_unique<CardCallback>(processor, request, *granted, true);
-    return std::make_unique<RtAudioStream>(std::move(line), *granted);
+    return std::make_unique<RtAudioStream>(std::move(line), *granted, request, processor);
   }
 };
 

@@ -49,26 +49,11 @@ void note_error(RtMidiError::Type type, const std::string&, void* failed) {
   if (failed != nullptr && grave) *static_cast<bool*>(failed) = true;
 }
 
-/// What the worker and the control thread share. Whoever lives longer keeps it.
-struct Shared {
-  std::mutex mutex;  ///< never held while the library is called
-  std::condition_variable wake;
-  std::map<std::string, std::shared_ptr<OpenPort>> ports;  ///< by id
-  std::vector<std::string> news;
-  bool stop = false;
-  bool stopped = false;
-
-  void report(const std::string& text) {
-    const std::lock_guard lock{mutex};
-    news.push_back(text);
-  }
-};
-
-/// Looks for ports and keeps them open, on its own thread.
+/// Looks for ports and keeps them open, on its own thread; the control thread asks it for what came. Whoever
+/// of the two lives longer keeps it.
 class Worker {
  public:
-  Worker(RtMidiSettings settings, std::shared_ptr<Shared> shared)
-      : settings_(std::move(settings)), shared_(std::move(shared)) {}
+  explicit Worker(RtMidiSettings settings) : settings_(std::move(settings)) {}
 
   void run() {
     for (int checks = 0;; ++checks) {
@@ -81,10 +66,42 @@ class Worker {
         scout_.reset();
         report_error(error.what());
       }
-      std::unique_lock lock{shared_->mutex};
-      if (shared_->wake.wait_for(lock, settings_.look_every, [this] { return shared_->stop; })) break;
+      std::unique_lock lock{mutex_};
+      if (wake_.wait_for(lock, settings_.look_every, [this] { return stop_; })) break;
     }
-    close_all();
+    close_missing({});
+    scout_.reset();
+    const std::lock_guard lock{mutex_};
+    stopped_ = true;
+    wake_.notify_all();
+  }
+
+  /// [control]
+  void stop() {
+    std::unique_lock lock{mutex_};
+    stop_ = true;
+    wake_.notify_all();
+    wake_.wait_for(lock, kPatience, [this] { return stopped_; });
+  }
+
+  std::vector<std::string> ports() const {
+    const std::lock_guard lock{mutex_};
+    std::vector<std::string> ids;
+    for (const auto& port : ports_) ids.push_back(port.first);
+    return ids;
+  }
+
+  std::vector<MidiEvent> poll() {
+    const std::lock_guard lock{mutex_};
+    std::vector<MidiEvent> events;
+    for (const auto& [id, port] : ports_)
+      for (MidiMessage message; port->queue.pop(message);) events.push_back({id, message});
+    return events;
+  }
+
+  std::vector<std::string> news() {
+    const std::lock_guard lock{mutex_};
+    return std::exchange(news_, {});
   }
 
  private:
@@ -139,8 +156,8 @@ class Worker {
   }
 
   bool is_open(const std::string& id) const {
-    const std::lock_guard lock{shared_->mutex};
-    return shared_->ports.contains(id);
+    const std::lock_guard lock{mutex_};
+    return ports_.contains(id);
   }
 
   void open(const std::string& id, const std::string& name) {
@@ -153,85 +170,55 @@ class Worker {
       port->in->openPort(i, "in");
     }
     if (!port->in->isPortOpen()) return;
-    const std::lock_guard lock{shared_->mutex};
-    shared_->ports[id] = std::move(port);
-    shared_->news.push_back("MIDI from '" + id + "'");
+    const std::lock_guard lock{mutex_};
+    ports_[id] = std::move(port);
+    news_.push_back("MIDI from '" + id + "'");
     reported_error_.clear();
   }
 
   void close_missing(const std::map<std::string, std::string>& there) {
     std::vector<std::shared_ptr<OpenPort>> closing;  // outside of the lock
-    const std::lock_guard lock{shared_->mutex};
-    std::erase_if(shared_->ports, [&](const auto& port) {
+    const std::lock_guard lock{mutex_};
+    std::erase_if(ports_, [&](const auto& port) {
       if (there.contains(port.first)) return false;
-      shared_->news.push_back("'" + port.first + "' is disconnected; it is opened again when it comes back");
+      news_.push_back("'" + port.first + "' is disconnected; it is opened again when it comes back");
       closing.push_back(port.second);
       return true;
     });
     // `lock` is released first: it was made last.
   }
 
-  void close_all() {
-    std::map<std::string, std::shared_ptr<OpenPort>> closing;
-    {
-      const std::lock_guard lock{shared_->mutex};
-      closing.swap(shared_->ports);
-    }
-    closing.clear();
-    scout_.reset();
-  }
-
   void report_error(const std::string& text) {
-    if (std::exchange(reported_error_, text) != text) shared_->report("no MIDI: " + text);
+    if (std::exchange(reported_error_, text) == text) return;
+    const std::lock_guard lock{mutex_};
+    news_.push_back("no MIDI: " + text);
   }
 
   const RtMidiSettings settings_;
-  std::shared_ptr<Shared> shared_;
   std::unique_ptr<RtMidiIn> scout_;  ///< only looks
   std::string reported_error_;
+  mutable std::mutex mutex_;  ///< of what follows; never held while the library is called
+  std::condition_variable wake_;
+  std::map<std::string, std::shared_ptr<OpenPort>> ports_;  ///< by id
+  std::vector<std::string> news_;
+  bool stop_ = false;
+  bool stopped_ = false;
 };
 
 class RtMidiInputs final : public MidiInputs {
  public:
-  explicit RtMidiInputs(const RtMidiSettings& settings) {
-    std::thread{[shared = shared_, settings] {
-      Worker{settings, shared}.run();
-      const std::lock_guard lock{shared->mutex};
-      shared->stopped = true;
-      shared->wake.notify_all();
-    }}.detach();
+  explicit RtMidiInputs(const RtMidiSettings& settings) : worker_(std::make_shared<Worker>(settings)) {
+    std::thread{[worker = worker_] { worker->run(); }}.detach();
   }
-
   /// A library that hangs keeps its thread, and what that needs, to itself.
-  ~RtMidiInputs() override {
-    std::unique_lock lock{shared_->mutex};
-    shared_->stop = true;
-    shared_->wake.notify_all();
-    shared_->wake.wait_for(lock, kPatience, [this] { return shared_->stopped; });
-  }
+  ~RtMidiInputs() override { worker_->stop(); }
 
-  std::vector<std::string> ports() override {
-    const std::lock_guard lock{shared_->mutex};
-    std::vector<std::string> ids;
-    for (const auto& port : shared_->ports) ids.push_back(port.first);
-    return ids;
-  }
-
-  std::vector<MidiEvent> poll() override {
-    const std::lock_guard lock{shared_->mutex};
-    std::vector<MidiEvent> events;
-    for (const auto& [id, port] : shared_->ports)
-      for (MidiMessage message; port->queue.pop(message);) events.push_back({id, message});
-    return events;
-  }
-
-  std::vector<std::string> news() override {
-    const std::lock_guard lock{shared_->mutex};
-    return std::exchange(shared_->news, {});
-  }
+  std::vector<std::string> ports() override { return worker_->ports(); }
+  std::vector<MidiEvent> poll() override { return worker_->poll(); }
+  std::vector<std::string> news() override { return worker_->news(); }
 
  private:
-  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+  std::shared_ptr<Worker> worker_;
 };
 
 }  // namespace

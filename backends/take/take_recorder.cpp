@@ -11,8 +11,120 @@ namespace {
 
 constexpr auto kWriteEvery = std::chrono::milliseconds{20};
 constexpr Seconds kLeastMemory{0.1};
+/// How much a take may lose when the program is killed, besides what the ring holds.
+constexpr Seconds kSettleEvery{0.2};
 
 }  // namespace
+
+Result<TakeWriter> TakeWriter::create(const std::filesystem::path& wav, const TakeHeader& header,
+                                      TakeRing& ring) {
+  const auto journal = journal_path(wav);
+  std::error_code ignored;
+  if (std::filesystem::exists(journal, ignored))
+    return fail(Errc::BadFile, journal.string(), "the journal of a take is there already",
+                "choose another name, or move it away");
+  auto file = GrowingWav::create(wav, header.sample_rate, ring.channels());
+  if (!file) return tl::unexpected(file.error());
+  TakeWriter writer{std::move(*file), journal, header, ring};
+  if (writer.journal_) return writer;
+  std::filesystem::remove(wav, ignored);
+  return fail(Errc::BadFile, journal.string(), "it cannot be written",
+              "check that the folder may be written to and the disk has space");
+}
+
+TakeWriter::TakeWriter(GrowingWav wav, std::filesystem::path journal, const TakeHeader& header,
+                       TakeRing& ring)
+    : wav_(std::move(wav)),
+      journal_path_(std::move(journal)),
+      journal_(journal_path_, std::ios::binary),
+      ring_(&ring),
+      settle_every_(static_cast<std::int64_t>(frames_in(kSettleEvery, header.sample_rate))) {
+  journal_ << header_line(header) << std::flush;
+}
+
+bool TakeWriter::work() {
+  const auto written = ring_->written();
+  drain_events();
+  if (error_.empty())
+    if (const auto status = write_samples(written); !status) fail_with(status.error().what);
+  if (error_.empty() && wav_.frames() - settled_ >= settle_every_) settle();
+  return error_.empty();
+}
+
+void TakeWriter::drain_events() {
+  for (TakeEvent event; ring_->pop(event);) {
+    const auto* entry = std::get_if<JournalEntry>(&event);
+    if (entry == nullptr)
+      write_gap(std::get<TakeGap>(event));
+    else if (entry->kind == JournalEntry::Kind::Replacement)
+      replaced_.push_back(entry->frame);
+    else if (error_.empty())
+      journal_ << entry_line(*entry);
+  }
+  match_edits();
+}
+
+void TakeWriter::match_edits() {
+  while (!replaced_.empty() && !edits_.empty()) {
+    edits_.front().frame = replaced_.front();
+    if (error_.empty()) journal_ << edit_line(edits_.front());
+    edits_.pop_front();
+    replaced_.pop_front();
+  }
+}
+
+void TakeWriter::write_gap(const TakeGap& gap) {
+  gaps_.push_back(gap);
+  if (error_.empty()) journal_ << gap_line(gap);
+}
+
+/// Missing frames are zeros, so that frame n of the file is frame n of the stream.
+Status TakeWriter::write_samples(std::int64_t written) {
+  for (auto segment = ring_->front(written); segment.frames > 0 || !gaps_.empty();
+       segment = ring_->front(written)) {
+    if (!gaps_.empty() && gaps_.front().frame == wav_.frames()) {
+      if (auto status = wav_.append_silence(gaps_.front().frames); !status) return status;
+      gaps_.pop_front();
+      continue;
+    }
+    if (!gaps_.empty()) segment.frames = std::min(segment.frames, gaps_.front().frame - wav_.frames());
+    if (segment.frames == 0) break;  // the gap lies behind what was written so far
+    if (auto status = wav_.append(segment.samples, segment.frames); !status) return status;
+    ring_->drop_front(segment.frames);
+  }
+  return {};
+}
+
+void TakeWriter::note_progress() {
+  progress_.complete = replaced_.empty() ? wav_.frames() : std::min(wav_.frames(), replaced_.front());
+  progress_.lost_entries = ring_->lost_entries();
+  progress_.rounded_sensors = ring_->rounded_sensors();
+}
+
+void TakeWriter::settle() {
+  note_progress();
+  journal_ << progress_line(progress_) << std::flush;
+  if (!journal_) return fail_with(why_not_written());
+  if (const auto status = wav_.settle(); !status) return fail_with(status.error().what);
+  settled_ = wav_.frames();
+}
+
+void TakeWriter::fail_with(const std::string& what) {
+  error_ = what;
+  wav_.save_what_is_there();
+}
+
+void TakeWriter::finish() {
+  (void)work();
+  if (const auto& gap = ring_->open_gap(); gap.frames > 0) {
+    write_gap(gap);
+    (void)work();
+  }
+  if (error_.empty()) settle();
+  progress_.ended = !error_.empty() ? error_ : ring_->restarted() ? "the stream began again" : "";
+  progress_.finished = true;
+  if (journal_) journal_ << progress_line(progress_) << std::flush;
+}
 
 Result<std::unique_ptr<TakeRecorder>> TakeRecorder::start(const std::filesystem::path& wav, TakeHeader header,
                                                           Seconds memory) {

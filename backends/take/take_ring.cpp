@@ -21,7 +21,7 @@ void TakeRing::applied(const JournalEntry& entry) noexcept {
   // Frames only ever grow, until somebody prepares the stream anew.
   if (entry.frame < next_frame_) restarted_.store(true, kRelaxed);
   if (restarted()) return;
-  if (!events_.push({TakeEvent::Kind::Entry, entry, 0})) lost_entries_.fetch_add(1, kRelaxed);
+  if (!events_.push(entry)) lost_entries_.fetch_add(1, kRelaxed);
 }
 
 void TakeRing::observe(const BlockIo& io, std::int64_t first_frame) noexcept {
@@ -45,9 +45,7 @@ bool TakeRing::has_room(int frames) noexcept {
 
 /// A gap must be known before what follows it.
 bool TakeRing::close_gap() noexcept {
-  if (gap_.frames == 0) return true;
-  const JournalEntry place{gap_.frame, JournalEntry::Kind::LostFrames, 0, 0.0};
-  if (!events_.push({TakeEvent::Kind::Gap, place, gap_.frames})) return false;
+  if (gap_.frames > 0 && !events_.push(gap_)) return false;
   gap_ = {};
   return true;
 }

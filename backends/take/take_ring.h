@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <variant>
 #include <vector>
 
 #include "backends/take/take.h"
@@ -10,16 +11,9 @@
 
 namespace tactus {
 
-/// Something besides samples that belongs into a take, in the order in which it happened.
-struct TakeEvent {
-  enum class Kind : std::uint8_t {
-    Entry,
-    Gap,  ///< `frames` from `entry.frame` on were dropped
-  };
-  Kind kind = Kind::Entry;
-  JournalEntry entry;
-  std::int64_t frames = 0;
-};
+/// Something besides samples that belongs into a take, in the order in which it happened: an entry that was
+/// applied, or frames that were dropped.
+using TakeEvent = std::variant<JournalEntry, TakeGap>;
 
 /// Where the audio thread puts what a take needs, and a writer fetches it. Room for samples and events is
 /// there from the beginning; when it is full, whole blocks are dropped and counted, and the gap is reported

@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, 9> kPrefixes = {"p", "n", "µ", "m", "",
 bool takes_prefix(const std::string& unit) {
   const auto first = std::string_view{unit}.substr(0, unit.find_first_of(" /*^"));
   const bool power = first.size() < unit.size() && unit[first.size()] == '^';
-  return !power && std::find(kSymbols.begin(), kSymbols.end(), first) != kSymbols.end();
+  return !power && std::ranges::find(kSymbols, first) != kSymbols.end();
 }
 
 /// "m/s^2" as printed.

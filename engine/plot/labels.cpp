@@ -24,7 +24,7 @@ void append_column(std::vector<Point>& out, const std::vector<Point>& column) {
     return;
   }
   const auto by_y = [](const Point& a, const Point& b) { return a.y < b.y; };
-  auto [least, most] = std::minmax_element(column.begin(), column.end(), by_y);
+  auto [least, most] = std::ranges::minmax_element(column, by_y);
   if (most < least) std::swap(least, most);  // in the order of time
   out.insert(out.end(), {column.front(), *least, *most, column.back()});
 }
@@ -58,7 +58,7 @@ std::vector<std::string> wrap(const std::string& text, double font_size, double 
 std::vector<double> spread(const std::vector<double>& preferred, double gap, double low, double high) {
   std::vector<std::size_t> order(preferred.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return preferred[a] < preferred[b]; });
+  std::ranges::stable_sort(order, [&](auto a, auto b) { return preferred[a] < preferred[b]; });
   std::vector<double> placed(preferred.size());
   double next = low;
   for (const auto i : order) {
@@ -79,12 +79,12 @@ void place_in_rows(std::vector<RowLabel>& labels, int rows, double low, double h
   std::vector<double> ends(static_cast<std::size_t>(rows), low - kSpace);
   std::vector<RowLabel*> order;
   for (auto& label : labels) order.push_back(&label);
-  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->x < b->x; });
+  std::ranges::stable_sort(order, [](const auto* a, const auto* b) { return a->x < b->x; });
   for (auto* label : order) {
     const double half = label->width / 2;
     label->x = std::max(low + half, std::min(label->x, high - half));
-    const auto row = std::find_if(ends.begin(), ends.end(),
-                                  [&](double end) { return end + kSpace <= label->x - half + 1e-9; });
+    const auto row =
+        std::ranges::find_if(ends, [&](double end) { return end + kSpace <= label->x - half + 1e-9; });
     if (row == ends.end()) continue;
     label->row = static_cast<int>(row - ends.begin());
     *row = label->x + half;
@@ -141,12 +141,12 @@ FreeSpace::Place FreeSpace::beside(const Point& point, double width) {
     const auto box = box_at(side);
     const bool within = box.left >= plot_.left && box.right <= plot_.right && box.top >= plot_.top &&
                         box.bottom <= plot_.bottom;
-    return within && std::none_of(taken_.begin(), taken_.end(), [&](const Box& other) {
+    return within && std::ranges::none_of(taken_, [&](const Box& other) {
              return box.left < other.right && other.left < box.right && box.top < other.bottom &&
                     other.top < box.bottom;
            });
   };
-  const auto found = std::find_if(kSides.begin(), kSides.end(), is_free);
+  const auto found = std::ranges::find_if(kSides, is_free);
   const auto side = found == kSides.end() ? kSides.front() : *found;
   const auto box = box_at(side);
   take(box);

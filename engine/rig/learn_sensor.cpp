@@ -28,20 +28,19 @@ constexpr double kNoDetection = 1e9;
 }  // namespace
 
 SensorLearner::SensorLearner(Hertz sample_rate)
-    : detector_({.sample_rate = sample_rate}),
+    : threshold_(kNoDetection),
       peak_frames_(static_cast<int>(frames_in(Seconds{kPeak_s}, sample_rate))),
       group_frames_(static_cast<int>(frames_in(Seconds{kGroup_s}, sample_rate))),
       ringing_frames_(static_cast<int>(frames_in(Seconds{kRinging_s}, sample_rate))) {
-  sensitivity_.threshold = kNoDetection;
-  sensitivity_.hold = 200_ms;
+  tactus_onset_start(&onset_, sample_rate.value, 30, 0.020, 0.028);
 }
 
 void SensorLearner::process(std::span<const double> samples) {
   for (const double sample : samples) {
     if (done()) return;
     const double in = std::isfinite(sample) ? sample : 0.0;
-    const bool hit = detector_.step(state_, in, sensitivity_);
-    const double envelope = state_.envelope();
+    const bool hit = tactus_onset_step(&onset_, in, threshold_, 0.2, 1.41, 7) != 0;
+    const double envelope = onset_.fast[0];
     if (hit && hits() < kHits) {
       peaks_.push_back(0);
       peak_frames_left_ = peak_frames_;
@@ -70,7 +69,7 @@ void SensorLearner::close_group() {
   in_group_ = 0;
   if (groups_.size() < kFirstGroups || groups_.size() % kGroupsPerLook != 0) return;
   noise_ = quantile(groups_, 0.25);
-  sensitivity_.threshold = std::max(kQuietest, kAboveNoise * noise_);
+  threshold_ = std::max(kQuietest, kAboveNoise * noise_);
 }
 
 Result<LearntSensor> SensorLearner::result() const {

@@ -5,7 +5,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
-#include "engine/dsp/envelopes/onset.h"
+#include "engine/dsp/envelopes/onset_kernel.h"
 #include "engine/rig/rig.h"
 
 namespace tactus {
@@ -19,8 +19,8 @@ struct LearntSensor {
 
 /// "Hit softly five times": finds the hits in what a sensor gives and how sensitive it is.
 ///
-/// The first 0.2 s are taken for noise. A hit begins where the onset detector finds one (onset.h) 6 dB or
-/// more above the noise so far, at least 0.2 s after the last, so that neither ringing nor a second bounce
+/// The first 0.2 s are taken for noise. A hit begins where the onset detector finds one (onset_kernel.h) 6 dB
+/// or more above the noise so far, at least 0.2 s after the last, so that neither ringing nor a second bounce
 /// counts. Its peak is the highest envelope, above 30 Hz, of the next 30 ms. The median of five peaks does
 /// not mind that one was different.
 class SensorLearner {
@@ -46,9 +46,8 @@ class SensorLearner {
   void close_group();
   void close_peak();
 
-  OnsetDetector detector_;
-  OnsetDetector::State state_;
-  OnsetDetector::Sensitivity sensitivity_;
+  tactus_onset onset_{};
+  double threshold_;  ///< of the detector
   int peak_frames_, group_frames_, ringing_frames_;
   int peak_frames_left_ = 0;
   int since_hit_ = 0;  ///< frames since the last hit began

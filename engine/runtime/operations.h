@@ -13,7 +13,8 @@ namespace tactus {
 
 /// [realtime]
 void run_operation_row(Expression::Op op, const Signal* in, double* out, int frames) noexcept;
-bool row_is_finite(const double* samples, int frames) noexcept;
+// Not inlined: its constants would delay a single frame.
+[[gnu::noinline]] bool row_is_finite(const double* samples, int frames) noexcept;
 
 /// [realtime] out[n] = op(in[0][n], in[1][n]), as in `apply`, for n
 /// in [0, frames).

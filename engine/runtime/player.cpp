@@ -11,7 +11,9 @@
 
 namespace tactus {
 
-Player::Player(std::unique_ptr<Plan> plan) : versions_(std::move(plan)), running_(&versions_.restart()) {}
+Player::Player(std::unique_ptr<Plan> plan) : versions_(std::move(plan)), steps_(*this) {
+  use(versions_.restart());
+}
 
 Player::~Player() = default;
 
@@ -20,7 +22,7 @@ Status Player::prepare(const StreamFormat& format) {
     return fail(Errc::BadArgument, {}, "the graph was compiled for another sample rate",
                 "compile it for the rate of the stream");
   format_ = format;
-  running_ = &versions_.restart();
+  use(versions_.restart());
   running_->start(format.max_frames);
   fades_.assign(running_->outputs.size(), {});
   fading_until_ = 0;
@@ -41,7 +43,7 @@ void Player::process_timed(const BlockIo& io) noexcept { run_block<true>(io); }
 template <bool kTimed>
 void Player::run_block(const BlockIo& io) noexcept {
   const NoDenormals no_denormals;
-  io_ = io;
+  io_ = &io;
   for (offset_ = 0; offset_ < io.frames;) {
     const int frames = frames_to_next_entry(std::min(io.frames - offset_, kMaxSubBlock));
     run_sub_block<kTimed>(frames);
@@ -56,7 +58,7 @@ template <bool kTimed>
 void Player::run_sub_block(int frames) noexcept {
   running_->advance(now_, frames);
   if (outside_ == nullptr) load_inputs(frames);
-  steps_.run<kTimed>(*running_, *this, now_, frames);
+  steps_.run<kTimed>(now_, frames);
   if (outside_ == nullptr) store_outputs(frames);
   for (std::size_t t = 0; t < running_->taps.size(); ++t) {
     const auto& signal = running_->plan->channels[index(running_->tap_channels[t])].signal;
@@ -105,7 +107,7 @@ void Player::take_over(Running& next) noexcept {
   for (std::size_t c = 0; c < fades_.size(); ++c)
     if (next.handover.jumps[c]) fades_[c].begin(now_, fade, last_output(c));
   fading_until_ = now_ + fade;
-  running_ = &next;
+  use(next);
   inbox_.observe({now_, JournalEntry::Kind::Replacement, ++replacements_, 0.0});
   versions_.done();
 }
@@ -130,7 +132,7 @@ void Player::load_inputs(int frames) noexcept {
       std::fill_n(buffers[c], frames, 0.0);
       continue;
     }
-    copy_samples(io_.in[c] + offset_, frames, buffers[c]);
+    copy_samples(io_->in[c] + offset_, frames, buffers[c]);
     make_finite(buffers[c], frames);
   }
 }
@@ -148,18 +150,18 @@ void Player::store_outputs(int frames) noexcept {
   for (std::size_t c = 0; c < channels; ++c) {
     const auto& signal = output_signal(c);
     if (signal.stride == 1) {
-      copy_samples(signal.data, frames, io_.out[c] + offset_);
+      copy_samples(signal.data, frames, io_->out[c] + offset_);
     } else if (running_->vectorised[c] && c + kVectorWidth <= channels) {
       std::array<double*, kVectorWidth> lanes;
-      for (std::size_t lane = 0; lane < kVectorWidth; ++lane) lanes[lane] = io_.out[c + lane] + offset_;
+      for (std::size_t lane = 0; lane < kVectorWidth; ++lane) lanes[lane] = io_->out[c + lane] + offset_;
       Transpose::unpack(signal.data, lanes, frames);
       c += kVectorWidth - 1;
     } else {
-      for (int n = 0; n < frames; ++n) io_.out[c][offset_ + n] = signal[n];
+      for (int n = 0; n < frames; ++n) io_->out[c][offset_ + n] = signal[n];
     }
   }
   if (now_ >= fading_until_) return;
-  for (std::size_t c = 0; c < channels; ++c) fades_[c].process(io_.out[c] + offset_, frames, now_);
+  for (std::size_t c = 0; c < channels; ++c) fades_[c].process(io_->out[c] + offset_, frames, now_);
 }
 
 void Player::answer(int offset, int frames) noexcept {
@@ -170,7 +172,7 @@ void Player::answer(int offset, int frames) noexcept {
     for (int n = 0; n < frames; ++n) samples[n] = signal[offset + n];
     if (now_ + offset < fading_until_) fades_[c].process(samples, frames, now_ + offset);
     if (static_cast<int>(c) < format_.out_channels)
-      std::copy_n(samples, frames, io_.out[c] + offset_ + offset);
+      std::copy_n(samples, frames, io_->out[c] + offset_ + offset);
   }
   outside_->process({outside_in_.data(), outside_out_.data(), frames});
   const auto& buffers = running_->plan->input_buffers;

@@ -119,6 +119,10 @@ class Player final : public BlockProcessor, private Outside {
   void run_block(const BlockIo& io) noexcept;
   template <bool kTimed>
   void run_sub_block(int frames) noexcept;
+  void use(Running& running) noexcept {
+    running_ = &running;
+    steps_.use(running);
+  }
   int frames_to_next_entry(int frames) noexcept;
   void apply(const JournalEntry& entry) noexcept;
   void take_over(Running& next) noexcept;
@@ -134,14 +138,14 @@ class Player final : public BlockProcessor, private Outside {
   std::atomic<std::int64_t> bad_inputs_{0};
   std::atomic<std::int64_t> frame_{0};
   // Audio side.
-  Running* running_;
+  Running* running_ = nullptr;
   StepRunner steps_;
   StreamFormat format_;
   std::vector<OutputFade> fades_;
   std::int64_t fading_until_ = 0;
-  BlockIo io_;           // the block in hand
-  int offset_ = 0;       // of the sub-block in hand
-  int last_frames_ = 0;  // of the sub-block before
+  const BlockIo* io_ = nullptr;  // the block in hand; a copy would wait for the stores of its members
+  int offset_ = 0;               // of the sub-block in hand
+  int last_frames_ = 0;          // of the sub-block before
   ChannelBuffers outside_in_, outside_out_;
   BlockProcessor* outside_ = nullptr;
   int replacements_ = 0;

@@ -32,24 +32,21 @@ std::int64_t end_of_cell(std::int64_t frame) { return frame - frame % kMaxSubBlo
 }  // namespace
 
 template <bool kTimed>
-void StepRunner::run(Running& running, Outside& outside, std::int64_t now, int frames) noexcept {
-  running_ = &running;
-  plan_ = running.plan.get();
-  outside_ = &outside;
+void StepRunner::run(std::int64_t now, int frames) noexcept {
   now_ = now;
   for (const auto& section : plan_->sections)
     section.loop ? run_loop<kTimed>(section, frames) : run_straight<kTimed>(section, frames);
 }
 
-template void StepRunner::run<false>(Running&, Outside&, std::int64_t, int) noexcept;
-template void StepRunner::run<true>(Running&, Outside&, std::int64_t, int) noexcept;
+template void StepRunner::run<false>(std::int64_t, int) noexcept;
+template void StepRunner::run<true>(std::int64_t, int) noexcept;
 
 template <bool kTimed>
 void StepRunner::run_straight(const Section& section, int frames) noexcept {
   for (int s = section.first_step; s < section.end_step; ++s) {
     const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
     if (plan_->steps[index(s)].kind == Step::Kind::Outside)
-      outside_->answer(0, frames);
+      outside_.answer(0, frames);
     else
       run_alone(s, frames);
   }
@@ -89,7 +86,7 @@ void StepRunner::run_loop(const Section& section, int frames) noexcept {
       const StepTimer<kTimed> timer{running_->step_ns[index(s)]};
       // The world outside misses no frame, or it would be late from here on.
       if (steps[s].kind == Step::Kind::Outside)
-        outside_->answer(offset, part);
+        outside_.answer(offset, part);
       else if (silent)
         silence(steps[s], offset, part);
       else if (const Fault fault = run_step(steps[s], true, offset, part); fault.frame < first.frame)

@@ -23,9 +23,16 @@ class Outside {
 /// depend on the blocks either. Its vertex is counted.
 class StepRunner {
  public:
+  explicit StepRunner(Outside& outside) : outside_(outside) {}
+
+  /// [realtime] Runs the steps of `running` from now on.
+  void use(Running& running) noexcept {
+    running_ = &running;
+    plan_ = running.plan.get();
+  }
   /// [realtime] Frames [now, now + frames). With `kTimed` it adds the time of each step to Running::step_ns.
   template <bool kTimed>
-  void run(Running& running, Outside& outside, std::int64_t now, int frames) noexcept;
+  void run(std::int64_t now, int frames) noexcept;
 
  private:
   static constexpr int kSound = -1;
@@ -52,14 +59,14 @@ class StepRunner {
   const RateDivider* divider(int of) const noexcept {
     return of == 0 ? nullptr : &running_->dividers[index(of)];
   }
-  static Fault fault_of(const Step& step, const NodeBlock& block) noexcept;
+  [[gnu::noinline]] static Fault fault_of(const Step& step, const NodeBlock& block) noexcept;
   void count_fault(int vertex, int times = 1) noexcept;
   void reset(const Step& step) noexcept;
   void silence(const Step& step, int offset, int frames) noexcept;
 
+  Outside& outside_;
   Running* running_ = nullptr;
   const Plan* plan_ = nullptr;
-  Outside* outside_ = nullptr;
   std::int64_t now_ = 0;
 };
 

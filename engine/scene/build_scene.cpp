@@ -8,7 +8,6 @@
 #include "engine/core/named.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/plan/compile.h"
-#include "engine/scene/file/scene_checks.h"
 #include "engine/scene/guard_report.h"
 #include "engine/scene/scene_wiring.h"
 
@@ -17,17 +16,9 @@ namespace {
 
 class SceneBuilder {
  public:
-  /// `earlier`: errors found before.
-  SceneBuilder(const SceneSpec& scene, const NodeTable& table, const SceneOptions& options,
-               std::vector<Error> earlier)
-      : scene_(scene),
-        table_(table),
-        options_(options),
-        instrument_(scene.part("instrument")),
-        rate_(options.rate.value_or(scene.rate)),
-        delay_(options.delay.value_or(scene.delay)),
-        errors_(scene.file) {
-    errors_.add(std::move(earlier));
+  SceneBuilder(const LoadedScene& loaded, const NodeTable& table, const SceneOptions& options)
+      : scene_(*loaded.scene), table_(table), options_(options), errors_(scene_.file) {
+    errors_.add(loaded.errors);
   }
 
   Checked<CompiledScene> run() {
@@ -234,9 +225,9 @@ class SceneBuilder {
   const SceneSpec& scene_;
   const NodeTable& table_;
   const SceneOptions& options_;
-  const ScenePart* instrument_;
-  Hertz rate_;
-  Seconds delay_;
+  const ScenePart* instrument_ = scene_.part("instrument");
+  Hertz rate_ = options_.rate.value_or(scene_.rate);
+  Seconds delay_ = options_.delay.value_or(scene_.delay);
   GraphSpec world_;
   std::vector<std::string> taps_;
   std::map<std::string, ControlValue> controls_;
@@ -248,15 +239,10 @@ class SceneBuilder {
 
 }  // namespace
 
-Checked<CompiledScene> compile_scene(const SceneSpec& scene, const NodeTable& table,
-                                     const SceneOptions& options) {
-  return SceneBuilder{scene, table, options, {}}.run();
-}
-
 Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable& table,
                                      const SceneOptions& options) {
   if (!loaded.scene) return tl::unexpected(loaded.errors);
-  return SceneBuilder{*loaded.scene, table, options, loaded.errors}.run();
+  return SceneBuilder{loaded, table, options}.run();
 }
 
 BuiltScene::BuiltScene(CompiledScene compiled)
@@ -266,10 +252,6 @@ BuiltScene::BuiltScene(CompiledScene compiled)
       plant_taps(std::move(compiled.plant_taps)),
       instrument_taps(std::move(compiled.instrument_taps)) {
   instrument->set_journal(std::move(compiled.journal));
-}
-
-Checked<BuiltScene> build_scene(const SceneSpec& scene, const NodeTable& table, const SceneOptions& options) {
-  return build_scene(LoadedScene{scene, {}}, table, options);
 }
 
 Checked<BuiltScene> build_scene(const LoadedScene& loaded, const NodeTable& table,

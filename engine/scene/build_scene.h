@@ -50,15 +50,10 @@ struct BuiltScene {
   std::vector<SceneTap> plant_taps, instrument_taps;
 };
 
-/// [control] All errors of the wiring, of both graphs and of the measures, in file order.
-Checked<CompiledScene> compile_scene(const SceneSpec& scene, const NodeTable& table,
-                                     const SceneOptions& options = {});
-/// [control] The same for a scene just loaded, together with the errors of its text.
+/// [control] All errors of its text, of the wiring, of both graphs and of the measures, in file order.
 Checked<CompiledScene> compile_scene(const LoadedScene& loaded, const NodeTable& table,
                                      const SceneOptions& options = {});
 /// [control] The same as engines.
-Checked<BuiltScene> build_scene(const SceneSpec& scene, const NodeTable& table,
-                                const SceneOptions& options = {});
 Checked<BuiltScene> build_scene(const LoadedScene& loaded, const NodeTable& table,
                                 const SceneOptions& options = {});
 

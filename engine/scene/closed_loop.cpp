@@ -5,22 +5,6 @@
 
 namespace tactus {
 
-/// With no delay at all the plant runs first and calls the instrument from within its frame.
-class ClosedLoop::Answer final : public BlockProcessor {
- public:
-  explicit Answer(ClosedLoop& loop) : loop_(loop) {}
-  Status prepare(const StreamFormat&) override { return {}; }
-
-  void process(const BlockIo& io) noexcept override {
-    for (int c = 0; c < loop_.sensors_.size(); ++c) std::copy_n(io.in[c], io.frames, loop_.sensors_[c]);
-    loop_.answer(io.frames);
-    for (int c = 0; c < loop_.drives_.size(); ++c) std::copy_n(loop_.drives_[c], io.frames, io.out[c]);
-  }
-
- private:
-  ClosedLoop& loop_;
-};
-
 ClosedLoop::ClosedLoop(BlockProcessor& instrument, Player& plant, int instrument_outputs, int delay_frames,
                        Converters converters)
     : instrument_(instrument),
@@ -30,12 +14,9 @@ ClosedLoop::ClosedLoop(BlockProcessor& instrument, Player& plant, int instrument
       steps_(std::ldexp(1.0, converters.bits - 1)),
       sensor_count_(plant.out_channels()),
       drive_count_(instrument_outputs),
-      ring_(static_cast<std::size_t>(instrument_outputs)),
-      answer_(std::make_unique<Answer>(*this)) {
-  if (delay_ == 0) plant_.set_outside(*answer_);
+      ring_(static_cast<std::size_t>(instrument_outputs)) {
+  if (delay_ == 0) plant_.set_outside(*this);
 }
-
-ClosedLoop::~ClosedLoop() = default;
 
 Status ClosedLoop::prepare(Hertz sample_rate, int max_block) {
   block_ = std::min(max_block, std::max(1, delay_));
@@ -58,7 +39,7 @@ void ClosedLoop::run(int frames, const Listener& listener) {
 }
 
 void ClosedLoop::run_block(int frames) noexcept {
-  // With no delay `sensors_` is filled by `Answer`, converted.
+  // With no delay `sensors_` is filled by `process`, converted.
   if (delay_ == 0) return plant_.process({delayed_.data(), unused_.data(), frames});
   for (std::size_t c = 0; c < ring_.size(); ++c) {
     const auto& ring = ring_[c];
@@ -72,6 +53,12 @@ void ClosedLoop::run_block(int frames) noexcept {
     for (int n = 0; n < frames; ++n)
       ring_[c][(written_ + static_cast<std::size_t>(n)) % ring_[c].size()] = drives_[static_cast<int>(c)][n];
   written_ += static_cast<std::size_t>(frames);
+}
+
+void ClosedLoop::process(const BlockIo& io) noexcept {
+  for (int c = 0; c < sensors_.size(); ++c) std::copy_n(io.in[c], io.frames, sensors_[c]);
+  answer(io.frames);
+  for (int c = 0; c < drives_.size(); ++c) std::copy_n(drives_[c], io.frames, io.out[c]);
 }
 
 void ClosedLoop::answer(int frames) noexcept {

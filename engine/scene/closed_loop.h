@@ -18,12 +18,11 @@ namespace tactus {
 /// runs in blocks of min(block, max(1, D)) frames; with D = 0 the plant calls the instrument in the middle of
 /// its frame (its schedule must have been compiled with `closed_outside`). The converters quantise to `bits`
 /// and clip at full scale.
-class ClosedLoop {
+class ClosedLoop : private BlockProcessor {
  public:
   /// [control] Both must outlive this; the instrument comes guarded, like on any backend.
   ClosedLoop(BlockProcessor& instrument, Player& plant, int instrument_outputs, int delay_frames,
              Converters converters);
-  ~ClosedLoop();
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
@@ -42,8 +41,9 @@ class ClosedLoop {
   void run(int frames, const Listener& listener = {});
 
  private:
-  class Answer;
-
+  Status prepare(const StreamFormat&) override { return {}; }
+  /// With no delay at all the plant runs first and calls the instrument from within its frame.
+  void process(const BlockIo& io) noexcept override;
   void convert(double* samples, int frames) const noexcept;
   void answer(int frames) noexcept;
   void run_block(int frames) noexcept;
@@ -58,7 +58,6 @@ class ClosedLoop {
   ChannelBuffers sensors_, drives_, delayed_, unused_;
   std::vector<std::vector<double>> ring_;  ///< [drive][frame mod size]
   std::size_t written_ = 0;
-  std::unique_ptr<Answer> answer_;
 };
 
 }  // namespace tactus

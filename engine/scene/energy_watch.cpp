@@ -18,7 +18,7 @@ void EnergyWatch::take(const double* force, const double* position, int frames) 
       given_ = given;
       most_at_ = frame_;
     }
-    if (given > allowed_ && active_at_ < 0) {
+    if (given > port_.allowed && active_at_ < 0) {
       active_at_ = frame_;
       given_when_active_ = given;
     }
@@ -26,10 +26,7 @@ void EnergyWatch::take(const double* force, const double* position, int frames) 
 }
 
 PortEnergy EnergyWatch::energy(Hertz sample_rate) const {
-  PortEnergy energy;
-  energy.allowed = allowed_;
-  energy.net = sum_;
-  energy.given = given_;
+  PortEnergy energy{port_, sum_, given_};
   if (active_at_ < 0) return energy;
   energy.active_at_s = static_cast<double>(active_at_) / sample_rate.value;
   const auto rising = static_cast<double>(most_at_ - active_at_) / sample_rate.value;
@@ -42,23 +39,17 @@ PortWatches::PortWatches(const SceneSpec& scene, const std::vector<SceneTap>& pl
     const auto *force = find_named(plant_taps, port.force), *position = find_named(plant_taps, port.position);
     if (force == nullptr || position == nullptr) continue;
     const auto tap = [&](const SceneTap* named) { return static_cast<int>(named - plant_taps.data()); };
-    watched_.push_back({&port, tap(force), tap(position), EnergyWatch{port.allowed}});
+    watched_.push_back({tap(force), tap(position), EnergyWatch{port}});
   }
 }
 
 void PortWatches::take(const Player& plant, int frames) noexcept {
-  for (auto& [port, force, position, watch] : watched_)
-    watch.take(plant.tap(force), plant.tap(position), frames);
+  for (auto& [force, position, watch] : watched_) watch.take(plant.tap(force), plant.tap(position), frames);
 }
 
 std::vector<PortEnergy> PortWatches::energies(Hertz sample_rate) const {
   std::vector<PortEnergy> energies;
-  for (const auto& [port, force, position, watch] : watched_) {
-    auto& energy = energies.emplace_back(watch.energy(sample_rate));
-    energy.name = port->name;
-    energy.force = port->force;
-    energy.position = port->position;
-  }
+  for (const auto& watched : watched_) energies.push_back(watched.watch.energy(sample_rate));
   return energies;
 }
 

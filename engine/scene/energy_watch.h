@@ -11,13 +11,11 @@
 namespace tactus {
 
 /// What went through a port between instrument and plant [J].
-struct PortEnergy {
-  std::string name, force, position;
-  double allowed = 0;                 ///< what the scene lets the instrument give
-  double net = 0;                     ///< given to the plant over all; negative: taken out of it
-  double given = 0;                   ///< most that it gave since any earlier moment
-  std::optional<double> active_at_s;  ///< when `given` first exceeded `allowed`
-  double growth_w = 0;                ///< watts by which it rose on from there to its most
+struct PortEnergy : Port {
+  double net = 0;                          ///< given to the plant over all; negative: taken out of it
+  double given = 0;                        ///< most that it gave since any earlier moment
+  std::optional<double> active_at_s = {};  ///< when `given` first exceeded `allowed`
+  double growth_w = 0;                     ///< watts by which it rose on from there to its most
 };
 
 /// Adds up the energy that a motor gives to what it moves,
@@ -30,7 +28,7 @@ struct PortEnergy {
 /// 18, 2002.
 class EnergyWatch {
  public:
-  explicit EnergyWatch(double allowed) : allowed_(allowed) {}
+  explicit EnergyWatch(Port port) : port_(std::move(port)) {}
 
   /// [realtime] The next frames. The block size does not matter.
   void take(const double* force, const double* position, int frames) noexcept;
@@ -38,7 +36,7 @@ class EnergyWatch {
   PortEnergy energy(Hertz sample_rate) const;
 
  private:
-  double allowed_;
+  Port port_;
   long long frame_ = 0, active_at_ = -1, most_at_ = 0;
   double position_ = 0, sum_ = 0, lowest_ = 0, given_ = 0, given_when_active_ = 0;
 };
@@ -55,7 +53,6 @@ class PortWatches {
 
  private:
   struct Watched {
-    const Port* port;
     int force, position;  ///< taps
     EnergyWatch watch;
   };

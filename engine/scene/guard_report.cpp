@@ -7,11 +7,11 @@
 namespace tactus {
 namespace {
 
-struct StageText {
+struct NamedText {
   const char* name;
-  const char* text;
+  const char* text;  ///< of an event; "{}" is its time
 };
-constexpr std::array<StageText, kGuardStages> kStages = {{
+constexpr std::array<NamedText, kGuardStages> kStages = {{
     {"nonfinite", "non-finite values were replaced"},
     {"heat", "the heat limit attenuated it"},
     {"direct", "the DC limit attenuated it"},
@@ -20,11 +20,7 @@ constexpr std::array<StageText, kGuardStages> kStages = {{
     {"slew", "the slew rate limit smoothed it"},
 }};
 
-struct EventText {
-  const char* name;
-  const char* text;  ///< "{}" is the time
-};
-constexpr std::array<EventText, 3> kEvents = {{
+constexpr std::array<NamedText, 3> kEvents = {{
     {"howl",
      "howl at {:.3f} s: the guard limited it for more than half of 200 ms and faded it; lower the loop gain, "
      "and arm it again"},

@@ -63,7 +63,7 @@ double SceneRecording::seconds() const {
 std::vector<std::string> drive_names(const SceneRecording& recording) {
   auto names = recording.outputs;
   std::erase_if(names, [&](const std::string& name) {
-    return std::find(recording.sounds.begin(), recording.sounds.end(), name) != recording.sounds.end();
+    return std::ranges::find(recording.sounds, name) != recording.sounds.end();
   });
   return names;
 }

@@ -7,7 +7,7 @@
 
 #include "engine/core/named.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/scene/file/scene_fields.h"
+#include "engine/scene/file/scene_spec.h"
 
 namespace tactus {
 namespace {
@@ -152,8 +152,7 @@ std::vector<JournalEntry> gesture_journal(const std::vector<MovedControl>& moved
         add_slope(points[i], points[i + 1], gesture->curve, step_of(points), add);
     }
   }
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  std::ranges::stable_sort(entries, {}, &JournalEntry::frame);
   return entries;
 }
 

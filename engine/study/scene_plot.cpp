@@ -8,8 +8,7 @@
 #include <map>
 
 #include "engine/scene/measures/events.h"
-#include "engine/scene/measures/notes/format_note.h"
-#include "engine/scene/measures/notes/steady_tone.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 
 namespace tactus {
 namespace {
@@ -78,8 +77,7 @@ class ScenePlotter {
     for (const auto& signal : recording_.signals) {
       if (signal.name.starts_with("instrument.") || signal.dimension.plain() || is_pitch(signal)) continue;
       const auto unit = to_string(signal.dimension);
-      auto subplot =
-          std::find_if(subplots.begin(), subplots.end(), [&](const auto& p) { return p.first == unit; });
+      auto subplot = std::ranges::find(subplots, unit, &std::pair<std::string, Subplot>::first);
       if (subplot == subplots.end()) {
         subplots.emplace_back(unit, Subplot{.y = {.label = quantity_name(unit), .unit = unit},
                                             .height = unit == "m" ? 2.0 : 0.8});
@@ -102,7 +100,7 @@ class ScenePlotter {
     // Triggers are shown once, with the first input.
     for (const auto& signal : recording_.signals) {
       if (input != recording_.inputs.front() || !signal.name.starts_with("instrument.") ||
-          std::count(signal.name.begin(), signal.name.end(), '.') != 2 || signal.name.ends_with(".level"))
+          std::ranges::count(signal.name, '.') != 2 || signal.name.ends_with(".level"))
         continue;
       PlotSeries marks{.label = signal.name.substr(11, signal.name.rfind('.') - 11),
                        .mark = PlotMark::Points};

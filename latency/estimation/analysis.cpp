@@ -24,18 +24,18 @@ constexpr Seconds kThroughActuator{0.00002};  // standard error: five of them ar
 /// The gain of the bursts before the probes (the level ramp), for what changes with time.
 std::optional<double> level_probe_gain_db(std::span<const double> all_played, const LoopEstimate& loop) {
   std::optional<double> highest;
-  for (const auto& burst : loop.located.bursts.others) {
-    if (burst.at > loop.located.bursts.repeated.front().at) continue;
+  for (const auto& burst : loop.bursts.others) {
+    if (burst.at > loop.bursts.repeated.front().at) continue;
     const auto played = part_of(all_played, burst.at, burst.end());
-    const auto captured = part_of(loop.clock.samples, burst.at + loop.path.at, burst.end() + loop.path.at);
+    const auto captured = part_of(loop.samples, burst.at + loop.at, burst.end() + loop.at);
     if (captured.size() < played.size()) continue;
     double common = 0.0, loudness = 0.0;
     for (std::size_t n = 0; n < played.size(); ++n) {
-      common += played[n] * (captured[n] - loop.located.floor.mean);
+      common += played[n] * (captured[n] - loop.floor.mean);
       loudness += played[n] * played[n];
     }
     // Only 20 dB above the noise the gain is known within a decibel.
-    if (common * common < 100.0 * loudness * loop.located.floor.variance) continue;
+    if (common * common < 100.0 * loudness * loop.floor.variance) continue;
     const double gain = power_to_db(common * common / (loudness * loudness));
     highest = std::max(highest.value_or(gain), gain);
   }
@@ -46,11 +46,11 @@ std::optional<double> level_probe_gain_db(std::span<const double> all_played, co
 double gain_range_db(const LoopEstimate& loop, Hertz rate) {
   double lowest = 1e300, highest = 0.0;
   const auto hertz = [&](std::size_t bin) {
-    return static_cast<double>(bin) / static_cast<double>(loop.path.mean.size) * rate.value;
+    return static_cast<double>(bin) / static_cast<double>(loop.mean.size) * rate.value;
   };
   const double stop = measuring_probe(rate).stop.value;
-  for (auto b = loop.path.mean.lowest_bin; hertz(b) < stop; ++b) {
-    const double gain = std::norm(loop.path.fit.model.at(angular_frequency(b, loop.path.mean.size)));
+  for (auto b = loop.mean.lowest_bin; hertz(b) < stop; ++b) {
+    const double gain = std::norm(loop.fit.model.at(angular_frequency(b, loop.mean.size)));
     lowest = std::min(lowest, gain);
     highest = std::max(highest, gain);
   }
@@ -59,90 +59,89 @@ double gain_range_db(const LoopEstimate& loop, Hertz rate) {
 
 /// Levels of signal and noise, and the bound on the error that follows.
 void report_level(const LoopEstimate& loop, Analysis& analysis) {
-  const auto response = loop.path.fit.model.spectrum(loop.path.mean.size, loop.path.mean.profile);
+  const auto response = loop.fit.model.spectrum(loop.mean.size, loop.mean.profile);
   double captured_energy = 0.0, energy = 0.0, slope_energy = 0.0;  // of a burst of gain 1
   double played = 0.0, played_here = 0.0;
-  const double per_bin = 2.0 / static_cast<double>(loop.path.mean.size);
+  const double per_bin = 2.0 / static_cast<double>(loop.mean.size);
   for (std::size_t b = 1; b < response.size(); ++b) {
-    captured_energy += per_bin * (std::norm(loop.path.mean.captured[b]) - loop.path.mean.noise[b]);
-    played += std::norm(loop.path.mean.played[b]);
-    if (b < loop.path.mean.lowest_bin) continue;
-    const double w = angular_frequency(b, loop.path.mean.size);
-    const double expected = per_bin * std::norm(response[b] * loop.path.mean.played[b]);
-    played_here += std::norm(loop.path.mean.played[b]);
+    captured_energy += per_bin * (std::norm(loop.mean.captured[b]) - loop.mean.noise[b]);
+    played += std::norm(loop.mean.played[b]);
+    if (b < loop.mean.lowest_bin) continue;
+    const double w = angular_frequency(b, loop.mean.size);
+    const double expected = per_bin * std::norm(response[b] * loop.mean.played[b]);
+    played_here += std::norm(loop.mean.played[b]);
     energy += expected;
     slope_energy += w * w * expected;
   }
   energy *= played / played_here;  // below the model's band as within
-  analysis.bound_frames = std::sqrt(loop.path.noise / (total_power(loop.clock.steady) * slope_energy));
+  analysis.bound_frames = std::sqrt(loop.noise / (total_power(loop.steady) * slope_energy));
   // Power that the model leaves over is phase that is wrong somewhere.
-  if (loop.path.fit.misfit > kAnalysisRounding)
-    analysis.misfit_frames = std::sqrt(0.5 * loop.path.fit.misfit * energy / slope_energy);
-  analysis.snr_db = power_to_db(std::max(energy, captured_energy) /
-                                static_cast<double>(loop.located.bursts.waveform.size())) -
-                    power_to_db(loop.path.noise);
-  analysis.gain_db = 20.0 / std::numbers::ln10 * loop.path.fit.model.log_gain;
+  if (loop.fit.misfit > kAnalysisRounding)
+    analysis.misfit_frames = std::sqrt(0.5 * loop.fit.misfit * energy / slope_energy);
+  analysis.snr_db =
+      power_to_db(std::max(energy, captured_energy) / static_cast<double>(loop.bursts.waveform.size())) -
+      power_to_db(loop.noise);
+  analysis.gain_db = 20.0 / std::numbers::ln10 * loop.fit.model.log_gain;
 }
 
 void report_delay(const LoopEstimate& loop, Analysis& analysis) {
-  const double first = static_cast<double>(loop.located.bursts.repeated.front().at);
-  const double last = static_cast<double>(loop.located.bursts.repeated.back().end());
+  const double first = static_cast<double>(loop.bursts.repeated.front().at);
+  const double last = static_cast<double>(loop.bursts.repeated.back().end());
   analysis.delay_frames = loop.captured_delay(loop.constant(), 0.5 * (first + last));
-  analysis.spread_frames = loop.compared.trend.scatter;
+  analysis.spread_frames = loop.trend.scatter;
   const double by_scatter =
-      loop.compared.trend.scatter /
-      std::sqrt(static_cast<double>(std::max<std::size_t>(1, loop.compared.trend.longest.size())));
+      loop.trend.scatter /
+      std::sqrt(static_cast<double>(std::max<std::size_t>(1, loop.trend.longest.size())));
   // Noise that is there only while something sounds.
-  const double more = loop.located.floor.variance > 1e-16
-                          ? std::max(1.0, loop.path.noise / loop.located.floor.variance)
-                          : 1.0;
-  const double by_noise = loop.path.fit.delay_deviation * std::sqrt(std::max(1.0, loop.path.fit.chi_squared));
+  const double more = loop.floor.variance > 1e-16 ? std::max(1.0, loop.noise / loop.floor.variance) : 1.0;
+  const double by_noise = loop.fit.delay_deviation * std::sqrt(std::max(1.0, loop.fit.chi_squared));
   analysis.standard_error_frames = std::max({by_scatter, by_noise * std::sqrt(more), analysis.misfit_frames});
-  analysis.polarity = loop.path.fit.model.sign < 0.0 ? -1 : 1;
-  analysis.misfit = loop.path.fit.misfit;
+  analysis.polarity = loop.fit.model.sign < 0.0 ? -1 : 1;
+  analysis.misfit = loop.fit.misfit;
 }
 
 void report_probes(const LoopEstimate& loop, Analysis& analysis) {
-  analysis.drift_ppm = 1e6 * (loop.clock.speed * (1.0 + loop.compared.trend.slope) - 1.0);
-  analysis.drift_standard_error_ppm = 1e6 * loop.compared.trend.slope_deviation;
-  analysis.steps = loop.compared.steps;
-  analysis.compared = loop.compared.probes.size() >= 3;
-  for (const auto& probe : loop.compared.probes)
+  analysis.drift_ppm = 1e6 * (loop.speed * (1.0 + loop.trend.slope) - 1.0);
+  analysis.drift_standard_error_ppm = 1e6 * loop.trend.slope_deviation;
+  analysis.steps = loop.steps;
+  analysis.compared = loop.probes.size() >= 3;
+  for (const auto& probe : loop.probes)
     analysis.probes.push_back(
         {probe.burst.at,
          loop.captured_delay(loop.constant() + probe.delay_frames, static_cast<double>(probe.burst.at)),
-         20.0 / std::numbers::ln10 * (loop.path.fit.model.log_gain + probe.log_gain),
-         probe.burst.gain * loop.located.bursts.peak});
+         20.0 / std::numbers::ln10 * (loop.fit.model.log_gain + probe.log_gain),
+         probe.burst.gain * loop.bursts.peak});
 }
 
 /// Of the probes at full level alone: distortion depends on the level.
 CapturedWindow loud_mean(const LoopEstimate& loop, ProbeWindows& windows) {
   std::vector<TrackedProbe> loud;
-  for (const auto& probe : loop.clock.steady)
+  for (const auto& probe : loop.steady)
     if (probe.burst.gain > 0.75) loud.push_back(probe);
-  return windows.mean(loop.clock.samples, loop.path.at, loud.empty() ? loop.clock.steady : loud);
+  return windows.mean(loop.samples, loop.at, loud.empty() ? loop.steady : loud);
 }
 
 void report_details(LoopEstimator& estimator, const LoopEstimate& loop, const Response& response,
                     Analysis& analysis) {
-  const double shift = loop.captured_delay(static_cast<double>(loop.path.at), 0.0);
+  const double shift = loop.captured_delay(static_cast<double>(loop.at), 0.0);
   analysis.spectrum = response.spectrum();
   analysis.group_delay = response.group_delay(shift);
   int first = 0;
   analysis.response = response.impulse(first);
-  analysis.response_at = loop.path.at + first;
-  const auto probe = measuring_probe(estimator.rate());
-  if (repeats(loop.located.bursts.waveform, probe.samples(estimator.rate())))
-    analysis.harmonics_db = harmonics(loud_mean(loop, estimator.windows()), loop.path.fit.model, probe,
-                                      estimator.rate(), estimator.windows().fourier());
+  analysis.response_at = loop.at + first;
+  const auto probe = measuring_probe(estimator.rate);
+  if (repeats(loop.bursts.waveform, probe.samples(estimator.rate)))
+    analysis.harmonics_db = Response{loud_mean(loop, estimator.windows), loop.fit.model, estimator.rate,
+                                     estimator.windows.fourier()}
+                                .harmonics(probe);
   const auto within = [&](const ResponsePoint& point) { return point.gain_db > analysis.gain_db - 3.0; };
   const auto& points = analysis.spectrum;
   if (const auto low = std::find_if(points.begin(), points.end(), within); low != points.end())
     analysis.low_hz = low->frequency_hz;
   if (const auto high = std::find_if(points.rbegin(), points.rend(), within); high != points.rend())
     analysis.high_hz = high->frequency_hz;
-  analysis.high_pass_hz = std::max(0.0, -loop.path.fit.model.high_pass[0] * PathModel::kScale *
-                                            estimator.rate().value / (2 * std::numbers::pi));
+  analysis.high_pass_hz = std::max(
+      0.0, -loop.fit.model.shape[0] * PathModel::kScale * estimator.rate.value / (2 * std::numbers::pi));
 }
 
 constexpr double kSoftest = 0.01;  // of the path: it moves no delay by a thousandth of a frame
@@ -152,8 +151,8 @@ constexpr double kAside = 2.0;
 double usual_level(const LoopEstimate& loop, std::span<const double> first, std::span<const double> rest,
                    std::int64_t frames) {
   std::vector<double> levels;
-  for (const auto& burst : loop.located.bursts.repeated) {
-    const auto whole = part_of(first, burst.at + loop.path.at, burst.end() + loop.path.at);
+  for (const auto& burst : loop.bursts.repeated) {
+    const auto whole = part_of(first, burst.at + loop.at, burst.end() + loop.at);
     const auto again = part_of(rest, burst.at + frames, burst.end() + frames);
     const bool recorded = again.size() == whole.size();
     levels.push_back(recorded ? std::abs(product(again, whole)) / product(whole, whole) : 0.0);
@@ -164,12 +163,12 @@ double usual_level(const LoopEstimate& loop, std::span<const double> first, std:
 /// Searches what is left of the recording once the path is taken away. It has to be captured of
 /// most probes: where frames are lost, some are captured at one delay and the others at another.
 std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearch& search) {
-  if (!loop.clock.coarse.clear()) return std::nullopt;
-  auto model = loop.path.fit.model;
+  if (!loop.coarse.clear()) return std::nullopt;
+  auto model = loop.fit.model;
   model.delay_frames = loop.constant();
   const auto first = search.behind(model);
-  std::vector<double> rest = loop.clock.samples;
-  for (std::size_t n = 0; n < rest.size(); ++n) rest[n] -= loop.located.floor.mean + first[n];
+  std::vector<double> rest = loop.samples;
+  for (std::size_t n = 0; n < rest.size(); ++n) rest[n] -= loop.floor.mean + first[n];
   if (product(rest, rest) < kSoftest * kSoftest * product(first, first)) return std::nullopt;
 
   const auto found = search.find(rest);
@@ -178,7 +177,7 @@ std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearc
   if (!found.clear() || std::abs(second.frames) <= SecondPath::kNear) return std::nullopt;
   const double level = usual_level(loop, first, rest, found.frames);
   // A gain that moves leaves something at the path itself, which may look alike probes later.
-  if (level < kSoftest || level < kAside * usual_level(loop, first, rest, loop.path.at)) return std::nullopt;
+  if (level < kSoftest || level < kAside * usual_level(loop, first, rest, loop.at)) return std::nullopt;
   second.level_db = amplitude_to_db(level);
   return second;
 }
@@ -186,25 +185,24 @@ std::optional<SecondPath> find_second_path(const LoopEstimate& loop, CoarseSearc
 /// The whole report, and its verdict.
 void report(LoopEstimator& estimator, const LoopEstimate& loop, Analysis& analysis) {
   Evidence evidence;
-  evidence.coarse = loop.clock.coarse;
-  evidence.overdriven = loop.compared.overdriven;
-  evidence.with_profile = estimator.settings().profile.has_value();
-  if (evidence.with_profile) evidence.widest_error_frames = frames_in(kThroughActuator, estimator.rate());
-  const Response response{loop.path.mean, loop.path.fit.model, estimator.rate(),
-                          estimator.windows().fourier()};
-  evidence.second = find_second_path(loop, estimator.search());
+  evidence.coarse = loop.coarse;
+  evidence.overdriven = loop.overdriven;
+  evidence.with_profile = estimator.settings.profile.has_value();
+  if (evidence.with_profile) evidence.widest_error_frames = frames_in(kThroughActuator, estimator.rate);
+  const Response response{loop.mean, loop.fit.model, estimator.rate, estimator.windows.fourier()};
+  evidence.second = find_second_path(loop, estimator.search);
   if (evidence.second)
     analysis.echo_frames = static_cast<int>(evidence.second->frames);
-  else if (loop.path.fit.misfit > 1e-3)
+  else if (loop.fit.misfit > 1e-3)
     evidence.echo = response.echo();
   if (evidence.echo.frames != 0) analysis.echo_frames = evidence.echo.frames;
-  evidence.level_probe_gain_db = level_probe_gain_db(estimator.recording().played, loop);
-  evidence.gain_range_db = gain_range_db(loop, estimator.rate());
+  evidence.level_probe_gain_db = level_probe_gain_db(estimator.recording.played, loop);
+  evidence.gain_range_db = gain_range_db(loop, estimator.rate);
   report_probes(loop, analysis);
   report_level(loop, analysis);
   report_delay(loop, analysis);
-  if (estimator.settings().details) report_details(estimator, loop, response, analysis);
-  analysis.finding = verdict_of(analysis, evidence, estimator.captured());
+  if (estimator.settings.details) report_details(estimator, loop, response, analysis);
+  analysis.finding = verdict_of(analysis, evidence, estimator.captured);
 }
 
 bool all_finite(const std::vector<double>& samples) {
@@ -237,13 +235,13 @@ Result<Analysis> analyze(const LoopRecording& recording, const AnalysisSettings&
   Analysis analysis;
   analysis.sample_rate = recording.sample_rate;
   analysis.detected = loop.found;
-  analysis.dc = loop.located.floor.mean;
-  analysis.noise_floor_dbfs = power_to_db(loop.located.floor.variance);
+  analysis.dc = loop.floor.mean;
+  analysis.noise_floor_dbfs = power_to_db(loop.floor.variance);
   if (loop.found)
     report(estimator, loop, analysis);
   else
     analysis.finding =
-        loop.located.cut_short ? too_few_probes() : not_detected(estimator.every_channel(), settings.channel);
+        loop.cut_short ? too_few_probes() : not_detected(estimator.every_channel(), settings.channel);
   return analysis;
 }
 

@@ -87,10 +87,6 @@ std::vector<double> through(const std::vector<double>& played, std::span<const d
   return captured;
 }
 
-double middle_delay(const std::vector<TrackedProbe>& probes) {
-  return usual(&TrackedProbe::delay_frames, probes);
-}
-
 std::int64_t reach(const CoarseDelay& coarse) { return coarse.clear() ? kLoopEstimatorSearch : 0; }
 
 // ---- the pilot
@@ -207,64 +203,60 @@ PilotTrack track_pilot(std::span<const double> played, std::span<const double> c
 
 }  // namespace
 
-LoopEstimator::LoopEstimator(const LoopRecording& recording, const AnalysisSettings& settings,
+LoopEstimator::LoopEstimator(const LoopRecording& recorded, const AnalysisSettings& asked,
                              const PlayedBursts& bursts)
-    : recording_(recording),
-      settings_(settings),
-      bursts_(bursts),
-      captured_(recording.captured[index(settings.channel)]),
-      windows_(bursts, recording.sample_rate, profile_taps()),
-      search_(through(recording.played, profile_taps()), captured_.size(), recording.sample_rate) {}
+    : recording(recorded),
+      settings(asked),
+      rate(recorded.sample_rate),
+      captured(recorded.captured[index(asked.channel)]),
+      windows(bursts, rate, profile_taps()),
+      search(through(recorded.played, profile_taps()), captured.size(), rate),
+      bursts_(bursts) {}
 
 std::span<const double> LoopEstimator::profile_taps() const {
-  return settings_.profile ? std::span<const double>{settings_.profile->taps} : std::span<const double>{};
+  return settings.profile ? std::span<const double>{settings.profile->taps} : std::span<const double>{};
 }
 
 std::vector<CoarseDelay> LoopEstimator::every_channel() {
   std::vector<CoarseDelay> all;
-  for (const auto& channel : recording_.captured) all.push_back(search_.find(channel));
+  for (const auto& channel : recording.captured) all.push_back(search.find(channel));
   return all;
 }
 
 LoopEstimate LoopEstimator::estimate() {
-  LoopEstimate estimate;
-  estimate.located = locate();
-  if (!estimate.located.usable()) return estimate;
-  estimate.clock = align(estimate.located);
-  estimate.path = fit(estimate.located, estimate.clock);
-  estimate.found = estimate.path.plausible();
-  if (!estimate.found) return estimate;
-  if (estimate.clock.coarse.clear())
-    estimate.compared = compare(estimate);
-  else
-    estimate.compared.probes = estimate.clock.tracked;
-  return estimate;
+  LoopEstimate loop;
+  locate(loop);
+  if (!loop.coarse.found() || loop.cut_short) return loop;
+  align(loop);
+  fit(loop);
+  if (loop.found && loop.coarse.clear()) compare(loop);
+  return loop;
 }
 
-LocatedProbes LoopEstimator::locate() {
-  LocatedProbes located{search_.find(captured_), bursts_, {}};
-  located.floor = noise_floor(located.coarse);
-  windows_.set_noise(located.floor);
-  if (!located.coarse.found()) return located;
-  const auto recorded = static_cast<std::int64_t>(captured_.size());
-  auto& repeated = located.bursts.repeated;
+void LoopEstimator::locate(LoopEstimate& loop) {
+  loop.bursts = bursts_;
+  loop.coarse = search.find(captured);
+  loop.floor = noise_floor(loop.coarse);
+  windows.set_noise(loop.floor);
+  if (!loop.coarse.found()) return;
+  const auto recorded = static_cast<std::int64_t>(captured.size());
+  auto& repeated = loop.bursts.repeated;
   const auto needed = std::min(repeated.size(), kLeastProbes);
   std::erase_if(repeated, [&](const Burst& burst) {
-    return burst.at + located.coarse.frames < 0 || burst.end() + located.coarse.frames > recorded;
+    return burst.at + loop.coarse.frames < 0 || burst.end() + loop.coarse.frames > recorded;
   });
-  located.cut_short = repeated.size() < needed;
-  return located;
+  loop.cut_short = repeated.size() < needed;
 }
 
 /// The noise where nothing of the probe sounds: the last half second before it; where that behind it, or the
 /// ends of the pauses, are far quieter or all there is, those. If nothing was found at all, everything.
 NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
-  const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, rate())); };
+  const auto frames = [&](Seconds time) { return static_cast<std::int64_t>(frames_in(time, rate)); };
   const auto copy = [&](std::int64_t from, std::int64_t to) {
-    const auto part = part_of(captured_, from, to);
+    const auto part = part_of(captured, from, to);
     return std::vector<double>{part.begin(), part.end()};
   };
-  if (!coarse.found()) return NoiseFloor::of(captured_);
+  if (!coarse.found()) return NoiseFloor::of(captured);
   auto all = bursts_.repeated;
   all.insert(all.end(), bursts_.others.begin(), bursts_.others.end());
   std::sort(all.begin(), all.end(), [](const Burst& a, const Burst& b) { return a.at < b.at; });
@@ -290,118 +282,105 @@ NoiseFloor LoopEstimator::quiet(const CoarseDelay& coarse) const {
 NoiseFloor LoopEstimator::noise_floor(const CoarseDelay& coarse) const {
   auto floor = quiet(coarse);
   const double rounding =
-      rounding_variance(captured_);  // in digital silence there is none, but beside a probe
+      rounding_variance(captured);  // in digital silence there is none, but beside a probe
   floor.variance = std::max(floor.variance, rounding);
   for (auto& each : floor.per_frame) each = std::max(each, rounding);
   const auto from = bursts_.repeated.front().at + coarse.frames;
-  const double signal = power(part_of(captured_, from, from + bursts_.repeated.front().frames), floor.mean);
+  const double signal = power(part_of(captured, from, from + bursts_.repeated.front().frames), floor.mean);
   for (auto& each : floor.per_frame) each = std::max(each, kLoopEstimatorSilence * signal + kNothing);
   return floor;
 }
 
 /// Removes the drift between the clocks. The probes are compared with the loudest of them where no model
 /// fits, so that it does not matter what the path makes of a probe.
-AlignedClock LoopEstimator::align(const LocatedProbes& located) {
-  AlignedClock clock;
-  clock.samples.assign(captured_.begin(), captured_.end());
-  clock.coarse = located.coarse;
-  clock.at = located.coarse.frames;
-  for (const auto& burst : located.bursts.repeated) clock.steady.push_back({.burst = burst});
-  for (int round = 0; located.coarse.clear() && round <= kDriftRounds; ++round) {
-    clock.tracked = windows_.track(located.bursts.repeated, clock.samples, clock.at, kLoopEstimatorSearch,
-                                   loudest_probe(located, clock));
-    const auto whole = whole_ones(clock.tracked);
+void LoopEstimator::align(LoopEstimate& loop) {
+  const auto& repeated = loop.bursts.repeated;
+  loop.samples.assign(captured.begin(), captured.end());
+  loop.at = loop.coarse.frames;
+  for (const auto& burst : repeated) loop.steady.push_back({.burst = burst});
+  for (int round = 0; loop.coarse.clear() && round <= kDriftRounds; ++round) {
+    loop.probes = windows.track(repeated, loop.samples, loop.at, kLoopEstimatorSearch, loudest_probe(loop));
+    const auto whole = whole_ones(loop.probes);
     const auto line = DelayTrend::of(points_of(whole, 0.0), least_step(whole));
-    clock.steady.clear();
-    for (const auto n : line.longest) clock.steady.push_back(whole[n]);
+    loop.steady.clear();
+    for (const auto n : line.longest) loop.steady.push_back(whole[n]);
     const double length = static_cast<double>(whole.back().burst.end() - whole.front().burst.at);
     if (whole.size() < 3 || std::abs(line.slope) * length < 1e-3 ||
         std::abs(line.slope) < 3.0 * line.slope_deviation)
       break;
-    clock.speed *= 1.0 + line.slope;
-    clock.samples = at_speed(captured_, clock.speed);
+    loop.speed *= 1.0 + line.slope;
+    loop.samples = at_speed(captured, loop.speed);
   }
-  clock.at += std::llround(middle_delay(clock.steady));
+  loop.at += std::llround(usual(&TrackedProbe::delay_frames, loop.steady));
   // Smeared over many frames, neither its place nor its sign was certain.
-  if (clock.speed == 1.0) return clock;
-  clock.coarse = search_.find(clock.samples);
-  clock.at = clock.coarse.frames;
-  return clock;
+  if (loop.speed == 1.0) return;
+  loop.coarse = search.find(loop.samples);
+  loop.at = loop.coarse.frames;
 }
 
-Spectrum LoopEstimator::loudest_probe(const LocatedProbes& located, const AlignedClock& clock) {
-  const auto& repeated = located.bursts.repeated;
+Spectrum LoopEstimator::loudest_probe(const LoopEstimate& loop) {
+  const auto& repeated = loop.bursts.repeated;
   const auto loudest = std::max_element(repeated.begin(), repeated.end(),
                                         [](const Burst& a, const Burst& b) { return a.gain < b.gain; });
   const TrackedProbe probe{.burst = *loudest};
-  const auto window = windows_.mean(clock.samples, clock.at, {&probe, 1});
-  return expected(window, fit_of(window, located.coarse));
+  const auto window = windows.mean(loop.samples, loop.at, {&probe, 1});
+  return expected(window, fit_of(window, loop.coarse));
 }
 
 PathFit LoopEstimator::fit_of(const CapturedWindow& window, const CoarseDelay& coarse) {
   // What a profile knows is not to be guessed again.
-  return fit_path(window, windows_.start_of(window, coarse.sign, reach(coarse)),
-                  settings_.profile ? PathShape::Kept : PathShape::Free);
+  return fit_path(window, windows.start_of(window, coarse.sign, reach(coarse)),
+                  settings.profile ? PathShape::Kept : PathShape::Free);
 }
 
 /// The model where it fits: it has no noise.
 Spectrum LoopEstimator::expected(const CapturedWindow& window, const PathFit& fit) const {
-  return fit.misfit < kFits ? windows_.expected(fit.model) : ProbeWindows::cleaned(window);
+  return fit.misfit < kFits ? windows.expected(fit.model) : ProbeWindows::cleaned(window);
 }
 
-FittedPath LoopEstimator::fit(const LocatedProbes& located, const AlignedClock& clock) {
-  FittedPath path;
-  path.at = clock.at;
-  path.mean = windows_.mean(clock.samples, path.at, clock.steady);
-  const auto off = windows_.start_of(path.mean, clock.coarse.sign, reach(clock.coarse)).delay_frames;
-  path.at += static_cast<std::int64_t>(off);
-  if (off != 0.0) path.mean = windows_.mean(clock.samples, path.at, clock.steady);
-  path.fit = fit_of(path.mean, clock.coarse);
-  path.noise = located.floor.variance;
-  if (clock.steady.size() > 1)
-    path.noise = std::max(path.noise, windows_.scatter(clock.samples, path.at, clock.steady, path.mean));
-  return path;
+void LoopEstimator::fit(LoopEstimate& loop) {
+  loop.mean = windows.mean(loop.samples, loop.at, loop.steady);
+  const auto off = windows.start_of(loop.mean, loop.coarse.sign, reach(loop.coarse)).delay_frames;
+  loop.at += static_cast<std::int64_t>(off);
+  if (off != 0.0) loop.mean = windows.mean(loop.samples, loop.at, loop.steady);
+  loop.fit = fit_of(loop.mean, loop.coarse);
+  loop.noise = loop.floor.variance;
+  if (loop.steady.size() > 1)
+    loop.noise = std::max(loop.noise, windows.scatter(loop.samples, loop.at, loop.steady, loop.mean));
+  // A tone or a click may correlate with a probe, but no path makes one from the other.
+  const double gain = loop.fit.model.log_gain;
+  const bool nonsense = gain > kStrongest && loop.fit.misfit > kHum;
+  loop.found = loop.fit.strength >= CoarseDelay::kNothing && gain >= kFaintest && !nonsense;
 }
 
-bool FittedPath::plausible() const {
-  const double gain = fit.model.log_gain;
-  const bool nonsense = gain > kStrongest && fit.misfit > kHum;
-  return fit.strength >= CoarseDelay::kNothing && gain >= kFaintest && !nonsense;
-}
-
-ComparedProbes LoopEstimator::compare(const LoopEstimate& estimate) {
-  const auto& [located, clock, path, none, found] = estimate;
-  ComparedProbes compared;
-  compared.probes = windows_.track(located.bursts.repeated, clock.samples, path.at, kLoopEstimatorSearch,
-                                   expected(path.mean, path.fit));
-  const auto whole = whole_ones(compared.probes);
-  compared.trend = DelayTrend::of(points_of(whole, estimate.constant()), least_step(whole));
-  compared.steps = compared.trend.steps;
-  if (const auto pilot = located.bursts.pilot(rate()); pilot && path.fit.misfit < kFits)
-    add_pilot_steps(estimate, *pilot, whole, compared.steps);
-  if (compared.steps.empty()) find_damage(estimate, compared);
-  return compared;
+void LoopEstimator::compare(LoopEstimate& loop) {
+  loop.probes = windows.track(loop.bursts.repeated, loop.samples, loop.at, kLoopEstimatorSearch,
+                              expected(loop.mean, loop.fit));
+  const auto whole = whole_ones(loop.probes);
+  loop.trend = DelayTrend::of(points_of(whole, loop.constant()), least_step(whole));
+  loop.steps = loop.trend.steps;
+  if (const auto pilot = loop.bursts.pilot(rate); pilot && loop.fit.misfit < kFits)
+    add_pilot_steps(loop, *pilot, whole);
+  if (loop.steps.empty()) find_damage(loop);
 }
 
 /// Steps behind the probes, where the pilot sounds.
-void LoopEstimator::add_pilot_steps(const LoopEstimate& estimate, const Burst& pilot,
-                                    const std::vector<TrackedProbe>& whole,
-                                    std::vector<DelayStep>& steps) const {
-  const auto& fit = estimate.path.fit;
-  const auto track = track_pilot(recording_.played, estimate.clock.samples, pilot, estimate.path.at,
-                                 fit.model, profile_taps(), estimate.located.floor.variance);
-  std::vector<DelayPoint> points{points_of(whole, estimate.constant()).back()};
+void LoopEstimator::add_pilot_steps(LoopEstimate& loop, const Burst& pilot,
+                                    const std::vector<TrackedProbe>& whole) const {
+  const auto track = track_pilot(recording.played, loop.samples, pilot, loop.at, loop.fit.model,
+                                 profile_taps(), loop.floor.variance);
+  std::vector<DelayPoint> points{points_of(whole, loop.constant()).back()};
   points.insert(points.end(), track.points.begin(), track.points.end());
   const auto more = DelayTrend::of(points, std::max(least_step(whole), track.least_step)).steps;
-  steps.insert(steps.end(), more.begin(), more.end());
-  if (steps.empty() && fit.misfit < kFitsWell && !settings_.profile)
-    for (const auto place : track.damage) steps.push_back({place, 0.0});
+  loop.steps.insert(loop.steps.end(), more.begin(), more.end());
+  if (loop.steps.empty() && loop.fit.misfit < kFitsWell && !settings.profile)
+    for (const auto place : track.damage) loop.steps.push_back({place, 0.0});
 }
 
 /// In a probe that leaves more unexplained than the others, or has something else in it for a moment. What
 /// lies at the same place of two probes is no damage: loud and soft ones differ there.
-void LoopEstimator::find_damage(const LoopEstimate& estimate, ComparedProbes& compared) {
-  const auto& probes = compared.probes;
+void LoopEstimator::find_damage(LoopEstimate& loop) {
+  const auto& probes = loop.probes;
   const double misfit = usual(&TrackedProbe::misfit, probes) + kTouched;
   const double chi_squared = kNoisier * usual(&TrackedProbe::chi_squared, probes);
   struct Damage {
@@ -410,8 +389,7 @@ void LoopEstimator::find_damage(const LoopEstimate& estimate, ComparedProbes& co
   };
   std::vector<Damage> damage;
   for (std::size_t n = 0; n < probes.size(); ++n) {
-    const auto places = windows_.damage(estimate.clock.samples, estimate.path.at, probes[n],
-                                        estimate.path.mean, estimate.path.noise);
+    const auto places = windows.damage(loop.samples, loop.at, probes[n], loop.mean, loop.noise);
     for (const auto place : places) damage.push_back({n, place});
     // Of a soft probe, noise is a larger share.
     const bool touched = probes[n].misfit > misfit && probes[n].chi_squared > chi_squared;
@@ -423,9 +401,9 @@ void LoopEstimator::find_damage(const LoopEstimate& estimate, ComparedProbes& co
       return other.probe != one.probe && std::abs(offset(other) - offset(one)) <= kSamePlace;
     });
     if (again)
-      compared.overdriven = true;
+      loop.overdriven = true;
     else
-      compared.steps.push_back({one.frame, 0.0});
+      loop.steps.push_back({one.frame, 0.0});
   }
 }
 

@@ -16,103 +16,75 @@
 
 namespace tactus {
 
-/// Where the probe was found in a recording, and the noise beside it.
-struct LocatedProbes {
-  CoarseDelay coarse;
+/// What a recording says about the path from output to input, found part by part; what follows a part that
+/// was not usable is empty.
+struct LoopEstimate {
+  // Where the probe was found, and the noise beside it.
+  CoarseDelay coarse;   ///< in `samples`
   PlayedBursts bursts;  ///< `repeated`: those that were recorded completely
   NoiseFloor floor;
   bool cut_short = false;  ///< found, but with too few complete bursts: of three and more, three are needed
-  bool usable() const { return coarse.found() && !cut_short; }
-};
 
-/// The recording at the speed of the clock that played.
-struct AlignedClock {
+  // The recording at the speed of the clock that played.
   double speed = 1.0;  ///< of the input's clock, in frames that were played
   std::vector<double> samples;
-  std::vector<TrackedProbe> steady;   ///< the longest run of undamaged probes without a step
-  std::vector<TrackedProbe> tracked;  ///< all of them, beside the loudest
-  CoarseDelay coarse;                 ///< in `samples`
-  std::int64_t at = 0;                ///< whole frames of the delay
-};
+  std::vector<TrackedProbe> steady;  ///< the longest run of undamaged probes without a step
 
-/// The model of the path behind `at`, fitted to the mean of the steady probes.
-struct FittedPath {
-  std::int64_t at = 0;
+  // The model of the path behind `at`, fitted to the mean of the steady probes.
+  bool found = false;   ///< a path was found
+  std::int64_t at = 0;  ///< whole frames of the delay
   CapturedWindow mean;
   PathFit fit;
   double noise = 0.0;  ///< variance of a frame
-  /// False: a tone or a click may correlate with a probe, but no path makes one from the other.
-  bool plausible() const;
-};
 
-/// Every probe beside what the path makes of it.
-struct ComparedProbes {
+  // Every probe beside what the path makes of it; where they are too weak to be found one by one, beside the
+  // loudest.
   std::vector<TrackedProbe> probes;
   std::vector<DelayStep> steps;
   bool overdriven = false;  ///< loud and soft probes differ in shape
   DelayTrend trend;
-};
-
-/// What a recording says about the path from output to input. A part is empty where the one before it was not
-/// usable; `compared` also where the probes are too weak to be found one by one.
-struct LoopEstimate {
-  LocatedProbes located;
-  AlignedClock clock;
-  FittedPath path;
-  ComparedProbes compared;
-  bool found = false;  ///< a path was found
 
   /// The delay at constant clock speed.
-  double constant() const { return static_cast<double>(path.at) + path.fit.model.delay_frames; }
+  double constant() const { return static_cast<double>(at) + fit.model.delay_frames; }
   /// The delay of what was played at `frame`, where it is `constant` at constant clock speed.
-  double captured_delay(double constant, double frame) const {
-    return (frame + constant) * clock.speed - frame;
-  }
+  double captured_delay(double constant, double frame) const { return (frame + constant) * speed - frame; }
 };
 
-/// Estimates the path in a recording. Each step takes the results of those before it and changes nothing but
-/// the transforms' work space.
+/// Estimates the path in a recording. Each step adds its part to the estimate.
 class LoopEstimator {
  public:
   static constexpr double kFits = 0.02;  ///< misfit of a path that the model describes
 
-  /// `recording`, `settings` and `bursts` outlive it.
-  LoopEstimator(const LoopRecording& recording, const AnalysisSettings& settings, const PlayedBursts& bursts);
+  /// All three outlive it.
+  LoopEstimator(const LoopRecording& recorded, const AnalysisSettings& asked, const PlayedBursts& bursts);
 
   LoopEstimate estimate();
   /// Where the probe is found on every input.
   std::vector<CoarseDelay> every_channel();
 
-  /// For more of what was played, in recordings as long as this.
-  CoarseSearch& search() { return search_; }
-  ProbeWindows& windows() { return windows_; }
-  const LoopRecording& recording() const { return recording_; }
-  const AnalysisSettings& settings() const { return settings_; }
-  std::span<const double> captured() const { return captured_; }
-  Hertz rate() const { return recording_.sample_rate; }
+  const LoopRecording& recording;
+  const AnalysisSettings& settings;
+  const Hertz rate;
+  const std::span<const double> captured;
+  ProbeWindows windows;
+  CoarseSearch search;  ///< for more of what was played, in recordings as long as this
 
  private:
-  LocatedProbes locate();
-  AlignedClock align(const LocatedProbes& located);
-  FittedPath fit(const LocatedProbes& located, const AlignedClock& clock);
-  ComparedProbes compare(const LoopEstimate& estimate);
+  void locate(LoopEstimate& loop);
+  void align(LoopEstimate& loop);
+  void fit(LoopEstimate& loop);
+  void compare(LoopEstimate& loop);
 
   NoiseFloor quiet(const CoarseDelay& coarse) const;
   NoiseFloor noise_floor(const CoarseDelay& coarse) const;
-  Spectrum loudest_probe(const LocatedProbes& located, const AlignedClock& clock);
+  Spectrum loudest_probe(const LoopEstimate& loop);
   PathFit fit_of(const CapturedWindow& window, const CoarseDelay& coarse);
   Spectrum expected(const CapturedWindow& window, const PathFit& fit) const;
-  void add_pilot_steps(const LoopEstimate& estimate, const Burst& pilot,
-                       const std::vector<TrackedProbe>& whole, std::vector<DelayStep>& steps) const;
-  void find_damage(const LoopEstimate& estimate, ComparedProbes& compared);
+  void add_pilot_steps(LoopEstimate& loop, const Burst& pilot, const std::vector<TrackedProbe>& whole) const;
+  void find_damage(LoopEstimate& loop);
   std::span<const double> profile_taps() const;
 
-  const LoopRecording& recording_;
-  const AnalysisSettings& settings_;
   const PlayedBursts& bursts_;
-  std::span<const double> captured_;
-  ProbeWindows windows_;
-  CoarseSearch search_;
 };
 
 }  // namespace tactus

@@ -1,6 +1,7 @@
 #include "latency/path/path_model.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -33,16 +34,8 @@ std::array<double, kFree> derivatives(double w) {
 PathModel moved(PathModel model, const Step& step) {
   model.delay_frames += step[0];
   model.log_gain += step[1];
-  for (int k = 0; k < 3; ++k) model.high_pass[index(k)] += step[2 + k];
-  for (int k = 0; k < 2; ++k) model.droop[index(k)] += step[5 + k];
+  for (int k = 2; k < kFree; ++k) model.shape[index(k - 2)] += step[k];
   return model;
-}
-
-Step shape_of(const PathModel& model) {
-  Step shape;
-  shape << 0.0, 0.0, model.high_pass[0], model.high_pass[1], model.high_pass[2], model.droop[0],
-      model.droop[1];
-  return shape;
 }
 
 struct Equations {
@@ -53,54 +46,43 @@ struct Equations {
   double power = 0.0;     ///< of what was captured
   double expected = 0.0;  ///< power of the model
   std::size_t bins = 0;
-};
 
-/// What one bin adds.
-class Bins {
- public:
-  Bins(const CapturedWindow& window, PathShape shape)
-      : window_(window), free_(shape == PathShape::Free ? kFree : 2) {}
-
-  int free() const { return free_; }
-
-  Equations equations(const PathModel& model) const {
-    Equations sum;
-    for (auto b = window_.lowest_bin; b + 1 < window_.captured.size(); ++b) add(b, model, sum);
-    const auto belief = shape_of(model);
-    sum.cost = sum.error + belief.squaredNorm() / (kShapeDeviation * kShapeDeviation);
-    for (int k = 2; k < free_; ++k) {
-      sum.matrix(k, k) += 1.0 / (kShapeDeviation * kShapeDeviation);
-      sum.gradient[k] -= belief[k] / (kShapeDeviation * kShapeDeviation);
-    }
-    return sum;
-  }
-
- private:
-  void add(std::size_t b, const PathModel& model, Equations& sum) const {
-    const double w = angular_frequency(b, window_.size);
-    const double weight = 2.0 / window_.noise[b];  // a complex bin is two measurements
-    const Complex profile = window_.profile.empty() ? Complex{1.0} : window_.profile[b];
-    const Complex expected = model.at(w) * profile * window_.played[b];
-    const Complex rest = window_.captured[b] - expected;
-    sum.error += weight * std::norm(rest);
-    sum.power += weight * std::norm(window_.captured[b]);
-    sum.expected += weight * std::norm(expected);
-    ++sum.bins;
+  /// What the bin `b` adds, `free` numbers being free.
+  void add(const CapturedWindow& window, std::size_t b, const PathModel& model, int free) {
+    const double w = angular_frequency(b, window.size);
+    const double weight = 2.0 / window.noise[b];  // a complex bin is two measurements
+    const Complex profile = window.profile.empty() ? Complex{1.0} : window.profile[b];
+    const Complex answer = model.at(w) * profile * window.played[b];
+    const Complex rest = window.captured[b] - answer;
+    error += weight * std::norm(rest);
+    power += weight * std::norm(window.captured[b]);
+    expected += weight * std::norm(answer);
+    ++bins;
     const auto slope = derivatives(w);
-    const double strength = weight * std::norm(expected);
-    const Complex pull = weight * std::conj(expected) * rest;
-    for (std::size_t i = 0; i < index(free_); ++i) {
+    const double strength = weight * std::norm(answer);
+    const Complex pull = weight * std::conj(answer) * rest;
+    for (std::size_t i = 0; i < index(free); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      sum.gradient[row] += slope[i] * (kImaginary[i] ? pull.imag() : pull.real());
+      gradient[row] += slope[i] * (kImaginary[i] ? pull.imag() : pull.real());
       for (std::size_t j = 0; j <= i; ++j)
         if (kImaginary[i] == kImaginary[j])
-          sum.matrix(row, static_cast<Eigen::Index>(j)) += strength * slope[i] * slope[j];
+          matrix(row, static_cast<Eigen::Index>(j)) += strength * slope[i] * slope[j];
     }
   }
-
-  const CapturedWindow& window_;
-  int free_;
 };
+
+Equations equations_of(const CapturedWindow& window, const PathModel& model, int free) {
+  Equations sum;
+  for (auto b = window.lowest_bin; b + 1 < window.captured.size(); ++b) sum.add(window, b, model, free);
+  Step belief = Step::Zero();
+  std::copy(model.shape.begin(), model.shape.end(), belief.data() + 2);
+  sum.cost = sum.error + belief.squaredNorm() / (kShapeDeviation * kShapeDeviation);
+  for (int k = 2; k < free; ++k) {
+    sum.matrix(k, k) += 1.0 / (kShapeDeviation * kShapeDeviation);
+    sum.gradient[k] -= belief[k] / (kShapeDeviation * kShapeDeviation);
+  }
+  return sum;
+}
 
 Step solve(const Equations& equations, double damping, int free) {
   Normal matrix = equations.matrix.selfadjointView<Eigen::Lower>();
@@ -114,8 +96,8 @@ Step solve(const Equations& equations, double damping, int free) {
 
 Complex PathModel::at(double w) const {
   const auto slope = derivatives(w);
-  const std::array numbers{delay_frames, log_gain, high_pass[0], high_pass[1],
-                           high_pass[2], droop[0], droop[1]};
+  std::array<double, kFree> numbers{delay_frames, log_gain};
+  std::copy(shape.begin(), shape.end(), numbers.begin() + 2);
   double real = 0.0, imaginary = 0.0;
   for (std::size_t k = 0; k < slope.size(); ++k) (kImaginary[k] ? imaginary : real) += numbers[k] * slope[k];
   return std::polar(sign * std::exp(real), imaginary);
@@ -131,14 +113,14 @@ Spectrum PathModel::spectrum(std::size_t size, const Spectrum& profile) const {
 }
 
 PathFit fit_path(const CapturedWindow& window, const PathModel& start, PathShape shape) {
-  const Bins bins{window, shape};
+  const int free = shape == PathShape::Free ? kFree : 2;
   PathModel model = start;
-  auto equations = bins.equations(model);
+  auto equations = equations_of(window, model, free);
   double damping = 1e-3;
   for (int round = 0; round < kPathModelRounds && damping < 1e9; ++round) {
-    const auto step = solve(equations, damping, bins.free());
+    const auto step = solve(equations, damping, free);
     const auto next = moved(model, step);
-    const auto tried = bins.equations(next);
+    const auto tried = equations_of(window, next, free);
     if (!(tried.cost <= equations.cost)) {
       damping = damping * 30.0 + 1e-9;
       continue;
@@ -150,7 +132,6 @@ PathFit fit_path(const CapturedWindow& window, const PathModel& start, PathShape
   }
   PathFit fit;
   fit.model = model;
-  const auto free = bins.free();
   Normal matrix = equations.matrix.selfadjointView<Eigen::Lower>();
   fit.delay_deviation = std::sqrt(matrix.topLeftCorner(free, free).ldlt().solve(Step::Unit(0).head(free))[0]);
   const auto measurements = 2.0 * static_cast<double>(equations.bins);

@@ -23,8 +23,7 @@ struct PathModel {
   double delay_frames = 0.0;
   double log_gain = 0.0;
   double sign = 1.0;
-  std::array<double, 3> high_pass{};
-  std::array<double, 2> droop{};
+  std::array<double, 5> shape{};  ///< three of high_pass, then two of droop
 
   /// Without P.
   std::complex<double> at(double w) const;

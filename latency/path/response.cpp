@@ -207,27 +207,25 @@ Response::Echo Response::echo() const {
   return echo;
 }
 
-std::array<std::optional<double>, 4> harmonics(const CapturedWindow& window, const PathModel& model,
-                                               const ExponentialSweep& probe, Hertz sample_rate,
-                                               Fourier& fourier) {
+std::array<std::optional<double>, 4> Response::harmonics(const ExponentialSweep& probe) const {
   constexpr double kHalf = 0.004;          // seconds around each response
   constexpr double kNowhere = 12.5;        // no whole order: what stands there is noise
   constexpr double kFundamental = 1000.0;  // Hz
-  const auto answer = fourier.inverse(divided(window, window.captured));
+  const auto answer = deconvolved(window_.captured);
   const auto size = static_cast<std::int64_t>(answer.size());
-  const auto half = static_cast<std::int64_t>(kHalf * sample_rate.value);
-  const double growth = frames_in(probe.growth(), sample_rate);
+  const auto half = static_cast<std::int64_t>(kHalf * sample_rate_.value);
+  const double growth = frames_in(probe.growth(), sample_rate_);
   // Mean power of the answer where the order `place` stands, at the frequencies of another one.
   const auto power = [&](double place, double order) {
-    const auto centre = std::llround(model.delay_frames - growth * std::log(place));
+    const auto centre = std::llround(model_.delay_frames - growth * std::log(place));
     std::vector<double> piece;
     for (auto n = centre - half; n < centre + half; ++n) {
       const double fade =
           0.5 + 0.5 * std::cos(pi * static_cast<double>(n - centre) / static_cast<double>(half));
       piece.push_back(std::sqrt(fade) * answer[index((n % size + size) % size)]);
     }
-    const auto spectrum = fourier.forward(piece);
-    const double bins_per_hertz = static_cast<double>(fourier.size()) / sample_rate.value;
+    const auto spectrum = fourier_.forward(piece);
+    const double bins_per_hertz = static_cast<double>(fourier_.size()) / sample_rate_.value;
     const auto low = static_cast<std::size_t>(order * kFundamental / std::numbers::sqrt2 * bins_per_hertz);
     const auto high =
         std::min(spectrum.size() - 1,

@@ -34,6 +34,10 @@ class Response {
     int frames = 0;
   };
   Echo echo() const;
+  /// [control] H2 … H5 in dB below the fundamental, for fundamentals around 1 kHz: the responses that stand
+  /// before the linear one in what was captured of an exponential probe. Nothing where noise is
+  /// stronger, or below -90 dB.
+  std::array<std::optional<double>, 4> harmonics(const ExponentialSweep& probe) const;
 
  private:
   double hertz(std::size_t bin) const {
@@ -46,12 +50,5 @@ class Response {
   Hertz sample_rate_;
   Fourier& fourier_;
 };
-
-/// [control] H2 … H5 in dB below the fundamental, for fundamentals around 1 kHz: the responses that stand
-/// before the linear one in what was captured of an exponential probe. Nothing where noise is
-/// stronger, or below -90 dB.
-std::array<std::optional<double>, 4> harmonics(const CapturedWindow& window, const PathModel& model,
-                                               const ExponentialSweep& probe, Hertz sample_rate,
-                                               Fourier& fourier);
 
 }  // namespace tactus

@@ -43,7 +43,7 @@ struct Card {
     REQUIRE(guarded.prepare(granted.format));
     guarded.disable_sensor_watch();
     guarded.skip_soft_start();
-    callback = std::make_unique<CardCallback>(guarded, request, granted, false);
+    callback = std::make_unique<CardCallback>(guarded, request, granted);
   }
   /// One block; the planes that went out, which held 9 before.
   std::vector<Plane> block(const std::vector<Plane>& in, int outputs, int frames) {

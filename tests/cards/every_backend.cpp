@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-#include "backends/sound_backends.h"
+#include "backends/backend.h"
 #include "tests/cards/ways.h"
 #include "tests/support/sound_server.h"
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "backends/sound_backends.h"
+#include "backends/backend.h"
 #include "tests/support/skip.h"
 
 namespace tactus::test {

@@ -63,6 +63,12 @@ void ChildProcess::send(int signal) const {
   if (!ended_ && pid_ > 0) ::kill(pid_, signal);
 }
 
+void ChildProcess::pause() const {
+  send(SIGSTOP);
+  siginfo_t state;
+  ::waitid(P_PID, static_cast<id_t>(pid_), &state, WSTOPPED | WEXITED | WNOWAIT);
+}
+
 std::optional<int> ChildProcess::wait(std::chrono::milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (!ended_) {

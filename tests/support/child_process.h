@@ -22,6 +22,8 @@ class ChildProcess {
 
   bool running();
   void send(int signal) const;
+  /// SIGSTOP; returns when every thread has stopped.
+  void pause() const;
   /// The exit code, or minus the signal that ended it; empty: it still runs after `patience`.
   std::optional<int> wait(std::chrono::milliseconds patience);
   /// SIGTERM, and SIGKILL when that does not end it within three seconds. Its exit code as `wait` tells it.

@@ -1,8 +1,17 @@
 #pragma once
 
+#include "engine/scene/file/scene_spec.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tactus::test {
+
+/// A scene from text; errors in it are errors.
+inline Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
+                                      const std::filesystem::path& root = {}) {
+  auto loaded = parse_scene_leniently(text, file_name, root);
+  if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
+  return std::move(*loaded.scene);
+}
 
 /// A folder with an instrument and a plant, for scenes that join them.
 struct SceneFolder : TemporaryFolder {

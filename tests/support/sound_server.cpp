@@ -160,7 +160,7 @@ void SoundServer::kill() {
   hand_->kill();
   if (first_of_user_ && !others_run(name_)) fs::remove_all(metadata());
 }
-void SoundServer::stop_answering() { server_->send(SIGSTOP); }
+void SoundServer::stop_answering() { server_->pause(); }
 void SoundServer::go_on() { server_->send(SIGCONT); }
 void SoundServer::restart() {
   if (!begin()) throw std::runtime_error{why_not()};

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "engine/core/find_root.h"
-#include "engine/study/walls/held_mass.h"
 #include "engine/study/walls/virtual_wall.h"
 
 // What theory says of virtual walls: numbers to test the engine against.
@@ -29,7 +28,7 @@ inline double stiffest_behind_delay(const WallDevice& device, Seconds lag) {
 /// K = b (1 - p) / ((1 - p) m / b - p T), p = e^(-b T / m): sampled and held without any other delay, B = 0;
 /// exact. Near 2 b / T for b T / m << 1. From the product of the two roots, which is 1 at the border.
 inline double stiffest_undelayed(const WallDevice& device, Hertz rate) {
-  // The formula's differences, without their cancellation: see held_mass.h.
+  // The formula's differences, without their cancellation: see HeldMass.
   const auto held = HeldMass::over(device.mass, device.damping, 1 / rate.value);
   const double lost = -std::expm1(-device.damping / (device.mass * rate.value));
   return lost / (held.reach * held.gain - held.keep * held.rise);
@@ -65,15 +64,6 @@ inline std::optional<EdgeCycle> encoder_edge_cycle(const WallDevice& device, dou
   const double h = root_between(lag.value, far, [&](double t) { return position(t, t - lag.value); });
   const double turn = std::log1p(std::tanh(0.5 * a * h)) / a;  // where its speed is 0
   return EdgeCycle{Hertz{0.5 / h}, -position(h, turn) * push / device.damping / device.quantum};
-}
-
-/// Speed after a bounce over the speed before, of a device without damping:
-///     e = exp((pi w tau / 2) / sqrt(1 - (w tau / 2)^2)),  w = sqrt(K/m), tau = T/2 + tau_d.
-/// The delay acts as a damper of -K tau. Within 1 % for w tau <= 0.2; needs w tau < 2.
-inline double wall_rebound(double mass, double stiffness, Seconds lag) {
-  const double half = 0.5 * std::sqrt(stiffness / mass) * lag.value;
-  assert(half < 1);
-  return std::exp(std::numbers::pi * half / std::sqrt(1 - half * half));
 }
 
 /// Amplitude [m] at which a spring above its border comes to rest in a limit cycle, its force cut at F_max:

@@ -52,7 +52,7 @@ std::array<double, Order + 1> lagrange_weights(double t) noexcept {
 /// start + sum over k of weight(k) * tap(k) in two chains, even and odd taps, which halves the
 /// latency of a single frame. `Number` is double or Lanes.
 template <std::size_t Count, class Number, class Weight, class Tap>
-Number tap_sum(Weight weight, Tap tap, Number start) noexcept {
+[[gnu::always_inline]] inline Number tap_sum(Weight weight, Tap tap, Number start) noexcept {
   Number even = fused_multiply_add(weight(0), tap(0), start), odd{};
   if constexpr (Count > 1) odd = weight(1) * tap(1);
   for (std::size_t k = 2; k < Count; ++k) {
@@ -64,7 +64,8 @@ Number tap_sum(Weight weight, Tap tap, Number start) noexcept {
 
 /// start + sum of weight[k] * newest[-k].
 template <std::size_t Count>
-double tap_sum(const double* newest, const std::array<double, Count>& weight, double start) noexcept {
+[[gnu::always_inline]] inline double tap_sum(const double* newest, const std::array<double, Count>& weight,
+                                             double start) noexcept {
   return tap_sum<Count>([&](std::size_t k) { return weight[k]; },
                         [&](std::size_t k) { return *(newest - k); }, start);
 }

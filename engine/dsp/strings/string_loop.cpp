@@ -62,7 +62,9 @@ DesignedLine::DesignedLine(LossFilter filter, int longest)
     : filter_(filter), line_(longest, kMostFrames + StringDesign::kTaps) {}
 
 bool DesignedLine::changed(const StringParameters& parameters) noexcept {
-  return std::exchange(parameters_, parameters) != parameters;
+  if (parameters == parameters_) return false;
+  parameters_ = parameters;
+  return true;
 }
 
 void DesignedLine::set(const StringDesign& design) noexcept {

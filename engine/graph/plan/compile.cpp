@@ -7,7 +7,6 @@
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/facts.h"
-#include "engine/graph/semantics/instance.h"
 
 namespace tactus {
 namespace {

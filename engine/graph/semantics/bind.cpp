@@ -21,10 +21,6 @@ Expression make(Expression::Op op, const Source& at) {
   return expression;
 }
 
-Expression number_expression(double si, Dimension dimension, bool bare, const Source& at) {
-  return {.number = si, .dimension = dimension, .bare = bare, .name = {}, .arguments = {}, .at = at};
-}
-
 Expression missing_with_error(ErrorList& errors, Errc code, const Source& at, const std::string& what,
                               const std::string& remedy) {
   errors.add(code, at, what, remedy);
@@ -62,6 +58,10 @@ Expression bind_spread(const Value& value, ErrorList& errors) {
 }
 
 }  // namespace
+
+Expression number_expression(double si, Dimension dimension, bool bare, const Source& at) {
+  return {.number = si, .dimension = dimension, .bare = bare, .name = {}, .arguments = {}, .at = at};
+}
 
 Expression missing_signal(const Source& at) {
   auto expression = make(Expression::Op::Signal, at);

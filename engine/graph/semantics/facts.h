@@ -6,9 +6,15 @@
 #include <vector>
 
 #include "engine/graph/file/error_list.h"
+#include "engine/graph/file/spec.h"
 #include "engine/graph/semantics/flat_graph.h"
 
 namespace tactus {
+
+/// Looks every name up: node types, ports, settings, signals; unfolds parts. `taps` names signals of the top
+/// file ("hit", "hit.level") that become outputs of their own.
+FlatGraph resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate, ErrorList& errors,
+                  const std::vector<std::string>& taps, std::size_t most_signals);
 
 // What is known of an expression once the facts about its signals are: asked again and again while they are
 // inferred.

@@ -11,66 +11,37 @@ void add_signals(const Expression& expression, std::vector<int>& signals) {
   for (const auto& argument : expression.arguments) add_signals(argument, signals);
 }
 
+/// What a signal is made of. The first output of a node represents all that it reads.
+std::vector<int> needs_of(const FlatGraph& graph, int id) {
+  const auto& signal = graph.signals[index(id)];
+  std::vector<int> needs;
+  if (signal.kind == FlatSignal::Kind::Expression) add_signals(signal.expression, needs);
+  if (signal.kind != FlatSignal::Kind::NodeOutput) return needs;
+  const auto& node = graph.nodes[index(signal.index)];
+  if (id != node.outputs.front()) return {node.outputs.front()};
+  for (const auto& input : node.inputs)
+    if (input) add_signals(*input, needs);
+  return needs;
+}
+
 /// All signals, each behind those that it is made of, loops aside: so that facts run along the longest chain
-/// in one pass, whatever order a file is written in. The first output of a node represents all that it reads.
-class DependencyOrder {
- public:
-  explicit DependencyOrder(const FlatGraph& graph) : graph_(graph), seen_(graph.signals.size()) {
-    for (int id = 0; id < static_cast<int>(graph.signals.size()); ++id) visit(id);
-  }
-  std::vector<int> take() { return std::move(order_); }
-
- private:
-  struct Open {
-    int id;
-    std::vector<int> needs;
-  };
-
-  /// Depth first, with a stack of its own: chains may be 100,000 long.
-  void visit(int start) {
-    std::vector<Open> stack;
-    const auto open = [&](int id) {
-      if (seen_[index(id)]) return;
-      seen_[index(id)] = true;
-      stack.push_back({id, needs(id)});
-    };
-    open(start);
-    while (!stack.empty()) {
-      auto& top = stack.back();
-      if (top.needs.empty()) {
-        order_.push_back(top.id);
-        stack.pop_back();
-        continue;
-      }
-      const int next = top.needs.back();
-      top.needs.pop_back();
-      open(next);
-    }
-  }
-
-  std::vector<int> needs(int id) const {
-    const auto& signal = graph_.signals[index(id)];
-    std::vector<int> signals;
-    if (signal.kind == FlatSignal::Kind::Expression) add_signals(signal.expression, signals);
-    if (signal.kind != FlatSignal::Kind::NodeOutput) return signals;
-    const auto& node = graph_.nodes[index(signal.index)];
-    if (id != node.outputs.front()) return {node.outputs.front()};
-    for (const auto& input : node.inputs)
-      if (input) add_signals(*input, signals);
-    return signals;
-  }
-
-  const FlatGraph& graph_;
-  std::vector<bool> seen_;
-  std::vector<int> order_;
-};
+/// in one pass, whatever order a file is written in.
+std::vector<int> dependency_order(const FlatGraph& graph) {
+  std::vector<std::vector<int>> needs;
+  for (std::size_t id = 0; id < graph.signals.size(); ++id)
+    needs.push_back(needs_of(graph, static_cast<int>(id)));
+  std::vector<int> order;
+  for (const auto& component : strong_components(needs, Roots::FirstToLast))
+    order.insert(order.end(), component.begin(), component.end());
+  return order;
+}
 
 class Inference {
   using SignalKind = FlatSignal::Kind;
   using UnitKind = UnitFact::Kind;
 
  public:
-  explicit Inference(FlatGraph& graph) : graph_(graph), order_(DependencyOrder{graph}.take()) {}
+  explicit Inference(FlatGraph& graph) : graph_(graph), order_(dependency_order(graph)) {}
 
   void run() {
     infer_lanes();

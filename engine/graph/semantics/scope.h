@@ -69,6 +69,9 @@ class NameSpace {
 /// or a spread { from, to, curve } over the lanes. After an error, the missing signal.
 Expression bind_signal(const Value& value, const Scope& scope, ErrorList& errors);
 
+/// A number with its unit, SI; `bare`: without one.
+Expression number_expression(double si, Dimension dimension, bool bare, const Source& at);
+
 /// Replaces what an error left out, and raises no second error.
 Expression missing_signal(const Source& at);
 

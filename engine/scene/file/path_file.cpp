@@ -84,13 +84,6 @@ class PathReader {
   PathFile path_;
 };
 
-Checked<PathFile> read(LoadedGraph loaded) {
-  auto wrong = std::move(loaded.errors);
-  if (wrong.empty()) wrong = check(*loaded.spec, standard_nodes(), {});
-  if (!wrong.empty()) return tl::unexpected(std::move(wrong));
-  return PathReader{*loaded.spec}.read();
-}
-
 std::string lines_of(const std::vector<double>& taps) {
   std::string text;
   for (std::size_t k = 0; k < taps.size(); ++k)
@@ -124,10 +117,11 @@ taps = [{}
       exact_quantity(path.rate.value, parse_unit("Hz")->dimension), lines_of(path.taps));
 }
 
-Checked<PathFile> load_path(const std::filesystem::path& file) { return read(load_graph_leniently(file)); }
-
-Checked<PathFile> parse_path(std::string_view text, const std::string& file_name) {
-  return read(parse_graph_leniently(text, file_name));
+Checked<PathFile> read_path(LoadedGraph loaded) {
+  auto wrong = std::move(loaded.errors);
+  if (wrong.empty()) wrong = check(*loaded.spec, standard_nodes(), {});
+  if (!wrong.empty()) return tl::unexpected(std::move(wrong));
+  return PathReader{*loaded.spec}.read();
 }
 
 }  // namespace tactus

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
+#include "engine/graph/file/load.h"
 
 namespace tactus {
 
@@ -25,7 +24,6 @@ struct PathFile {
 std::string to_text(const PathFile& path);
 
 /// [control] All errors of such a file at once: those of any graph, and all that a path file cannot contain.
-Checked<PathFile> load_path(const std::filesystem::path& file);
-Checked<PathFile> parse_path(std::string_view text, const std::string& file_name);
+Checked<PathFile> read_path(LoadedGraph loaded);
 
 }  // namespace tactus

@@ -1,4 +1,3 @@
-#include "engine/scene/file/scene_checks.h"
 
 #include <algorithm>
 #include <optional>
@@ -35,9 +34,8 @@ std::vector<std::string> recorded_names(const SceneSpec& scene, const NodeTable&
 /// "plant.string[2]" is a lane of "plant.string", and "instrument.hit" the first output of that node.
 bool is_recorded(const std::string& name, const std::vector<std::string>& recorded) {
   const auto whole = name.substr(0, name.find('['));
-  return std::any_of(recorded.begin(), recorded.end(), [&](const std::string& known) {
-    return known == whole || known.starts_with(whole + ".");
-  });
+  return std::ranges::any_of(
+      recorded, [&](const std::string& known) { return known == whole || known.starts_with(whole + "."); });
 }
 
 /// A part that cannot be read may have anything.
@@ -78,9 +76,8 @@ class RecordedSignals {
   void check_role(const std::string& signal, const Source& at, const std::string& role,
                   const std::string& needed_by) const {
     if (!signal.empty()) return check(signal, at, needed_by);
-    const bool unknown = std::any_of(scene_.parts.begin(), scene_.parts.end(), [](const ScenePart& part) {
-      return part.graph == nullptr || part.graph->incomplete;
-    });
+    const bool unknown = std::ranges::any_of(
+        scene_.parts, [](const ScenePart& part) { return part.graph == nullptr || part.graph->incomplete; });
     if (!unknown && !scene_.incomplete)
       errors_.add(Errc::Missing, at, "'" + needed_by + "' needs a signal with the role '" + role + "'",
                   "name one under [roles], as in " + role + " = \"plant." + role + "\"");
@@ -203,7 +200,7 @@ void check_drives(const SceneSpec& scene, ErrorList& errors) {
   for (const auto& output : instrument->graph->outputs)
     if (read_use(output, reported_elsewhere) != OutputUse::Audio) names.push_back(output.name);
   for (const auto& [name, at] : scene.drive_places)
-    if (std::find(names.begin(), names.end(), name) == names.end())
+    if (std::ranges::find(names, name) == names.end())
       errors.add(Errc::UnknownName, at, "the instrument has no drive '" + name + "'",
                  suggest(name, names, names.empty() ? "it has none" : "it has " + listed(names)));
 }
@@ -226,7 +223,7 @@ void check_comparison(const SceneSpec& scene, const std::string& name, double va
   auto known = names_of(part->graph->controls);
   if (owner != "instrument")
     for (const auto& input : part->graph->inputs) known.push_back(input.name);
-  if (std::find(known.begin(), known.end(), port) == known.end())
+  if (std::ranges::find(known, port) == known.end())
     errors.add(Errc::UnknownName, at, "part '" + owner + "' has no control '" + port + "'",
                suggest(port, known));
 }

@@ -1,4 +1,3 @@
-#include "engine/scene/file/scene_fields.h"
 
 #include "engine/graph/file/read_graph.h"
 #include "engine/rig/profile.h"

@@ -10,7 +10,6 @@
 #include "engine/graph/file/read_graph.h"
 #include "engine/graph/semantics/expression.h"
 #include "engine/graph/semantics/scope.h"
-#include "engine/scene/file/scene_fields.h"
 #include "engine/scene/measures/measure.h"
 
 namespace tactus {
@@ -24,7 +23,7 @@ const SectionType& section_fields(std::string_view section) { return *scene_fiel
 bool check_keys(const Value::Table& table, ErrorList& errors) {
   const auto keys = scene_fields().keys(), graph_keys = graph_fields().keys();
   const auto among = [](const std::vector<std::string>& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::ranges::find(names, name) != names.end();
   };
   const auto of_graph = [&](const Field& field) {
     return among(graph_keys, field.key) && !among(keys, field.key);
@@ -36,7 +35,7 @@ bool check_keys(const Value::Table& table, ErrorList& errors) {
     if (of_graph(field))
       errors.add(Errc::UnknownName, field.at, "'" + field.key + "' belongs in a graph, and this is a scene",
                  "move it to the file of a part");
-  return std::all_of(rest.begin(), rest.end(), [&](const Field& field) {
+  return std::ranges::all_of(rest, [&](const Field& field) {
     const bool known = among(keys, field.key);
     const bool section = field.key == "parts" || field.key == "gestures";
     return known && (!section || field.value.table() != nullptr);
@@ -416,11 +415,6 @@ class SceneReader {
   ErrorList errors_;
 };
 
-Checked<SceneSpec> without_errors(LoadedScene loaded) {
-  if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
-  return std::move(*loaded.scene);
-}
-
 }  // namespace
 
 const std::vector<RoleType>& role_types() {
@@ -456,12 +450,9 @@ LoadedScene parse_scene_leniently(std::string_view text, const std::string& file
 }
 
 Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root) {
-  return without_errors(load_scene_leniently(path, root));
-}
-
-Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
-                               const std::filesystem::path& root) {
-  return without_errors(parse_scene_leniently(text, file_name, root));
+  auto loaded = load_scene_leniently(path, root);
+  if (!loaded.errors.empty()) return tl::unexpected(std::move(loaded.errors));
+  return std::move(*loaded.scene);
 }
 
 }  // namespace tactus

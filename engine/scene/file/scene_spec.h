@@ -7,15 +7,20 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/core/error.h"
 #include "engine/core/units.h"
+#include "engine/graph/file/field.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/spec.h"
 #include "engine/rig/profile.h"
 
 namespace tactus {
+
+/// [any] All keys of a scene.
+const SectionType& scene_fields();
 
 /// A part of a scene and what its inputs are wired to: numbers, quantities and expressions of "part.port" and
 /// gestures, whose grammar was checked but whose names were not looked up.
@@ -166,6 +171,10 @@ struct SceneSpec {
 struct LoadedScene {
   std::optional<SceneSpec> scene;  ///< nothing if the file cannot be read or is no TOML
   std::vector<Error> errors;       ///< by file, line and column
+
+  LoadedScene(SceneSpec read) : scene(std::move(read)) {}
+  LoadedScene(std::optional<SceneSpec> read, std::vector<Error> found)
+      : scene(std::move(read)), errors(std::move(found)) {}
 };
 
 /// [control] Reads a scene and the files of its parts; a folder means its scene.toml. `root` is the folder
@@ -177,7 +186,5 @@ LoadedScene parse_scene_leniently(std::string_view text, const std::string& file
 
 /// [control] The same; a scene with errors in its text is an error.
 Checked<SceneSpec> load_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
-Checked<SceneSpec> parse_scene(std::string_view text, const std::string& file_name,
-                               const std::filesystem::path& root = {});
 
 }  // namespace tactus

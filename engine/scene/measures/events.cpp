@@ -25,8 +25,8 @@ int fewest_per_second(const std::vector<double>& times, double from, double to) 
   if (to - from < 1) return 0;
   int fewest = static_cast<int>(times.size());
   for (double start = from; start + 1 <= to + 1e-9; start += 0.1) {
-    const auto first = std::lower_bound(times.begin(), times.end(), start);
-    const auto last = std::lower_bound(times.begin(), times.end(), start + 1);
+    const auto first = std::ranges::lower_bound(times, start);
+    const auto last = std::ranges::lower_bound(times, start + 1);
     fewest = std::min(fewest, static_cast<int>(last - first));
   }
   return fewest;
@@ -122,7 +122,7 @@ Detection match(const std::vector<Strike>& touches, const std::vector<double>& t
   for (std::size_t i = 0; i < touches.size(); ++i) {
     if (detected[i] || touches[i].peak < least) continue;
     const double start = touches[i].start_s;
-    const auto next = std::upper_bound(triggers_s.begin(), triggers_s.end(), start);
+    const auto next = std::ranges::upper_bound(triggers_s, start);
     if (next == triggers_s.begin() || start - *(next - 1) >= kOneStrike.value) ++detection.missed;
   }
   return detection;

@@ -5,9 +5,8 @@
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
 #include "engine/dsp/pitch/pitch_detector.h"
-#include "engine/scene/measures/landings.h"
 #include "engine/scene/measures/measure.h"
-#include "engine/scene/measures/oscillation.h"
+#include "engine/scene/measures/motion.h"
 #include "engine/scene/measures/playability_result.h"
 
 // The table of measures: a new one is a line of `measures()`, a function where it needs one, and its test.
@@ -41,7 +40,7 @@ double faults(const Window& w) {
 double energy_given(const Window& w) {
   const auto force = w.samples(*w.recording.find(w.port->force));
   const auto position = w.samples(*w.recording.find(w.port->position));
-  EnergyWatch watch{w.port->allowed};
+  EnergyWatch watch{*w.port};
   watch.take(force.data(), position.data(), static_cast<int>(force.size()));
   return watch.energy(w.rate()).given;
 }

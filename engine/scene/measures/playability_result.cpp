@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/named.h"
 #include "engine/scene/measures/events.h"
 
 namespace tactus {
@@ -57,11 +56,6 @@ PlayabilityResult evaluate_roll(const SceneRecording& recording, const Playabili
 }
 
 }  // namespace
-
-double PlayabilityResult::reading(Playability::Kind evaluated_as, const std::string& name) const {
-  const auto& columns = measure_columns(evaluated_as);
-  return readings.at(static_cast<std::size_t>(find_named(columns, name) - columns.data()));
-}
 
 const std::vector<MeasureColumn>& measure_columns(Playability::Kind kind) {
   static const std::vector<MeasureColumn> roll = {
@@ -118,7 +112,7 @@ double sustained(const std::vector<double>& times, double from, double to, doubl
   int windows = 0, alive = 0;
   for (int i = 0; from + i * kStep_s + kWindow_s <= to + 1e-9; ++i, ++windows) {
     const auto begin = from + i * kStep_s;
-    const auto first = std::lower_bound(times.begin(), times.end(), begin);
+    const auto first = std::ranges::lower_bound(times, begin);
     const auto last = std::lower_bound(first, times.end(), begin + kWindow_s);
     alive += static_cast<double>(last - first) >= fewest ? 1 : 0;
   }

@@ -15,9 +15,6 @@ struct PlayabilityResult {
   double score = 0;  ///< 0 nothing, 1 all that is expected
   bool playable = false;
   std::vector<double> readings;  ///< in the order of `measure_columns`; all finite
-
-  /// The reading in the column `name` of `kind`, which the run was evaluated as.
-  double reading(Playability::Kind evaluated_as, const std::string& name) const;
   bool operator==(const PlayabilityResult&) const = default;
 };
 

@@ -5,7 +5,6 @@
 #include "engine/core/decibels.h"
 #include "engine/core/median.h"
 #include "engine/scene/measures/notes/pitch_track.h"
-#include "engine/scene/measures/notes/steady_tone.h"
 #include "engine/scene/measures/playability_result.h"
 
 namespace tactus {
@@ -150,7 +149,7 @@ ToneResult together(const std::vector<ToneResult>& notes) {
   const auto worse = [](const ToneResult& a, const ToneResult& b) {
     return a.run.playable != b.run.playable ? !a.run.playable : a.run.score < b.run.score;
   };
-  auto all = *std::min_element(notes.begin(), notes.end(), worse);
+  auto all = *std::ranges::min_element(notes, worse);
   double score = 0;
   for (const auto& note : notes) {
     score += note.run.score;

@@ -6,12 +6,11 @@
 
 #include "engine/core/index.h"
 #include "engine/core/median.h"
+#include "engine/core/named.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
-#include "engine/scene/file/scene_spec.h"
-#include "engine/scene/play_scene.h"
 #include "engine/study/orbits/bouncing_ball.h"
-#include "engine/study/sweep/evaluate_runs.h"
+#include "engine/study/sweep/sweep.h"
 
 namespace tactus {
 namespace {
@@ -26,14 +25,6 @@ constexpr int kExactRead = 64;
 
 constexpr const char* kGesture = "swept_by_the_study";
 constexpr double kGlide_s = 3.0, kBifurcationSweepStep_s = 0.1;
-
-/// The control of a part, as its file has it; nullptr if there is none.
-const EntrySpec* control_of(const ScenePart& part, std::string_view name) {
-  const auto& controls = part.graph->controls;
-  const auto found =
-      std::find_if(controls.begin(), controls.end(), [&](const auto& c) { return c.name == name; });
-  return found == controls.end() ? nullptr : &*found;
-}
 
 /// The value of a control in the scene, or else in its graph file; none if it is not a number.
 std::optional<double> set_value(const ScenePart& part, const EntrySpec& control) {
@@ -94,84 +85,80 @@ std::vector<Doubling> doublings_of(const Bifurcation& found) {
   return doublings;
 }
 
-}  // namespace
-
-Checked<SceneSweep> SceneSweep::make(const SceneSpec& scene, const NodeTable& table,
-                                     const BifurcationPlan& plan) {
-  SceneSweep sweep{scene, table, plan};
-  if (auto status = sweep.find_control(); !status) return tl::unexpected(std::vector{status.error()});
-  auto tried = sweep.scene_;
-  tried.gestures.back().points = {{0, plan.from}};
-  if (const auto compiled = compile_scene(tried, table); !compiled) return tl::unexpected(compiled.error());
-  return sweep;
-}
-
-Status SceneSweep::find_control() {
-  const auto dot = plan_.control.find('.');
-  const auto part_name = dot == std::string::npos ? std::string{"instrument"} : plan_.control.substr(0, dot);
-  const auto name = dot == std::string::npos ? plan_.control : plan_.control.substr(dot + 1);
-  const auto part = std::find_if(scene_.parts.begin(), scene_.parts.end(),
-                                 [&](const auto& p) { return p.name == part_name; });
-  if (part == scene_.parts.end() || part->graph == nullptr)
-    return no_control(plan_.control, "the scene has no part '" + part_name + "'");
-  if (control_of(*part, name) == nullptr)
-    return no_control(plan_.control, "there is no control '" + name + "' in the part '" + part_name + "'");
-  const auto* frequency = control_of(*part, "frequency");
+/// Finds the control and the frequency; a gesture, the last one, moves the control from then on.
+Status find_control(SceneSweep& sweep, const std::string& control) {
+  auto& scene = sweep.scene;
+  const auto dot = control.find('.');
+  const auto part_name = dot == std::string::npos ? std::string{"instrument"} : control.substr(0, dot);
+  const auto name = dot == std::string::npos ? control : control.substr(dot + 1);
+  const auto part = std::ranges::find(scene.parts, part_name, &ScenePart::name);
+  if (part == scene.parts.end() || part->graph == nullptr)
+    return no_control(control, "the scene has no part '" + part_name + "'");
+  if (find_named(part->graph->controls, name) == nullptr)
+    return no_control(control, "there is no control '" + name + "' in the part '" + part_name + "'");
+  const auto* frequency = find_named(part->graph->controls, "frequency");
   const auto hertz = frequency != nullptr ? set_value(*part, *frequency) : std::nullopt;
   if (!hertz || !(*hertz > 0))
     return fail(Errc::Missing, part->at.text(), "nothing says how often the table goes up and down",
                 "give the part a control 'frequency', at a number");
-  frequency_ = *hertz;
-  of_the_table_ = name == "gamma";
+  sweep.frequency_hz = *hertz;
+  sweep.of_the_table = name == "gamma";
   std::erase_if(part->wires, [&](const Field& field) { return field.key == name; });
   part->wires.push_back({name, part->at, Value{std::string{kGesture}, part->at}});
-  Gesture gesture;
-  gesture.name = kGesture;
-  gesture.at = part->at;
-  gesture.bare = true;
-  scene_.gestures.push_back(std::move(gesture));
-  scene_.expect.clear();
-  scene_.ports.clear();
-  scene_.compare.reset();
+  scene.gestures.push_back({.name = kGesture, .at = part->at, .bare = true});
+  scene.expect.clear();
+  scene.ports.clear();
+  scene.compare.reset();
   return {};
 }
 
-Result<std::vector<std::vector<Landing>>> SceneSweep::run(const std::vector<double>& values) const {
-  auto scene = scene_;
+}  // namespace
+
+Checked<SceneSweep> make_sweep(const SceneSpec& scene, const NodeTable& table, const BifurcationPlan& plan) {
+  SceneSweep sweep{scene};
+  if (auto status = find_control(sweep, plan.control); !status)
+    return tl::unexpected(std::vector{status.error()});
+  sweep.scene.gestures.back().points = {{0, plan.from}};
+  if (const auto compiled = compile_scene(sweep.scene, table); !compiled)
+    return tl::unexpected(compiled.error());
+  return sweep;
+}
+
+Checked<std::vector<std::vector<Landing>>> play_sweep(const SceneSweep& sweep, const NodeTable& table,
+                                                      const BifurcationPlan& plan,
+                                                      const std::vector<double>& values) {
+  auto scene = sweep.scene;
   auto& points = scene.gestures.back().points;
-  points = {{0, plan_.from}};
   std::vector<double> starts;
   double time = kGlide_s;
   for (const double value : values) {
     starts.push_back(time);
     points.push_back({time, value});
-    points.push_back({time += plan_.settling_s + plan_.reading_s, value});
+    points.push_back({time += plan.settling_s + plan.reading_s, value});
     time += kBifurcationSweepStep_s;
   }
   scene.duration = Seconds{time};
-  auto built = build_scene(scene, *table_);
-  if (!built) return tl::unexpected(built.error().front());
-  const auto recording = play_scene(scene, *built, 256);
+  const auto recording = play_run({{}, scene}, table);
   if (!recording) return tl::unexpected(recording.error());
   const auto *ball = recording->find(signal_of(scene.roles, "ball")),
              *floor = recording->find(signal_of(scene.roles, "table"));
   if (ball == nullptr || floor == nullptr)
-    return fail(Errc::Missing, scene.file.text(),
-                "the scene has no signals with the roles 'ball' and 'table'",
-                "name two positions under [roles]");
+    return tl::unexpected(std::vector{Error{Errc::Missing, scene.file.text(),
+                                            "the scene has no signals with the roles 'ball' and 'table'",
+                                            "name two positions under [roles]"}});
   const auto landings = landings_of(ball->samples, floor->samples, recording->sample_rate);
   std::vector<std::vector<Landing>> held;
   for (const double start : starts) {
-    const double from = start + plan_.settling_s;
-    std::copy_if(landings.begin(), landings.end(), std::back_inserter(held.emplace_back()),
-                 [&](const Landing& l) { return l.time_s >= from && l.time_s < from + plan_.reading_s; });
+    const double from = start + plan.settling_s;
+    std::ranges::copy_if(landings, std::back_inserter(held.emplace_back()), [&](const Landing& l) {
+      return l.time_s >= from && l.time_s < from + plan.reading_s;
+    });
   }
   return held;
 }
 
 std::optional<double> doubling_in(const std::vector<BifurcationColumn>& columns, int bounces) {
-  const auto behind =
-      std::find_if(columns.begin(), columns.end(), [&](const auto& c) { return c.period == 2 * bounces; });
+  const auto behind = std::ranges::find(columns, 2 * bounces, &BifurcationColumn::period);
   if (behind == columns.begin() || behind == columns.end() || behind[-1].period != bounces)
     return std::nullopt;
   // The straight line nearest to the first columns behind it.
@@ -191,24 +178,24 @@ std::optional<double> doubling_in(const std::vector<BifurcationColumn>& columns,
 Checked<Bifurcation> study_bifurcation(const SceneSpec& scene, const NodeTable& table,
                                        const BifurcationPlan& plan,
                                        const std::function<void(double)>& progress) {
-  const auto sweep = SceneSweep::make(scene, table, plan);
+  const auto sweep = make_sweep(scene, table, plan);
   if (!sweep) return tl::unexpected(sweep.error());
-  Bifurcation found{scene.name, plan.control, sweep->frequency(), 0, 0, {}, {}, {}};
+  Bifurcation found{scene.name, plan.control, sweep->frequency_hz, 0, 0, {}, {}, {}};
   const int runs = (plan.values + kColumnsOfARun - 1) / kColumnsOfARun;
-  std::vector<Result<std::vector<std::vector<Landing>>>> results(index(runs));
+  std::vector<Checked<std::vector<std::vector<Landing>>>> results(index(runs));
   const auto run = [&](int r) {
     const int first = r * kColumnsOfARun, before = std::min(first, kColumnsBefore);
     std::vector<double> values;
     for (int i = first - before; i < std::min(plan.values, first + kColumnsOfARun); ++i)
       values.push_back(value_at(plan, i, plan.values));
-    auto& result = results[index(r)] = sweep->run(values);
+    auto& result = results[index(r)] = play_sweep(*sweep, table, plan, values);
     if (result) result->erase(result->begin(), result->begin() + before);
   };
   parallel_for(
       runs, run, progress ? progress : [](double) {});
   std::vector<double> rebounds;
   for (const auto& result : results) {
-    if (!result) return tl::unexpected(std::vector{result.error()});
+    if (!result) return tl::unexpected(result.error());
     for (const auto& landings : *result) {
       auto& column = found.simulated.emplace_back();
       column.value = value_at(plan, static_cast<int>(found.simulated.size()) - 1, plan.values);
@@ -220,7 +207,7 @@ Checked<Bifurcation> study_bifurcation(const SceneSpec& scene, const NodeTable& 
   }
   found.measured_restitution = median(std::move(rebounds));
   found.restitution = plan.restitution.value_or(found.measured_restitution);
-  if (!(found.restitution > 0 && found.restitution < 1) || !sweep->of_the_table()) return found;
+  if (!(found.restitution > 0 && found.restitution < 1) || !sweep->of_the_table) return found;
   found.exact = sweep_exactly(plan, found.restitution, found.frequency_hz);
   found.doublings = doublings_of(found);
   return found;

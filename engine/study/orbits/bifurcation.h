@@ -8,7 +8,7 @@
 #include "engine/core/error.h"
 #include "engine/graph/node_type.h"
 #include "engine/scene/file/scene_spec.h"
-#include "engine/scene/measures/landings.h"
+#include "engine/scene/measures/motion.h"
 
 namespace tactus {
 
@@ -53,31 +53,18 @@ struct Bifurcation {
 };
 
 /// A scene whose control is moved by a gesture of its own.
-class SceneSweep {
- public:
-  /// [control] Errors: as `study_bifurcation`.
-  static Checked<SceneSweep> make(const SceneSpec& scene, const NodeTable& table,
-                                  const BifurcationPlan& plan);
-
-  /// [control] Plays the scene: the control glides to the first of these values and is held at each. The
-  /// landings at each, times since the scene began. Does not change this, so that several may run at once.
-  Result<std::vector<std::vector<Landing>>> run(const std::vector<double>& values) const;
-
-  double frequency() const { return frequency_; }
-  /// The control is the acceleration of the table.
-  bool of_the_table() const { return of_the_table_; }
-
- private:
-  SceneSweep(const SceneSpec& scene, const NodeTable& table, const BifurcationPlan& plan)
-      : scene_(scene), table_(&table), plan_(plan) {}
-  Status find_control();
-
-  SceneSpec scene_;
-  const NodeTable* table_;
-  BifurcationPlan plan_;
-  double frequency_ = 0;
-  bool of_the_table_ = false;
+struct SceneSweep {
+  SceneSpec scene;
+  double frequency_hz = 0;
+  bool of_the_table = false;  ///< the control is the acceleration of the table
 };
+/// [control] Errors: as `study_bifurcation`.
+Checked<SceneSweep> make_sweep(const SceneSpec& scene, const NodeTable& table, const BifurcationPlan& plan);
+/// [control] Plays the scene: the control glides to the first of these values and is held at each. The
+/// landings at each, times since the scene began.
+Checked<std::vector<std::vector<Landing>>> play_sweep(const SceneSweep& sweep, const NodeTable& table,
+                                                      const BifurcationPlan& plan,
+                                                      const std::vector<double>& values);
 
 /// [control] Simulates the columns in groups of a fixed size, each after a glide from the first value, so
 /// that the result is the same for any number of cores. Errors: those of the scene; UnknownName, OutOfRange.

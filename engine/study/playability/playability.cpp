@@ -7,9 +7,7 @@ namespace {
 
 std::size_t kind_index(const PlayabilityResult& run, Playability::Kind kind) {
   const auto& kinds = run_kinds(kind);
-  const auto found =
-      std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == run.kind; });
-  return static_cast<std::size_t>(found - kinds.begin());
+  return static_cast<std::size_t>(std::ranges::find(kinds, run.kind, &RunKind::name) - kinds.begin());
 }
 
 /// A run as numbers: the index of its kind, score, playable, readings.
@@ -34,7 +32,7 @@ std::optional<PlayabilityResult> from_numbers(const RunResult& numbers, Playabil
 }  // namespace
 
 std::ptrdiff_t PlayabilityStudy::finished() const {
-  return std::count_if(runs.begin(), runs.end(), [](const PlayedRun& run) { return run.result.has_value(); });
+  return std::ranges::count_if(runs, [](const PlayedRun& run) { return run.result.has_value(); });
 }
 
 std::size_t PlayabilityStudy::kind_of(const PlayedRun& run) const { return kind_index(*run.result, kind); }

@@ -45,7 +45,7 @@ Subplot value_subplot(const PlayabilityStudy& study, const std::string& label, c
       series->y.push_back(value(run));
     }
   }
-  if (std::all_of(line.y.begin(), line.y.end(), [](double y) { return y >= 0; })) made.y.low = 0;
+  if (std::ranges::all_of(line.y, [](double y) { return y >= 0; })) made.y.low = 0;
   made.series.push_back(std::move(line));
   for (auto& series : kinds)
     if (!series.x.empty()) made.series.push_back(std::move(series));

@@ -11,95 +11,76 @@ namespace {
 
 constexpr std::size_t kMostRoots = 6;
 
-class RegimeAnalysis {
- public:
-  RegimeAnalysis(const ClosedGraph& closed, const Regime& regime, Hertz rate)
-      : closed_(closed),
-        rate_(rate),
-        verdict_{.name = regime.name,
-                 .held = regime.hand.has_value(),
-                 .unstable_equilibria = closed.graph.unstable_equilibria} {}
+bool among(const std::vector<int>& signals, int signal) {
+  return std::ranges::find(signals, signal) != signals.end();
+}
 
-  RegimeVerdict run() {
-    std::vector<int> wanted = closed_.drives;
-    for (const auto& place : closed_.graph.stiff) wanted.push_back(place.signal);
-    for (auto& signals : loops_of(closed_.graph, false)) analyse({closed_.graph, std::move(signals), wanted});
-    sort_by_growth(verdict_.roots, kMostRoots);
-    return std::move(verdict_);
-  }
+void find_growth(const LoopScan& scan, int cut, LoopVerdict& loop) {
+  const double border = loop.margin.border;
+  if (!std::isfinite(border) || border <= 0) return;
+  const auto growth = [&](double factor) {
+    const auto root = scan.root_near(loop.margin.border_hz, cut, factor * border);
+    return root ? root->growth_per_s : 0;
+  };
+  loop.growth_below = growth(0.98);
+  loop.growth_above = growth(1.02);
+}
 
- private:
-  void analyse(const LoopGroup& group) {
-    if (group.too_large())
-      return verdict_.too_large.push_back(closed_.graph.signals[index(group.signals().front())]);
-    const LoopScan scan(group, rate_);
-    verdict_.growing += std::max(0, scan.growing());
-    for (const auto& root : scan.roots(kMostRoots)) verdict_.roots.push_back(root);
-    const auto& cuts = group.cuts();
-    for (int c = 0; c < static_cast<int>(cuts.size()); ++c) {
-      const auto margin = scan.margin(c);
-      const int cut = cuts[index(c)];
-      if (const auto* place = stiff_at(cut)) {
-        verdict_.stiff.push_back({place->path, place->type, place->stiffness,
-                                  place->stiffness * margin.border, margin.border_hz, std::nullopt});
-        find_passive_limit(group, c);
-      } else {
-        verdict_.loops.push_back({closed_.graph.signals[index(cut)], group.path_around(c),
-                                  among(closed_.drives, cut), among(closed_.graph.wave_ports, cut), margin});
-        find_growth(scan, c, verdict_.loops.back());
-      }
+/// Only if the whole force goes through one drive, the force on the device is known.
+void find_passive_limit(const ClosedGraph& closed, const LoopGroup& group, int cut, Hertz rate,
+                        RegimeVerdict& verdict) {
+  int drive = -1, drives = 0;
+  for (const int signal : closed.drives)
+    if (const int at = group.cut(signal); at >= 0) drive = at, ++drives;
+  if (drives != 1 || !closed.mobility) return;
+  const PassivityTest test(group, drive, closed.mobility, rate);
+  verdict.device_damping = test.device_damping();
+  verdict.stiff.back().passive_up_to = verdict.stiff.back().stiffness * test.largest_factor(cut);
+}
+
+void analyse_group(const ClosedGraph& closed, const LoopGroup& group, Hertz rate, RegimeVerdict& verdict) {
+  const auto& graph = closed.graph;
+  if (group.too_large()) return verdict.too_large.push_back(graph.signals[index(group.signals().front())]);
+  const LoopScan scan(group, rate);
+  verdict.growing += std::max(0, scan.growing());
+  for (const auto& root : scan.roots(kMostRoots)) verdict.roots.push_back(root);
+  for (int c = 0; c < std::ssize(group.cuts()); ++c) {
+    const auto margin = scan.margin(c);
+    const int cut = group.cuts()[index(c)];
+    if (const auto place = std::ranges::find(graph.stiff, cut, &StiffPlace::signal);
+        place != graph.stiff.end()) {
+      verdict.stiff.push_back({place->path, place->type, place->stiffness, place->stiffness * margin.border,
+                               margin.border_hz, std::nullopt});
+      find_passive_limit(closed, group, c, rate, verdict);
+    } else {
+      verdict.loops.push_back({graph.signals[index(cut)], group.path_around(c), among(closed.drives, cut),
+                               among(graph.wave_ports, cut), margin});
+      find_growth(scan, c, verdict.loops.back());
     }
   }
+}
 
-  static void find_growth(const LoopScan& scan, int cut, LoopVerdict& loop) {
-    const double border = loop.margin.border;
-    if (!std::isfinite(border) || border <= 0) return;
-    const auto growth = [&](double factor) {
-      const auto root = scan.root_near(loop.margin.border_hz, cut, factor * border);
-      return root ? root->growth_per_s : 0;
-    };
-    loop.growth_below = growth(0.98);
-    loop.growth_above = growth(1.02);
-  }
-
-  /// Only if the whole force goes through one drive, the force on the device is known.
-  void find_passive_limit(const LoopGroup& group, int cut) {
-    int drive = -1, drives = 0;
-    for (const int signal : closed_.drives)
-      if (const int at = group.cut(signal); at >= 0) drive = at, ++drives;
-    if (drives != 1 || !closed_.mobility) return;
-    const PassivityTest test(group, drive, closed_.mobility, rate_);
-    verdict_.device_damping = test.device_damping();
-    verdict_.stiff.back().passive_up_to = verdict_.stiff.back().stiffness * test.largest_factor(cut);
-  }
-
-  const StiffPlace* stiff_at(int signal) const {
-    for (const auto& place : closed_.graph.stiff)
-      if (place.signal == signal) return &place;
-    return nullptr;
-  }
-  static bool among(const std::vector<int>& signals, int signal) {
-    return std::find(signals.begin(), signals.end(), signal) != signals.end();
-  }
-
-  const ClosedGraph& closed_;
-  Hertz rate_;
-  RegimeVerdict verdict_;
-};
+RegimeVerdict analyse_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate) {
+  RegimeVerdict verdict{.name = regime.name,
+                        .held = regime.hand.has_value(),
+                        .unstable_equilibria = closed.graph.unstable_equilibria};
+  std::vector<int> wanted = closed.drives;
+  for (const auto& place : closed.graph.stiff) wanted.push_back(place.signal);
+  for (auto& signals : loops_of(closed.graph, false))
+    analyse_group(closed, {closed.graph, std::move(signals), wanted}, rate, verdict);
+  sort_by_growth(verdict.roots, kMostRoots);
+  return verdict;
+}
 
 /// Whether a loop is closed by events of a node, or by its unknown gain.
 bool event_loop_through(const LinearGraph& graph, const std::string& path) {
   std::vector<bool> looping(graph.signals.size(), false);
   for (const auto& part : loops_of(graph, true))
     for (const int s : part) looping[index(s)] = true;
-  return std::any_of(graph.edges.begin(), graph.edges.end(), [&](const auto& e) {
+  return std::ranges::any_of(graph.edges, [&](const auto& e) {
     return e.kind == LinearEdge::Kind::Event && e.path == path && looping[index(e.from)] &&
            looping[index(e.to)];
   });
-}
-
-RegimeVerdict analyse_regime(const ClosedGraph& closed, const Regime& regime, Hertz rate) {
-  return RegimeAnalysis{closed, regime, rate}.run();
 }
 
 class Analysis {
@@ -206,7 +187,7 @@ class Analysis {
 
   /// Of all regimes the largest gain counts.
   void add_open_gain(OpenVerdict found) {
-    const auto known = std::find_if(verdict_.open.begin(), verdict_.open.end(), [&](const auto& other) {
+    const auto known = std::ranges::find_if(verdict_.open, [&](const auto& other) {
       return other.input == found.input && other.output == found.output;
     });
     if (known == verdict_.open.end())
@@ -258,10 +239,10 @@ bool is_stable_with(const StabilitySubject& subject, const WorldOptions& options
   const auto world = RestingWorld::make(subject, options);
   if (!world) return false;
   const auto regimes = world->regimes(push);
-  return std::all_of(regimes.begin(), regimes.end(), [&](const auto& regime) {
+  return std::ranges::all_of(regimes, [&](const auto& regime) {
     const auto closed = world->closed(regime);
     const auto& networks = closed.graph.networks;
-    if (std::any_of(networks.begin(), networks.end(), [](const auto& n) { return n->grows(); })) return false;
+    if (std::ranges::any_of(networks, [](const auto& n) { return n->grows(); })) return false;
     int growing = 0;
     for (auto& signals : loops_of(closed.graph, false)) {
       const LoopGroup group(closed.graph, std::move(signals), {});

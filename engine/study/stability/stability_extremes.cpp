@@ -103,9 +103,8 @@ void count_faults(const Player& engine, ExtremeRun& run) {
 }
 
 /// Guarded and with converters, as on a card.
-ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan, BuiltScene& built,
-                       ExtremeRun run) {
-  Disturbed disturbed{*built.instrument, plan};
+ExtremeRun run_guarded(const StabilitySubject& subject, BuiltScene& built, ExtremeRun run) {
+  Disturbed disturbed{*built.instrument, run};
   Guarded guarded{disturbed,
                   guarded_channels(built.instrument->plan(),
                                    subject.scene != nullptr ? subject.scene->scene->drives : DriveBook{})};
@@ -114,7 +113,7 @@ ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan,
   if (!loop.prepare(run.rate, kExtremesBlock)) return run;
   guarded.skip_soft_start();
   guarded.disable_sensor_watch();
-  const int frames = static_cast<int>(plan.seconds * run.rate.value);
+  const int frames = static_cast<int>(run.seconds * run.rate.value);
   Quarters energy;
   for (int done = 0; done < frames; done += kExtremesBlock) {
     loop.run(std::min(kExtremesBlock, frames - done), [&](const ClosedLoop::Block& piece) {
@@ -137,17 +136,16 @@ ExtremeRun run_guarded(const StabilitySubject& subject, const ExtremePlan& plan,
 }
 
 /// The signals of the sensors after a push.
-std::vector<double> sensors_after(double push, const StabilitySubject& subject, const ExtremePlan& plan,
-                                  ExtremeRun& run) {
+std::vector<double> sensors_after(double push, const StabilitySubject& subject, ExtremeRun& run) {
   std::vector<double> samples;
-  auto built = build_world(subject, plan.world, true);
+  auto built = build_world(subject, run.world);
   if (!built) return samples;
-  Disturbed disturbed{*built->instrument, plan};
+  Disturbed disturbed{*built->instrument, run};
   disturbed.push = push;
   ClosedLoop loop{
       disturbed, *built->plant, built->instrument->out_channels(), built->delay_frames, {.on = false}};
   if (!loop.prepare(run.rate, kExtremesBlock)) return samples;
-  loop.run(static_cast<int>(plan.seconds * run.rate.value), [&](const ClosedLoop::Block& piece) {
+  loop.run(static_cast<int>(run.seconds * run.rate.value), [&](const ClosedLoop::Block& piece) {
     for (const auto* sensor : piece.sensors) samples.insert(samples.end(), sensor, sensor + piece.frames);
   });
   run.finite = run.finite && disturbed.finite();
@@ -155,10 +153,10 @@ std::vector<double> sensors_after(double push, const StabilitySubject& subject, 
 }
 
 /// The response to a small push at the start: sensors with it minus sensors without it.
-ExtremeRun run_linear(const StabilitySubject& subject, const ExtremePlan& plan, ExtremeRun run) {
-  const auto still = sensors_after(0.0, subject, plan, run);
+ExtremeRun run_linear(const StabilitySubject& subject, ExtremeRun run) {
+  const auto still = sensors_after(0.0, subject, run);
   const auto moved_by = [&](double push) {
-    const auto pushed = sensors_after(push, subject, plan, run);
+    const auto pushed = sensors_after(push, subject, run);
     Quarters moved;
     for (std::size_t n = 0; n < pushed.size(); ++n)
       moved.add(static_cast<double>(n) / static_cast<double>(pushed.size()), pushed[n] - still[n]);
@@ -212,8 +210,7 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
   // A measurable motion leaves the range where the linear model is right.
   if (verdict.nonlinear) return plans;
   // A loop that an event opens and closes has no border.
-  if (std::any_of(verdict.events.begin(), verdict.events.end(), [](const auto& e) { return e.on_loop; }))
-    return plans;
+  if (std::ranges::any_of(verdict.events, &EventVerdict::on_loop)) return plans;
   const LoopVerdict* loop = nullptr;
   for (const auto& other : verdict.regimes.front().loops) {
     if (!other.drive) continue;
@@ -239,22 +236,17 @@ std::vector<ExtremePlan> border_runs(const WorldOptions& world, const StabilityV
 }
 
 Checked<ExtremeRun> run_extreme(const StabilitySubject& subject, const ExtremePlan& plan) {
-  auto built = build_world(subject, plan.world, true);
+  auto built = build_world(subject, plan.world);
   if (!built) return tl::unexpected(built.error());
-  const auto rate = built->instrument->plan().sample_rate;
-  ExtremeRun run{.what = plan.what,
-                 .rate = rate,
-                 .delay_s = built->delay_frames / rate.value,
-                 .seconds = plan.seconds,
-                 .linear = plan.linear,
-                 .expected = plan.expected};
-  return plan.linear ? run_linear(subject, plan, std::move(run))
-                     : run_guarded(subject, plan, *built, std::move(run));
+  ExtremeRun run{plan};
+  run.rate = built->instrument->plan().sample_rate;
+  run.delay_s = built->delay_frames / run.rate.value;
+  return run.linear ? run_linear(subject, std::move(run)) : run_guarded(subject, *built, std::move(run));
 }
 
 void exclude_player_energy(std::vector<ExtremeRun>& runs) {
-  const auto silence = std::find_if(
-      runs.begin(), runs.end(), [](const auto& run) { return run.what == name_of(Disturbance::Silence); });
+  const auto silence =
+      std::ranges::find_if(runs, [](const auto& run) { return run.what == name_of(Disturbance::Silence); });
   if (silence == runs.end() || silence->grew) return;
   const double supplied = silence->energy_after;
   for (auto& run : runs)

@@ -2,8 +2,6 @@
 
 // Thread: [control].
 
-#include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -22,34 +20,32 @@ enum class Disturbance {
 /// "silence", "impulses", "full-scale square", "NaN", "denormals"
 const char* name_of(Disturbance disturbance);
 
-/// One run of the engine and its result.
-struct ExtremeRun {
-  std::string what;
-  Hertz rate;
-  double delay_s = 0, seconds = 0;
-  double peak = 0;           ///< of the drives, behind the guard where there is one
-  double energy_before = 0;  ///< of the networks, largest in the first three quarters [J]
-  double energy_after = 0;   ///< and in the last
-  long faults = 0;           ///< of nodes
-  bool finite = true;
-  bool linear = false;   ///< before and after are the largest change of a sensor, not energies
-  bool expected = true;  ///< false: predicted to grow
-  bool grew = false;
-  bool bounded() const { return finite && faults == 0 && !grew; }
-  /// A run that is predicted to grow may fault, or be limited by the guard and by nonlinearities.
-  bool as_expected() const { return finite && (expected ? bounded() : grew || !linear); }
-};
-
 /// A run to execute.
 struct ExtremePlan {
-  std::string what;
-  WorldOptions world;
+  std::string what = {};
+  WorldOptions world = {};
   Disturbance disturbance = Disturbance::Silence;
   double seconds = 0.5;
   double drive_gain = 1;  ///< on every drive
   bool linear = false;    ///< one push at the start, no guard, no converters: to see which side it is on
   double push_s = 0;      ///< of linear runs: how long the push lasts, a frame at least
-  bool expected = true;
+  bool expected = true;   ///< false: predicted to grow
+};
+
+/// One run of the engine and its result. Of a linear run before and after are the largest change of a sensor,
+/// not energies.
+struct ExtremeRun : ExtremePlan {
+  Hertz rate = {};
+  double delay_s = 0;
+  double peak = 0;           ///< of the drives, behind the guard where there is one
+  double energy_before = 0;  ///< of the networks, largest in the first three quarters [J]
+  double energy_after = 0;   ///< and in the last
+  long faults = 0;           ///< of nodes
+  bool finite = true;
+  bool grew = false;
+  bool bounded() const { return finite && faults == 0 && !grew; }
+  /// A run that is predicted to grow may fault, or be limited by the guard and by nonlinearities.
+  bool as_expected() const { return finite && (expected ? bounded() : grew || !linear); }
 };
 
 /// [control] Extreme conditions: rates, delays, controls at both ends, disturbances.

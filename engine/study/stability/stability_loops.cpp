@@ -58,7 +58,7 @@ std::vector<std::vector<int>> loops_of(const LinearGraph& graph, bool events) {
   auto parts = strong_components(next, Roots::FirstToLast);
   std::erase_if(parts,
                 [&](const auto& part) { return part.size() == 1 && !own_loop.contains(part.front()); });
-  for (auto& part : parts) std::sort(part.begin(), part.end());
+  for (auto& part : parts) std::ranges::sort(part);
   return parts;
 }
 
@@ -78,7 +78,7 @@ LoopGroup::LoopGroup(const LinearGraph& graph, std::vector<int> signals, const s
 }
 
 int LoopGroup::cut(int signal) const {
-  const auto found = std::find(cuts_.begin(), cuts_.end(), signal);
+  const auto found = std::ranges::find(cuts_, signal);
   return found == cuts_.end() ? -1 : static_cast<int>(found - cuts_.begin());
 }
 
@@ -100,8 +100,7 @@ void LoopGroup::choose_cuts(const std::vector<int>& wanted) {
     const auto ends = std::erase_if(left, [&](int s) { return in[s] == 0 || out[s] == 0; });
     if (left.empty()) return;
     if (ends > 0) continue;
-    take(*std::max_element(left.begin(), left.end(),
-                           [&](int a, int b) { return in[a] * out[a] < in[b] * out[b]; }));
+    take(*std::ranges::max_element(left, [&](int a, int b) { return in[a] * out[a] < in[b] * out[b]; }));
   }
 }
 
@@ -176,13 +175,12 @@ std::vector<std::string> LoopGroup::path_around(int cut) const {
     if (!edge.path.empty() && (way.empty() || way.back() != edge.path)) way.push_back(edge.path);
     at = edge.from;
   } while (at != start);
-  std::reverse(way.begin(), way.end());
+  std::ranges::reverse(way);
   return way;
 }
 
 bool LoopGroup::contains(int network) const {
-  return std::any_of(edges_.begin(), edges_.end(),
-                     [&](auto e) { return graph_->edges[e].network == network; });
+  return std::ranges::any_of(edges_, [&](auto e) { return graph_->edges[e].network == network; });
 }
 
 }  // namespace tactus

@@ -234,8 +234,8 @@ class PlanReader {
     EventPlace place{edge.path, type != nullptr ? type->name : "phase delay", {}};
     for (std::size_t i = 0; type != nullptr && i < type->inputs.size(); ++i)
       if (type->inputs[i].hold) place.hold_s = at[i];
-    const bool known = std::any_of(graph_.events.begin(), graph_.events.end(),
-                                   [&](const auto& e) { return e.path == place.path; });
+    const bool known =
+        std::ranges::any_of(graph_.events, [&](const auto& e) { return e.path == place.path; });
     if (!known) graph_.events.push_back(std::move(place));
   }
 

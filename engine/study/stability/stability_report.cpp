@@ -48,8 +48,6 @@ Critical most_critical(const StabilityVerdict& verdict) {
   return found;
 }
 
-bool is_drive(const LoopVerdict& loop) { return loop.drive; }
-
 class Report {
  public:
   explicit Report(const StabilityVerdict& verdict) : verdict_(verdict), critical_(most_critical(verdict)) {}
@@ -58,8 +56,7 @@ class Report {
     add_headline();
     for (const auto& regime : verdict_.regimes) add_growing(regime);
     for (const auto& network : verdict_.networks) add_network(network);
-    if (std::any_of(verdict_.networks.begin(), verdict_.networks.end(),
-                    [](const auto& network) { return network.has_friction; }))
+    if (std::ranges::any_of(verdict_.networks, &NetworkVerdict::has_friction))
       add("dry friction is left out: it stabilises small motions beyond these limits");
     for (const auto& path : verdict_.regimes.front().unstable_equilibria)
       add("rests on an unstable equilibrium of '{}': analysed where its force restores", path);
@@ -159,13 +156,13 @@ class Report {
 
   void add_delay_margin() {
     const auto& loops = verdict_.regimes.front().loops;
-    if (std::count_if(loops.begin(), loops.end(), is_drive) > 1)
+    if (std::ranges::count(loops, true, &LoopVerdict::drive) > 1)
       return add(
           "several drives: each margin is that of one drive alone; all together have smaller margins "
           "of gain and of delay");
     if (critical_.regime == nullptr) return;
     const auto& own = critical_.regime->loops;
-    const auto drive = std::find_if(own.begin(), own.end(), is_drive);
+    const auto drive = std::ranges::find(own, true, &LoopVerdict::drive);
     if (drive != own.end() && drive->margin.more_delay_s > 0 && std::isfinite(drive->margin.more_delay_s))
       add("delay margin: {:.3g} ms", 1e3 * drive->margin.more_delay_s);
   }
@@ -183,8 +180,7 @@ class Report {
     for (const auto& regime : verdict_.regimes)
       for (const auto& stiff : regime.stiff) {
         if (!regime.held) continue;
-        const auto known = std::find_if(least.begin(), least.end(),
-                                        [&](const auto* other) { return other->path == stiff.path; });
+        const auto known = std::ranges::find(least, stiff.path, &StiffVerdict::path);
         if (known == least.end())
           least.push_back(&stiff);
         else if (stiff.stable_up_to < (*known)->stable_up_to)
@@ -200,8 +196,8 @@ class Report {
 
   /// Those with a hold limit the rate of events; the others are listed only if none has one.
   void add_events() {
-    const bool limited = std::any_of(verdict_.events.begin(), verdict_.events.end(),
-                                     [](const auto& event) { return event.on_loop && event.place.hold_s; });
+    const bool limited = std::ranges::any_of(
+        verdict_.events, [](const auto& event) { return event.on_loop && event.place.hold_s; });
     for (const auto& [place, on_loop] : verdict_.events) {
       if (!on_loop || place.hold_s.has_value() != limited) continue;
       add("the loop through {} '{}' is event-driven: no small-signal gain exists", place.type, place.path);

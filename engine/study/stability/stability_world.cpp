@@ -8,6 +8,7 @@
 #include "engine/core/dimension.h"
 #include "engine/graph/file/load.h"
 #include "engine/nodes/networks/network_elements.h"
+#include "engine/scene/guard_report.h"
 #include "engine/study/sweep/scene_variants.h"
 
 namespace tactus {
@@ -32,12 +33,6 @@ class Disconnected final : public BlockProcessor {
   BlockProcessor& inner_;
   int outputs_ = 0;
 };
-
-std::size_t count_channels(const Plan& plan) {
-  return static_cast<std::size_t>(
-      std::count_if(plan.channels.begin(), plan.channels.end(),
-                    [](const auto& channel) { return channel.use != OutputUse::Tap; }));
-}
 
 const Dimension kMetre{.metre = 1};
 const Dimension kMetrePerSecond{.metre = 1, .second = -1};
@@ -71,7 +66,7 @@ std::string device_text(const Plan& instrument, const std::vector<Dimension>& se
     if (channel.dimension == kNewton) push += fmt::format("{}d{}", push.empty() ? "" : " + ", drives);
     ++drives;
   }
-  const bool joined = !push.empty() && std::any_of(sensors.begin(), sensors.end(), from_device);
+  const bool joined = !push.empty() && std::ranges::any_of(sensors, from_device);
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     const bool place = joined && sensors[s] == kMetre, speed = joined && sensors[s] == kMetrePerSecond;
     outputs += fmt::format("s{} = {{ from = \"{}\", unit = \"{}\" }}\n", s,
@@ -91,17 +86,16 @@ std::string device_text(const Plan& instrument, const std::vector<Dimension>& se
   return text;
 }
 
-Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOptions& options,
-                                bool vectorise) {
+Checked<BuiltScene> build_alone(const StabilitySubject& subject, const WorldOptions& options) {
   CompileOptions with;
   with.sample_rate = options.rate.value_or(48_kHz);
-  with.system_delay = options.delay;
+  with.system_delay = options.delay.value_or(0_s);
   with.controls = options.set;
-  with.vectorise = vectorise;
+  with.vectorise = options.vectorise;
   auto instrument = compile(*subject.instrument, *subject.table, with);
   if (!instrument) return tl::unexpected(instrument.error());
   CompiledScene scene;
-  scene.delay_frames = static_cast<int>(std::lround(frames_in(options.delay, with.sample_rate)));
+  scene.delay_frames = static_cast<int>(std::lround(frames_in(with.system_delay, with.sample_rate)));
   with.controls.clear();
   with.closed_outside = scene.delay_frames == 0;
   const auto text = device_text(**instrument, dimensions_of(*subject.instrument->spec), options.device);
@@ -132,20 +126,16 @@ LoadedScene without_friction(LoadedScene loaded) {
 
 }  // namespace
 
-Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options,
-                                bool vectorise) {
-  if (subject.instrument != nullptr) return build_alone(subject, options, vectorise);
-  SceneOptions with;
-  with.delay = options.delay;
-  with.rate = options.rate;
-  with.set = options.set;
-  with.vectorise = vectorise;
+Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options) {
+  if (subject.instrument != nullptr) return build_alone(subject, options);
   return build_scene(options.friction ? *subject.scene : without_friction(*subject.scene), *subject.table,
-                     with);
+                     options);
 }
 
 Checked<RestingWorld> RestingWorld::make(const StabilitySubject& subject, const WorldOptions& options) {
-  auto built = build_world(subject, options, false);
+  auto resting = options;
+  resting.vectorise = false;
+  auto built = build_world(subject, resting);
   if (!built) return tl::unexpected(built.error());
   RestingWorld world{std::move(*built)};
   world.alone_ = subject.instrument != nullptr;
@@ -182,7 +172,7 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
   const auto plant = add_plan(graph, built_.plant->plan(), regime, "");
   for (std::size_t d = 0; d < closed.drives.size() && d < plant.inputs.size(); ++d)
     if (plant.inputs[d] >= 0) graph.delay(closed.drives[d], plant.inputs[d], built_.delay_frames);
-  const auto wires = count_channels(built_.plant->plan());
+  const auto wires = output_names(built_.plant->plan()).size();
   for (std::size_t s = 0; s < wires && s < instrument.inputs.size(); ++s)
     if (plant.channels[s] >= 0 && instrument.inputs[s] >= 0)
       graph.join(plant.channels[s], instrument.inputs[s]);
@@ -195,8 +185,7 @@ void RestingWorld::join_plant(ClosedGraph& closed, const Regime& regime, const T
 
 bool RestingWorld::outside_known() const {
   const auto& wires = built_.plant->plan().channels;
-  return !alone_ ||
-         std::any_of(wires.begin(), wires.end(), [](const auto& wire) { return !wire.signal.constant(); });
+  return !alone_ || std::ranges::any_of(wires, [](const auto& wire) { return !wire.signal.constant(); });
 }
 
 std::vector<OpenPair> RestingWorld::open_pairs(LinearGraph& graph, const Regime& regime) const {

@@ -3,9 +3,6 @@
 // Thread: [control].
 
 #include <functional>
-#include <map>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,12 +35,9 @@ struct OpenPair {
   int from = -1, to = -1;  ///< in the graph
 };
 
-/// Conditions of the analysis.
-struct WorldOptions {
-  std::optional<Hertz> rate;
-  Seconds delay = 0_s;
-  std::map<std::string, ControlValue> set;
-  AssumedDevice device;
+/// Conditions of the analysis; of an instrument alone 48 kHz without delay, unless given.
+struct WorldOptions : SceneOptions {
+  AssumedDevice device = {};
   bool friction = true;  ///< false: the networks of the scene have no friction
 };
 
@@ -55,7 +49,7 @@ struct StabilitySubject {
 };
 
 /// [control] Both engines of a scene; for an instrument alone, the second one is the assumed device.
-Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options, bool vectorise);
+Checked<BuiltScene> build_world(const StabilitySubject& subject, const WorldOptions& options);
 
 /// An instrument in its world that has run for a moment on silence with its drives disconnected (the closed
 /// loop might be unstable), so that every signal has its resting value.

@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "engine/core/named.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/plan/fingerprint.h"
 #include "engine/nodes/networks/network_elements.h"
@@ -37,7 +38,7 @@ Value times(const Value& value, double factor) {
 bool names_instrument(const Value& value) {
   if (const auto* text = value.text()) return text->find("instrument.") != std::string::npos;
   const auto* list = value.list();
-  return list != nullptr && std::any_of(list->begin(), list->end(), names_instrument);
+  return list != nullptr && std::ranges::any_of(*list, names_instrument);
 }
 
 /// -1 to 1, evenly: the upper 53 bits of a hash. The finishing steps of splitmix64 (Steele, Lea and Flood,
@@ -56,10 +57,8 @@ struct Draw {
 };
 
 bool is_material(const ElementType& type, const std::string& field) {
-  const auto found = std::find_if(type.fields.begin(), type.fields.end(),
-                                  [&](const ElementField& known) { return known.name == field; });
-  return found != type.fields.end() && !found->late &&
-         std::find(kPlaces.begin(), kPlaces.end(), field) == kPlaces.end();
+  const auto* found = find_named(type.fields, field);
+  return found != nullptr && !found->late && std::ranges::find(kPlaces, field) == kPlaces.end();
 }
 
 void redraw(NodeSpec& element, const std::string& path, const Draw& rule) {
@@ -79,13 +78,13 @@ std::shared_ptr<const GraphSpec> changed(const GraphSpec& graph, const std::stri
 }
 
 bool any_network(const GraphSpec& graph, const std::function<bool(const NetworkSpec&)>& condition) {
-  return std::any_of(graph.networks.begin(), graph.networks.end(), condition) ||
-         std::any_of(graph.parts.begin(), graph.parts.end(),
-                     [&](const auto& part) { return any_network(*part.second, condition); });
+  return std::ranges::any_of(graph.networks, condition) ||
+         std::ranges::any_of(graph.parts,
+                             [&](const auto& part) { return any_network(*part.second, condition); });
 }
 
 bool any_network(const SceneSpec& scene, const std::function<bool(const NetworkSpec&)>& condition) {
-  return std::any_of(scene.parts.begin(), scene.parts.end(), [&](const ScenePart& part) {
+  return std::ranges::any_of(scene.parts, [&](const ScenePart& part) {
     return part.name != "instrument" && part.graph != nullptr && any_network(*part.graph, condition);
   });
 }
@@ -94,7 +93,7 @@ bool any_network(const SceneSpec& scene, const std::function<bool(const NetworkS
 using ConstantVisit = std::function<bool(const std::string& name, Value& value)>;
 
 bool visit_fields(NodeSpec& node, const std::string& path, const ConstantVisit& visit) {
-  return std::any_of(node.fields.begin(), node.fields.end(), [&](Field& field) {
+  return std::ranges::any_of(node.fields, [&](Field& field) {
     return read_quantity(field.value) && visit(path + "." + field.key, field.value);
   });
 }
@@ -144,15 +143,12 @@ SceneSpec with_plant_drawn(SceneSpec scene, double within, std::uint64_t seed) {
 }
 
 SceneSpec with_gesture_scaled(SceneSpec scene, const std::string& gesture, double factor) {
-  for (auto& candidate : scene.gestures)
-    if (candidate.name == gesture)
-      for (auto& point : candidate.points) point.value *= factor;
+  for (auto& point : find_named(scene.gestures, gesture)->points) point.value *= factor;
   return scene;
 }
 
 SceneSpec with_gesture_held(SceneSpec scene, const std::string& gesture, double value) {
-  for (auto& candidate : scene.gestures)
-    if (candidate.name == gesture) candidate.points = {{0, value}};
+  find_named(scene.gestures, gesture)->points = {{0, value}};
   return scene;
 }
 
@@ -205,10 +201,10 @@ std::vector<std::string> stepping_solvers() {
 
 bool is_linear(const SceneSpec& scene) {
   return !any_network(scene, [](const NetworkSpec& network) {
-    return std::any_of(network.elements.begin(), network.elements.end(), [](const NodeSpec& element) {
+    return std::ranges::any_of(network.elements, [](const NodeSpec& element) {
       const auto* type = find_element(element.type);
       return type == nullptr || !type->linear ||
-             std::any_of(type->fields.begin(), type->fields.end(), [&](const ElementField& field) {
+             std::ranges::any_of(type->fields, [&](const ElementField& field) {
                return field.nonlinear && find(element.fields, field.name) != nullptr;
              });
     });

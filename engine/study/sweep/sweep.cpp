@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/core/index.h"
+#include "engine/core/named.h"
 #include "engine/graph/file/error_list.h"
 #include "engine/graph/file/quantity.h"
 #include "engine/graph/file/read_graph.h"
@@ -28,19 +29,17 @@ std::vector<std::string> control_names(const SceneSpec& scene) {
 }
 
 Error unknown_name(const SceneSpec& scene, const std::string& name) {
-  const auto controls = control_names(scene), constants = constant_names(scene);
-  std::vector<std::string> gestures, all{"delay", "rate", "solver", "oversample"};
-  for (const auto& gesture : scene.gestures) gestures.push_back(gesture.name);
-  for (const auto* names : {&controls, &std::as_const(gestures), &constants})
-    all.insert(all.end(), names->begin(), names->end());
+  std::vector<std::string> all{"delay", "rate", "solver", "oversample"};
+  std::string known = "quantities of the scene: delay, rate, solver, oversample";
+  for (const auto& [kind, names] : {std::pair{"controls", control_names(scene)},
+                                    {"gestures", names_of(scene.gestures)},
+                                    {"constants", constant_names(scene)}}) {
+    all.insert(all.end(), names.begin(), names.end());
+    if (!names.empty()) known += fmt::format("; {}: {}", kind, listed(names));
+  }
   const auto near = nearest_name(name, all);
-  auto remedy = near.empty() ? std::string{} : "did you mean '" + near + "'? ";
-  remedy += "quantities of the scene: delay, rate, solver, oversample";
-  for (const auto& [kind, names] :
-       {std::pair{"controls", &controls}, std::pair{"gestures", &std::as_const(gestures)},
-        std::pair{"constants", &constants}})
-    if (!names->empty()) remedy += fmt::format("; {}: {}", kind, listed(*names));
-  return {Errc::UnknownName, "--over", "the scene has no quantity '" + name + "'", remedy};
+  return {Errc::UnknownName, "--over", "the scene has no quantity '" + name + "'",
+          (near.empty() ? "" : "did you mean '" + near + "'? ") + known};
 }
 
 /// Quantities that every scene has, with their limits.
@@ -135,7 +134,7 @@ Result<SweptValue> find_swept(const SceneSpec& scene, const std::string& name,
   SweptValue swept{name, std::move(values)};
   const auto controls = control_names(scene), constants = constant_names(scene);
   const auto is_in = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::ranges::find(names, name) != names.end();
   };
   const auto* quantity = std::find_if(std::begin(kSceneQuantities), std::end(kSceneQuantities),
                                       [&](const SceneQuantity& known) { return name == known.name; });
@@ -162,7 +161,7 @@ Result<SweptValue> swept_solvers(const std::vector<std::string>& names, const ch
   SweptValue swept{"solver", {}, What::Solver, names};
   for (std::size_t i = 0; i < names.size(); ++i) {
     swept.values.emplace_back(static_cast<double>(i));
-    if (std::find(known.begin(), known.end(), names[i]) == known.end())
+    if (std::ranges::find(known, names[i]) == known.end())
       return fail(Errc::UnknownName, option, "there is no solver '" + names[i] + "'",
                   "the solvers are " + listed(known));
   }
@@ -195,9 +194,9 @@ std::vector<std::string> Sweep::variants() const {
 
 Sweep::Run Sweep::run_of(std::size_t number) const {
   const auto& variant = variants_[number % variants_.size()];
-  Run run{number, scene_};
+  Run run{points_[number].at, scene_};
   run.options.set = plan_.set;
-  for (std::size_t i = 0; i < plan_.over.size(); ++i) apply(run, plan_.over[i], points_[number].at[i]);
+  for (std::size_t i = 0; i < plan_.over.size(); ++i) apply(run, plan_.over[i], run.at[i]);
   if (variant.gain != 1) run.scene = with_actuator_gain(std::move(run.scene), variant.gain);
   if (variant.draw > 0)
     run.scene = with_plant_drawn(std::move(run.scene), plan_.within,
@@ -206,17 +205,15 @@ Sweep::Run Sweep::run_of(std::size_t number) const {
 }
 
 Checked<void> Sweep::check() const {
-  const auto compiles = [&](std::size_t number) -> Checked<void> {
-    const auto run = run_of(number);
-    return compile_scene(run.scene, table_, run.options).map([](const CompiledScene&) {});
-  };
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const auto variant = i % variants_.size();
     std::size_t moved = variant == 0 ? 0 : 1;
     for (std::size_t a = 0; a < plan_.over.size(); ++a)
       moved += points_[i].at[a] == plan_.over[a].values.front().si ? 0 : 1;
-    if (moved <= 1 || i + 1 == points_.size())
-      if (auto status = compiles(i); !status) return status;
+    if (moved > 1 && i + 1 < points_.size()) continue;
+    const auto run = run_of(i);
+    if (auto made = compile_scene(run.scene, table_, run.options); !made)
+      return tl::unexpected(std::move(made.error()));
   }
   return {};
 }
@@ -232,8 +229,7 @@ Checked<std::vector<SweepPoint>> Sweep::evaluate(const Evaluate& evaluate, const
 }
 
 std::ptrdiff_t finished(const std::vector<SweepPoint>& points) {
-  return std::count_if(points.begin(), points.end(),
-                       [](const auto& point) { return point.result.has_value(); });
+  return std::ranges::count_if(points, [](const auto& point) { return point.result.has_value(); });
 }
 
 Checked<SceneRecording> play_run(const Sweep::Run& run, const NodeTable& table) {
@@ -242,17 +238,16 @@ Checked<SceneRecording> play_run(const Sweep::Run& run, const NodeTable& table) 
   return play_scene(run.scene, *built, kSweepBlock).map_error([](Error error) { return std::vector{error}; });
 }
 
-Result<SweptMeasure> find_swept_measure(const SceneSpec& scene, const std::string& text) {
-  for (const auto& line : scene.expect)
-    if (line.name == text) return SweptMeasure{text, line};
+Result<Expectation> find_swept_measure(const SceneSpec& scene, const std::string& text) {
+  if (const auto* line = find_named(scene.expect, text)) return *line;
   const auto colon = text.find(':');
   Expectation what;
-  what.name = what.measure = text.substr(0, colon);
+  what.name = text;
+  what.measure = text.substr(0, colon);
   if (colon != std::string::npos) what.of = text.substr(colon + 1);
   if (const auto* found = find_measure(what.measure); found != nullptr && found->value != nullptr)
-    return SweptMeasure{text, what};
-  std::vector<std::string> names;
-  for (const auto& line : scene.expect) names.push_back(line.name);
+    return what;
+  auto names = names_of(scene.expect);
   for (const auto& known : value_names()) names.push_back(known);
   const auto near = nearest_name(what.measure, names);
   return fail(Errc::UnknownName, "--measure", "there is no measure '" + what.measure + "'",
@@ -260,19 +255,19 @@ Result<SweptMeasure> find_swept_measure(const SceneSpec& scene, const std::strin
 }
 
 Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan,
-                                   const std::vector<SweptMeasure>& measures) {
+                                   const std::vector<Expectation>& measures) {
   Sweep sweep{scene, table, plan};
   if (auto status = sweep.check(); !status) return tl::unexpected(status.error());
   std::string key = "measures";
   for (const auto& measure : measures)
-    key += fmt::format("|{} {} {} {}", measure.what.measure, measure.what.of,
-                       measure.what.from_s.value_or(-1), measure.what.to_s.value_or(-1));
+    key += fmt::format("|{} {} {} {}", measure.measure, measure.of, measure.from_s.value_or(-1),
+                       measure.to_s.value_or(-1));
   const auto measure_run = [&](const Sweep::Run& run) -> Checked<RunResult> {
     const auto recording = play_run(run, table);
     if (!recording) return tl::unexpected(recording.error());
     RunResult values;
     for (const auto& swept : measures) {
-      const auto value = measure(*recording, swept.what);
+      const auto value = measure(*recording, swept);
       if (!value) return tl::unexpected(std::vector{value.error()});
       values.push_back(*value);
     }

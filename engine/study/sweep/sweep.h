@@ -77,12 +77,11 @@ class Sweep {
 
   /// A point as a scene.
   struct Run {
-    std::size_t number = 0;
+    std::vector<double> at;  ///< as of its point
     SceneSpec scene;
     SceneOptions options = {};
   };
   Run run_of(std::size_t number) const;
-  const std::vector<SweepPoint>& points() const { return points_; }
   /// "as written", and the other actuators and plants.
   std::vector<std::string> variants() const;
 
@@ -114,25 +113,20 @@ std::ptrdiff_t finished(const std::vector<SweepPoint>& points);
 /// Builds and plays the scene of a run.
 Checked<SceneRecording> play_run(const Sweep::Run& run, const NodeTable& table);
 
-/// A number that is measured in every run.
-struct SweptMeasure {
-  std::string label;
-  Expectation what;
-};
-/// "rate", "rms:instrument.sound": a line of [expect], or a measure and the signal that it is taken of.
-/// Errors: UnknownName.
-Result<SweptMeasure> find_swept_measure(const SceneSpec& scene, const std::string& text);
+/// "rate", "rms:instrument.sound": a line of [expect], or a measure and the signal that it is taken of, with
+/// the text as its name. Errors: UnknownName.
+Result<Expectation> find_swept_measure(const SceneSpec& scene, const std::string& text);
 
 /// Measures over a plan.
 struct SweepTable {
   std::string scene;
   std::vector<SweptValue> over;
-  std::vector<SweptMeasure> measures;
+  std::vector<Expectation> measures;
   std::vector<std::string> variants;
   std::vector<SweepPoint> points;
 };
 Checked<SweepTable> sweep_measures(const SceneSpec& scene, const NodeTable& table, const SweepPlan& plan,
-                                   const std::vector<SweptMeasure>& measures);
+                                   const std::vector<Expectation>& measures);
 
 /// A value of a swept quantity with its unit: "1.2 m", "x 0.5", "passive".
 std::string value_text(const SweptValue& swept, double si);

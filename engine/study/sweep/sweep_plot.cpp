@@ -33,10 +33,10 @@ PlotAxis axis_of(const SweptValue& swept) {
   return axis;
 }
 
-PlotAxis axis_of(const SweptMeasure& measure) {
-  const auto* type = find_measure(measure.what.measure);
+PlotAxis axis_of(const Expectation& measure) {
+  const auto* type = find_measure(measure.measure);
   const bool own = type != nullptr && type->unit != Measure::kUnitOfSubject;
-  return {.label = measure.label, .unit = own ? type->unit : ""};
+  return {.label = measure.name, .unit = own ? type->unit : ""};
 }
 
 /// Over the first quantity; without one, over the number of the draw.

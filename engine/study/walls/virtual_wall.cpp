@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "engine/core/find_root.h"
-#include "engine/study/walls/held_mass.h"
 
 namespace tactus {
 namespace {

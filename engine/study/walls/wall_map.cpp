@@ -54,7 +54,6 @@ void set_limit(WallLimit& limit, const WallDevice& device, const std::vector<dou
 /// Smallest stiffness at which an oscillation of some counts no longer decays in the simulation.
 double border_with_steps(const WallDevice& device, const WallLimit& limit, int bits) {
   WallRun run{.device = device, .loop = limit.loop, .bits = bits};
-  run.device.friction = 0;
   return root_between(
       0.5 * limit.stiffest, 2 * limit.stiffest,
       [&](double stiffness) {
@@ -169,19 +168,6 @@ std::vector<WallController> controllers_of_the_paper() {
           {"Cellomobo", 44.1_kHz, 20_ms}};
 }
 
-int WallMap::borders() const {
-  int sum = 0;
-  for_each_limit(*this, [&](const WallDevice&, const WallLimit& limit) { sum += limit.stiffest > 0; });
-  return sum;
-}
-int WallMap::confirmed() const {
-  int sum = 0;
-  for_each_limit(*this, [&](const WallDevice&, const WallLimit& limit) {
-    sum += limit.stiffest > 0 && limit.confirmed();
-  });
-  return sum;
-}
-
 Checked<WallMap> map_walls(const WallStudy& study, const RunPlan& plan) {
   auto map = empty_map(study);
   std::vector<std::pair<const WallDevice*, WallLimit*>> points;
@@ -199,6 +185,8 @@ Checked<WallMap> map_walls(const WallStudy& study, const RunPlan& plan) {
     if (const auto& numbers = (*results)[i]; numbers && numbers->size() == 4) {
       set_limit(*points[i].second, *points[i].first, *numbers);
       ++map.finished;
+      map.borders += points[i].second->stiffest > 0;
+      map.confirmed += points[i].second->stiffest > 0 && points[i].second->confirmed();
     }
   for (auto& [controller, limits, fixed] : map.controllers)
     fixed = fixed_point_of(study.devices.front().device, limits.front(), controller.bits);

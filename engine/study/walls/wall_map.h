@@ -78,9 +78,8 @@ struct WallMap {
   std::vector<MappedController> controllers;     ///< fixed_point: of the first device
   double friction_limit = 0;                     ///< 2 f_c / Delta of the first device
   std::ptrdiff_t runs = 0, finished = 0;         ///< points of the map, and those computed
-
-  int borders() const;    ///< how many were simulated on both sides
-  int confirmed() const;  ///< how many of these were confirmed
+  int borders = 0;                               ///< how many were simulated on both sides
+  int confirmed = 0;                             ///< how many of these were confirmed
 };
 
 struct WallStudy {

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/study/walls/held_mass.h"
 #include "engine/study/walls/virtual_wall.h"
 
 namespace tactus {
@@ -12,18 +11,15 @@ namespace tactus {
 struct WallRun {
   WallDevice device = {};
   WallLoop loop = {};
-  double stiffness = 0;    ///< K [N/m]
-  bool one_sided = false;  ///< a wall at x = 0, not a spring: it pushes where x > 0 and never pulls
-  double push = 0;         ///< [N] of a hand that leans, constant
+  double stiffness = 0;  ///< K [N/m]
   /// The controller computes in integers of this many bits: position in counts, gains in force steps per
   /// count, force in steps of F_max / 2^(bits - 1). 0: floating point. Needs Delta > 0 and a finite F_max.
   int bits = 0;
 };
 
 /// Device, sensor, controller, delay and hold, frame by frame. Between the instants at which the force
-/// changes, the device moves by its exact solution (held_mass.h); dry friction is exact as well: a phase of
-/// motion ends where the speed reaches 0, and the device then sticks while |F| <= f_c. It is
-/// independent of the formulas that it confirms.
+/// changes, the device moves by its exact solution (HeldMass), without its friction. It is independent of
+/// the formulas that it confirms.
 class WallSimulation {
  public:
   WallSimulation(const WallRun& run, double position, double velocity);
@@ -33,23 +29,19 @@ class WallSimulation {
 
   double position() const { return position_; }  ///< [m]
   double velocity() const { return velocity_; }  ///< [m/s]
-  /// [N] that the controller demanded in the last frame, positive towards larger positions.
-  double demanded() const { return demanded_; }
 
  private:
   double controller_force();
   double integer_force(double counts) const;
-  void move(const HeldMass& held, double seconds, double force);
-  void move_with_friction(double seconds, double force);
+  void move(const HeldMass& held, double force);
 
   WallRun run_;
   SplitDelay delay_;
-  double early_s_, late_s_;
   HeldMass early_, late_;  ///< before and after the force changes within a frame
   double stiffness_steps_ = 0, damping_steps_ = 0;
   std::vector<double> demanded_before_;  ///< ring
   std::size_t frame_ = 0;
-  double position_, velocity_, last_read_, demanded_ = 0;
+  double position_, velocity_, last_read_;
 };
 
 enum class LoopTrend { Decays, Grows, Undecided };

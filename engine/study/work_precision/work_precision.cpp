@@ -9,7 +9,6 @@
 #include <memory>
 
 #include "engine/core/decibels.h"
-#include "engine/core/index.h"
 #include "engine/core/median.h"
 #include "engine/scene/closed_loop.h"
 #include "engine/scene/measures/measure.h"
@@ -88,12 +87,6 @@ class PlantTimer {
   std::vector<double> runs_ns_;
 };
 
-SceneOptions at(Hertz rate) {
-  SceneOptions options;
-  options.rate = rate;
-  return options;
-}
-
 std::string describe_reference(const SceneSpec& scene) {
   return is_linear(scene) ? "the linear motion: matrix exponential, or integration where that is too large"
                           : "integration from event to event";
@@ -111,7 +104,7 @@ bool exploded(const Accuracy& accuracy, const SceneRecording& run, const SceneRe
   constexpr double kExplosion = 10.0;
   if (!run.faults.empty()) return true;
   const auto& samples = run.find(accuracy.of)->samples;
-  if (!std::all_of(samples.begin(), samples.end(), [](double x) { return std::isfinite(x); })) return true;
+  if (!std::ranges::all_of(samples, [](double x) { return std::isfinite(x); })) return true;
   const double most =
       std::max(peak_of(reference.find(accuracy.of)->samples), accuracy.scale ? accuracy.scale->si : 0);
   return peak_of(samples) > kExplosion * most && most > 0;
@@ -135,20 +128,18 @@ class Study {
     for (std::size_t i = 0; i < options_.solvers.size(); ++i)
       plan.over[1].values.emplace_back(static_cast<double>(i));
     for (const int oversample : options_.oversamples) plan.over[2].values.emplace_back(oversample);
-    Sweep sweep{scene_, table_, plan};
-    const auto points = sweep.evaluate(
-        [&](const Sweep::Run& run) -> Checked<std::vector<double>> {
-          const auto& values = sweep.points()[run.number].at;
-          const SolverVariant variant{options_.solvers[index(static_cast<int>(values[1]))],
-                                      static_cast<int>(values[2]), Hertz{values[0]}};
-          if (!reference_ || reference_->sample_rate != variant.rate) {
-            auto reference = refer(variant.rate);
-            if (!reference) return tl::unexpected(reference.error());
-            reference_ = std::move(*reference);
+    std::optional<SceneRecording> reference;
+    const auto points = Sweep{scene_, table_, plan}.evaluate(
+        [&](const Sweep::Run& run) -> Checked<RunResult> {
+          if (!reference || reference->sample_rate != run.scene.rate) {
+            auto referred = refer(run.scene);
+            if (!referred) return tl::unexpected(referred.error());
+            reference = std::move(*referred);
           }
+          const SolverVariant variant{options_.solvers[static_cast<std::size_t>(run.at[1])],
+                                      static_cast<int>(run.at[2]), run.scene.rate};
           report(static_cast<double>(result_.points.size()), to_string(variant));
-          play(run.scene, variant, *reference_);
-          return result_.points.back().errors;
+          return play(run.scene, variant, *reference).errors;
         },
         "work precision");
     if (!points) return tl::unexpected(points.error());
@@ -158,7 +149,7 @@ class Study {
   Checked<WorkPrecision> run_as_written() {
     name_references();
     runs_ = 1;
-    const auto reference = refer(scene_.rate);
+    const auto reference = refer(scene_);
     if (!reference) return tl::unexpected(reference.error());
     play(scene_, {"as written", 0, scene_.rate}, *reference);
     return finish();
@@ -182,13 +173,14 @@ class Study {
     if (options_.progress) options_.progress(runs / static_cast<double>(2 * runs_), what);
   }
 
-  /// The reference solution at a rate. Its own error is its difference from one with half the step size.
-  Checked<SceneRecording> refer(Hertz rate) {
+  /// The reference solution at the rate of a scene. Its own error is its difference from one with half the
+  /// step size.
+  Checked<SceneRecording> refer(const SceneSpec& scene) {
     report(static_cast<double>(result_.points.size()), "reference");
-    const auto solved = with_network_option(scene_, "solver", "reference");
-    auto first = play_at(with_network_option(solved, "oversample", 1.0), rate);
+    const auto solved = with_network_option(scene, "solver", "reference");
+    auto first = play_run({{}, with_network_option(solved, "oversample", 1.0)}, table_);
     if (!first) return tl::unexpected(first.error());
-    const auto second = play_at(with_network_option(solved, "oversample", 2.0), rate);
+    const auto second = play_run({{}, with_network_option(solved, "oversample", 2.0)}, table_);
     if (!second) return tl::unexpected(second.error());
     // How far the two references are apart; 0 where theory gives the number.
     floors_.assign(scene_.accuracy.size(), 0.0);
@@ -200,24 +192,21 @@ class Study {
     return first;
   }
 
-  Checked<SceneRecording> play_at(const SceneSpec& scene, Hertz rate) const {
-    return play_run({0, scene, at(rate)}, table_);
-  }
-
-  void play(const SceneSpec& scene, const SolverVariant& variant, const SceneRecording& reference) {
+  const WorkPoint& play(const SceneSpec& scene, const SolverVariant& variant,
+                        const SceneRecording& reference) {
     auto& point = result_.points.emplace_back();
     point.variant = variant;
-    auto built = build_scene(scene, table_, at(variant.rate));
-    if (!built) return void(point.refused = built.error().front());
-    const auto recording = play_at(scene, variant.rate);
-    if (!recording) return void(point.refused = recording.error().front());
+    auto built = build_scene(scene, table_);
+    const auto recording = built ? play_run({{}, scene}, table_) : tl::unexpected(built.error());
+    if (!recording) return point.refused = recording.error().front(), point;
     for (const auto& accuracy : scene_.accuracy)
       point.unstable = point.unstable || exploded(accuracy, *recording, reference);
-    if (point.unstable) return;
+    if (point.unstable) return point;
     point.floors = floors_;
     for (const auto& accuracy : scene_.accuracy)
       point.errors.push_back(accuracy_error(accuracy, *recording, reference).value_or(1));
     timers_[result_.points.size() - 1] = std::make_unique<PlantTimer>(std::move(*built), scene, *recording);
+    return point;
   }
 
   /// Interleaved, so that a disturbance of the machine affects all of them.
@@ -235,8 +224,7 @@ class Study {
         return other.known() && other.load() <= point.load() && other.errors[a] <= point.errors[a] &&
                (other.load() < point.load() || other.errors[a] < point.errors[a]);
       };
-      if (point.known())
-        point.front.push_back(std::none_of(result_.points.begin(), result_.points.end(), beats));
+      if (point.known()) point.front.push_back(std::ranges::none_of(result_.points, beats));
     }
   }
 
@@ -244,7 +232,6 @@ class Study {
   const NodeTable& table_;
   WorkPrecisionOptions options_;
   std::size_t runs_ = 0;
-  std::optional<SceneRecording> reference_;
   std::vector<double> floors_;  // own errors of the reference
   WorkPrecision result_;
   std::map<std::size_t, std::unique_ptr<PlantTimer>> timers_;
@@ -274,7 +261,7 @@ const WorkPoint* WorkPrecision::cheapest(double error) const {
   const WorkPoint* best = nullptr;
   for (const auto& point : points) {
     if (!point.known() || point.load() >= 1) continue;
-    if (*std::max_element(point.errors.begin(), point.errors.end()) > error) continue;
+    if (*std::ranges::max_element(point.errors) > error) continue;
     if (best == nullptr || point.load() < best->load()) best = &point;
   }
   return best;

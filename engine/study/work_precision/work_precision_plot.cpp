@@ -42,7 +42,7 @@ PlotSeries front(const WorkPrecision& study, std::size_t a) {
   std::vector<std::pair<double, double>> corners;
   for (const auto& point : study.points)
     if (point.known() && point.front[a]) corners.emplace_back(time_of(point), shown(point.errors[a]));
-  std::sort(corners.begin(), corners.end());
+  std::ranges::sort(corners);
   PlotSeries series{.label = "Pareto front", .color = PlotColor::Black};
   for (const auto& [x, y] : corners) {
     if (!series.y.empty()) series.x.push_back(x), series.y.push_back(series.y.back());

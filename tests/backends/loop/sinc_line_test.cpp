@@ -1,9 +1,9 @@
-#include "backends/loop/sinc_line.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
 #include <numbers>
+
+#include "backends/loop/loop_path.h"
 
 using namespace tactus;
 

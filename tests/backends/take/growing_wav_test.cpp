@@ -1,5 +1,3 @@
-#include "backends/take/growing_wav.h"
-
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <iostream>

@@ -1,5 +1,3 @@
-#include "backends/take/take_writer.h"
-
 #include <signal.h>
 #include <sys/resource.h>
 

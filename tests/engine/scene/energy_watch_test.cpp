@@ -12,7 +12,7 @@
 #include "engine/scene/play_scene.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/graph_runner.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scene_folder.h"
 #include "tests/support/wall_theory.h"
 
 using namespace tactus;
@@ -65,7 +65,7 @@ force = { from = "p.motor", unit = "N" }
                        standard_nodes());
   }
   SceneRecording play(const std::string& scene, int block = 64) const {
-    auto spec = parse_scene(scene, (path() / "scene.toml").string(), path());
+    auto spec = test::parse_scene(scene, (path() / "scene.toml").string(), path());
     if (!spec) throw std::runtime_error(to_string(spec.error()));
     auto built = build(scene);
     if (!built) throw std::runtime_error(to_string(built.error()));
@@ -75,8 +75,14 @@ force = { from = "p.motor", unit = "N" }
 
 const std::string kArm = R"(arm = { force = "plant.force", position = "plant.arm", active_up_to = "10 mJ" })";
 
+EnergyWatch watch_allowing(double joules) {
+  Port port;
+  port.allowed = joules;
+  return EnergyWatch{port};
+}
+
 PortEnergy watch(const std::vector<double>& force, const std::vector<double>& position, double allowed) {
-  EnergyWatch energy{allowed};
+  auto energy = watch_allowing(allowed);
   energy.take(force.data(), position.data(), static_cast<int>(force.size()));
   return energy.energy(1_kHz);
 }
@@ -110,7 +116,7 @@ TEST_CASE("energy_watch: pieces of any length add up to the same, and nothing al
   std::vector<double> force(1000), position(1000);
   for (auto& f : force) f = normal(random);
   for (auto& x : position) x = normal(random);
-  EnergyWatch pieces{0.1};
+  auto pieces = watch_allowing(0.1);
   const auto allocations = test::allocation_count();
   for (std::size_t at = 0, size = 1; at < 1000; at += size, size = 1 + (size * 7) % 50) {
     size = std::min(size, 1000 - at);
@@ -165,7 +171,7 @@ arm = { from = "p.arm.position", unit = "m" }
                                       options);
   const auto out = test::run(*engine, {}, 50000, {256});
   const auto given_until = [&](double seconds) {
-    EnergyWatch energy{1e-3};
+    auto energy = watch_allowing(1e-3);
     energy.take(out[0].data(), out[1].data(), static_cast<int>(seconds * 1e4));
     return energy.energy(options.sample_rate).given;
   };
@@ -188,8 +194,8 @@ TEST_CASE("energy_watch: a scene may expect it, of the whole or of a part", "[sc
   const auto text = scene.text("20 ms", kArm, R"(all = { measure = "energy_given", of = "arm", max = "1 mJ" }
 start = { measure = "energy_given", of = "arm", to = "0.05 s", max = "1 mJ" })");
   const auto recording = scene.play(text);
-  const auto outcomes =
-      check_expectations(*parse_scene(text, (scene.path() / "scene.toml").string(), scene.path()), recording);
+  const auto outcomes = check_expectations(
+      *test::parse_scene(text, (scene.path() / "scene.toml").string(), scene.path()), recording);
   REQUIRE(outcomes);
   CHECK((*outcomes)[0].value == recording.ports[0].given);
   CHECK((*outcomes)[0].unit == "J");

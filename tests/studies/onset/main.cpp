@@ -8,7 +8,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "engine/dsp/envelopes/onset.h"
+#include "engine/dsp/envelopes/onset_kernel.h"
 #include "tests/studies/onset/tables.h"
 
 namespace tactus::study {
@@ -75,15 +75,15 @@ int detect_file(const Plan& plan, const fs::path& folder) {
   std::vector<double> audio(static_cast<std::size_t>(info.frames));
   sf_readf_double(file, audio.data(), info.frames);
   sf_close(file);
-  const tactus::OnsetDetector detector({.sample_rate = tactus::Hertz{static_cast<double>(info.samplerate)}});
-  tactus::OnsetDetector::State state;
-  const tactus::OnsetDetector::Sensitivity sensitivity{.threshold = std::pow(10.0, plan.threshold_db / 20)};
+  tactus_onset onset{};
+  tactus_onset_start(&onset, info.samplerate, 30, 0.020, 0.028);
+  const double threshold = std::pow(10.0, plan.threshold_db / 20);
   json events = json::array();
   for (std::size_t n = 0; n < audio.size(); ++n)
-    if (detector.step(state, audio[n], sensitivity))
+    if (tactus_onset_step(&onset, audio[n], threshold, 0.015, 1.41, 7) != 0)
       events.push_back({{"time_s", static_cast<double>(n) / info.samplerate},
                         {"node", "hit"},
-                        {"level_db", 20 * std::log10(state.level())}});
+                        {"level_db", 20 * std::log10(onset.level)}});
   std::ofstream(folder / (plan.name + ".events.json")) << json{{"events", events}} << '\n';
   return 0;
 }

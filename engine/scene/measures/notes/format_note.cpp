@@ -1,12 +1,10 @@
-#include "engine/scene/measures/notes/format_note.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "engine/core/notes.h"
-#include "engine/scene/measures/notes/steady_tone.h"
+#include "engine/scene/measures/notes/pitch_track.h"
 
 namespace tactus {
 namespace {

@@ -9,11 +9,11 @@
 #include "engine/core/median.h"
 #include "engine/graph/node_type.h"
 #include "engine/scene/file/scene_spec.h"
-#include "engine/scene/measures/notes/steady_tone.h"
 
 namespace tactus {
 namespace {
 
+constexpr double kBegun = 0.178;                     // -15 dB
 constexpr double kElsewhere = 0.25;                  // of its time, in a right note
 constexpr double kSlowest_hz = 3, kFastest_hz = 10;  // of a vibrato
 
@@ -104,7 +104,134 @@ DetectedNote detect(const ExpectedNote& expected_note, const std::vector<PitchPo
   return note;
 }
 
+// ---- expected notes
+
+constexpr double kStep_cents = 5;      // a gesture that slides takes less than 1 from frame to frame
+constexpr double kStill_cents = 0.05;  // from one moment to the next
+constexpr double kGlide_cents = 50;
+constexpr double kSwing_cents = 300, kSwing_s = 0.25;
+constexpr double kShortestNote_s = 0.05, kShortestGlide_s = 0.1;
+
+bool jumps(double before, double now) {
+  return !(before > 0 && now > 0) || std::abs(cents(now, before)) > kStep_cents;
+}
+
+/// Moments between which a pitch rises, falls or stays.
+struct Run {
+  std::size_t from, to;
+  double change = 0;  // [cents]; 0: it stays
+
+  double seconds() const { return static_cast<double>(to - from) * kPitchHop_s; }
+};
+
+int sign_of(double change) { return std::abs(change) < kStill_cents ? 0 : change > 0 ? 1 : -1; }
+
+std::vector<Run> runs_of(const std::vector<double>& pitch) {
+  std::vector<Run> runs;
+  int before = 0;
+  for (std::size_t i = 0; i + 1 < pitch.size(); ++i) {
+    const double change = cents(pitch[i + 1], pitch[i]);
+    const int sign = sign_of(change);
+    if (runs.empty() || sign != before) runs.push_back({i, i});
+    before = sign;
+    runs.back().to = i + 1;
+    if (sign != 0) runs.back().change += change;
+  }
+  return runs;
+}
+
+bool swings_with(const Run& run, const Run& other) {
+  const double size = std::abs(run.change);
+  return run.change * other.change < 0 && std::abs(other.change) > 0.5 * size && size <= kSwing_cents &&
+         run.seconds() <= kSwing_s;
+}
+
+bool is_glide(const std::vector<Run>& runs, std::size_t i) {
+  if (std::abs(runs[i].change) <= kGlide_cents) return false;
+  const auto neighbour = [&](std::ptrdiff_t step) -> const Run* {
+    // A swing may rest for a moment where it turns around.
+    for (auto n = static_cast<std::ptrdiff_t>(i) + step; n >= 0 && n < std::ssize(runs); n += step) {
+      const auto& run = runs[static_cast<std::size_t>(n)];
+      if (run.change != 0 || run.seconds() > kShortestNote_s) return &run;
+    }
+    return nullptr;
+  };
+  const auto *before = neighbour(-1), *after = neighbour(1);
+  return !(before != nullptr && swings_with(runs[i], *before)) &&
+         !(after != nullptr && swings_with(runs[i], *after));
+}
+
+ExpectedNote note_of(std::span<const double> expected, Hertz rate, std::size_t from, std::size_t to,
+                     bool glides) {
+  ExpectedNote note;
+  note.from_s = static_cast<double>(from) / rate.value;
+  note.to_s = static_cast<double>(to) / rate.value;
+  const auto part = expected.subspan(from, to - from);
+  note.begins_hz = part.front();
+  note.ends_hz = part.back();
+  note.hertz = median({part.begin(), part.end()});
+  note.glides = glides;
+  return note;
+}
+
+/// Frames without a jump: their notes and the glides between them.
+void add_notes(std::vector<ExpectedNote>& notes, std::span<const double> expected, Hertz rate,
+               std::size_t from, std::size_t to) {
+  const auto hop = static_cast<std::size_t>(std::lround(kPitchHop_s * rate.value));
+  std::vector<double> pitch;
+  for (auto i = from; i < to; i += hop) pitch.push_back(expected[i]);
+  const auto runs = runs_of(pitch);
+  const auto add = [&](std::size_t first, std::size_t last, bool glides) {
+    if (static_cast<double>(last - first) >= (glides ? kShortestGlide_s : kShortestNote_s) * rate.value)
+      notes.push_back(note_of(expected, rate, first, last, glides));
+  };
+  auto begun = from;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!is_glide(runs, i)) continue;
+    const auto first = from + runs[i].from * hop, last = std::min(to, from + runs[i].to * hop);
+    add(begun, first, false);
+    add(first, last, true);
+    begun = last;
+  }
+  add(begun, to, false);
+}
+
 }  // namespace
+
+int partial_of(double hertz, double expected_hz) {
+  const auto partial = static_cast<int>(std::lround(hertz / expected_hz));
+  return partial >= 1 && std::abs(cents(hertz, partial * expected_hz)) <= kNearPartial_cents ? partial : 0;
+}
+
+std::vector<ToneMoment> moments_between(const std::vector<PitchPoint>& track, double from_s, double to_s,
+                                        const std::function<double(double)>& expected) {
+  std::vector<ToneMoment> moments;
+  for (const auto& point : track)
+    if (point.time_s >= from_s && point.time_s < to_s)
+      moments.push_back({point.time_s, point.hertz, expected(point.time_s), point.rms});
+  return moments;
+}
+
+std::optional<double> steady_from(const std::vector<ToneMoment>& moments, double off_cents, double rms,
+                                  double hold_s) {
+  const auto needed = static_cast<std::size_t>(std::max(1.0, std::round(hold_s / kPitchHop_s)));
+  std::size_t run = 0;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const bool steady =
+        std::abs(moments[i].off_cents() - off_cents) <= kNearPartial_cents && moments[i].rms >= kBegun * rms;
+    const bool follows = i == 0 || moments[i].time_s - moments[i - 1].time_s < 1.5 * kPitchHop_s;
+    run = !steady ? 0 : follows ? run + 1 : 1;
+    if (run == needed) return moments[i + 1 - needed].time_s;
+  }
+  return std::nullopt;
+}
+
+double swing_of(std::vector<double> hertz) {
+  if (hertz.empty()) return 0;
+  std::ranges::sort(hertz);
+  const auto edge = hertz.size() / 20;
+  return cents(hertz[hertz.size() - 1 - edge], hertz[edge]);
+}
 
 bool DetectedNote::right() const {
   return partial == 1 && std::abs(cents) <= kInTune_cents &&
@@ -129,10 +256,9 @@ std::vector<PitchPoint> track_notes(std::span<const double> sound, Hertz rate, H
 std::optional<Melody> melody_of(const SceneRecording& recording) {
   static const auto kHertz = parse_unit("Hz")->dimension;
   const auto* sound = recording.find(signal_of(recording.roles, "monitor"));
-  const auto expected =
-      std::find_if(recording.signals.begin(), recording.signals.end(), [](const RecordedSignal& signal) {
-        return signal.dimension == kHertz && !signal.name.starts_with("instrument.");
-      });
+  const auto expected = std::ranges::find_if(recording.signals, [](const RecordedSignal& signal) {
+    return signal.dimension == kHertz && !signal.name.starts_with("instrument.");
+  });
   if (sound == nullptr || expected == recording.signals.end()) return std::nullopt;
   double lowest = kUnlimited, highest = 0;
   for (const double hertz : expected->samples) {
@@ -144,6 +270,16 @@ std::optional<Melody> melody_of(const SceneRecording& recording) {
   Melody melody{&*expected, track_notes(sound->samples, rate, Hertz{lowest}, Hertz{highest}), {}};
   melody.notes = detect_notes(melody.detected, expected->samples, rate);
   return melody;
+}
+
+std::vector<ExpectedNote> expected_notes(std::span<const double> expected, Hertz rate) {
+  std::vector<ExpectedNote> notes;
+  for (std::size_t from = 0, to = 0; from < expected.size(); from = to) {
+    to = from + 1;
+    while (to < expected.size() && !jumps(expected[to - 1], expected[to])) ++to;
+    if (expected[from] > 0) add_notes(notes, expected, rate, from, to);
+  }
+  return notes;
 }
 
 }  // namespace tactus

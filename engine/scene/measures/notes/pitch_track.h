@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,6 +10,44 @@
 #include "engine/scene/play_scene.h"
 
 namespace tactus {
+
+// ---- a steady tone
+
+/// A note is right within a quarter of a semitone, where singers begin to call it wrong. Source: Vurma &
+/// Ross, "Production and perception of musical intervals", Music Perception 23, 2006.
+inline constexpr double kInTune_cents = 25;
+/// So near a pitch is still this partial, and no other.
+inline constexpr double kNearPartial_cents = 50;
+/// A tone that has been steady for so long is steady.
+inline constexpr double kSteady_s = 0.1;
+
+/// [any] Which partial of a note a pitch is, within kNearPartial_cents; 0 if none.
+int partial_of(double hertz, double expected_hz);
+
+/// A tone at one moment of the tracker, beside the pitch expected at that time.
+struct ToneMoment {
+  double time_s = 0;
+  double hertz = 0, expected_hz = 0;
+  double rms = 0;
+
+  double off_cents() const { return cents(hertz, expected_hz); }
+};
+
+/// [any] The moments of `track` from `from_s` to before `to_s`; `expected`: the pitch [Hz] at a time [s].
+std::vector<ToneMoment> moments_between(const std::vector<PitchPoint>& track, double from_s, double to_s,
+                                        const std::function<double(double)>& expected);
+
+/// [any] The first moment from which on a tone is steady: for `hold_s` each moment has a pitch, within
+/// kNearPartial_cents of how far off it ends, and a level within 15 dB of `rms`, what it ends as. `off_cents`
+/// and `rms`: medians over what should be steady. nullopt: never. Source of the 15 dB: a tone is
+/// heard to begin so far below its level, Vos & Rasch, Perception & Psychophysics 29, 1981.
+std::optional<double> steady_from(const std::vector<ToneMoment>& moments, double off_cents, double rms,
+                                  double hold_s = kSteady_s);
+
+/// [any] How far a pitch swings [cents], the middle nine tenths of its moments.
+double swing_of(std::vector<double> hertz);
+
+// ---- expected and detected notes
 
 /// A note that is to be played, or a glide from one to another.
 struct ExpectedNote {
@@ -65,5 +104,16 @@ struct Melody {
 };
 /// [control] nullopt: the scene expects no pitch. Points into `recording`.
 std::optional<Melody> melody_of(const SceneRecording& recording);
+
+// ---- in words
+
+/// [any] The nearest note, with what is over from 5 cents on: "A3", "A3 +50 cents".
+std::string pitch_text(double hertz);
+
+/// [any] "A2, 110.0 Hz: +0.3 cents, speaks after 0.12 s",
+/// "from A2 to E3 in 0.80 s, 110.0 to 164.8 Hz: -4.0 cents".
+std::string describe(const DetectedNote& note);
+/// [any] "9 of 10 notes right and 1 of 1 glides, at most 0.4 cents off, each speaks within 0.21 s"
+std::string describe(const std::vector<DetectedNote>& notes);
 
 }  // namespace tactus

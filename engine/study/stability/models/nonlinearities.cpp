@@ -12,18 +12,10 @@ namespace {
 const char* const kAllSteepest = "laws where they are steepest";
 
 bool is_linear(Expression::Op op, const Operands& operands) {
-  switch (op) {
-    case Expression::Op::Negate:
-    case Expression::Op::Add:
-    case Expression::Op::Subtract:
-      return true;
-    case Expression::Op::Multiply:
-      return !operands.moves[0] || !operands.moves[1];
-    case Expression::Op::Divide:
-      return !operands.moves[1];
-    default:
-      return false;
-  }
+  using enum Expression::Op;
+  if (op == Multiply) return !operands.moves[0] || !operands.moves[1];
+  if (op == Divide) return !operands.moves[1];
+  return op == Negate || op == Add || op == Subtract;
 }
 
 /// The nonlinearities of one signal, and the operating points to analyse.
@@ -38,14 +30,13 @@ struct Group {
 
   /// Whether every law is as steep at the displacement `there` as at `here`.
   bool serves(double there, double here) const {
-    return std::all_of(laws.begin(), laws.end(), [&](const Nonlinearity* law) {
-      return law->answer(there) >= law->answer(here) * (1 - 1e-9);
-    });
+    return std::ranges::all_of(
+        laws, [&](const Nonlinearity* law) { return law->answer(there) >= law->answer(here) * (1 - 1e-9); });
   }
 
   void offer(Choice choice) {
     const auto replaces = [&](const Choice& other) { return serves(other.to, choice.to); };
-    if (std::any_of(choices.begin(), choices.end(), replaces)) return;
+    if (std::ranges::any_of(choices, replaces)) return;
     std::erase_if(choices, [&](const Choice& other) { return serves(choice.to, other.to); });
     choices.push_back(std::move(choice));
   }
@@ -72,8 +63,7 @@ struct Group {
 std::vector<Group> groups_of(const std::vector<Nonlinearity>& laws) {
   std::vector<Group> groups;
   for (const auto& law : laws) {
-    auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.source == law.source; });
+    auto group = std::ranges::find_if(groups, [&](const auto& g) { return g.source == law.source; });
     if (group == groups.end()) group = groups.insert(group, Group{.source = law.source});
     group->laws.push_back(&law);
   }
@@ -105,17 +95,8 @@ double chosen(const Operands& operands, int which, bool first, bool touched) {
 }  // namespace
 
 int operands_of(Expression::Op op) {
-  switch (op) {
-    case Expression::Op::Add:
-    case Expression::Op::Subtract:
-    case Expression::Op::Multiply:
-    case Expression::Op::Divide:
-    case Expression::Op::Min:
-    case Expression::Op::Max:
-      return 2;
-    default:
-      return 1;
-  }
+  using enum Expression::Op;
+  return op == Add || op == Subtract || op == Multiply || op == Divide || op == Min || op == Max ? 2 : 1;
 }
 
 double slope_of(Expression::Op op, const Operands& operands, int which, bool touched) {

@@ -1,9 +1,8 @@
-#include "engine/study/stability/models/stability_network.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "engine/core/index.h"
+#include "engine/study/stability/models/stability_graph.h"
 
 namespace tactus {
 namespace {
@@ -119,7 +118,7 @@ Eigen::MatrixXd LinearNetwork::readings(const Network& network, const NetworkVie
     }
   }
   if (driven_ < 0) return c;
-  const auto slot = std::find(masses_.begin(), masses_.end(), driven_) - masses_.begin();
+  const auto slot = std::ranges::find(masses_, driven_) - masses_.begin();
   c.conservativeResize(c.rows() + 1, Eigen::NoChange);
   c.bottomRows(1).setZero();
   c(c.rows() - 1, slot) = 1.0;
@@ -132,7 +131,7 @@ std::optional<Hertz> LinearNetwork::needed_rate() const {
 
 std::string LinearNetwork::carrier(const StepMode& mode) const {
   const auto moves = [&](int point) -> std::complex<double> {
-    const auto at = std::find(masses_.begin(), masses_.end(), point);
+    const auto at = std::ranges::find(masses_, point);
     return at == masses_.end() ? 0.0 : mode.shape[at - masses_.begin()];
   };
   int mass = -1, spring = -1;

@@ -31,8 +31,7 @@ Complex returned_to(Eigen::MatrixXcd returned, int drive, int cut, double factor
 }  // namespace
 
 void sort_by_growth(std::vector<LoopRoot>& roots, std::size_t most) {
-  std::sort(roots.begin(), roots.end(),
-            [](const auto& a, const auto& b) { return a.growth_per_s > b.growth_per_s; });
+  std::ranges::sort(roots, std::greater{}, &LoopRoot::growth_per_s);
   if (roots.size() > most) roots.resize(most);
 }
 
@@ -67,7 +66,7 @@ std::vector<double> LoopScan::first_points() const {
       for (const double side : {-1.0, 1.0}) points.push_back(at + side * std::pow(10.0, i / 10.0));
   }
   std::erase_if(points, [](double p) { return p < 0 || p > kPi; });
-  std::sort(points.begin(), points.end());
+  std::ranges::sort(points);
   points.erase(std::unique(points.begin(), points.end()), points.end());
   return points;
 }
@@ -144,7 +143,7 @@ std::vector<LoopScan::Crossing> LoopScan::crossings(int cut) const {
       found.push_back(*at);
   }
   std::erase_if(found, [](const auto& x) { return x.factor < kLeastFactor || x.factor > kMostFactor; });
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.factor < b.factor; });
+  std::ranges::sort(found, {}, &Crossing::factor);
   return found;
 }
 
@@ -235,7 +234,7 @@ std::vector<Complex> LoopScan::first_guesses(std::size_t most) const {
   std::vector<std::size_t> valleys;
   for (std::size_t i = 1; i + 1 < samples_.size(); ++i)
     if (depth(i) <= depth(i - 1) && depth(i) <= depth(i + 1)) valleys.push_back(i);
-  std::sort(valleys.begin(), valleys.end(), [&](auto a, auto b) { return depth(a) < depth(b); });
+  std::ranges::sort(valleys, {}, depth);
   if (valleys.size() > most) valleys.resize(most);
   valleys.insert(valleys.end(), {0, samples_.size() - 1});
   std::vector<Complex> guesses;
@@ -253,7 +252,7 @@ std::vector<LoopRoot> LoopScan::roots(std::size_t most) const {
   for (const auto& guess : first_guesses(8 * most)) {
     const auto root = newton(guess, 0, 1.0);
     if (!root) continue;
-    const bool known = std::any_of(roots.begin(), roots.end(), [&](const auto& r) {
+    const bool known = std::ranges::any_of(roots, [&](const auto& r) {
       return std::abs(r.frequency_hz - root->frequency_hz) < 1e-6 * (1 + r.frequency_hz) &&
              std::abs(r.growth_per_s - root->growth_per_s) < 1e-4 * (1 + std::abs(r.growth_per_s));
     });

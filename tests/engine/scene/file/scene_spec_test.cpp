@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scene_folder.h"
 
 using namespace tactus;
 using test::TemporaryFolder;
@@ -19,7 +19,7 @@ struct Folder : TemporaryFolder {
     write("plant.toml", kGraph);
   }
   Checked<SceneSpec> read(std::string_view text) const {
-    return parse_scene(text, (path() / "scene.toml").string());
+    return test::parse_scene(text, (path() / "scene.toml").string());
   }
   std::string mistakes(std::string_view text) const {
     const auto scene = read(text);
@@ -209,6 +209,6 @@ TEST_CASE("scene: without a name it is called as its file, or as the folder that
   const Folder folder;
   const auto text = std::string("format = 1\nduration = \"1 s\"\n") + kParts;
   CHECK(folder.read(text).value().name == folder.path().filename().string());
-  CHECK(parse_scene(text, (folder.path() / "loud.toml").string()).value().name == "loud");
+  CHECK(test::parse_scene(text, (folder.path() / "loud.toml").string()).value().name == "loud");
   CHECK(folder.read("name = \"wall\"\n" + text).value().name == "wall");
 }

@@ -1,8 +1,8 @@
-#include "engine/scene/measures/oscillation.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+
+#include "engine/scene/measures/motion.h"
 
 using namespace tactus;
 

@@ -4,8 +4,10 @@
 #include <random>
 
 #include "engine/scene/measures/playability_result.h"
+#include "tests/support/reading.h"
 
 using namespace tactus;
+using tactus::test::reading;
 
 namespace {
 
@@ -77,8 +79,8 @@ TEST_CASE("roll: a roll that is even and all heard has the score 1", "[analysis]
   CHECK(run.kind == "regular");
   CHECK(run.score == Approx(1));
   CHECK(run.playable);
-  CHECK(run.reading(Playability::Kind::Roll, "rate_hz") == Approx(20).epsilon(1e-3));
-  CHECK(run.reading(Playability::Kind::Roll, "long_short") == Approx(1).epsilon(0.01));
+  CHECK(reading(run, Playability::Kind::Roll, "rate_hz") == Approx(20).epsilon(1e-3));
+  CHECK(reading(run, Playability::Kind::Roll, "long_short") == Approx(1).epsilon(0.01));
 }
 
 TEST_CASE("roll: long and short is a gallop, and as good", "[analysis]") {
@@ -86,7 +88,7 @@ TEST_CASE("roll: long and short is a gallop, and as good", "[analysis]") {
   const auto run = result_of(times, times);
   CHECK(run.kind == "gallop");
   CHECK(run.score == Approx(1));
-  CHECK(run.reading(Playability::Kind::Roll, "long_short") == Approx(3).epsilon(0.03));
+  CHECK(reading(run, Playability::Kind::Roll, "long_short") == Approx(3).epsilon(0.03));
 }
 
 TEST_CASE("roll: an irregular roll loses by its spread", "[analysis]") {
@@ -95,7 +97,7 @@ TEST_CASE("roll: an irregular roll loses by its spread", "[analysis]") {
   std::vector<double> times{0.1};
   while (times.back() < kDuration_s) times.push_back(times.back() + interval(random));
   const auto run = result_of(times, times);
-  const double spread = run.reading(Playability::Kind::Roll, "pattern_spread");
+  const double spread = reading(run, Playability::Kind::Roll, "pattern_spread");
   CHECK(run.kind == "irregular");
   CHECK(spread > 0.3);
   CHECK(run.score == Approx(kEvenSpread / spread).epsilon(1e-9));
@@ -121,7 +123,7 @@ TEST_CASE("roll: what is missed or doubled takes its share", "[analysis]") {
   for (const double time : times) more.push_back(time + 0.025);
   std::sort(more.begin(), more.end());
   const auto doubled = result_of(times, more);
-  CHECK(doubled.reading(Playability::Kind::Roll, "doubled") == Approx(80).margin(1));
+  CHECK(reading(doubled, Playability::Kind::Roll, "doubled") == Approx(80).margin(1));
   CHECK(doubled.score == Approx(0.5).epsilon(0.01));
 }
 

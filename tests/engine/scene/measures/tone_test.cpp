@@ -4,8 +4,10 @@
 #include <numbers>
 
 #include "engine/scene/measures/playability_result.h"
+#include "tests/support/reading.h"
 
 using namespace tactus;
+using tactus::test::reading;
 
 namespace {
 
@@ -65,15 +67,15 @@ TEST_CASE("tone: the note wanted, steady from the start, has the score 1", "[ana
   CHECK(run.kind == "right note");
   CHECK(run.score == Approx(1));
   CHECK(run.playable);
-  CHECK(run.reading(kTone, "cents") == Approx(0).margin(0.2));
-  CHECK(run.reading(kTone, "partial") == 1);
+  CHECK(reading(run, kTone, "cents") == Approx(0).margin(0.2));
+  CHECK(reading(run, kTone, "partial") == 1);
   // 0.1 sqrt((1 + 0.25 + 0.0625) / 2)
-  CHECK(run.reading(kTone, "rms") == Approx(0.1 * std::sqrt(1.3125 / 2)).epsilon(0.01));
+  CHECK(reading(run, kTone, "rms") == Approx(0.1 * std::sqrt(1.3125 / 2)).epsilon(0.01));
 }
 
 TEST_CASE("tone: another partial, a stray pitch, silence", "[analysis]") {
   CHECK(result_of(3 * kPitch_hz).kind == "wrong partial");
-  CHECK(result_of(3 * kPitch_hz).reading(kTone, "partial") == 3);
+  CHECK(reading(result_of(3 * kPitch_hz), kTone, "partial") == 3);
   CHECK(result_of(1.4 * kPitch_hz).kind == "howl");
   CHECK(result_of(kPitch_hz, 1e-5).kind == "silent");
   for (const auto& run : {result_of(3 * kPitch_hz), result_of(1.4 * kPitch_hz), result_of(kPitch_hz, 1e-5)}) {
@@ -86,51 +88,51 @@ TEST_CASE("tone: in tune means within 25 cents", "[analysis]") {
   const auto off = [](double cents) { return result_of(kPitch_hz * std::exp2(cents / 1200)); };
   CHECK(off(23).playable);
   CHECK_FALSE(off(27).playable);
-  CHECK(off(23).reading(kTone, "cents") == Approx(23).margin(0.2));
+  CHECK(reading(off(23), kTone, "cents") == Approx(23).margin(0.2));
 }
 
 // It stands from 0.5 s on: a quarter of a second too late by half.
 TEST_CASE("tone: a tone that speaks late has half the score after half a second", "[analysis]") {
   const auto run = result_of(kPitch_hz, [](double time) { return time < 0.5 ? 0.0 : 0.1; });
   CHECK(run.kind == "right note");
-  CHECK(run.reading(kTone, "start_s") == Approx(0.5).margin(0.04));
-  CHECK(run.score == Approx(kPrompt_s / run.reading(kTone, "start_s")).epsilon(1e-9));
+  CHECK(reading(run, kTone, "start_s") == Approx(0.5).margin(0.04));
+  CHECK(run.score == Approx(kPrompt_s / reading(run, kTone, "start_s")).epsilon(1e-9));
 }
 
 TEST_CASE("tone: of several notes the score is the mean, and the weakest says what it was", "[analysis]") {
   const auto all = result_of_notes({{110}, {165}, {220}, {110}});
   CHECK(all.playable);
   CHECK(all.score == Approx(1));
-  CHECK(all.reading(kTone, "notes") == 4);
-  CHECK(all.reading(kTone, "good") == 4);
+  CHECK(reading(all, kTone, "notes") == 4);
+  CHECK(reading(all, kTone, "good") == 4);
   // One note an octave too high counts for nothing, and spoils the phrase.
   const auto octave = result_of_notes({{110}, {165, 2}, {220}, {110}});
   CHECK(octave.kind == "wrong partial");
   CHECK(octave.score == Approx(0.75));
   CHECK_FALSE(octave.playable);
-  CHECK(octave.reading(kTone, "partial") == 2);
-  CHECK(octave.reading(kTone, "good") == 3);
+  CHECK(reading(octave, kTone, "partial") == 2);
+  CHECK(reading(octave, kTone, "good") == 3);
   // One that speaks after 0.4 s scores 0.25 / 0.4.
   const auto late = result_of_notes({{110}, {165, 1, 0.4}, {220}, {110}});
   CHECK(late.kind == "right note");
   CHECK(late.playable);
-  CHECK(late.reading(kTone, "start_s") == Approx(0.4).margin(0.04));
+  CHECK(reading(late, kTone, "start_s") == Approx(0.4).margin(0.04));
   CHECK(late.score ==
-        Approx((3 + late.reading(kTone, "right") * kPrompt_s / late.reading(kTone, "start_s")) / 4)
+        Approx((3 + reading(late, kTone, "right") * kPrompt_s / reading(late, kTone, "start_s")) / 4)
             .margin(0.02));
 }
 
 // 40 cents: a note that is scored by its mean would be wrong for half of the time.
 TEST_CASE("tone: a vibrato that the scene asks for is right", "[analysis]") {
   const auto run = result_of_notes({{220}, {220}}, 40);
-  CHECK(run.reading(kTone, "notes") == 1);  // no step in between
+  CHECK(reading(run, kTone, "notes") == 1);  // no step in between
   CHECK(run.kind == "right note");
-  CHECK(run.reading(kTone, "swing_cents") > 60);
+  CHECK(reading(run, kTone, "swing_cents") > 60);
 }
 
 TEST_CASE("tone: a level that grows evenly is steady", "[analysis]") {
   const auto run = result_of(kPitch_hz, [](double time) { return 0.05 * (1 + time); });
-  CHECK(run.reading(kTone, "level_spread") < 0.01);
+  CHECK(reading(run, kTone, "level_spread") < 0.01);
   CHECK(run.score == Approx(1));
 }
 
@@ -139,9 +141,9 @@ TEST_CASE("tone: a level that grows evenly is steady", "[analysis]") {
 TEST_CASE("tone: a level that swings loses by its spread", "[analysis]") {
   const auto run = result_of(
       kPitch_hz, [](double time) { return 0.1 * (1 + 0.7 * std::sin(2 * std::numbers::pi * 2 * time)); });
-  CHECK(run.reading(kTone, "level_spread") ==
+  CHECK(reading(run, kTone, "level_spread") ==
         Approx(0.7 * std::sqrt(0.5 - 12 / std::pow(6 * std::numbers::pi, 2))).epsilon(0.05));
-  CHECK(
-      run.score ==
-      Approx(run.reading(kTone, "right") * kSteadySpread / run.reading(kTone, "level_spread")).epsilon(1e-9));
+  CHECK(run.score ==
+        Approx(reading(run, kTone, "right") * kSteadySpread / reading(run, kTone, "level_spread"))
+            .epsilon(1e-9));
 }

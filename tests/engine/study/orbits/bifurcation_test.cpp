@@ -124,9 +124,9 @@ TEST_CASE("bifurcation: what is found does not depend on how the sweep is shared
   const auto again = study_bifurcation(scene, standard_nodes(), plan);
   REQUIRE(again);
   // The last two columns are a run of their own, which plays the three before them first.
-  const auto sweep = SceneSweep::make(scene, standard_nodes(), plan);
+  const auto sweep = make_sweep(scene, standard_nodes(), plan);
   REQUIRE(sweep);
-  const auto alone = sweep->run({1.48, 1.50, 1.52, 1.54, 1.56});
+  const auto alone = play_sweep(*sweep, standard_nodes(), plan, {1.48, 1.50, 1.52, 1.54, 1.56});
   REQUIRE(alone);
   for (std::size_t i = 0; i < 14; ++i) {
     REQUIRE(study->simulated[i].speeds == again->simulated[i].speeds);

@@ -6,9 +6,11 @@
 
 #include "engine/graph/file/read_graph.h"
 #include "engine/nodes/table.h"
+#include "tests/support/reading.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace tactus;
+using tactus::test::reading;
 
 namespace {
 
@@ -201,8 +203,8 @@ TEST_CASE("playability: the folder of the Cellomobo means its phrase, of which e
   const auto study = study_playability(scene_of("cellomobo/scene.toml"), standard_nodes(), options);
   REQUIRE(study);
   const auto& run = *study->runs[0].result;
-  CHECK(run.reading(Playability::Kind::Tone, "notes") == 10);
-  CHECK(run.reading(Playability::Kind::Tone, "good") == 10);
+  CHECK(reading(run, Playability::Kind::Tone, "notes") == 10);
+  CHECK(reading(run, Playability::Kind::Tone, "good") == 10);
   CHECK(run.playable);
 }
 

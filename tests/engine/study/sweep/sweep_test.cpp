@@ -49,8 +49,8 @@ deep = { measure = "rms", of = "plant.x", from = "0.2 s", to = "0.4 s", min = "1
     SweepPlan plan;
     plan.over = over;
     auto what = *find_swept_measure(scene, measure);
-    what.what.from_s = 0.2;
-    what.what.to_s = 0.4;
+    what.from_s = 0.2;
+    what.to_s = 0.4;
     auto table = sweep_measures(scene, standard_nodes(), plan, {what});
     if (!table) throw std::runtime_error(to_string(table.error()));
     return *table;

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "engine/core/find_root.h"
-#include "engine/study/walls/held_mass.h"
 #include "tests/support/wall_theory.h"
 
 using namespace tactus;

@@ -51,8 +51,8 @@ TEST_CASE("wall_map: both sides of every border are as they should be", "[analys
   plan.progress = [&](double now) { share = now; };
   const auto map = *map_walls(small_study(), plan);
   // 3.3 decades of delay and 2.9 of rate, for two devices, and six controllers.
-  CHECK(map.borders() == 2 * (8 + 7 + 6));
-  CHECK(map.confirmed() == map.borders());
+  CHECK(map.borders == 2 * (8 + 7 + 6));
+  CHECK(map.confirmed == map.borders);
   CHECK(share == 1);
   for (const auto& curve : map.by_delay) {
     CHECK(curve.front().loop.delay.value == Approx(20e-6));
@@ -90,7 +90,7 @@ TEST_CASE("wall_map: a device without damping carries no wall, and nothing is tr
   auto study = small_study();
   study.devices = {{"bare", {.mass = 0.05, .damping = 0, .quantum = 0.15708e-3, .force_limit = 6.37}}};
   const auto map = *map_walls(study);
-  CHECK(map.borders() == 0);
+  CHECK(map.borders == 0);
   CHECK(map.by_delay.front().front().stiffest == 0);
   CHECK_FALSE(map.controllers.front().fixed_point);
 }
@@ -108,7 +108,7 @@ TEST_CASE("wall_map: parts of a map make the whole of it, without computing any 
   CHECK(map_walls(study, plan)->finished == whole.runs);
   plan.stop = [] { return true; };
   const auto again = *map_walls(study, plan);
-  CHECK(again.confirmed() == whole.confirmed());
+  CHECK(again.confirmed == whole.confirmed);
   for (std::size_t i = 0; i < whole.by_delay.front().size(); ++i)
     CHECK(again.by_delay.front()[i].stiffest == whole.by_delay.front()[i].stiffest);
 }

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/scene/measures/notes/format_note.h"
-#include "engine/scene/measures/notes/steady_tone.h"
 #include "engine/scene/measures/playability_result.h"
+#include "tests/support/reading.h"
 
 using namespace tactus;
+using tactus::test::reading;
 
 namespace {
 
@@ -110,7 +110,7 @@ TEST_CASE("notes_heard: a note speaks when the study of playability says that it
   playability.sound.name = "instrument.sound";
   playability.pitch_hz = 110;
   playability.to_s = 2.5;
-  CHECK(evaluate(recording, playability).reading(playability.kind, "start_s") == *notes[0].speaks_after_s);
+  CHECK(reading(evaluate(recording, playability), playability.kind, "start_s") == *notes[0].speaks_after_s);
 }
 
 TEST_CASE("notes_heard: a vibrato is one note, and told as one", "[analysis]") {

@@ -1,7 +1,7 @@
-#include "engine/scene/measures/notes/steady_tone.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
+
+#include "engine/scene/measures/notes/pitch_track.h"
 
 using namespace tactus;
 

@@ -2,7 +2,7 @@
 #include <cstddef>
 
 #include "engine/core/index.h"
-#include "engine/graph/plan/vertex_graph.h"
+#include "engine/graph/semantics/flat_graph.h"
 
 namespace tactus {
 namespace {

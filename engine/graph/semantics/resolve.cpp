@@ -1,0 +1,525 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "engine/core/named.h"
+#include "engine/graph/file/read_graph.h"
+#include "engine/graph/semantics/facts.h"
+#include "engine/graph/semantics/scope.h"
+
+namespace tactus {
+namespace {
+
+/// How a part runs at a fraction of the rate around it:
+///
+///   loop = { use = "loop.toml", rate = "1/16", take = "mean", between = "line", … }
+struct PartRate {
+  static constexpr int kSlowest = 1024;
+  int ratio = 1;      ///< frames around it for one of its own
+  bool mean = false;  ///< its inputs are means of the frames since its last one; else what there is
+  bool line = false;  ///< its outputs go straight from one sample to the next; else they are held
+};
+
+std::string owner_of(const NodeSpec& part) { return "part '" + part.name + "'"; }
+
+/// Whether an input or a control of the part is called like this.
+bool declares(const GraphSpec& part, std::string_view name) {
+  return find_named(part.inputs, name) != nullptr || find_named(part.controls, name) != nullptr;
+}
+
+/// The number below "1/"; nothing if it is no fraction.
+std::optional<double> below_one(std::string text) {
+  std::erase(text, ' ');
+  if (!text.starts_with("1/")) return std::nullopt;
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data() + 2, end, number);
+  return read.ec == std::errc{} && read.ptr == end ? std::optional{number} : std::nullopt;
+}
+
+std::string in_hertz(double hertz) { return short_quantity(hertz, parse_unit("Hz")->dimension); }
+
+/// The fractions on both sides of a rate that is none.
+std::string nearest_rates(double around, double ratio) {
+  const auto offer = [&](double n) { return "\"1/" + short_number(n) + "\" (" + in_hertz(around / n) + ")"; };
+  const double below = std::max(1.0, std::floor(ratio));
+  return "write " + offer(below) + " or " + offer(below + 1);
+}
+
+/// Frames around a part for one of its own; 1 after an error.
+int read_ratio(const Value& value, Hertz around, const std::string& owner, ErrorList& errors) {
+  const auto report = [&](Errc code, const std::string& what, const std::string& remedy) {
+    errors.add(code, value.at, key_of("rate", owner) + what, remedy);
+    return 1;
+  };
+  auto ratio = value.text() != nullptr ? below_one(*value.text()) : std::nullopt;
+  if (!ratio) {
+    const auto quantity = read_quantity(value);
+    if (!quantity || quantity->bare || !(quantity->unit.dimension == parse_unit("Hz")->dimension))
+      return report(Errc::WrongType, " is not a rate",
+                    "write a fraction such as \"1/16\", or a rate such as \"3 kHz\"");
+    if (!(quantity->si > 0) || quantity->si > around.value)
+      return report(Errc::OutOfRange, " cannot be " + in_hertz(quantity->si),
+                    "a part runs at most at the " + in_hertz(around.value) + " around it");
+    ratio = around.value / quantity->si;
+  }
+  const double whole = std::round(*ratio);
+  // Rates come as decimal numbers: 44.1 kHz / 14.7 kHz is 3 but for rounding.
+  if (std::abs(*ratio - whole) > 1e-9 * *ratio || whole < 1)
+    return report(Errc::OutOfRange,
+                  " is not the " + in_hertz(around.value) + " around it, divided by a whole number",
+                  nearest_rates(around.value, *ratio));
+  if (whole <= PartRate::kSlowest) return static_cast<int>(whole);
+  return report(Errc::OutOfRange, " is too low",
+                "give at least \"1/" + std::to_string(PartRate::kSlowest) + "\"");
+}
+
+/// `rate`, `take` and `between` of a part; `around` is the rate of the file that uses it.
+PartRate read_part_rate(const NodeSpec& node, const GraphSpec& part, Hertz around, ErrorList& errors) {
+  Value::Table own = node.fields;
+  std::erase_if(own, [&](const Field& field) { return declares(part, field.key); });
+  FieldReader fields{own, part_fields(), errors, FieldReader::kKeysChecked, owner_of(node)};
+  const auto second_choice = [&](const char* key) {
+    const auto choice = fields.choice(key);
+    if (choice && !fields.has("rate"))
+      errors.add(Errc::Missing, fields.value(key)->at,
+                 key_of(key, owner_of(node)) + " has no effect without a 'rate'",
+                 "give the part a rate of its own, or remove '" + std::string{key} + "'");
+    return choice == 1;
+  };
+  PartRate rate;
+  if (const auto* value = fields.value("rate"))
+    rate.ratio = read_ratio(*value, around, owner_of(node), errors);
+  rate.mean = second_choice("take");
+  rate.line = second_choice("between");
+  return rate;
+}
+
+/// What all files of a tree of parts share while their names are looked up.
+struct Resolving {
+  const NodeTable& table;
+  Hertz sample_rate;
+  FlatGraph& flat;
+  ErrorList& errors;
+  std::size_t most_signals;  ///< parts of parts multiply: 32 files that use the next one twice make 2^32
+};
+
+/// One file at one place in the tree of parts: first all its names become signals (`declare`), parts
+/// included; then its ports are bound (`connect`). Two passes, because loops name what comes later.
+class Instance {
+ public:
+  /// `prefix` ("bridge.") precedes its names in the whole graph; `voices` is how many lanes its user
+  /// wants. `outer_divisor` is the rate divisor of the file that uses it.
+  Instance(const GraphSpec& spec, Resolving& resolving, std::string prefix, int voices, int outer_divisor = 1,
+           PartRate rate = {})
+      : spec_(spec),
+        resolving_(resolving),
+        flat_(resolving.flat),
+        errors_(resolving.errors),
+        prefix_(std::move(prefix)),
+        voices_(voices),
+        outer_divisor_(outer_divisor),
+        divisor_(outer_divisor * rate.ratio),
+        rate_(rate) {
+    if (spec.incomplete) scope_.tolerate("");
+  }
+
+  void declare_top() {
+    for (const auto& input : spec_.inputs) declare_input(input);
+    for (const auto& control : spec_.controls) declare_control(control);
+    tested_delays(spec_, errors_);
+    declare_inside();
+  }
+  void connect_top(const std::vector<std::string>& taps) {
+    connect_inside();
+    for (const auto& output : spec_.outputs)
+      if (!output.broken) connect_output(output);
+    for (const auto& tap : taps) connect_tap(tap);
+  }
+
+ private:
+  struct PendingNode {
+    const EntrySpec* spec;
+    std::size_t flat;
+  };
+  struct PendingPart {
+    const NodeSpec* spec;
+    std::unique_ptr<Instance> instance;
+    int first_output;  ///< its signal; those of the other outputs follow
+  };
+
+  Hertz sample_rate() const { return Hertz{resolving_.sample_rate.value / divisor_}; }
+  FlatSignal& signal(int id) { return flat_.signals[index(id)]; }
+  std::filesystem::path folder() const {
+    return std::filesystem::path{spec_.file.file ? *spec_.file.file : std::string{}}.parent_path();
+  }
+
+  int add_signal(const std::string& name, const Source& at, FlatSignal::Kind kind, int index, int port = 0) {
+    FlatSignal added;
+    added.kind = kind;
+    added.path = prefix_ + name;
+    added.at = at;
+    added.index = index;
+    added.port = port;
+    added.divisor = divisor_;
+    flat_.signals.push_back(std::move(added));
+    const int id = static_cast<int>(flat_.signals.size()) - 1;
+    scope_.add(name, id);
+    return id;
+  }
+
+  /// The unit that the file gives; nothing if it gives none, or after an error.
+  std::optional<Dimension> declared_unit(const EntrySpec& entry) {
+    const auto unit = read_unit(entry, errors_);
+    return unit && find(entry.fields, "unit") != nullptr ? std::optional{unit->dimension} : std::nullopt;
+  }
+
+  int add_expression(const std::string& name, const Source& at) {
+    const int id = add_signal(name, at, FlatSignal::Kind::Expression, -1);
+    signal(id).expression = missing_signal(at);  // until it is connected
+    return id;
+  }
+
+  void declare_input(const EntrySpec& entry) {
+    auto input = read_input(entry, errors_);
+    const auto unit = read_unit(entry, errors_);
+    const int id =
+        add_signal(entry.name, entry.at, FlatSignal::Kind::Input, static_cast<int>(flat_.inputs.size()));
+    if (unit) {
+      input.dimension = unit->dimension;
+      signal(id).declared = unit->dimension;
+    }
+    signal(id).lanes = input.lanes;
+    flat_.inputs.push_back(std::move(input));
+    if (entry.broken) scope_.hide(entry.name);
+  }
+
+  void declare_control(const EntrySpec& entry) {
+    if (entry.broken) return scope_.hide(entry.name);
+    auto read = read_control(entry, errors_);
+    const int id =
+        add_signal(entry.name, entry.at, FlatSignal::Kind::Control, static_cast<int>(flat_.controls.size()));
+    if (read.unit_known) signal(id).declared = read.control.unit.dimension;
+    signal(id).range = read.control.range;
+    flat_.controls.push_back(std::move(read.control));
+  }
+
+  void declare_system() {
+    const int rate = add_expression("system.rate", {});
+    signal(rate).expression = number_expression(sample_rate().value, parse_unit("Hz")->dimension, false, {});
+    const int delay = add_signal("system.delay", {}, FlatSignal::Kind::SystemDelay, -1);
+    signal(delay).declared = parse_unit("s")->dimension;
+    signal(delay).range = {0, 1};
+  }
+
+  void declare_inside() {
+    declare_system();
+    for (const auto& node : spec_.nodes) {
+      if (node.broken)
+        scope_.hide(node.name);
+      else if (node.value)
+        add_expression(node.name, node.at);
+      else if (!node.use.empty())
+        declare_part(node);
+      else
+        declare_node(node);
+    }
+    for (const auto& network : spec_.networks) declare_network(network);
+  }
+
+  void declare_node(const NodeSpec& node) {
+    const auto& table = resolving_.table;
+    const auto* type = table.find(node.type);
+    if (type != nullptr)
+      return declare_outputs(node, std::shared_ptr<const NodeType>(std::shared_ptr<void>{}, type), true);
+    std::vector<std::string> names;
+    for (const auto* known : table.types) names.push_back(known->name);
+    errors_.add(Errc::UnknownName, node.type_at, "there is no node type '" + node.type + "'",
+                suggest(node.type, names, "`tactus nodes` lists them all"));
+    scope_.hide(node.name);
+  }
+
+  void declare_network(const NetworkSpec& network) {
+    auto type = resolving_.table.network ? resolving_.table.network(network)
+                                         : Checked<std::shared_ptr<const NodeType>>{};
+    if (!type || network.broken) {
+      // An element without a type has been reported for that.
+      auto errors = type ? std::vector<Error>{} : std::move(type.error());
+      std::erase_if(errors, [&](const Error& error) {
+        return std::any_of(network.elements.begin(), network.elements.end(), [&](const NodeSpec& element) {
+          return element.type.empty() && element.type_at.text() == error.where;
+        });
+      });
+      errors_.add(std::move(errors));
+      return scope_.hide(network.name);
+    }
+    // Thousands of ports: asked for one by one they would take a time with their square.
+    std::unordered_set<std::string_view> ports;
+    ports.reserve((*type)->inputs.size());
+    for (const auto& port : (*type)->inputs) ports.insert(port.name);
+    EntrySpec entry{network.name, network.at, {}};
+    for (const auto& element : network.elements)
+      for (const auto& field : element.fields)
+        if (auto port = element.name + "." + field.key; ports.contains(port))
+          entry.fields.push_back({std::move(port), field.at, field.value});
+    network_entries_.push_back(std::make_unique<EntrySpec>(std::move(entry)));
+    const auto& outputs = (*type)->outputs;
+    scope_.explain(network.name, "name an element of the network, such as '" + network.name + "." +
+                                     (outputs.empty() ? "mass.position" : outputs.front().name) + "'");
+    declare_outputs(*network_entries_.back(), *type, false);
+  }
+
+  void declare_outputs(const EntrySpec& entry, std::shared_ptr<const NodeType> type, bool bare_name) {
+    const int index = static_cast<int>(flat_.nodes.size());
+    FlatNode node;
+    node.path = prefix_ + entry.name;
+    node.at = entry.at;
+    node.type = type;
+    // A sum adds the lanes that there are, in a part with voices too.
+    node.voices = type->reduces_lanes ? 1 : voices_;
+    node.divisor = divisor_;
+    for (std::size_t port = 0; port < type->outputs.size(); ++port) {
+      const int id = add_signal(entry.name + "." + type->outputs[port].name, entry.at,
+                                FlatSignal::Kind::NodeOutput, index, static_cast<int>(port));
+      if (port == 0 && bare_name) scope_.add(entry.name, id);
+      node.outputs.push_back(id);
+    }
+    nodes_by_name_[entry.name] = index;
+    pending_nodes_.push_back({&entry, flat_.nodes.size()});
+    flat_.nodes.push_back(std::move(node));
+  }
+
+  void declare_part(const NodeSpec& node) {
+    const auto part = spec_.parts.find(node.use);
+    if (part == spec_.parts.end()) return scope_.hide(node.name);  // its file cannot be read
+    if (too_large(node)) return scope_.hide(node.name);
+    FieldReader fields{node.fields, part_fields(), errors_, FieldReader::kKeysChecked, owner_of(node)};
+    const int voices = static_cast<int>(fields.number("voices").value_or(voices_));
+    const auto rate = read_part_rate(node, *part->second, sample_rate(), errors_);
+    auto instance = std::make_unique<Instance>(*part->second, resolving_, prefix_ + node.name + ".", voices,
+                                               divisor_, rate);
+    instance->declare_as_part();
+    const int first_output = static_cast<int>(flat_.signals.size());
+    declare_part_outputs(node, *part->second, *instance);
+    pending_parts_.push_back({&node, std::move(instance), first_output});
+  }
+
+  bool too_large(const NodeSpec& node) {
+    if (flat_.signals.size() < resolving_.most_signals) return false;
+    if (!std::exchange(flat_.too_large, true))
+      errors_.add(Errc::OutOfRange, node.type_at,
+                  "the parts come to more than " + std::to_string(resolving_.most_signals) + " signals",
+                  "use fewer parts inside parts");
+    return true;
+  }
+
+  void declare_part_outputs(const NodeSpec& node, const GraphSpec& part, const Instance& instance) {
+    using How = RateConversion::How;
+    for (const auto& output : part.outputs) {
+      const int id = add_expression(node.name + "." + output.name, node.at);
+      if (instance.divisor_ != divisor_)
+        signal(id).conversion = {instance.divisor_, instance.rate_.line ? How::Smooth : How::Last};
+    }
+    if (part.outputs.size() == 1)
+      scope_.add(node.name, static_cast<int>(flat_.signals.size()) - 1);
+    else
+      scope_.explain(node.name, "name one of its outputs, such as '" + node.name + "." +
+                                    (part.outputs.empty() ? "output" : part.outputs.front().name) + "'");
+    if (part.incomplete) scope_.tolerate(node.name);
+  }
+
+  /// What a part is given: it comes from the rate around the part into its own.
+  int declare_binding(const EntrySpec& entry) {
+    using How = RateConversion::How;
+    const int id = add_expression(entry.name, entry.at);
+    bindings_[entry.name] = id;
+    if (divisor_ != outer_divisor_)
+      signal(id).conversion = {outer_divisor_, rate_.mean ? How::Smooth : How::Last};
+    return id;
+  }
+
+  void declare_as_part() {
+    for (const auto& input : spec_.inputs) {
+      const int id = declare_binding(input);
+      if (input.broken) continue;
+      read_input(input, errors_);
+      signal(id).declared = declared_unit(input);
+    }
+    for (const auto& control : spec_.controls) {
+      const int id = declare_binding(control);
+      if (control.broken) continue;
+      const auto read = read_control(control, errors_);
+      if (!read.unit_known) continue;
+      signal(id).declared = read.control.unit.dimension;
+      signal(id).expression =
+          number_expression(read.control.value, read.control.unit.dimension, false, control.at);
+    }
+    tested_delays(spec_, errors_);
+    declare_inside();
+  }
+
+  void connect_inside() {
+    for (const auto& node : spec_.nodes) {
+      if (!node.value) continue;
+      auto expression = bind_signal(*node.value, scope_, errors_);
+      if (const auto id = scope_.find(node.name, node.at); id && *id != FlatGraph::kMissing)
+        signal(*id).expression = std::move(expression);
+    }
+    for (const auto& pending : pending_nodes_) connect_node(*pending.spec, flat_.nodes[pending.flat]);
+    for (const auto& pending : pending_parts_) connect_part(pending);
+  }
+
+  void connect_node(const EntrySpec& entry, FlatNode& node) {
+    const auto& type = *node.type;
+    const auto owner = type.name + " '" + entry.name + "'";
+    auto known = node_fields().keys();
+    for (const auto& port : type.inputs) known.push_back(port.name);
+    for (const auto& setting : type.settings) known.push_back(setting.name);
+    errors_.unknown_keys(entry.fields, known, owner);
+    FieldReader fields{entry.fields, node_fields(), errors_, FieldReader::kKeysChecked, owner};
+    if (const auto voices = fields.number("voices")) node.voices = static_cast<int>(*voices);
+    connect_ports(entry, node, owner);
+    for (const auto& setting : type.settings) {
+      node.settings.push_back(bind_setting(setting, entry.fields, folder(), owner, entry.at, errors_));
+      if (setting.kind == Setting::Kind::Names) connect_compensation(entry, setting.name, node);
+    }
+  }
+
+  void connect_ports(const EntrySpec& entry, FlatNode& node, const std::string& owner) {
+    std::unordered_map<std::string_view, const Value*> given;  // networks have thousands
+    for (const auto& field : entry.fields) given.emplace(field.key, &field.value);
+    for (const auto& port : node.type->inputs) {
+      if (const auto value = given.find(port.name); value != given.end()) {
+        node.inputs.push_back(bind_signal(*value->second, scope_, errors_));
+        continue;
+      }
+      node.inputs.emplace_back();
+      if (!port.fallback)
+        errors_.add(Errc::Missing, entry.at, owner + " lacks '" + port.name + "'",
+                    "write " + port.name + " = … (" + port.doc + ")");
+    }
+  }
+
+  void connect_compensation(const EntrySpec& entry, const std::string& field, FlatNode& node) {
+    const auto* value = find(entry.fields, field);
+    std::set<std::string> named;
+    for (const auto& name : node.settings.back().names) {
+      if (!named.insert(name).second) {
+        errors_.add(Errc::BadArgument, value->at, "'" + name + "' is compensated twice", "name it once");
+        continue;
+      }
+      const auto known = nodes_by_name_.find(name);
+      if (known != nodes_by_name_.end()) {
+        if (name == entry.name || flat_.nodes[index(known->second)].type->resonant)
+          errors_.add(Errc::BadArgument, value->at,
+                      "'" + name + "' cannot be compensated: it is not a filter",
+                      "leave it out; name what only turns the phase");
+        node.compensate.push_back(known->second);
+      } else if (scope_.find(name, value->at) != FlatGraph::kMissing) {
+        errors_.add(Errc::UnknownName, value->at, "there is no node '" + name + "' to compensate",
+                    "name nodes of this file that have a type");
+      }
+    }
+  }
+
+  void check_part_fields(const NodeSpec& node, const Instance& part) {
+    const auto owner = owner_of(node);
+    auto known = part_fields().keys();
+    std::erase_if(known, [&](const std::string& key) { return part.bindings_.contains(key); });
+    for (const auto& [name, id] : part.bindings_) known.push_back(name);
+    if (!part.spec_.incomplete) errors_.unknown_keys(node.fields, known, owner);
+    for (const auto& input : part.spec_.inputs) {
+      if (find(node.fields, input.name) != nullptr) continue;
+      const auto* about = find(input.fields, "about");
+      errors_.add(Errc::Missing, node.at, owner + " lacks '" + input.name + "'",
+                  about != nullptr && about->text() != nullptr
+                      ? *about->text()
+                      : "it is an input of " + *part.spec_.file.file);
+    }
+  }
+
+  void connect_part(const PendingPart& pending) {
+    auto& part = *pending.instance;
+    check_part_fields(*pending.spec, part);
+    for (const auto& field : pending.spec->fields) {
+      const auto binding = part.bindings_.find(field.key);
+      if (binding == part.bindings_.end()) continue;
+      auto& bound = signal(binding->second);
+      bound.expression = bind_signal(field.value, scope_, errors_);
+      // Nothing else determines over how many lanes it is spread.
+      if (bound.expression.op == Expression::Op::Spread) bound.lanes = part.voices_;
+    }
+    part.connect_inside();
+    int id = pending.first_output;
+    for (const auto& output : part.spec_.outputs) {
+      if (!output.broken) part.bind_output(output, signal(id).expression, signal(id).declared);
+      ++id;
+    }
+  }
+
+  void bind_output(const EntrySpec& entry, Expression& expression, std::optional<Dimension>& declared) {
+    FieldReader{entry.fields, output_fields(), errors_, "output '" + entry.name + "'"};
+    const auto* from = find(entry.fields, "from");
+    if (from == nullptr)
+      errors_.add(Errc::Missing, entry.at, "output '" + entry.name + "' lacks 'from'",
+                  "name its source, as in from = \"node\"");
+    expression = from != nullptr ? bind_signal(*from, scope_, errors_) : missing_signal(entry.at);
+    declared = declared_unit(entry);
+  }
+
+  void connect_output(const EntrySpec& entry) {
+    FlatOutput output;
+    output.name = entry.name;
+    output.at = entry.at;
+    bind_output(entry, output.expression, output.declared);
+    // A drive is a plain number unless the file gives another unit; a wrong unit is unknown.
+    if (find(entry.fields, "unit") == nullptr) output.declared = Dimension{};
+    output.use = read_use(entry, errors_);
+    flat_.outputs.push_back(std::move(output));
+  }
+
+  void connect_tap(const std::string& name) {
+    FlatOutput output;
+    output.name = name;
+    output.use = OutputUse::Tap;
+    const auto found = scope_.find(name, spec_.file);
+    if (errors_.keep(found) == nullptr) return;
+    output.expression.op = Expression::Op::Signal;
+    output.expression.signal = *found;
+    flat_.outputs.push_back(std::move(output));
+  }
+
+  const GraphSpec& spec_;
+  Resolving& resolving_;
+  FlatGraph& flat_;
+  ErrorList& errors_;
+  std::string prefix_;
+  int voices_;
+  int outer_divisor_, divisor_;  ///< engine frames between two of its user's, and of its own
+  PartRate rate_;
+  Scope scope_;
+  std::map<std::string, int> nodes_by_name_;
+  std::map<std::string, int> bindings_;  ///< a part's inputs and controls: their signals
+  std::vector<std::unique_ptr<EntrySpec>> network_entries_;
+  std::vector<PendingNode> pending_nodes_;
+  std::vector<PendingPart> pending_parts_;
+};
+
+}  // namespace
+
+FlatGraph resolve(const GraphSpec& spec, const NodeTable& table, Hertz sample_rate, ErrorList& errors,
+                  const std::vector<std::string>& taps, std::size_t most_signals) {
+  FlatGraph flat;
+  flat.signals.emplace_back().kind = FlatSignal::Kind::Missing;
+  Resolving resolving{table, sample_rate, flat, errors, most_signals};
+  Instance top{spec, resolving, "", 1};
+  top.declare_top();
+  top.connect_top(taps);
+  return flat;
+}
+
+}  // namespace tactus
